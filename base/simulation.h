@@ -1,0 +1,70 @@
+// The interface through which any simulation is recorded and verified. The verifier knows no physics, the engine
+// knows no files: they meet here.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "base/state_view.h"
+
+namespace ticktrue {
+
+/// What drives one tick. The input bytes are the simulation's own canonical encoding of the tick's input events,
+/// in (player, sequence) order; empty when there are none.
+struct TickInput {
+  double dt = 0;    // s, recorded as bits
+  ByteView inputs;  // must outlive the step
+};
+
+/// Called by step() after each stage of its pipeline.
+class StageObserver {
+ public:
+  virtual ~StageObserver() = default;
+  /// `stage` indexes Simulation::stage_names().
+  virtual void after_stage(std::size_t stage, const StateView& state) = 0;
+};
+
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  /// Whether step() may be given this input in the present state. Changes nothing.
+  /// Errors: invalid_input, with the reason.
+  virtual Status accept(const TickInput& input) const = 0;
+
+  /// Advances exactly one tick. `observer` may be null.
+  /// Requires: accept(input).
+  virtual void step(const TickInput& input, StageObserver* observer) = 0;
+
+  /// Every column that can influence a later tick. Valid until the next step or load.
+  virtual const StateView& state() const = 0;
+
+  /// Replaces the state by an image made by encode_image. On error the state is unchanged.
+  /// Errors: corrupt (a value out of its range), unsupported (the state can only be observed).
+  virtual Status load(ByteView image) = 0;
+
+  virtual std::span<const std::string> stage_names() const = 0;
+
+  /// What a person would call this row, such as "crate_7"; empty where it has no name.
+  virtual std::string row_name(std::size_t table, std::size_t row) const = 0;
+
+  /// The inputs as JSON Lines, the form in which they are written by hand; empty if they cannot be read.
+  virtual std::string inputs_text(ByteView inputs) const = 0;
+};
+
+/// What a trace must say so that a simulation can be made again from its setup.
+struct SimulationInfo {
+  std::string_view name;           // e.g. "ticktrue.engine"
+  std::uint32_t physics_version;   // rises with every change that changes bits on purpose
+  /// Errors: corrupt, invalid_scene, limit.
+  Result<std::unique_ptr<Simulation>> (*make)(ByteView setup);
+};
+
+}  // namespace ticktrue

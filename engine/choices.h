@@ -1,0 +1,102 @@
+// The choices a scene makes by name, one enumeration and one table each. Parser, printer, command line, dispatch
+// and parametrised tests iterate these tables; there is no other list.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ticktrue::engine {
+
+enum class Precision : std::uint8_t { f32, f64 };
+enum class SolverKind : std::uint8_t { free_flight, impulse, tgs_soft };
+enum class IntegratorKind : std::uint8_t { semi_implicit_euler };
+enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune };
+enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
+enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
+enum class ShapeKind : std::uint8_t { circle, box, polygon };
+
+template <typename Kind>
+struct Choice {
+  Kind kind;
+  std::string_view name;     // spelling in scenes, traces, command line, tests
+  std::string_view summary;  // one line for help and documentation
+};
+
+inline constexpr std::array<Choice<Precision>, 2> precisions{{
+    {Precision::f32, "f32", "32-bit floats"},
+    {Precision::f64, "f64", "64-bit floats"},
+}};
+
+struct SolverInfo : Choice<SolverKind> {
+  bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
+  bool substeps;            // false: settings.substeps must be 1
+};
+inline constexpr std::array<SolverInfo, 3> solvers{{
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, true},
+    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false},
+    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true},
+}};
+
+struct IntegratorInfo : Choice<IntegratorKind> {
+  int order;
+  bool carries_constraints;  // false: a scene with contacts or joints is refused
+};
+inline constexpr std::array<IntegratorInfo, 1> integrators{{
+    {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, true},
+}};
+
+inline constexpr std::array<Choice<BroadPhaseKind>, 3> broad_phases{{
+    {BroadPhaseKind::brute_force, "brute_force", "every pair of boxes"},
+    {BroadPhaseKind::bounding_circle, "bounding_circle", "every pair of bounding circles, as in the thesis"},
+    {BroadPhaseKind::sweep_and_prune, "sweep_and_prune", "boxes sorted along one axis"},
+}};
+
+inline constexpr std::array<Choice<MixRule>, 4> mix_rules{{
+    {MixRule::geometric_mean, "sqrt", "sqrt(a * b)"},
+    {MixRule::maximum, "max", "the larger"},
+    {MixRule::minimum, "min", "the smaller, as in the thesis"},
+    {MixRule::average, "average", "(a + b) / 2"},
+}};
+
+inline constexpr std::array<Choice<BodyType>, 3> body_types{{
+    {BodyType::static_body, "static", "never moves"},
+    {BodyType::kinematic_body, "kinematic", "moves with its velocity, is not pushed"},
+    {BodyType::dynamic_body, "dynamic", "moves and is pushed"},
+}};
+
+inline constexpr std::array<Choice<ShapeKind>, 3> shape_kinds{{
+    {ShapeKind::circle, "circle", "centre and radius"},
+    {ShapeKind::box, "box", "half extents, turned by an angle"},
+    {ShapeKind::polygon, "polygon", "convex, 3..16 vertices"},
+}};
+
+/// The row of a table with this kind. Requires: the table has one (each table lists its whole enumeration).
+template <typename Table, typename Kind>
+constexpr const auto& info_of(const Table& table, Kind kind) {
+  return table[static_cast<std::size_t>(kind)];
+}
+
+/// The row with this name, or null.
+template <typename Table>
+constexpr auto find_choice(const Table& table, std::string_view name) -> const typename Table::value_type* {
+  for (const auto& row : table)
+    if (row.name == name) return &row;
+  return nullptr;
+}
+
+/// "a, b or c": for error messages.
+template <typename Table>
+std::string choice_names(const Table& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (i > 0) text += i + 1 == table.size() ? " or " : ", ";
+    text += table[i].name;
+  }
+  return text;
+}
+
+}  // namespace ticktrue::engine

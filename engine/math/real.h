@@ -1,0 +1,27 @@
+// Real: the one scalar type of the engine's state and kernels, f32 or f64 by compilation.
+// SPDX-License-Identifier: MIT
+//
+// Sources that include this header are compiled twice, once per precision, into two namespaces:
+// ticktrue::engine::f32 and ticktrue::engine::f64. They read as if there were one type.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/choices.h"
+
+#if !defined(TICKTRUE_PRECISION)
+#error "compile with -DTICKTRUE_PRECISION=f32 or f64 (CMakeLists.txt does)"
+#endif
+
+namespace ticktrue::engine {
+namespace f32 {
+using Real = float;
+inline constexpr Precision precision = Precision::f32;
+inline constexpr Real epsilon = 0x1p-23f;
+}  // namespace f32
+namespace f64 {
+using Real = double;
+inline constexpr Precision precision = Precision::f64;
+inline constexpr Real epsilon = 0x1p-52;
+}  // namespace f64
+}  // namespace ticktrue::engine

@@ -1,0 +1,21 @@
+// Sine, cosine and arc tangent from + - * / and sqrt alone: the same bits on every platform.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace ticktrue::engine {
+
+struct SinCos {
+  double sin;
+  double cos;
+};
+
+/// Sine and cosine of an angle in rad, |angle| <= 1e6; error at most 2 ulp of 1. Larger angles are reduced less and less
+/// exactly, non-finite ones give NaN.
+SinCos sin_cos(double angle);
+
+/// Angle of (x, y) in rad, -pi..pi; 0 for (0, 0). Error at most 4 ulp.
+double arc_tangent(double y, double x);
+
+inline constexpr double pi = 3.14159265358979323846;
+
+}  // namespace ticktrue::engine

@@ -1,0 +1,62 @@
+// Runs a simulation from a source of inputs and writes what happened.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "base/simulation.h"
+#include "replay/trace.h"
+#include "replay/trace_writer.h"
+
+namespace ticktrue::replay {
+
+/// Where the inputs of a session come from: a file, a pipe, a program.
+class InputSource {
+ public:
+  virtual ~InputSource() = default;
+  /// The input of the given tick (asked for once, ascending), or nothing when the session ends before that tick.
+  /// Blocks until it is known. The bytes stay valid until the next call.
+  /// Errors: invalid_input, io.
+  virtual Result<std::optional<TickInput>> next(std::uint64_t tick) = 0;
+  /// Whether it could be read again from the start: then a failed recording is removed, else what it has is kept.
+  virtual bool repeatable() const = 0;
+};
+
+/// No input ever, the same dt every tick.
+class NoInputs : public InputSource {
+ public:
+  explicit NoInputs(double dt) : dt_(dt) {}
+  Result<std::optional<TickInput>> next(std::uint64_t tick) override;
+  bool repeatable() const override { return true; }
+
+ private:
+  double dt_;
+};
+
+struct RecordOptions {
+  std::optional<std::uint64_t> tick_count;  // stop after so many; absent: when the source ends
+  WriterOptions writer;
+  std::function<bool(std::uint64_t ticks_done)> progress;  // may be empty; false stops the recording (interrupted)
+};
+
+struct RecordResult {
+  std::uint64_t tick_count = 0;
+  std::uint64_t size = 0;            // bytes of the trace
+  std::uint64_t root_hash = 0;       // of the last state
+  double simulate_s = 0;             // wall time of the steps alone
+  EndReason reason = EndReason::complete;
+  std::string note;                  // the place of a non-finite value, or why it was interrupted
+};
+
+/// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the
+/// trace is closed before it.
+/// Errors: io, limit, invalid_input. On invalid_input from a repeatable source no file is left behind; from another,
+/// the trace is closed (interrupted) and the message says what it holds.
+Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
+                            const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options);
+
+}  // namespace ticktrue::replay

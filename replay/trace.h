@@ -1,0 +1,115 @@
+// What a trace (a replay file) holds: setup, build facts, ticks, checkpoints, end. Format: docs/trace_format.md.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/state_view.h"
+
+namespace ticktrue::replay {
+
+inline constexpr std::uint16_t format_version = 1;
+
+/// How much is stored of each tick. `cells` has its place in the format and comes later.
+enum class Detail : std::uint8_t { root = 1, full = 3 };
+struct DetailInfo {
+  Detail detail;
+  std::string_view name;
+  std::string_view summary;
+};
+inline constexpr std::array<DetailInfo, 2> details{{
+    {Detail::root, "root", "one 64-bit hash per tick"},
+    {Detail::full, "full", "the whole state per tick and a hash after each stage"},
+}};
+
+/// Everything needed to make the simulation again, and to read its state images. Equal on every platform for the
+/// same recording.
+struct TraceSetup {
+  std::string simulation;              // SimulationInfo::name
+  std::uint32_t physics_version = 0;   // SimulationInfo::physics_version
+  std::string title;                   // of the scene, for people
+  double dt = 0;                       // s, until a tick says otherwise
+  Detail detail = Detail::root;
+  std::uint64_t full_first = 0;        // with Detail::full: ticks full_first..full_last (inclusive) are stored in full
+  std::uint64_t full_last = 0;
+  std::uint32_t checkpoint_interval = 0;  // ticks between checkpoints, 0: only the one at tick 0
+  StateSchema schema;
+  std::vector<std::string> stages;     // Simulation::stage_names()
+  Bytes setup;                         // the simulation's own
+};
+
+/// Facts about the recording build: name, value. Outside the chain of checksums that identifies the content.
+using BuildFacts = std::vector<std::pair<std::string, std::string>>;
+
+/// One tick as recorded. Views are valid until the reader moves on.
+struct TickRecord {
+  std::uint64_t tick = 0;   // 0-based: the tick that took the state from `tick` ticks done to `tick + 1`
+  double dt = 0;            // s
+  ByteView inputs;
+  std::uint64_t root_hash = 0;              // of the state after the tick
+  std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored in full
+  std::optional<ByteView> image;            // state image after the tick; absent unless stored in full
+};
+
+/// Full state with `tick` ticks done. The one at tick 0 is the initial state.
+struct CheckpointRecord {
+  std::uint64_t tick = 0;
+  std::uint64_t root_hash = 0;
+  ByteView image;  // decompressed
+};
+
+enum class EndReason : std::uint8_t { complete = 1, interrupted = 2, non_finite = 3, recovered = 4 };
+struct EndReasonInfo {
+  EndReason reason;
+  std::string_view name;
+  std::string_view summary;
+};
+inline constexpr std::array<EndReasonInfo, 4> end_reasons{{
+    {EndReason::complete, "complete", "the recording ended as planned"},
+    {EndReason::interrupted, "interrupted", "the recorder was asked to stop, or its inputs failed"},
+    {EndReason::non_finite, "non_finite", "the next tick gave a NaN or an infinity"},
+    {EndReason::recovered, "recovered", "closed by `ticktrue recover`; what followed is lost"},
+}};
+
+/// A recorder's closing words.
+struct EndRecord {
+  EndReason reason = EndReason::complete;
+  std::uint64_t tick_count = 0;
+  std::string note;  // e.g. the place of a non-finite value; may be empty
+};
+
+/// How the readable part of a trace ends.
+enum class TraceCondition : std::uint8_t {
+  complete,   // the end record was read and everything before it is intact
+  truncated,  // the file stops early; everything before the cut is intact
+  damaged,    // bytes are not what was written
+};
+
+/// A run of ticks that is intact, though something before it is not.
+struct IntactRange {
+  std::uint64_t first_tick = 0;
+  std::uint64_t last_tick = 0;
+  bool has_checkpoint = false;  // it can be verified on its own from a checkpoint inside it
+};
+
+/// What is known when no more records can be read.
+struct TraceTail {
+  TraceCondition condition = TraceCondition::complete;
+  std::uint64_t ticks_intact = 0;         // ticks readable from the start without a gap
+  std::uint64_t offset = 0;               // bytes from the start of the file to the cut or the first damage
+  std::string message;                    // "offset 4096: chunk 3 checksum: found .., expected .."; empty if complete
+  std::optional<EndRecord> end;
+  bool has_pending_inputs = false;        // truncated in flight: inputs of tick `ticks_intact` were written
+  double pending_dt = 0;
+  Bytes pending_inputs;
+  std::vector<IntactRange> intact_after;  // damaged: what is whole behind the damage
+};
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,67 @@
+// Reads a trace from start to end in bounded memory, checks every byte, and says what is proven of a damaged one.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "base/result.h"
+#include "replay/trace.h"
+
+namespace ticktrue::replay {
+
+class TraceReader {
+ public:
+  /// Opens a file and reads its setup and build facts.
+  /// Errors: io (no such file, a directory); corrupt, truncated (the setup itself is not whole, or it is no trace);
+  /// incompatible (a newer format), unsupported (compressed, and this build has no zstd).
+  static Result<TraceReader> open(const std::string& path);
+  /// The same over bytes in memory, which must outlive the reader.
+  static Result<TraceReader> open_bytes(ByteView bytes, const std::string& name);
+  TraceReader(TraceReader&&) noexcept;
+  TraceReader& operator=(TraceReader&&) noexcept;
+  ~TraceReader();
+
+  const TraceSetup& setup() const;
+  const BuildFacts& facts() const;
+  const std::string& name() const;
+  std::uint64_t size() const;  // bytes of the file
+
+  using Item = std::variant<std::monostate, TickRecord, CheckpointRecord>;
+  /// The next tick or checkpoint, in file order; monostate when there is no more: then see tail(). A tick is given out
+  /// only after the 64-bit checksum of its whole chunk was found right (or, in the last chunk of a truncated trace,
+  /// the checks of its records).
+  const Item& next();
+  /// Bytes from the start of the file up to what next() gave out last, for progress.
+  std::uint64_t offset() const;
+
+  /// Requires: next() gave monostate.
+  const TraceTail& tail() const;
+
+  /// Continues at the last checkpoint with tick <= `tick`: next() gives that checkpoint. Uses the index, or scans where
+  /// it is missing or damaged. False if there is none before damage or cut.
+  bool seek(std::uint64_t tick);
+  void rewind();
+
+  /// Ticks recorded according to the end record; nothing where that is missing. Reads the end of the file only, and
+  /// believes nothing that is not checked.
+  std::optional<std::uint64_t> tick_count_hint() const;
+
+ private:
+  struct Impl;
+  explicit TraceReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Copies all that is intact from the start of `input` into a new, complete trace.
+/// `tail` tells what was lost. Errors: io, and what TraceReader::open refuses.
+struct RecoverResult {
+  TraceTail tail;
+  std::uint64_t ticks_written = 0;
+};
+Result<RecoverResult> recover_trace(const std::string& input, const std::string& output, bool overwrite);
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,64 @@
+// Writes a trace while the simulation runs: append-only, readable at every moment.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "base/simulation.h"
+#include "replay/trace.h"
+
+namespace ticktrue::replay {
+
+struct WriterOptions {
+  bool overwrite = false;  // replace an existing file; else it is an error
+  bool compress = true;    // checkpoints and images with zstd where the build has it
+  bool sync = true;        // fsync at checkpoints and at the end (power loss)
+};
+
+/// Order of calls: create, checkpoint (tick 0), then begin_tick / end_tick for each tick, checkpoint in between where
+/// due, finish. Any error is final: what was written before it stays readable.
+class TraceWriter {
+ public:
+  /// Creates the file and writes setup and build facts. With options.overwrite an existing file is kept as
+  /// `<path>.old` until finish or discard.
+  /// Errors: io (exists, unwritable), limit.
+  static Result<TraceWriter> create(const std::string& path, const TraceSetup& setup, const BuildFacts& facts,
+                                    const WriterOptions& options = {});
+  TraceWriter(TraceWriter&&) noexcept;
+  TraceWriter& operator=(TraceWriter&&) noexcept;
+  ~TraceWriter();  // leaves the file as it is: truncated, unless finished
+
+  /// Hands dt (if it changed) and inputs (if any) to the operating system. Call before the tick runs.
+  Status begin_tick(const TickInput& input);
+
+  /// Hands the hashes of the tick to the operating system. `stage_hashes` and `image` count only for ticks stored in
+  /// full (wants_full()).
+  Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* image);
+
+  /// Whether the tick that begins next is to be stored in full.
+  bool wants_full() const;
+
+  /// Whether a checkpoint is due now, before the next begin_tick.
+  bool wants_checkpoint() const;
+  Status checkpoint(const StateView& state, std::uint64_t root_hash);
+
+  /// Writes end record, index and footer and closes the file.
+  Status finish(EndReason reason, const std::string& note);
+
+  /// Removes the file (and puts an overwritten one back): as if it had never been created.
+  void discard();
+
+  std::uint64_t tick_count() const;
+  std::uint64_t size() const;  // bytes written so far
+
+ private:
+  struct Impl;
+  explicit TraceWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ticktrue::replay
