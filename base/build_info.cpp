@@ -57,7 +57,11 @@ std::string target_name() {
 
 const BuildInfo& build_info() {
   static const BuildInfo info{
-      TICKTRUE_VERSION, TICKTRUE_COMMIT, compiler_name(), TICKTRUE_FLAGS, target_name(),
+      TICKTRUE_VERSION,
+      TICKTRUE_COMMIT,
+      compiler_name(),
+      TICKTRUE_FLAGS,
+      target_name(),
 #ifdef TICKTRUE_HAS_ZSTD
       true,
 #else

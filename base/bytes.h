@@ -22,10 +22,18 @@ inline constexpr bool machine_is_little_endian = __BYTE_ORDER__ == __ORDER_LITTL
 void reverse_scalar_bytes(std::uint8_t* bytes, std::size_t scalar_size, std::size_t scalar_count);
 
 /// The unsigned integer with the same bits as a float.
-inline std::uint32_t bits_of(float value) { return __builtin_bit_cast(std::uint32_t, value); }
-inline std::uint64_t bits_of(double value) { return __builtin_bit_cast(std::uint64_t, value); }
-inline float float_of_bits(std::uint32_t bits) { return __builtin_bit_cast(float, bits); }
-inline double double_of_bits(std::uint64_t bits) { return __builtin_bit_cast(double, bits); }
+inline std::uint32_t bits_of(float value) {
+  return __builtin_bit_cast(std::uint32_t, value);
+}
+inline std::uint64_t bits_of(double value) {
+  return __builtin_bit_cast(std::uint64_t, value);
+}
+inline float float_of_bits(std::uint32_t bits) {
+  return __builtin_bit_cast(float, bits);
+}
+inline double double_of_bits(std::uint64_t bits) {
+  return __builtin_bit_cast(double, bits);
+}
 
 /// Appends little-endian values to a buffer it owns.
 class ByteWriter {

@@ -14,12 +14,17 @@ std::uint64_t hash64(ByteView bytes, std::uint64_t seed) {
 namespace {
 std::string hex(std::uint64_t value, int digit_count) {
   std::string text(static_cast<std::size_t>(digit_count), '0');
-  for (int i = digit_count - 1; i >= 0; --i, value >>= 4) text[static_cast<std::size_t>(i)] = "0123456789abcdef"[value & 15];
+  for (int i = digit_count - 1; i >= 0; --i, value >>= 4)
+    text[static_cast<std::size_t>(i)] = "0123456789abcdef"[value & 15];
   return text;
 }
 }  // namespace
 
-std::string hex64(std::uint64_t value) { return hex(value, 16); }
-std::string hex32(std::uint32_t value) { return hex(value, 8); }
+std::string hex64(std::uint64_t value) {
+  return hex(value, 16);
+}
+std::string hex32(std::uint32_t value) {
+  return hex(value, 8);
+}
 
 }  // namespace ticktrue

@@ -8,36 +8,36 @@
 namespace ticktrue::limits {
 
 // Scenes and inputs.
-inline constexpr std::size_t scene_file_size_max = 256u << 20;   // a million bodies of 256 B of JSON each
-inline constexpr std::size_t body_count_max = 200'000;           // twice the largest scene that is measured
-inline constexpr std::size_t prototype_count_max = 4'096;        // kinds of spawned bodies, not bodies
-inline constexpr std::size_t shape_count_per_body_max = 1'024;   // a terrain body has hundreds of pieces
+inline constexpr std::size_t scene_file_size_max = 256u << 20;  // a million bodies of 256 B of JSON each
+inline constexpr std::size_t body_count_max = 200'000;          // twice the largest scene that is measured
+inline constexpr std::size_t prototype_count_max = 4'096;       // kinds of spawned bodies, not bodies
+inline constexpr std::size_t shape_count_per_body_max = 1'024;  // a terrain body has hundreds of pieces
 inline constexpr std::size_t polygon_vertex_count_min = 3;
-inline constexpr std::size_t polygon_vertex_count_max = 16;      // hot records hold a hull without indirection
-inline constexpr std::size_t name_size_max = 256;                // bytes of UTF-8
-inline constexpr std::size_t player_count_max = 256;             // lockstep sessions have 2..16
-inline constexpr std::size_t inputs_per_tick_max = 65'536;       // a burst, not a file
-inline constexpr std::size_t input_line_size_max = 64u << 10;    // one JSON object
-inline constexpr int substep_count_max = 256;                    // bounds the work of one tick
-inline constexpr double dt_max_s = 1.0;                          // longer ticks simulate nothing useful
+inline constexpr std::size_t polygon_vertex_count_max = 16;    // hot records hold a hull without indirection
+inline constexpr std::size_t name_size_max = 256;              // bytes of UTF-8
+inline constexpr std::size_t player_count_max = 256;           // lockstep sessions have 2..16
+inline constexpr std::size_t inputs_per_tick_max = 65'536;     // a burst, not a file
+inline constexpr std::size_t input_line_size_max = 64u << 10;  // one JSON object
+inline constexpr int substep_count_max = 256;                  // bounds the work of one tick
+inline constexpr double dt_max_s = 1.0;                        // longer ticks simulate nothing useful
 inline constexpr double dt_min_s = 1e-9;
-inline constexpr double coordinate_max_m = 1e7;                  // f32 resolves 1 m there, f64 2 nm
-inline constexpr double size_min_m = 1e-6;                       // below it, areas underflow in f32
+inline constexpr double coordinate_max_m = 1e7;  // f32 resolves 1 m there, f64 2 nm
+inline constexpr double size_min_m = 1e-6;       // below it, areas underflow in f32
 inline constexpr double size_max_m = 1e6;
-inline constexpr double speed_max = 1e9;                         // m/s or rad/s of a scene or an input
+inline constexpr double speed_max = 1e9;  // m/s or rad/s of a scene or an input
 inline constexpr double mass_max_kg = 1e15;
 inline constexpr double mass_min_kg = 1e-15;
-inline constexpr std::uint64_t tick_count_max = 1ull << 40;      // 580 years at 60 Hz
+inline constexpr std::uint64_t tick_count_max = 1ull << 40;  // 580 years at 60 Hz
 
 // Traces.
-inline constexpr std::size_t record_size_max = 1u << 20;         // what a reader buffers at once for a record
-inline constexpr std::size_t chunk_size_max = 16u << 20;         // what a reader buffers at once for a chunk
-inline constexpr std::size_t setup_size_max = 256u << 20;        // a scene of body_count_max bodies
-inline constexpr std::size_t state_image_size_max = 1u << 30;    // body_count_max bodies with their contacts, f64
+inline constexpr std::size_t record_size_max = 1u << 20;       // what a reader buffers at once for a record
+inline constexpr std::size_t chunk_size_max = 16u << 20;       // what a reader buffers at once for a chunk
+inline constexpr std::size_t setup_size_max = 256u << 20;      // a scene of body_count_max bodies
+inline constexpr std::size_t state_image_size_max = 1u << 30;  // body_count_max bodies with their contacts, f64
 inline constexpr std::size_t table_count_max = 64;
-inline constexpr std::size_t column_count_max = 256;             // per table
-inline constexpr std::size_t row_size_max = 4'096;               // bytes
-inline constexpr std::size_t row_count_max = 1u << 26;           // rows of one table
+inline constexpr std::size_t column_count_max = 256;    // per table
+inline constexpr std::size_t row_size_max = 4'096;      // bytes
+inline constexpr std::size_t row_count_max = 1u << 26;  // rows of one table
 inline constexpr std::size_t stage_count_max = 256;
 
 }  // namespace ticktrue::limits

@@ -61,8 +61,8 @@ class Simulation {
 
 /// What a trace must say so that a simulation can be made again from its setup.
 struct SimulationInfo {
-  std::string_view name;           // e.g. "ticktrue.engine"
-  std::uint32_t physics_version;   // rises with every change that changes bits on purpose
+  std::string_view name;          // e.g. "ticktrue.engine"
+  std::uint32_t physics_version;  // rises with every change that changes bits on purpose
   /// Errors: corrupt, invalid_scene, limit.
   Result<std::unique_ptr<Simulation>> (*make)(ByteView setup);
 };

@@ -37,19 +37,19 @@ struct Column {
   std::string name;
   ScalarType type = ScalarType::u32;
   std::uint8_t lane_count = 1;
-  std::uint16_t offset = 0;                                    // bytes from the start of the row
-  double min = -std::numeric_limits<double>::infinity();       // smallest value load() accepts; floats must be finite
-  double max = std::numeric_limits<double>::infinity();        // largest value load() accepts
-  std::int16_t target = -1;                                    // >= 0: holds ids of the rows of this table (its first column)
-  bool optional = false;                                       // a reference that may be no_reference
+  std::uint16_t offset = 0;                               // bytes from the start of the row
+  double min = -std::numeric_limits<double>::infinity();  // smallest value load() accepts; floats must be finite
+  double max = std::numeric_limits<double>::infinity();   // largest value load() accepts
+  std::int16_t target = -1;  // >= 0: holds ids of the rows of this table (its first column)
+  bool optional = false;     // a reference that may be no_reference
 
   bool operator==(const Column&) const = default;
 };
 
 struct TableSchema {
   std::string name;
-  std::vector<Column> columns;     // by offset; together they cover the row
-  std::uint32_t row_size = 0;      // bytes
+  std::vector<Column> columns;        // by offset; together they cover the row
+  std::uint32_t row_size = 0;         // bytes
   std::uint8_t key_column_count = 0;  // rows ascend strictly by these leading integer columns; 0: any order
 
   bool operator==(const TableSchema&) const = default;
@@ -122,8 +122,8 @@ std::optional<std::uint64_t> ulp_distance(ScalarType type, std::uint64_t a, std:
 /// A lane that differs between two images of one schema. A row only one image has differs in every lane of its
 /// key columns, with the other side absent.
 struct LaneDifference {
-  StatePlace place;                    // row: index in `expected`, or in `got` where expected has no such row
-  std::optional<std::uint64_t> id;     // value of the row's first key column, where the table has one
+  StatePlace place;                 // row: index in `expected`, or in `got` where expected has no such row
+  std::optional<std::uint64_t> id;  // value of the row's first key column, where the table has one
   std::optional<std::uint64_t> expected;
   std::optional<std::uint64_t> got;
 };

@@ -19,8 +19,8 @@ inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
 /// Choices that change no bit of what both sides have.
 struct EngineOptions {
-  bool full_pipeline = false;                   // every stage the solver can use, needed or not
-  std::optional<BroadPhaseKind> broad_phase;    // instead of the scene's
+  bool full_pipeline = false;                 // every stage the solver can use, needed or not
+  std::optional<BroadPhaseKind> broad_phase;  // instead of the scene's
 };
 
 /// A stage that is, or could have been, in the pipeline.
@@ -33,7 +33,7 @@ struct StageDescription {
 /// What the engine shows of a body beyond its columns, in f64, for drawing, tables and cross-checks.
 struct BodyReport {
   std::uint32_t id = 0;
-  std::string name;             // "crate_7"; spawned bodies: "<prototype>#<id>"
+  std::string name;  // "crate_7"; spawned bodies: "<prototype>#<id>"
   BodyType type = BodyType::dynamic_body;
   Point center;                 // centre of mass, world, m
   Point origin;                 // of the body's frame, world, m
@@ -63,8 +63,8 @@ class Engine : public Simulation {
   virtual std::vector<BodyReport> bodies() const = 0;
   /// Contacts of the present poses, found anew; forces are those of the last tick.
   virtual std::vector<ContactReport> contacts() const = 0;
-  virtual std::uint64_t tick() const = 0;       // ticks done
-  virtual double time_s() const = 0;            // sum of their dt
+  virtual std::uint64_t tick() const = 0;            // ticks done
+  virtual double time_s() const = 0;                 // sum of their dt
   virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed
 };
 

@@ -15,31 +15,66 @@ namespace ticktrue::engine {
 struct Scene;
 
 enum class InputKind : std::uint8_t {
-  spawn, remove, impulse, force, torque, set_velocity, set_gravity, press, drag, release, end,
+  spawn,
+  remove,
+  impulse,
+  force,
+  torque,
+  set_velocity,
+  set_gravity,
+  press,
+  drag,
+  release,
+  end,
 };
 
 struct InputInfo {
   InputKind kind;
   std::string_view name;
-  bool has_body;        // `body` counts
-  bool has_prototype;   // `prototype` counts
+  bool has_body;                                // `body` counts
+  bool has_prototype;                           // `prototype` counts
   std::uint8_t value_count;                     // how many of `values` count
   std::array<std::string_view, 6> value_names;  // JSON keys, in order
   std::string_view summary;
 };
 inline constexpr std::array<InputInfo, 11> input_kinds{{
-    {InputKind::spawn, "spawn", false, true, 6, {"x", "y", "angle", "vx", "vy", "angular_velocity"},
+    {InputKind::spawn,
+     "spawn",
+     false,
+     true,
+     6,
+     {"x", "y", "angle", "vx", "vy", "angular_velocity"},
      "makes a body from a prototype: pose of its origin (m, rad), velocity (m/s, rad/s)"},
     {InputKind::remove, "remove", true, false, 0, {}, "removes a body"},
-    {InputKind::impulse, "impulse", true, false, 4, {"ix", "iy", "px", "py"},
+    {InputKind::impulse,
+     "impulse",
+     true,
+     false,
+     4,
+     {"ix", "iy", "px", "py"},
      "changes momentum by (ix, iy) N s, applied at (px, py) in the body's frame, from its centre of mass"},
-    {InputKind::force, "force", true, false, 4, {"fx", "fy", "px", "py"},
+    {InputKind::force,
+     "force",
+     true,
+     false,
+     4,
+     {"fx", "fy", "px", "py"},
      "(fx, fy) N during this tick, applied at (px, py) in the body's frame, from its centre of mass"},
     {InputKind::torque, "torque", true, false, 1, {"torque"}, "N m during this tick"},
-    {InputKind::set_velocity, "set_velocity", true, false, 3, {"vx", "vy", "angular_velocity"},
+    {InputKind::set_velocity,
+     "set_velocity",
+     true,
+     false,
+     3,
+     {"vx", "vy", "angular_velocity"},
      "m/s of the centre of mass and rad/s"},
     {InputKind::set_gravity, "set_gravity", false, false, 2, {"gx", "gy"}, "m/s^2, from this tick on"},
-    {InputKind::press, "press", false, false, 2, {"x", "y"},
+    {InputKind::press,
+     "press",
+     false,
+     false,
+     2,
+     {"x", "y"},
      "the player's pointer goes down at (x, y) m: grabs the dynamic body there, or spawns on empty space"},
     {InputKind::drag, "drag", false, false, 2, {"x", "y"}, "the pointer moves, held down"},
     {InputKind::release, "release", false, false, 0, {}, "the pointer goes up"},
@@ -48,7 +83,7 @@ inline constexpr std::array<InputInfo, 11> input_kinds{{
 
 /// One input event. Which fields count is said by its row in input_kinds; the others are zero.
 struct Input {
-  std::uint64_t tick = 0;      // the tick it acts in, from 0
+  std::uint64_t tick = 0;  // the tick it acts in, from 0
   std::uint8_t player = 0;
   std::uint32_t sequence = 0;  // within (tick, player); inputs apply in (player, sequence) order
   InputKind kind = InputKind::end;

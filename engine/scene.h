@@ -43,25 +43,25 @@ struct Shape {
 
 /// Replaces what the shapes' densities would give.
 struct ExplicitMass {
-  double mass = 1;                 // kg, > 0
-  std::optional<double> inertia;   // kg m^2 about the centre of mass, > 0; absent: that of the shapes, scaled to `mass`
-  std::optional<Point> center;     // centre of mass in the body's frame, m; absent: that of the shapes
+  double mass = 1;                // kg, > 0
+  std::optional<double> inertia;  // kg m^2 about the centre of mass, > 0; absent: that of the shapes, scaled to `mass`
+  std::optional<Point> center;    // centre of mass in the body's frame, m; absent: that of the shapes
   bool operator==(const ExplicitMass&) const = default;
 };
 
 struct Body {
   std::string name;  // may be empty; unique otherwise
   BodyType type = BodyType::dynamic_body;
-  Point position;    // of the body's origin, m
-  double angle = 0;  // rad
-  Point velocity;    // of the centre of mass, m/s
+  Point position;               // of the body's origin, m
+  double angle = 0;             // rad
+  Point velocity;               // of the centre of mass, m/s
   double angular_velocity = 0;  // rad/s
   double linear_damping = 0;    // 1/s
   double angular_damping = 0;   // 1/s
   double gravity_scale = 1;
   bool fixed_rotation = false;
   std::optional<ExplicitMass> mass;
-  std::vector<Shape> shapes;    // at least one
+  std::vector<Shape> shapes;  // at least one
   bool operator==(const Body&) const = default;
 };
 
@@ -70,7 +70,7 @@ struct PointerSettings {
   std::vector<std::string> spawns;  // prototypes that a press on empty space spawns, in turn; empty: nothing is spawned
   double hertz = 5;                 // stiffness of the pull
   double damping_ratio = 0.7;
-  double force_max_per_kg = 1000;   // N per kg of the pulled body
+  double force_max_per_kg = 1000;  // N per kg of the pulled body
   bool operator==(const PointerSettings&) const = default;
 };
 
@@ -96,12 +96,12 @@ struct Settings {
 struct Scene {
   std::string name = "scene";
   Settings settings;
-  Point gravity{0, -10};            // m/s^2
-  std::vector<Body> bodies;         // ids 0, 1, 2, ... in this order
-  std::vector<Body> prototypes;     // named bodies that inputs may spawn; position, angle, velocity are the input's
-  std::vector<InputKind> inputs;    // kinds that may come, ascending; an input of another kind is refused
-  std::optional<PointerSettings> pointer;  // present if press, drag and release may come
-  std::optional<Bounds> bounds;     // a body whose centre of mass leaves them is removed
+  Point gravity{0, -10};          // m/s^2
+  std::vector<Body> bodies;       // ids 0, 1, 2, ... in this order
+  std::vector<Body> prototypes;   // named bodies that inputs may spawn; position, angle, velocity are the input's
+  std::vector<InputKind> inputs;  // kinds that may come, ascending; an input of another kind is refused
+  std::optional<PointerSettings> pointer;    // present if press, drag and release may come
+  std::optional<Bounds> bounds;              // a body whose centre of mass leaves them is removed
   std::optional<std::uint32_t> spawned_max;  // more spawned bodies than this: the oldest goes
   bool operator==(const Scene&) const = default;
 };

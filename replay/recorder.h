@@ -45,11 +45,11 @@ struct RecordOptions {
 
 struct RecordResult {
   std::uint64_t tick_count = 0;
-  std::uint64_t size = 0;            // bytes of the trace
-  std::uint64_t root_hash = 0;       // of the last state
-  double simulate_s = 0;             // wall time of the steps alone
+  std::uint64_t size = 0;       // bytes of the trace
+  std::uint64_t root_hash = 0;  // of the last state
+  double simulate_s = 0;        // wall time of the steps alone
   EndReason reason = EndReason::complete;
-  std::string note;                  // the place of a non-finite value, or why it was interrupted
+  std::string note;  // the place of a non-finite value, or why it was interrupted
 };
 
 /// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the

@@ -32,17 +32,17 @@ inline constexpr std::array<DetailInfo, 2> details{{
 /// Everything needed to make the simulation again, and to read its state images. Equal on every platform for the
 /// same recording.
 struct TraceSetup {
-  std::string simulation;              // SimulationInfo::name
-  std::uint32_t physics_version = 0;   // SimulationInfo::physics_version
-  std::string title;                   // of the scene, for people
-  double dt = 0;                       // s, until a tick says otherwise
+  std::string simulation;             // SimulationInfo::name
+  std::uint32_t physics_version = 0;  // SimulationInfo::physics_version
+  std::string title;                  // of the scene, for people
+  double dt = 0;                      // s, until a tick says otherwise
   Detail detail = Detail::root;
-  std::uint64_t full_first = 0;        // with Detail::full: ticks full_first..full_last (inclusive) are stored in full
+  std::uint64_t full_first = 0;  // with Detail::full: ticks full_first..full_last (inclusive) are stored in full
   std::uint64_t full_last = 0;
   std::uint32_t checkpoint_interval = 0;  // ticks between checkpoints, 0: only the one at tick 0
   StateSchema schema;
-  std::vector<std::string> stages;     // Simulation::stage_names()
-  Bytes setup;                         // the simulation's own
+  std::vector<std::string> stages;  // Simulation::stage_names()
+  Bytes setup;                      // the simulation's own
 };
 
 /// Facts about the recording build: name, value. Outside the chain of checksums that identifies the content.
@@ -50,8 +50,8 @@ using BuildFacts = std::vector<std::pair<std::string, std::string>>;
 
 /// One tick as recorded. Views are valid until the reader moves on.
 struct TickRecord {
-  std::uint64_t tick = 0;   // 0-based: the tick that took the state from `tick` ticks done to `tick + 1`
-  double dt = 0;            // s
+  std::uint64_t tick = 0;  // 0-based: the tick that took the state from `tick` ticks done to `tick + 1`
+  double dt = 0;           // s
   ByteView inputs;
   std::uint64_t root_hash = 0;              // of the state after the tick
   std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored in full
@@ -102,11 +102,11 @@ struct IntactRange {
 /// What is known when no more records can be read.
 struct TraceTail {
   TraceCondition condition = TraceCondition::complete;
-  std::uint64_t ticks_intact = 0;         // ticks readable from the start without a gap
-  std::uint64_t offset = 0;               // bytes from the start of the file to the cut or the first damage
-  std::string message;                    // "offset 4096: chunk 3 checksum: found .., expected .."; empty if complete
+  std::uint64_t ticks_intact = 0;  // ticks readable from the start without a gap
+  std::uint64_t offset = 0;        // bytes from the start of the file to the cut or the first damage
+  std::string message;             // "offset 4096: chunk 3 checksum: found .., expected .."; empty if complete
   std::optional<EndRecord> end;
-  bool has_pending_inputs = false;        // truncated in flight: inputs of tick `ticks_intact` were written
+  bool has_pending_inputs = false;  // truncated in flight: inputs of tick `ticks_intact` were written
   double pending_dt = 0;
   Bytes pending_inputs;
   std::vector<IntactRange> intact_after;  // damaged: what is whole behind the damage
