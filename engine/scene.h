@@ -106,6 +106,9 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
+/// Whether two shapes of this scene can ever meet: at least two bodies can exist, and one of them is dynamic.
+bool can_collide(const Scene& scene);
+
 /// Every rule that a scene must keep, whoever made it: ranges, names, hulls, masses, limits, declared inputs.
 /// `source` is the place an error names first (a file name). Messages carry the JSON path.
 /// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names what would work).

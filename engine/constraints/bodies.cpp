@@ -1,0 +1,43 @@
+// Hot body records in and out.
+// SPDX-License-Identifier: MIT
+#include "engine/constraints/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr MovingBody at_rest{{0, 0}, 0, {0, 0}, {1, 0}};
+
+}  // namespace
+
+void prepare_bodies(const State& state, Scratch& scratch) {
+  scratch.bodies.resize(state.bodies.size() + 2);
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const BodyRow& body = state.bodies[row];
+    scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
+  }
+  scratch.bodies[state.bodies.size()] = at_rest;
+  scratch.bodies[state.bodies.size() + 1] = at_rest;
+}
+
+void store_bodies(const Model& model, const Scratch& scratch, State& state) {
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    BodyRow& body = state.bodies[row];
+    if (model.bodies[body.source].type == BodyType::static_body) continue;
+    const MovingBody& moving = scratch.bodies[row];
+    body.position = body.position + moving.moved;
+    body.rotation = normalized(moving.turned * body.rotation);
+    body.velocity = moving.velocity;
+    body.angular_velocity = moving.angular_velocity;
+  }
+}
+
+void store_velocities(const Model& model, const Scratch& scratch, State& state) {
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    BodyRow& body = state.bodies[row];
+    if (model.bodies[body.source].type == BodyType::static_body) continue;
+    body.velocity = scratch.bodies[row].velocity;
+    body.angular_velocity = scratch.bodies[row].angular_velocity;
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,26 @@
+// The hot records of all bodies for one tick: filled from the state, worked on by the solver, stored back.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Fills scratch.bodies: one record per row, then two that stand for everything immovable.
+void prepare_bodies(const State& state, Scratch& scratch);
+
+/// A record at rest that is only read.
+inline std::uint32_t resting_record(const Scratch& scratch) {
+  return static_cast<std::uint32_t>(scratch.bodies.size() - 2);
+}
+/// A record that is only written: where impulses on immovable bodies go.
+inline std::uint32_t unread_record(const Scratch& scratch) {
+  return static_cast<std::uint32_t>(scratch.bodies.size() - 1);
+}
+
+/// Poses and velocities of all but static bodies back to the state.
+void store_bodies(const Model& model, const Scratch& scratch, State& state);
+/// Velocities only: for stages after the solver.
+void store_velocities(const Model& model, const Scratch& scratch, State& state);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,161 @@
+// Colouring and packing of contacts, and the impulses carried from tick to tick.
+// SPDX-License-Identifier: MIT
+#include "engine/constraints/contact_batch.h"
+
+#include "engine/constraints/bodies.h"
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr int color_count = 32;              // one bit each in a body's colour set
+constexpr int overflow_color = color_count;  // contacts of a body with more: solved one by one
+constexpr int group_color_count = color_count + 1;
+
+// Contacts between two moving bodies come first, those with something immovable last: the last ones solved are met
+// best, and nothing may sink into the ground.
+constexpr int color_total = 2 * group_color_count;
+
+/// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
+constexpr Real hertz_per_rate = Real(0.125);
+constexpr Real contact_damping_ratio = 10;
+
+bool moves(const Model& model, const State& state, std::uint32_t row) {
+  return model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
+}
+
+void color_contacts(const Model& model, const State& state, Scratch& scratch) {
+  ContactBatches& out = scratch.contact_batches;
+  out.colors.resize(scratch.touching.size());
+  for (const bool against_immovable : {false, true}) {
+    out.body_colors.assign(state.bodies.size(), 0);
+    for (std::size_t i = 0; i < scratch.touching.size(); ++i) {
+      const TouchingPair& pair = scratch.touching[i];
+      const bool a_moves = moves(model, state, pair.body_a);
+      const bool b_moves = moves(model, state, pair.body_b);
+      if ((a_moves && b_moves) == against_immovable) continue;
+      const std::uint32_t used =
+          (a_moves ? out.body_colors[pair.body_a] : 0u) | (b_moves ? out.body_colors[pair.body_b] : 0u);
+      int color = overflow_color;
+      if (used != 0xffffffffu) {
+        color = __builtin_ctz(~used);
+        if (a_moves) out.body_colors[pair.body_a] |= 1u << color;
+        if (b_moves) out.body_colors[pair.body_b] |= 1u << color;
+      }
+      out.colors[i] = static_cast<std::uint8_t>(color + (against_immovable ? group_color_count : 0));
+    }
+  }
+}
+
+void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& point, const ContactRow& row,
+                const MovingBody& body_a, const MovingBody& body_b, Vec2 normal, Real h) {
+  ContactPointLanes& out = batch.points[index];
+  const Vec2 tangent = right_turn(normal);
+  const auto effective_mass = [&](Vec2 direction) {
+    const Real arm_a = cross(point.anchor_a, direction);
+    const Real arm_b = cross(point.anchor_b, direction);
+    const Real k =
+        ((batch.inv_mass_a.at[lane] + batch.inv_mass_b.at[lane]) + batch.inv_inertia_a.at[lane] * arm_a * arm_a) +
+        batch.inv_inertia_b.at[lane] * arm_b * arm_b;
+    return k > 0 ? 1 / k : Real(0);
+  };
+  out.anchor_a_x.at[lane] = point.anchor_a.x;
+  out.anchor_a_y.at[lane] = point.anchor_a.y;
+  out.anchor_b_x.at[lane] = point.anchor_b.x;
+  out.anchor_b_y.at[lane] = point.anchor_b.y;
+  out.base_separation.at[lane] = point.separation - dot(point.anchor_b - point.anchor_a, normal);
+  out.normal_mass.at[lane] = effective_mass(normal);
+  out.tangent_mass.at[lane] = effective_mass(tangent);
+  out.normal_impulse.at[lane] = h * row.normal_force[index];
+  out.tangent_impulse.at[lane] = h * row.tangent_force[index];
+  const Vec2 velocity_a = body_a.velocity + cross(body_a.angular_velocity, point.anchor_a);
+  const Vec2 velocity_b = body_b.velocity + cross(body_b.angular_velocity, point.anchor_b);
+  out.approach.at[lane] = dot(velocity_b - velocity_a, normal);
+}
+
+}  // namespace
+
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, Real h) {
+  color_contacts(model, state, scratch);
+  ContactBatches& out = scratch.contact_batches;
+
+  // Contacts by colour, in contact order within a colour.
+  std::uint32_t start[color_total + 1] = {};
+  for (const std::uint8_t color : out.colors) ++start[color + 1];
+  std::uint32_t first[color_total];
+  std::size_t batch_count = 0;
+  for (int color = 0; color < color_total; ++color) {
+    const std::uint32_t count = start[color + 1];
+    const bool alone = color % group_color_count == overflow_color;
+    batch_count += alone ? count : (count + lane_count - 1) / lane_count;
+    start[color + 1] += start[color];
+    first[color] = start[color];
+  }
+  out.sorted.resize(out.colors.size());
+  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[first[out.colors[i]]++] = i;
+
+  const Real hertz = hertz_per_rate / h;
+  const Softness soft = make_soft(hertz, contact_damping_ratio, h);
+  const Softness soft_immovable = make_soft(2 * hertz, contact_damping_ratio, h);
+  const std::uint32_t resting = resting_record(scratch);
+  const std::uint32_t unread = unread_record(scratch);
+
+  out.batches.clear();
+  out.batches.resize(batch_count);
+  std::size_t next = 0;
+  for (int color = 0; color < color_total; ++color) {
+    const std::uint32_t per_batch = color % group_color_count == overflow_color ? 1 : lane_count;
+    for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += per_batch) {
+      ContactBatch& batch = out.batches[next++];
+      const std::uint32_t left = start[color + 1] - begin;
+      batch.count = static_cast<int>(left < per_batch ? left : per_batch);
+      batch.bounces = false;
+      for (int lane = 0; lane < lane_count; ++lane) {
+        if (lane >= batch.count) {
+          batch.read_a[lane] = batch.read_b[lane] = resting;
+          batch.write_a[lane] = batch.write_b[lane] = unread;
+          continue;
+        }
+        const std::uint32_t contact = out.sorted[begin + static_cast<std::uint32_t>(lane)];
+        const TouchingPair& pair = scratch.touching[contact];
+        const BodyModel& a = model.bodies[state.bodies[pair.body_a].source];
+        const BodyModel& b = model.bodies[state.bodies[pair.body_b].source];
+        batch.contact[lane] = contact;
+        batch.read_a[lane] = a.type == BodyType::static_body ? resting : pair.body_a;
+        batch.read_b[lane] = b.type == BodyType::static_body ? resting : pair.body_b;
+        batch.write_a[lane] = a.type == BodyType::dynamic_body ? pair.body_a : unread;
+        batch.write_b[lane] = b.type == BodyType::dynamic_body ? pair.body_b : unread;
+        batch.inv_mass_a.at[lane] = a.inv_mass;
+        batch.inv_mass_b.at[lane] = b.inv_mass;
+        batch.inv_inertia_a.at[lane] = a.inv_inertia;
+        batch.inv_inertia_b.at[lane] = b.inv_inertia;
+        batch.normal_x.at[lane] = pair.manifold.normal.x;
+        batch.normal_y.at[lane] = pair.manifold.normal.y;
+        batch.friction.at[lane] = pair.friction;
+        batch.restitution.at[lane] = pair.restitution;
+        batch.bounces |= pair.restitution > 0;
+        const Softness& softness = color >= group_color_count ? soft_immovable : soft;
+        batch.bias_rate.at[lane] = softness.bias_rate;
+        batch.mass_scale.at[lane] = softness.mass_scale;
+        batch.impulse_scale.at[lane] = softness.impulse_scale;
+        for (int i = 0; i < pair.manifold.point_count; ++i)
+          fill_point(batch, lane, i, pair.manifold.points[i], state.contacts[contact],
+                     scratch.bodies[batch.read_a[lane]], scratch.bodies[batch.read_b[lane]], pair.manifold.normal, h);
+      }
+    }
+  }
+}
+
+void store_contacts(const Scratch& scratch, State& state, Real h) {
+  const Real inv_h = 1 / h;
+  for (const ContactBatch& batch : scratch.contact_batches.batches)
+    for (int lane = 0; lane < batch.count; ++lane) {
+      ContactRow& row = state.contacts[batch.contact[lane]];
+      for (int i = 0; i < 2; ++i) {
+        row.normal_force[i] = inv_h * batch.points[i].normal_impulse.at[lane];
+        row.tangent_force[i] = inv_h * batch.points[i].tangent_impulse.at[lane];
+      }
+    }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,73 @@
+// Contacts as the solver sees them: eight at a time, no body twice in a batch, batches in graph colours.
+// SPDX-License-Identifier: MIT
+//
+// A colour is a set of contacts of which no two move the same body, so eight of them can be solved side by side, and
+// batches of one colour in any order, on any thread, with the same result. Colours are derived anew each tick from the
+// sorted contacts: they are no state.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/constraints/soft.h"
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+struct State;
+struct Scratch;
+
+inline constexpr int lane_count = 8;
+
+/// One value for each contact of a batch.
+struct alignas(lane_count * sizeof(Real)) Lanes {
+  Real at[lane_count];
+};
+
+struct ContactPointLanes {
+  Lanes anchor_a_x, anchor_a_y;  // from A's centre of mass at the start of the tick, world axes, m
+  Lanes anchor_b_x, anchor_b_y;
+  Lanes base_separation;  // separation minus (anchor_b - anchor_a) . normal, m
+  Lanes normal_mass;      // effective mass along the normal, kg; 0 where there is no point
+  Lanes tangent_mass;
+  Lanes normal_impulse;  // N s, accumulated in this substep
+  Lanes tangent_impulse;
+  Lanes normal_impulse_max;  // N s, largest of the tick: a point that never pushed does not bounce
+  Lanes approach;            // relative normal velocity at the start of the tick, m/s
+};
+
+struct ContactBatch {
+  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
+  std::uint32_t read_b[lane_count];
+  std::uint32_t write_a[lane_count];  // bodies that impulses do not move are written to a record nobody reads
+  std::uint32_t write_b[lane_count];
+  std::uint32_t contact[lane_count];  // in State::contacts; lanes from `count` on are empty
+  int count;
+  bool bounces;  // some lane has restitution
+  Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
+  Lanes normal_x, normal_y, friction, restitution;
+  Lanes bias_rate, mass_scale, impulse_scale;  // Softness
+  ContactPointLanes points[2];
+};
+
+struct ContactBatches {
+  std::vector<ContactBatch> batches;       // in solving order
+  std::vector<std::uint8_t> colors;        // [contact]
+  std::vector<std::uint32_t> body_colors;  // [body] bit set
+  std::vector<std::uint32_t> sorted;       // contacts by colour
+};
+
+enum class Bias : std::uint8_t { off, on };
+
+/// Colours and packs scratch.touching, with impulses from state.contacts, for substeps of length h.
+/// Requires: scratch.bodies filled (prepare_bodies).
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, Real h);
+void warm_start_contacts(Scratch& scratch);
+void solve_contacts(Scratch& scratch, Real h, Bias bias);
+/// Gives points that hit faster than `threshold` their bounce. True if any did.
+bool bounce_contacts(Scratch& scratch, Real threshold);
+/// Impulses back to state.contacts, as forces.
+void store_contacts(const Scratch& scratch, State& state, Real h);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,48 @@
+// The engine as others see it: made from a scene, or from the setup of a trace.
+// SPDX-License-Identifier: MIT
+#include "engine/engine.h"
+
+#include "engine/scene_binary.h"
+
+namespace ticktrue::engine {
+
+// Each precision is a namespace of its own, compiled from the same sources (math/real.h).
+namespace f32 {
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options);
+}
+namespace f64 {
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options);
+}
+
+namespace {
+
+struct PrecisionEntry {
+  Precision kind;
+  std::unique_ptr<Engine> (*make)(const Scene& scene, const EngineOptions& options);
+};
+constexpr std::array<PrecisionEntry, precisions.size()> makers{{
+    {Precision::f32, f32::make_world},
+    {Precision::f64, f64::make_world},
+}};
+
+Result<std::unique_ptr<Simulation>> make_from_setup(ByteView setup) {
+  const Result<Scene> scene = decode_scene(setup);
+  if (!scene) return scene.error();
+  Result<std::unique_ptr<Engine>> engine = make_engine(*scene);
+  if (!engine) return engine.error();
+  return std::unique_ptr<Simulation>(*std::move(engine));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> make_engine(const Scene& scene, const EngineOptions& options) {
+  if (const Status status = check_scene(scene, scene.name); !status) return status.error();
+  return info_of(makers, scene.settings.precision).make(scene, options);
+}
+
+const SimulationInfo& engine_info() {
+  static const SimulationInfo info{simulation_name, physics_version, make_from_setup};
+  return info;
+}
+
+}  // namespace ticktrue::engine

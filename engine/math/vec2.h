@@ -1,0 +1,130 @@
+// Vectors and rotations of the plane.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/math/real.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Vec2 {
+  Real x = 0;
+  Real y = 0;
+};
+
+inline Vec2 operator+(Vec2 a, Vec2 b) {
+  return {a.x + b.x, a.y + b.y};
+}
+inline Vec2 operator-(Vec2 a, Vec2 b) {
+  return {a.x - b.x, a.y - b.y};
+}
+inline Vec2 operator-(Vec2 a) {
+  return {-a.x, -a.y};
+}
+inline Vec2 operator*(Real s, Vec2 a) {
+  return {s * a.x, s * a.y};
+}
+inline Real dot(Vec2 a, Vec2 b) {
+  return a.x * b.x + a.y * b.y;
+}
+inline Real cross(Vec2 a, Vec2 b) {
+  return a.x * b.y - a.y * b.x;
+}
+inline Vec2 cross(Real s, Vec2 a) {
+  return {-s * a.y, s * a.x};
+}
+/// A quarter turn clockwise: the outward normal of a counter-clockwise edge, the tangent of a normal.
+inline Vec2 right_turn(Vec2 a) {
+  return {a.y, -a.x};
+}
+inline Real length_squared(Vec2 a) {
+  return a.x * a.x + a.y * a.y;
+}
+inline Real length(Vec2 a) {
+  return square_root(length_squared(a));
+}
+
+inline Real smaller(Real a, Real b) {
+  return a < b ? a : b;
+}
+inline Real larger(Real a, Real b) {
+  return a > b ? a : b;
+}
+inline Real absolute(Real a) {
+  return a < 0 ? -a : a;
+}
+
+/// A rotation by its cosine and sine.
+struct Rotation {
+  Real c = 1;
+  Real s = 0;
+};
+
+inline Vec2 rotate(Rotation q, Vec2 v) {
+  return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y};
+}
+inline Vec2 rotate_back(Rotation q, Vec2 v) {
+  return {q.c * v.x + q.s * v.y, q.c * v.y - q.s * v.x};
+}
+inline Rotation operator*(Rotation a, Rotation b) {
+  return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};
+}
+/// The rotation from a to b: b = a * between(a, b).
+inline Rotation between(Rotation a, Rotation b) {
+  return {a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c};
+}
+inline Rotation normalized(Rotation q) {
+  const Real scale = Real(1) / square_root(q.c * q.c + q.s * q.s);
+  return {scale * q.c, scale * q.s};
+}
+
+/// Rotation by an angle in rad: exact to the last bits for |angle| <= pi / 4, good to 1e-6 relative up to 1e4.
+/// Taylor series: the first term left out is below half a unit in the last place at pi / 4.
+inline Rotation rotation_by(Real angle) {
+  // Quarter turns are taken off first. Adding and subtracting 1.5 * 2^(digits - 1) rounds to an integer.
+  constexpr Real round = sizeof(Real) == 4 ? Real(0x1.8p23) : Real(0x1.8p52);
+  constexpr Real limit = sizeof(Real) == 4 ? Real(0x1p21) : Real(0x1p50);
+  Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
+  quarters = quarters > limit ? limit : (quarters < -limit ? -limit : quarters);
+  const Real turn = (quarters + round) - round;
+  // pi / 2 in two parts, the first with few enough digits that turn * part is exact for |turn| < 2^11.
+  constexpr Real part_1 = sizeof(Real) == 4 ? Real(1.5703125) : Real(0x1.921fb54p0);
+  constexpr Real part_2 = sizeof(Real) == 4 ? Real(4.83826794896619e-4) : Real(0x1.10b4611a62633p-30);
+  const Real x = (angle - turn * part_1) - turn * part_2;
+  const Real z = x * x;
+  Real sine, cosine;
+  if constexpr (sizeof(Real) == 4) {
+    sine = x + x * z * (Real(-1.0 / 6) + z * (Real(1.0 / 120) + z * (Real(-1.0 / 5040) + z * Real(1.0 / 362880))));
+    cosine = Real(1) + z * (Real(-0.5) + z * (Real(1.0 / 24) + z * (Real(-1.0 / 720) + z * Real(1.0 / 40320))));
+  } else {
+    sine =
+        x + x * z *
+                (Real(-1.0 / 6) +
+                 z * (Real(1.0 / 120) + z * (Real(-1.0 / 5040) +
+                                             z * (Real(1.0 / 362880) + z * (Real(-1.0 / 39916800) +
+                                                                            z * (Real(1.0 / 6227020800.0) +
+                                                                                 z * Real(-1.0 / 1307674368000.0)))))));
+    cosine = Real(1) +
+             z * (Real(-0.5) +
+                  z * (Real(1.0 / 24) +
+                       z * (Real(-1.0 / 720) +
+                            z * (Real(1.0 / 40320) +
+                                 z * (Real(-1.0 / 3628800) +
+                                      z * (Real(1.0 / 479001600.0) +
+                                           z * (Real(-1.0 / 87178291200.0) + z * Real(1.0 / 20922789888000.0))))))));
+  }
+  const auto quadrant = static_cast<std::int64_t>(turn == turn ? turn : Real(0)) & 3;  // a NaN stays in sine, cosine
+  if (quadrant == 0) return {cosine, sine};
+  if (quadrant == 1) return {-sine, cosine};
+  if (quadrant == 2) return {-cosine, -sine};
+  return {sine, -cosine};
+}
+
+struct Box {  // axis-aligned, m
+  Vec2 lower;
+  Vec2 upper;
+};
+inline bool overlaps(const Box& a, const Box& b) {
+  return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y && b.lower.y <= a.upper.y;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

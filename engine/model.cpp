@@ -1,0 +1,199 @@
+// Turns a scene into the constants of a run.
+// SPDX-License-Identifier: MIT
+#include "engine/model.h"
+
+#include "engine/geometry/hull.h"
+#include "engine/math/trig.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+Vec2 to_vec2(Point p) {
+  return {static_cast<Real>(p.x), static_cast<Real>(p.y)};
+}
+
+/// The thesis' inertia: boxes from half extents (four times too small), polygons without their mass and about the
+/// body's origin, also when static. Source: thesis figures 20, 21; kept as printed for the `impulse` solver.
+double thesis_inertia(const Body& body, double mass) {
+  double sum = 0;
+  for (const Shape& shape : body.shapes) {
+    switch (shape.kind) {
+      case ShapeKind::circle:
+        sum += 0.5 * shape.radius * shape.radius * mass;
+        break;
+      case ShapeKind::box:
+        sum += (shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y) / 12 * mass;
+        break;
+      case ShapeKind::polygon: {
+        const Result<std::vector<Point>> hull = build_hull(shape.vertices);
+        TICKTRUE_ASSERT(hull.has_value());
+        double area = 0, weight = 0;
+        for (std::size_t i = 0; i < hull->size(); ++i) {
+          const Point a = (*hull)[i];
+          const Point b = (*hull)[(i + 1) % hull->size()];
+          const double signed_cross = a.x * b.y - a.y * b.x;
+          const double size = signed_cross < 0 ? -signed_cross : signed_cross;
+          area += size * ((a.x * a.x + a.y * a.y) + (b.x * b.x + b.y * b.y) + (a.x * b.x + a.y * b.y));
+          weight += size;
+        }
+        sum += area / 6 / weight;
+        break;
+      }
+    }
+  }
+  return sum;
+}
+
+/// Corners of a box or vertices of a polygon as a hull, in the body's frame.
+std::vector<Point> outline(const Shape& shape) {
+  if (shape.kind == ShapeKind::polygon) {
+    Result<std::vector<Point>> hull = build_hull(shape.vertices);
+    TICKTRUE_ASSERT(hull.has_value());
+    return *std::move(hull);
+  }
+  const SinCos turn = sin_cos(shape.angle);
+  const Point signs[4] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  std::vector<Point> corners;
+  for (const Point sign : signs) {
+    const double x = sign.x * shape.half_size.x;
+    const double y = sign.y * shape.half_size.y;
+    corners.push_back({shape.center.x + turn.cos * x - turn.sin * y, shape.center.y + turn.sin * x + turn.cos * y});
+  }
+  return corners;
+}
+
+void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_center) {
+  const std::vector<Point> hull = outline(shape);
+  Shape unit = shape;
+  unit.density = 1;
+  const Point middle = shape_mass(unit).center;
+  out.kind = ShapeKind::polygon;
+  out.center = to_vec2({middle.x - body_center.x, middle.y - body_center.y});
+  out.first_vertex = static_cast<std::uint32_t>(model.vertices.size());
+  out.vertex_count = static_cast<std::uint32_t>(hull.size());
+  double farthest = 0;
+  double nearest = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Point a = hull[i];
+    const Point b = hull[(i + 1) % hull.size()];
+    const double edge_length = __builtin_sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+    const Point normal{(b.y - a.y) / edge_length, (a.x - b.x) / edge_length};
+    model.vertices.push_back(to_vec2({a.x - body_center.x, a.y - body_center.y}));
+    model.normals.push_back(to_vec2(normal));
+    const double reach = __builtin_sqrt((a.x - middle.x) * (a.x - middle.x) + (a.y - middle.y) * (a.y - middle.y));
+    const double depth = (a.x - middle.x) * normal.x + (a.y - middle.y) * normal.y;
+    if (reach > farthest) farthest = reach;
+    if (i == 0 || depth < nearest) nearest = depth;
+  }
+  out.bounding_radius = static_cast<Real>(farthest);
+  out.size = static_cast<Real>(2 * nearest);
+}
+
+ShapeModel make_shape(Model& model, const Shape& shape, Point body_center) {
+  ShapeModel out;
+  out.friction = static_cast<Real>(shape.material.friction);
+  out.restitution = static_cast<Real>(shape.material.restitution);
+  if (shape.kind == ShapeKind::circle) {
+    out.kind = ShapeKind::circle;
+    out.center = to_vec2({shape.center.x - body_center.x, shape.center.y - body_center.y});
+    out.radius = static_cast<Real>(shape.radius);
+    out.bounding_radius = out.radius;
+    out.size = 2 * out.radius;
+  } else {
+    add_polygon(model, out, shape, body_center);
+  }
+  return out;
+}
+
+/// Shapes that were already made, so that equal ones are shared. Looked up by a hash of the description.
+struct KnownShape {
+  Shape shape;
+  Point center;
+  std::uint32_t index;
+};
+
+std::uint64_t shape_key(const Shape& shape, Point center) {
+  std::uint64_t key = static_cast<std::uint64_t>(shape.kind) + 1;
+  const auto fold = [&key](double value) { key = (key ^ bits_of(value)) * 0x9e3779b97f4a7c15ull, key ^= key >> 29; };
+  fold(shape.center.x), fold(shape.center.y), fold(shape.angle), fold(shape.radius), fold(shape.half_size.x);
+  fold(shape.half_size.y), fold(shape.material.friction), fold(shape.material.restitution), fold(center.x),
+      fold(center.y);
+  for (const Point p : shape.vertices) fold(p.x), fold(p.y);
+  return key;
+}
+
+void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape>>& known) {
+  const MassProperties mass = body_mass(body);
+  BodyModel out;
+  out.type = body.type;
+  out.center = to_vec2(mass.center);
+  if (body.type == BodyType::dynamic_body) {
+    out.mass = static_cast<Real>(mass.mass);
+    out.inv_mass = static_cast<Real>(1 / mass.mass);
+    out.inertia = static_cast<Real>(mass.inertia);
+    out.inv_inertia = mass.inertia > 0 ? static_cast<Real>(1 / mass.inertia) : Real(0);
+  }
+  const double thesis = thesis_inertia(body, mass.mass);
+  out.impulse_inv_inertia = thesis > 0 && !body.fixed_rotation ? static_cast<Real>(1 / thesis) : Real(0);
+  out.linear_damping = static_cast<Real>(body.linear_damping);
+  out.angular_damping = static_cast<Real>(body.angular_damping);
+  out.gravity_scale = static_cast<Real>(body.gravity_scale);
+  out.first_shape = static_cast<std::uint32_t>(model.body_shapes.size());
+  out.shape_count = static_cast<std::uint32_t>(body.shapes.size());
+  for (Shape shape : body.shapes) {
+    shape.density = 1;  // counts for the mass only, which is known by now
+    std::vector<KnownShape>& bucket = known[shape_key(shape, mass.center) % known.size()];
+    const KnownShape* same = nullptr;
+    for (const KnownShape& candidate : bucket)
+      if (candidate.shape == shape && candidate.center == mass.center) same = &candidate;
+    if (same == nullptr) {
+      model.shapes.push_back(make_shape(model, shape, mass.center));
+      bucket.push_back({shape, mass.center, static_cast<std::uint32_t>(model.shapes.size() - 1)});
+      same = &bucket.back();
+    }
+    model.body_shapes.push_back(same->index);
+  }
+  model.bodies.push_back(out);
+}
+
+}  // namespace
+
+Real mix(MixRule rule, Real a, Real b) {
+  switch (rule) {
+    case MixRule::geometric_mean:
+      return square_root(a * b);
+    case MixRule::maximum:
+      return larger(a, b);
+    case MixRule::minimum:
+      return smaller(a, b);
+    case MixRule::average:
+      return Real(0.5) * (a + b);
+  }
+  return 0;
+}
+
+Model make_model(const Scene& scene) {
+  Model model;
+  model.scene = scene;
+  std::vector<std::vector<KnownShape>> known(1024);
+  for (const Body& body : scene.bodies) add_body(model, body, known);
+  model.first_prototype = static_cast<std::uint32_t>(model.bodies.size());
+  for (const Body& body : scene.prototypes) add_body(model, body, known);
+
+  model.restitution_threshold = static_cast<Real>(scene.settings.restitution_threshold);
+  model.can_collide = info_of(solvers, scene.settings.solver).solves_constraints && engine::can_collide(scene);
+  model.takes_inputs = !scene.inputs.empty();
+  model.has_pointer = scene.pointer.has_value();
+  if (scene.pointer)
+    for (const std::string& name : scene.pointer->spawns)
+      for (std::uint32_t i = 0; i < scene.prototypes.size(); ++i)
+        if (scene.prototypes[i].name == name) model.pointer_spawns.push_back(i);
+  model.has_bounds = scene.bounds.has_value();
+  if (scene.bounds) model.bounds = {to_vec2(scene.bounds->lower), to_vec2(scene.bounds->upper)};
+  for (const ShapeModel& a : model.shapes)
+    for (const ShapeModel& b : model.shapes)
+      model.bounces |= mix(scene.settings.restitution_mix, a.restitution, b.restitution) > 0;
+  return model;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

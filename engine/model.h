@@ -1,0 +1,73 @@
+// Model: what a scene says, in the engine's precision, constant for the whole run.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/math/vec2.h"
+#include "engine/scene.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// A convex shape. Boxes are polygons of four vertices. Equal shapes of different bodies share one ShapeModel.
+struct ShapeModel {
+  ShapeKind kind = ShapeKind::circle;  // circle or polygon
+  Vec2 center;                         // of the circle; of the polygon's area; from the body's centre of mass, m
+  Real radius = 0;                     // of the circle, m; 0 for polygons
+  Real bounding_radius = 0;            // of the circle around `center` that holds the shape, m
+  Real size = 0;                       // twice the radius of the largest circle around `center` inside the shape, m
+  std::uint32_t first_vertex = 0;      // in Model::vertices and Model::normals
+  std::uint32_t vertex_count = 0;
+  Real friction = 0;
+  Real restitution = 0;
+};
+
+/// What all bodies made from one description share.
+struct BodyModel {
+  BodyType type = BodyType::dynamic_body;
+  Real mass = 0;                 // kg; 0 unless dynamic
+  Real inv_mass = 0;             // 1/kg; 0 unless dynamic
+  Real inertia = 0;              // kg m^2; 0 unless dynamic and free to rotate
+  Real inv_inertia = 0;          // 1/(kg m^2)
+  Real impulse_inv_inertia = 0;  // what the thesis' formulas give; used by the `impulse` solver alone
+  Vec2 center;                   // of mass, from the body's origin in its frame, m
+  Real linear_damping = 0;       // 1/s
+  Real angular_damping = 0;      // 1/s
+  Real gravity_scale = 1;
+  std::uint32_t first_shape = 0;  // in Model::body_shapes
+  std::uint32_t shape_count = 0;
+};
+
+struct Model {
+  Scene scene;
+  std::vector<BodyModel> bodies;           // [source]: the scene's bodies, then its prototypes
+  std::uint32_t first_prototype = 0;       // source index of prototype 0
+  std::vector<std::uint32_t> body_shapes;  // [body's first_shape + child]: index in `shapes`
+  std::vector<ShapeModel> shapes;
+  std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
+  std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
+
+  std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn
+
+  Real restitution_threshold = 1;  // m/s
+  bool can_collide = false;
+  bool takes_inputs = false;
+  bool has_pointer = false;
+  bool has_bounds = false;
+  bool bounces = false;  // some pair of materials may have restitution > 0
+  Box bounds;
+
+  const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {
+    return shapes[body_shapes[body.first_shape + child]];
+  }
+};
+
+/// Requires: check_scene(scene).
+Model make_model(const Scene& scene);
+
+/// Friction and restitution of a pair.
+Real mix(MixRule rule, Real a, Real b);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

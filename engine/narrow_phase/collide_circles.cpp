@@ -1,0 +1,76 @@
+// Contacts that involve a circle.
+// SPDX-License-Identifier: MIT
+// Source: Ericson, "Real-Time Collision Detection", 2005, section 5.1 (closest points and Voronoi regions).
+#include "engine/narrow_phase/narrow_phase.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// One point halfway between the surfaces of a round (center, radius) on A's side and one on B's side.
+Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius_b, Real margin,
+                        std::uint32_t feature) {
+  Manifold manifold;
+  const Vec2 apart = center_b - center_a;
+  const Real distance = length(apart);
+  const Real separation = distance - radius_a - radius_b;
+  if (!(separation <= margin)) return manifold;
+  // Coincident centres have no direction between them; any fixed one separates them.
+  manifold.normal = distance > 0 ? (1 / distance) * apart : Vec2{0, 1};
+  const Vec2 on_a = center_a + radius_a * manifold.normal;
+  const Vec2 on_b = center_b - radius_b * manifold.normal;
+  manifold.point_count = 1;
+  manifold.points[0] = {Real(0.5) * (on_a + on_b), {}, separation, feature};
+  return manifold;
+}
+
+}  // namespace
+
+Manifold collide_circles(const Model&, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a, Real margin) {
+  return between_rounds(a.center, a.radius, b_in_a.position + rotate(b_in_a.rotation, b.center), b.radius, margin, 0);
+}
+
+Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin) {
+  const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
+  const Vec2* vertices = &model.vertices[a.first_vertex];
+  const Vec2* normals = &model.normals[a.first_vertex];
+  std::uint32_t edge = 0;
+  Real outside = dot(normals[0], center - vertices[0]);
+  for (std::uint32_t i = 1; i < a.vertex_count; ++i) {
+    const Real distance = dot(normals[i], center - vertices[i]);
+    if (distance > outside) {
+      outside = distance;
+      edge = i;
+    }
+  }
+  if (!(outside - b.radius <= margin)) return {};
+
+  const std::uint32_t next = edge + 1 < a.vertex_count ? edge + 1 : 0;
+  const Vec2 v1 = vertices[edge];
+  const Vec2 v2 = vertices[next];
+  if (outside > 0) {
+    // Beyond an end of the edge the closest point is the vertex. Features 0..15: edges, 16..31: vertices.
+    if (dot(center - v1, v2 - v1) < 0) return between_rounds(v1, 0, center, b.radius, margin, 16 + edge);
+    if (dot(center - v2, v1 - v2) < 0) return between_rounds(v2, 0, center, b.radius, margin, 16 + next);
+  }
+  Manifold manifold;
+  manifold.normal = normals[edge];
+  const Vec2 on_a = center - outside * manifold.normal;
+  const Vec2 on_b = center - b.radius * manifold.normal;
+  manifold.point_count = 1;
+  manifold.points[0] = {Real(0.5) * (on_a + on_b), {}, outside - b.radius, edge};
+  return manifold;
+}
+
+Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin) {
+  const Rotation a_rotation{b_in_a.rotation.c, -b_in_a.rotation.s};
+  const Placement a_in_b{-rotate(a_rotation, b_in_a.position), a_rotation};
+  Manifold manifold = collide_polygon_circle(model, b, a, a_in_b, margin);
+  manifold.normal = -rotate(b_in_a.rotation, manifold.normal);
+  for (int i = 0; i < manifold.point_count; ++i)
+    manifold.points[i].anchor_a = b_in_a.position + rotate(b_in_a.rotation, manifold.points[i].anchor_a);
+  return manifold;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

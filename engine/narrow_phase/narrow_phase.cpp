@@ -1,0 +1,90 @@
+// Dispatch over shape kinds, and the stage that turns pairs into contacts.
+// SPDX-License-Identifier: MIT
+#include "engine/narrow_phase/narrow_phase.h"
+
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr CollideFunction collide_functions[2][2] = {
+    {collide_circles, collide_circle_polygon},
+    {collide_polygon_circle, collide_polygons},
+};
+
+std::size_t row_of(ShapeKind kind) {
+  return kind == ShapeKind::circle ? 0 : 1;
+}
+
+bool comes_before(const ContactRow& a, const ContactRow& b) {
+  if (a.body_a != b.body_a) return a.body_a < b.body_a;
+  if (a.child_a != b.child_a) return a.child_a < b.child_a;
+  if (a.body_b != b.body_b) return a.body_b < b.body_b;
+  return a.child_b < b.child_b;
+}
+
+/// Forces of the last tick for the points that are still the same ones.
+void carry_forces(const ContactRow& old_row, ContactRow& row) {
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t j = 0; j < 2; ++j)
+      if (row.feature[i] != no_feature && row.feature[i] == old_row.feature[j]) {
+        row.normal_force[i] = old_row.normal_force[j];
+        row.tangent_force[i] = old_row.tangent_force[j];
+      }
+}
+
+}  // namespace
+
+Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
+                 const BodyRow& body_b) {
+  const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
+                         between(body_a.rotation, body_b.rotation)};
+  const Real margin = speculative_margin(smaller(a.size, b.size));
+  Manifold manifold = collide_functions[row_of(a.kind)][row_of(b.kind)](model, a, b, b_in_a, margin);
+  manifold.normal = rotate(body_a.rotation, manifold.normal);
+  const Vec2 a_from_b = body_a.position - body_b.position;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ManifoldPoint& point = manifold.points[i];
+    point.anchor_a = rotate(body_a.rotation, point.anchor_a);
+    point.anchor_b = point.anchor_a + a_from_b;
+  }
+  return manifold;
+}
+
+void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
+  const Settings& settings = model.scene.settings;
+  scratch.touching.clear();
+  scratch.contacts.clear();
+  std::size_t old_index = 0;
+  for (const Pair& pair : scratch.pairs) {
+    const Proxy& proxy_a = scratch.proxies[pair.first];
+    const Proxy& proxy_b = scratch.proxies[pair.second];
+    const BodyRow& body_a = state.bodies[proxy_a.body];
+    const BodyRow& body_b = state.bodies[proxy_b.body];
+    const ShapeModel& shape_a = model.shapes[proxy_a.shape];
+    const ShapeModel& shape_b = model.shapes[proxy_b.shape];
+    const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b);
+    if (manifold.point_count == 0) continue;
+
+    scratch.touching.push_back({proxy_a.body, proxy_b.body,
+                                mix(settings.friction_mix, shape_a.friction, shape_b.friction),
+                                mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution), manifold});
+    ContactRow row{body_a.id, proxy_a.child, body_b.id, proxy_b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
+    for (int i = 0; i < manifold.point_count; ++i) row.feature[i] = manifold.points[i].feature;
+    while (old_index < state.contacts.size() && comes_before(state.contacts[old_index], row)) ++old_index;
+    if (old_index < state.contacts.size() && !comes_before(row, state.contacts[old_index]))
+      carry_forces(state.contacts[old_index], row);
+    scratch.contacts.push_back(row);
+  }
+  state.contacts.swap(scratch.contacts);
+}
+
+bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {
+  const Vec2 local = rotate_back(row.rotation, point - row.position);
+  if (shape.kind == ShapeKind::circle) return length_squared(local - shape.center) <= shape.radius * shape.radius;
+  for (std::uint32_t i = shape.first_vertex; i < shape.first_vertex + shape.vertex_count; ++i)
+    if (dot(model.normals[i], local - model.vertices[i]) > 0) return false;
+  return true;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

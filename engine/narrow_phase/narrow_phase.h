@@ -1,0 +1,45 @@
+// Narrow phase: where two convex shapes touch, or will touch soon.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Lengths below which geometry does not matter, relative to the shape: a stack of 1 cm boxes and one of 100 m boxes
+/// behave alike.
+inline Real linear_slop(Real size) {
+  return Real(0.005) * size;
+}
+/// Shapes closer than this get contact points before they touch.
+inline Real speculative_margin(Real size) {
+  return 4 * linear_slop(size);
+}
+
+/// A's frame as seen from the world, B's frame as seen from A.
+struct Placement {
+  Vec2 position;
+  Rotation rotation;
+};
+
+/// Contact points of two shapes, in A's frame: anchors from A's origin, `anchor_b` not filled in. The normal points
+/// from A to B. No points if they are farther apart than `margin`. Requires: the kinds the function's name says.
+using CollideFunction = Manifold (*)(const Model& model, const ShapeModel& a, const ShapeModel& b,
+                                     const Placement& b_in_a, Real margin);
+Manifold collide_circles(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                         Real margin);
+Manifold collide_polygon_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin);
+Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                                Real margin);
+Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                          Real margin);
+
+/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass.
+Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
+                 const BodyRow& body_b);
+
+/// Whether the shape of a body at `row` holds the world point.
+bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

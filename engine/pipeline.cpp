@@ -1,0 +1,52 @@
+// Which stages a scene needs, and why.
+// SPDX-License-Identifier: MIT
+#include "engine/pipeline.h"
+
+#include "engine/broad_phase/broad_phase.h"
+#include "engine/solvers/solver.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
+  Pipeline pipeline;
+  const auto consider = [&](std::string_view name, StageFunction run, bool needed, std::string_view why_needed,
+                            std::string_view why_not) {
+    const bool included = needed || full;
+    const std::string why(needed ? why_needed : (full ? "forced: " : ""));
+    const std::string reason = needed ? why : why + std::string(why_not);
+    if (included) pipeline.stages.push_back({std::string(name), run, reason});
+    pipeline.description.push_back({std::string(name), included, reason});
+  };
+
+  const SolverInfo& solver = info_of(solvers, model.scene.settings.solver);
+  const bool finds_pairs_itself = model.scene.settings.solver == SolverKind::impulse;
+  const bool finds_contacts = model.can_collide && !finds_pairs_itself;
+  const std::string_view no_pairs =
+      finds_pairs_itself ? "the solver tests every pair itself" : "no two shapes can meet";
+
+  consider("inputs", apply_inputs, model.takes_inputs, "the scene declares inputs", "the scene declares no inputs");
+  consider("cull", cull, model.has_bounds, "the scene has bounds", "the scene has no bounds");
+  // Contacts cannot be forced on a solver that does not read them: their rows would be other state, not more of it.
+  const bool contacts_possible = solver.solves_constraints && !finds_pairs_itself;
+  if (finds_contacts || (full && contacts_possible)) {
+    consider(info_of(broad_phases, broad_phase).name, broad_phase_function(broad_phase), finds_contacts,
+             "two shapes can meet", no_pairs);
+    consider("narrow_phase", find_contacts, finds_contacts, "two shapes can meet", no_pairs);
+    pipeline.tables.contacts = true;
+  } else {
+    pipeline.description.push_back(
+        {std::string(info_of(broad_phases, broad_phase).name), false, std::string(no_pairs)});
+    pipeline.description.push_back({"narrow_phase", false, std::string(no_pairs)});
+  }
+  consider(solver.name, solver_function(solver.kind), true, "every scene moves", "");
+  if (finds_contacts || (full && contacts_possible))
+    consider("restitution", apply_restitution, finds_contacts && model.bounces, "a material bounces",
+             "no pair of materials bounces");
+  else
+    pipeline.description.push_back(
+        {"restitution", false, finds_pairs_itself ? "part of the solver" : "no two shapes can meet"});
+  pipeline.tables.pointers = model.has_pointer;
+  return pipeline;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

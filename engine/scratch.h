@@ -1,0 +1,105 @@
+// Scratch: what one tick works with and forgets. Derived from Model and State alone; never hashed, never saved.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "engine/constraints/contact_batch.h"
+#include "engine/constraints/pointer.h"
+#include "engine/input.h"
+#include "engine/state.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// One convex shape of one body in the world. In (body row, child) order, so that comparing indices compares shape ids.
+struct Proxy {
+  Box box;              // m, holds the shape with its margin
+  Vec2 center;          // of the bounding circle, world, m
+  Real radius;          // of the bounding circle, with margin, m
+  std::uint32_t body;   // row in State::bodies
+  std::uint32_t shape;  // in Model::shapes
+  std::uint32_t child;  // index in the body
+  bool is_dynamic;
+};
+
+/// Two proxies that may touch, first < second.
+struct Pair {
+  std::uint32_t first;
+  std::uint32_t second;
+};
+
+struct ManifoldPoint {
+  Vec2 anchor_a;    // from A's centre of mass, world axes, m
+  Vec2 anchor_b;    // from B's centre of mass, m
+  Real separation;  // m, < 0 overlaps
+  std::uint32_t feature;
+};
+
+struct Manifold {
+  Vec2 normal;  // from A to B
+  int point_count = 0;
+  ManifoldPoint points[2];
+};
+
+/// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
+struct TouchingPair {
+  std::uint32_t body_a;  // row
+  std::uint32_t body_b;  // row
+  Real friction;
+  Real restitution;
+  Manifold manifold;
+};
+
+/// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
+struct alignas(8 * sizeof(Real)) MovingBody {
+  Vec2 velocity;          // m/s
+  Real angular_velocity;  // rad/s
+  Vec2 moved;             // since the tick began, m
+  Rotation turned;        // since the tick began
+};
+
+/// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
+/// Exact for constant acceleration and linear damping.
+struct FreeMotion {
+  Real linear_decay;
+  Real linear_gain;  // s
+  Real angular_decay;
+  Real angular_gain;  // s
+};
+
+/// FreeMotion with the accelerations of one body put in, for one substep.
+struct VelocityStep {
+  Vec2 velocity;          // m/s
+  Real angular_velocity;  // rad/s
+  Real linear_decay;
+  Real angular_decay;
+};
+
+struct Scratch {
+  // inputs
+  std::vector<Input> inputs;
+  std::vector<Vec2> force;   // [body] N, from this tick's inputs; empty if there are none
+  std::vector<Real> torque;  // [body] N m
+
+  // broad_phase
+  std::vector<Proxy> proxies;
+  std::vector<Pair> pairs;  // by (first, second)
+  std::vector<Pair> unsorted_pairs;
+  std::vector<std::uint32_t> order;  // sweep order, counting sort
+  std::vector<std::uint32_t> counts;
+
+  // narrow_phase
+  std::vector<TouchingPair> touching;
+  std::vector<ContactRow> contacts;  // the rows that replace State::contacts
+
+  // solver
+  std::vector<MovingBody> bodies;
+  std::vector<FreeMotion> free_motion;       // [source], for steps of free_motion_step
+  Real free_motion_step = 0;                 // s; 0: not computed yet
+  std::vector<VelocityStep> velocity_steps;  // [body]
+  ContactBatches contact_batches;
+  std::vector<PointerPull> pulls;
+  Real substep = 0;  // s, of the last solver run
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,22 @@
+// Bodies that meet nothing: the integrator alone.
+// SPDX-License-Identifier: MIT
+#include "engine/constraints/bodies.h"
+#include "engine/integrators/integrator.h"
+#include "engine/solvers/solver.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const Integrator& scheme = integrator(model.scene.settings.integrator);
+  const int substep_count = model.scene.settings.substeps;
+  const Real h = dt / static_cast<Real>(substep_count);  // s
+  prepare_bodies(state, scratch);
+  scheme.begin(model, state, scratch, h);
+  for (int substep = 0; substep < substep_count; ++substep) {
+    scheme.predict(model, state, scratch, h);
+    scheme.drift(model, state, scratch, h);
+  }
+  store_bodies(model, scratch, state);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,16 @@
+// The solvers: each advances the state by one tick, in one function that shows its whole loop.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// The stage of this kind.
+StageFunction solver_function(SolverKind kind);
+
+void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real dt);
+void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt);
+void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,187 @@
+// Input events act: bodies come and go, forces and impulses push, pointers press, drag and release.
+// SPDX-License-Identifier: MIT
+#include "engine/math/trig.h"
+#include "engine/narrow_phase/narrow_phase.h"
+#include "engine/stages/remove_body.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+Vec2 to_vec2(double x, double y) {
+  return {static_cast<Real>(x), static_cast<Real>(y)};
+}
+
+template <typename Vector, typename Predicate>
+void erase_where(Vector& rows, Predicate predicate) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!predicate(rows[i])) rows[kept++] = rows[i];
+  rows.resize(kept);
+}
+
+/// The row that an input means, or nothing (counted) if that body was removed.
+BodyRow* find(State& state, const Input& input) {
+  const std::size_t row = state.find_body(input.body);
+  if (row < state.bodies.size()) return &state.bodies[row];
+  if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
+  return nullptr;
+}
+
+void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t prototype, const Input& pose) {
+  if (model.scene.spawned_max) {
+    std::size_t spawned = 0;
+    std::size_t oldest = state.bodies.size();
+    for (std::size_t row = state.bodies.size(); row-- > 0;)
+      if (state.bodies[row].source >= model.first_prototype) {
+        ++spawned;
+        oldest = row;
+      }
+    if (spawned >= *model.scene.spawned_max && spawned > 0) remove_body(state, scratch, oldest);
+  }
+  const std::uint32_t source = model.first_prototype + prototype;
+  const BodyModel& constants = model.bodies[source];
+  const SinCos turn = sin_cos(pose.values[2]);
+  BodyRow row{};
+  row.id = state.world.next_id++;
+  row.source = source;
+  row.rotation = {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
+  row.position = to_vec2(pose.values[0], pose.values[1]) + rotate(row.rotation, constants.center);
+  if (constants.type != BodyType::static_body) {
+    row.velocity = to_vec2(pose.values[3], pose.values[4]);
+    row.angular_velocity = static_cast<Real>(pose.values[5]);
+  }
+  state.bodies.push_back(row);
+  if (!scratch.force.empty()) {
+    scratch.force.push_back({0, 0});
+    scratch.torque.push_back(0);
+  }
+}
+
+void make_room_for_forces(const State& state, Scratch& scratch) {
+  if (!scratch.force.empty()) return;
+  scratch.force.assign(state.bodies.size(), Vec2{0, 0});
+  scratch.torque.assign(state.bodies.size(), Real(0));
+}
+
+void do_spawn(const Model& model, State& state, Scratch& scratch, const Input& input) {
+  add_body(model, state, scratch, input.prototype, input);
+}
+
+void do_remove(const Model&, State& state, Scratch& scratch, const Input& input) {
+  if (find(state, input) != nullptr) remove_body(state, scratch, state.find_body(input.body));
+}
+
+void do_impulse(const Model& model, State& state, Scratch&, const Input& input) {
+  BodyRow* body = find(state, input);
+  if (body == nullptr) return;
+  const BodyModel& constants = model.bodies[body->source];
+  const Vec2 impulse = to_vec2(input.values[0], input.values[1]);
+  const Vec2 arm = rotate(body->rotation, to_vec2(input.values[2], input.values[3]));
+  body->velocity = body->velocity + constants.inv_mass * impulse;
+  body->angular_velocity = body->angular_velocity + constants.inv_inertia * cross(arm, impulse);
+}
+
+void do_force(const Model&, State& state, Scratch& scratch, const Input& input) {
+  const BodyRow* body = find(state, input);
+  if (body == nullptr) return;
+  make_room_for_forces(state, scratch);
+  const std::size_t row = state.find_body(input.body);
+  const Vec2 force = to_vec2(input.values[0], input.values[1]);
+  const Vec2 arm = rotate(body->rotation, to_vec2(input.values[2], input.values[3]));
+  scratch.force[row] = scratch.force[row] + force;
+  scratch.torque[row] += cross(arm, force);
+}
+
+void do_torque(const Model&, State& state, Scratch& scratch, const Input& input) {
+  if (find(state, input) == nullptr) return;
+  make_room_for_forces(state, scratch);
+  scratch.torque[state.find_body(input.body)] += static_cast<Real>(input.values[0]);
+}
+
+void do_set_velocity(const Model&, State& state, Scratch&, const Input& input) {
+  BodyRow* body = find(state, input);
+  if (body == nullptr) return;
+  body->velocity = to_vec2(input.values[0], input.values[1]);
+  body->angular_velocity = static_cast<Real>(input.values[2]);
+}
+
+void do_set_gravity(const Model&, State& state, Scratch&, const Input& input) {
+  state.world.gravity = to_vec2(input.values[0], input.values[1]);
+}
+
+void do_release(const Model&, State& state, Scratch&, const Input& input) {
+  erase_where(state.pointers, [&](const PointerRow& row) { return row.player == input.player; });
+}
+
+void do_press(const Model& model, State& state, Scratch& scratch, const Input& input) {
+  do_release(model, state, scratch, input);
+  const Vec2 at = to_vec2(input.values[0], input.values[1]);
+  bool occupied = false;
+  // The newest body is on top.
+  for (std::size_t row = state.bodies.size(); row-- > 0;) {
+    const BodyRow& body = state.bodies[row];
+    const BodyModel& constants = model.bodies[body.source];
+    bool hit = false;
+    for (std::uint32_t child = 0; child < constants.shape_count && !hit; ++child)
+      hit = contains(model, model.shape(constants, child), body, at);
+    if (!hit) continue;
+    occupied = true;
+    if (constants.type != BodyType::dynamic_body) continue;
+    const PointerRow pointer{input.player, body.id, rotate_back(body.rotation, at - body.position), at, {0, 0}};
+    std::size_t place = state.pointers.size();
+    while (place > 0 && state.pointers[place - 1].player > pointer.player) --place;
+    state.pointers.insert(state.pointers.begin() + static_cast<std::ptrdiff_t>(place), pointer);
+    return;
+  }
+  if (occupied || model.pointer_spawns.empty()) return;
+  Input pose;
+  pose.values[0] = input.values[0];
+  pose.values[1] = input.values[1];
+  // In turn: ids are never used again, so they count what was spawned.
+  const std::size_t turn = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
+  add_body(model, state, scratch, model.pointer_spawns[turn], pose);
+}
+
+void do_drag(const Model&, State& state, Scratch&, const Input& input) {
+  for (PointerRow& row : state.pointers)
+    if (row.player == input.player) row.target = to_vec2(input.values[0], input.values[1]);
+}
+
+void do_end(const Model&, State&, Scratch&, const Input&) {}  // the recorder stops before this tick
+
+struct InputFunction {
+  InputKind kind;
+  void (*act)(const Model& model, State& state, Scratch& scratch, const Input& input);
+};
+constexpr std::array<InputFunction, input_kinds.size()> functions{{
+    {InputKind::spawn, do_spawn},
+    {InputKind::remove, do_remove},
+    {InputKind::impulse, do_impulse},
+    {InputKind::force, do_force},
+    {InputKind::torque, do_torque},
+    {InputKind::set_velocity, do_set_velocity},
+    {InputKind::set_gravity, do_set_gravity},
+    {InputKind::press, do_press},
+    {InputKind::drag, do_drag},
+    {InputKind::release, do_release},
+    {InputKind::end, do_end},
+}};
+
+}  // namespace
+
+void remove_body(State& state, Scratch& scratch, std::size_t row) {
+  const std::uint32_t id = state.bodies[row].id;
+  state.bodies.erase(state.bodies.begin() + static_cast<std::ptrdiff_t>(row));
+  if (!scratch.force.empty()) {
+    scratch.force.erase(scratch.force.begin() + static_cast<std::ptrdiff_t>(row));
+    scratch.torque.erase(scratch.torque.begin() + static_cast<std::ptrdiff_t>(row));
+  }
+  erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
+  erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
+}
+
+void apply_inputs(const Model& model, State& state, Scratch& scratch, Real) {
+  for (const Input& input : scratch.inputs) info_of(functions, input.kind).act(model, state, scratch, input);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

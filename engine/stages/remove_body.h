@@ -1,0 +1,12 @@
+// Taking a body out of the state, with everything that refers to it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Removes the row, its contacts and the pointers that hold it; forces of this tick's inputs keep their bodies.
+void remove_body(State& state, Scratch& scratch, std::size_t row);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

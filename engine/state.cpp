@@ -1,0 +1,189 @@
+// The schema of the state, its image, and the state a scene begins with.
+// SPDX-License-Identifier: MIT
+#include "engine/state.h"
+
+#include <cstddef>
+#include <limits>
+
+#include "base/limits.h"
+#include "engine/math/trig.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr ScalarType real_type = sizeof(Real) == 4 ? ScalarType::f32 : ScalarType::f64;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double id_max = no_reference - 1.0;
+
+Column real(const char* name, std::size_t lane_count, std::size_t offset, double min = -infinity,
+            double max = infinity) {
+  return {name, real_type, static_cast<std::uint8_t>(lane_count), static_cast<std::uint16_t>(offset), min, max};
+}
+Column whole(const char* name, ScalarType type, std::size_t lane_count, std::size_t offset, double max,
+             int target = -1) {
+  return {name, type, static_cast<std::uint8_t>(lane_count), static_cast<std::uint16_t>(offset),
+          0,    max,  static_cast<std::int16_t>(target)};
+}
+
+constexpr std::size_t body_table = 1;
+
+template <typename Row>
+void load_rows(const TableSchema& table, const ImageTable& image, std::vector<Row>& rows) {
+  rows.resize(image.row_count);
+  decode_rows(table, image, reinterpret_cast<std::uint8_t*>(rows.data()));
+}
+
+template <typename Row>
+TableRows rows_of(const std::vector<Row>& rows) {
+  return {reinterpret_cast<const std::uint8_t*>(rows.data()), static_cast<std::uint32_t>(rows.size())};
+}
+
+Error image_error(const std::string& what) {
+  return {ErrorCode::corrupt, "state image: " + what, ""};
+}
+
+}  // namespace
+
+std::size_t State::find_body(std::uint32_t id) const {
+  std::size_t low = 0;
+  std::size_t high = bodies.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (bodies[middle].id < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < bodies.size() && bodies[low].id == id ? low : bodies.size();
+}
+
+StateSchema make_schema(const Model& model, StateTables tables) {
+  StateSchema schema;
+  schema.tables.push_back(
+      {"world",
+       {
+           whole("tick", ScalarType::u64, 1, offsetof(WorldRow, tick), static_cast<double>(limits::tick_count_max)),
+           {"time", ScalarType::f64, 1, offsetof(WorldRow, time), 0, infinity},
+           real("gravity", 2, offsetof(WorldRow, gravity)),
+           whole("next_id", ScalarType::u32, 1, offsetof(WorldRow, next_id), id_max),
+           whole("ignored_inputs", ScalarType::u32, 1, offsetof(WorldRow, ignored_inputs), no_reference),
+       },
+       sizeof(WorldRow),
+       0});
+  schema.tables.push_back({"bodies",
+                           {
+                               whole("id", ScalarType::u32, 1, offsetof(BodyRow, id), id_max),
+                               whole("source", ScalarType::u32, 1, offsetof(BodyRow, source),
+                                     static_cast<double>(model.bodies.empty() ? 0 : model.bodies.size() - 1)),
+                               real("position", 2, offsetof(BodyRow, position)),
+                               real("rotation", 2, offsetof(BodyRow, rotation), -2, 2),
+                               real("velocity", 2, offsetof(BodyRow, velocity)),
+                               real("angular_velocity", 1, offsetof(BodyRow, angular_velocity)),
+                           },
+                           sizeof(BodyRow),
+                           1});
+  if (tables.contacts)
+    schema.tables.push_back(
+        {"contacts",
+         {
+             whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
+             whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), limits::shape_count_per_body_max - 1),
+             whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
+             whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), limits::shape_count_per_body_max - 1),
+             whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
+             real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
+             real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
+         },
+         sizeof(ContactRow),
+         4});
+  if (tables.pointers)
+    schema.tables.push_back(
+        {"pointers",
+         {
+             whole("player", ScalarType::u32, 1, offsetof(PointerRow, player), limits::player_count_max - 1),
+             whole("body", ScalarType::u32, 1, offsetof(PointerRow, body), id_max, body_table),
+             real("anchor", 2, offsetof(PointerRow, anchor)),
+             real("target", 2, offsetof(PointerRow, target)),
+             real("force", 2, offsetof(PointerRow, force)),
+         },
+         sizeof(PointerRow),
+         1});
+  const Status status = check_schema(schema);
+  TICKTRUE_ASSERT(status.has_value());
+  return schema;
+}
+
+void update_view(const State& state, StateTables tables, StateView& view) {
+  view.tables.clear();
+  view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.world), 1});
+  view.tables.push_back(rows_of(state.bodies));
+  if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
+  if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
+}
+
+Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state) {
+  const Result<std::vector<ImageTable>> parts = check_image(schema, image);
+  if (!parts) return parts.error();
+  if ((*parts)[0].row_count != 1)
+    return image_error("table world: rows: found " + std::to_string((*parts)[0].row_count) + ", expected 1");
+  State loaded;
+  std::size_t table = 0;
+  decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.world));
+  ++table;
+  load_rows(schema.tables[table], (*parts)[table], loaded.bodies);
+  ++table;
+  if (tables.contacts) {
+    load_rows(schema.tables[table], (*parts)[table], loaded.contacts);
+    ++table;
+  }
+  if (tables.pointers) load_rows(schema.tables[table], (*parts)[table], loaded.pointers);
+
+  if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
+  if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)
+    return image_error("world[0].next_id: found " + std::to_string(loaded.world.next_id) +
+                       ", expected more than the last body's id " + std::to_string(loaded.bodies.back().id));
+  for (const BodyRow& body : loaded.bodies) {
+    const Real norm = body.rotation.c * body.rotation.c + body.rotation.s * body.rotation.s;
+    if (!(norm > Real(0.5) && norm < Real(2)))
+      return image_error("bodies: id " + std::to_string(body.id) + ": rotation is no rotation");
+  }
+  for (std::size_t row = 0; row < loaded.contacts.size(); ++row) {
+    const ContactRow& contact = loaded.contacts[row];
+    const BodyModel& a = model.bodies[loaded.bodies[loaded.find_body(contact.body_a)].source];
+    const BodyModel& b = model.bodies[loaded.bodies[loaded.find_body(contact.body_b)].source];
+    if (contact.body_a >= contact.body_b || contact.child_a >= a.shape_count || contact.child_b >= b.shape_count)
+      return image_error("contacts[" + std::to_string(row) + "]: names a shape that its body has not");
+  }
+  for (const PointerRow& pointer : loaded.pointers)
+    if (model.bodies[loaded.bodies[loaded.find_body(pointer.body)].source].type != BodyType::dynamic_body)
+      return image_error("pointers: player " + std::to_string(pointer.player) + " holds a body that is not dynamic");
+  state = std::move(loaded);
+  return {};
+}
+
+State initial_state(const Model& model) {
+  State state;
+  const Scene& scene = model.scene;
+  state.world.gravity = {static_cast<Real>(scene.gravity.x), static_cast<Real>(scene.gravity.y)};
+  state.world.next_id = static_cast<std::uint32_t>(scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const SinCos turn = sin_cos(body.angle);
+    const double center_x = model.bodies[i].center.x;
+    const double center_y = model.bodies[i].center.y;
+    BodyRow row{};
+    row.id = static_cast<std::uint32_t>(i);
+    row.source = static_cast<std::uint32_t>(i);
+    row.position = {static_cast<Real>(body.position.x + turn.cos * center_x - turn.sin * center_y),
+                    static_cast<Real>(body.position.y + turn.sin * center_x + turn.cos * center_y)};
+    row.rotation = {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
+    if (body.type != BodyType::static_body) {
+      row.velocity = {static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)};
+      row.angular_velocity = static_cast<Real>(body.angular_velocity);
+    }
+    state.bodies.push_back(row);
+  }
+  return state;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,81 @@
+// State: everything that can influence a later tick, as packed rows with named columns.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "base/state_view.h"
+#include "engine/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct WorldRow {
+  std::uint64_t tick;            // ticks done
+  double time;                   // s, sum of their dt
+  Vec2 gravity;                  // m/s^2
+  std::uint32_t next_id;         // id of the next body; ids are never used again
+  std::uint32_t ignored_inputs;  // inputs to bodies that were already removed
+};
+
+struct BodyRow {
+  std::uint32_t id;
+  std::uint32_t source;  // in Model::bodies
+  Vec2 position;         // of the centre of mass, world, m
+  Rotation rotation;
+  Vec2 velocity;          // of the centre of mass, m/s
+  Real angular_velocity;  // rad/s
+};
+
+/// A contact of two children (convex shapes of bodies), kept for warm starting. Exists exactly if the narrow phase
+/// found a point within the speculative margin; rows ascend by (body_a, child_a, body_b, child_b).
+struct ContactRow {
+  std::uint32_t body_a;   // id, the smaller one
+  std::uint32_t child_a;  // index of the shape in its body
+  std::uint32_t body_b;   // id
+  std::uint32_t child_b;
+  std::uint32_t feature[2];  // what touches, per point; no_feature where there is no second point
+  Real normal_force[2];      // N, mean over the last substep
+  Real tangent_force[2];     // N
+};
+inline constexpr std::uint32_t no_feature = 0xffffffff;
+
+/// A pointer that holds a body.
+struct PointerRow {
+  std::uint32_t player;
+  std::uint32_t body;  // id
+  Vec2 anchor;         // where it holds, in the body's frame, from its centre of mass, m
+  Vec2 target;         // where it pulls to, world, m
+  Vec2 force;          // N, of the last substep, for warm starting
+};
+
+static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
+static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
+static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
+static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
+
+struct State {
+  WorldRow world{};
+  std::vector<BodyRow> bodies;  // ascending by id
+  std::vector<ContactRow> contacts;
+  std::vector<PointerRow> pointers;  // ascending by player
+
+  /// Index of the body's row, or bodies.size().
+  std::size_t find_body(std::uint32_t id) const;
+};
+
+/// Which tables a pipeline owns.
+struct StateTables {
+  bool contacts = false;
+  bool pointers = false;
+};
+StateSchema make_schema(const Model& model, StateTables tables);
+
+/// Points `view` at the rows of `state`. `view.schema` must be set.
+void update_view(const State& state, StateTables tables, StateView& view);
+
+/// Replaces `state` by an image. Errors: corrupt; then `state` is unchanged.
+Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state);
+
+State initial_state(const Model& model);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,193 @@
+// The engine of one precision: model, state, scratch and pipeline put together as a Simulation.
+// SPDX-License-Identifier: MIT
+#include "engine/world.h"
+
+#include <algorithm>
+
+#include "base/limits.h"
+#include "engine/broad_phase/broad_phase.h"
+#include "engine/math/trig.h"
+#include "engine/narrow_phase/narrow_phase.h"
+#include "engine/pipeline.h"
+#include "engine/scene_json.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+Point to_point(Vec2 v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y)};
+}
+
+Error input_error(const std::string& what, const std::string& hint = "") {
+  return {ErrorCode::invalid_input, what, hint};
+}
+
+class World final : public Engine {
+ public:
+  World(const Scene& scene, const EngineOptions& options)
+      : model_(make_model(scene)),
+        pipeline_(compose(model_, options.broad_phase.value_or(scene.settings.broad_phase), options.full_pipeline)),
+        schema_(make_schema(model_, pipeline_.tables)),
+        state_(initial_state(model_)) {
+    for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
+    view_.schema = &schema_;
+    update_view(state_, pipeline_.tables, view_);
+  }
+
+  Status accept(const TickInput& input) const override {
+    if (!(input.dt >= limits::dt_min_s && input.dt <= limits::dt_max_s))
+      return input_error("dt: found " + lane_text(ScalarType::f64, bits_of(input.dt)) + " s, expected 1e-09..1");
+    if (state_.world.tick >= limits::tick_count_max) return input_error("tick: no more ticks are possible");
+    std::vector<Input> inputs;
+    if (const Status status = decode_inputs(model_.scene, input.inputs, inputs); !status) return status;
+    // Bodies that this tick's inputs may still make count as issued; each press makes at most one.
+    std::uint64_t issued = state_.world.next_id;
+    for (const Input& event : inputs) {
+      const InputInfo& info = info_of(input_kinds, event.kind);
+      if (event.kind == InputKind::spawn || event.kind == InputKind::press) ++issued;
+      if (issued >= no_reference) return input_error("id: no more bodies can be made");
+      if (state_.bodies.size() + (issued - state_.world.next_id) > limits::body_count_max)
+        return {{ErrorCode::limit, "bodies: more than " + std::to_string(limits::body_count_max),
+                 "set spawned_max in the scene"}};
+      if (!info.has_body) continue;
+      if (event.body >= issued)
+        return input_error(std::string(info.name) + ": body: id " + std::to_string(event.body) +
+                           " was never issued: found " + std::to_string(event.body) + ", expected less than " +
+                           std::to_string(issued));
+      if (event.kind != InputKind::set_velocity) continue;
+      const std::size_t row = state_.find_body(event.body);
+      if (row < state_.bodies.size() && model_.bodies[state_.bodies[row].source].type == BodyType::static_body)
+        return input_error("set_velocity: body: id " + std::to_string(event.body) + " is static",
+                           "use a kinematic body for what moves but is not pushed");
+    }
+    return {};
+  }
+
+  void step(const TickInput& input, StageObserver* observer) override {
+    const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
+    TICKTRUE_ASSERT(decoded.has_value());
+    scratch_.force.clear();
+    scratch_.torque.clear();
+    ++state_.world.tick;
+    state_.world.time += input.dt;
+    const Real dt = static_cast<Real>(input.dt);
+    for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
+      pipeline_.stages[i].run(model_, state_, scratch_, dt);
+      if (observer == nullptr) continue;
+      update_view(state_, pipeline_.tables, view_);
+      observer->after_stage(i, view_);
+    }
+    update_view(state_, pipeline_.tables, view_);
+  }
+
+  const StateView& state() const override { return view_; }
+
+  Status load(ByteView image) override {
+    const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
+    update_view(state_, pipeline_.tables, view_);
+    return status;
+  }
+
+  std::span<const std::string> stage_names() const override { return stage_names_; }
+
+  std::string row_name(std::size_t table, std::size_t row) const override {
+    const std::string& name = schema_.tables[table].name;
+    if (name == "bodies" && row < state_.bodies.size()) return body_name(state_.bodies[row]);
+    if (name == "contacts" && row < state_.contacts.size())
+      return body_name(state_.contacts[row].body_a) + " / " + body_name(state_.contacts[row].body_b);
+    if (name == "pointers" && row < state_.pointers.size())
+      return "player " + std::to_string(state_.pointers[row].player) + " / " + body_name(state_.pointers[row].body);
+    return "";
+  }
+
+  std::string inputs_text(ByteView bytes) const override {
+    std::vector<Input> inputs;
+    if (!decode_inputs(model_.scene, bytes, inputs)) return "";
+    std::string text;
+    for (const Input& input : inputs) text += print_input(model_.scene, input) + "\n";
+    return text;
+  }
+
+  std::vector<StageDescription> describe() const override { return pipeline_.description; }
+  const Scene& scene() const override { return model_.scene; }
+  std::uint64_t tick() const override { return state_.world.tick; }
+  double time_s() const override { return state_.world.time; }
+  std::uint64_t ignored_inputs() const override { return state_.world.ignored_inputs; }
+
+  std::vector<BodyReport> bodies() const override {
+    std::vector<BodyReport> reports;
+    for (const BodyRow& row : state_.bodies) {
+      const BodyModel& constants = model_.bodies[row.source];
+      const Body& description = description_of(row);
+      BodyReport report;
+      report.id = row.id;
+      report.name = body_name(row);
+      report.type = constants.type;
+      report.center = to_point(row.position);
+      report.origin = to_point(row.position - rotate(row.rotation, constants.center));
+      report.angle = arc_tangent(static_cast<double>(row.rotation.s), static_cast<double>(row.rotation.c));
+      report.velocity = to_point(row.velocity);
+      report.angular_velocity = static_cast<double>(row.angular_velocity);
+      report.mass = static_cast<double>(constants.mass);
+      report.inertia = static_cast<double>(constants.inertia);
+      report.shapes = &description.shapes;
+      reports.push_back(std::move(report));
+    }
+    return reports;
+  }
+
+  std::vector<ContactReport> contacts() const override {
+    Scratch found;
+    State poses = state_;
+    broad_phase_function(BroadPhaseKind::sweep_and_prune)(model_, poses, found, Real(0));
+    find_contacts(model_, poses, found, Real(0));
+    std::vector<ContactReport> reports;
+    for (std::size_t i = 0; i < found.touching.size(); ++i) {
+      const TouchingPair& pair = found.touching[i];
+      const ContactRow& row = poses.contacts[i];
+      ContactReport report;
+      report.body_a = row.body_a;
+      report.body_b = row.body_b;
+      report.normal = to_point(pair.manifold.normal);
+      report.point_count = pair.manifold.point_count;
+      for (int p = 0; p < report.point_count; ++p) {
+        report.point[p] = to_point(poses.bodies[pair.body_a].position + pair.manifold.points[p].anchor_a);
+        report.separation[p] = static_cast<double>(pair.manifold.points[p].separation);
+        report.normal_force[p] = static_cast<double>(row.normal_force[p]);
+      }
+      reports.push_back(report);
+    }
+    return reports;
+  }
+
+ private:
+  const Body& description_of(const BodyRow& row) const {
+    return row.source < model_.first_prototype ? model_.scene.bodies[row.source]
+                                               : model_.scene.prototypes[row.source - model_.first_prototype];
+  }
+  std::string body_name(const BodyRow& row) const {
+    const std::string& name = description_of(row).name;
+    if (row.source >= model_.first_prototype) return name + "#" + std::to_string(row.id);
+    return name.empty() ? "body#" + std::to_string(row.id) : name;
+  }
+  std::string body_name(std::uint32_t id) const {
+    const std::size_t row = state_.find_body(id);
+    return row < state_.bodies.size() ? body_name(state_.bodies[row]) : "body#" + std::to_string(id);
+  }
+
+  Model model_;
+  Pipeline pipeline_;
+  StateSchema schema_;
+  State state_;
+  Scratch scratch_;
+  StateView view_;
+  std::vector<std::string> stage_names_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options) {
+  return std::make_unique<World>(scene, options);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

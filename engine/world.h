@@ -1,0 +1,15 @@
+// Makes the engine of one precision.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+
+#include "engine/engine.h"
+#include "engine/math/real.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Requires: check_scene(scene).
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
