@@ -78,7 +78,13 @@ inline constexpr std::array<InputInfo, 11> input_kinds{{
      "the player's pointer goes down at (x, y) m: grabs the dynamic body there, or spawns on empty space"},
     {InputKind::drag, "drag", false, false, 2, {"x", "y"}, "the pointer moves, held down"},
     {InputKind::release, "release", false, false, 0, {}, "the pointer goes up"},
-    {InputKind::end, "end", false, false, 0, {}, "the session ends before this tick"},
+    {InputKind::end,
+     "end",
+     false,
+     false,
+     0,
+     {},
+     "the session ends before this tick; ends an input file, is part of no tick"},
 }};
 
 /// One input event. Which fields count is said by its row in input_kinds; the others are zero.

@@ -65,19 +65,20 @@ struct Body {
   bool operator==(const Body&) const = default;
 };
 
+struct Bounds {
+  Point lower;  // m
+  Point upper;  // m
+  bool operator==(const Bounds&) const = default;
+};
+
 /// A pointer (mouse, finger) that presses, drags and releases.
 struct PointerSettings {
   std::vector<std::string> spawns;  // prototypes that a press on empty space spawns, in turn; empty: nothing is spawned
   double hertz = 5;                 // stiffness of the pull
   double damping_ratio = 0.7;
   double force_max_per_kg = 1000;  // N per kg of the pulled body
+  std::optional<Bounds> window;    // what the pointer's screen shows (imports, pictures); absent: the scene's bounds
   bool operator==(const PointerSettings&) const = default;
-};
-
-struct Bounds {
-  Point lower;  // m
-  Point upper;  // m
-  bool operator==(const Bounds&) const = default;
 };
 
 struct Settings {
@@ -106,7 +107,8 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-/// Whether two shapes of this scene can ever meet: at least two bodies can exist, and one of them is dynamic.
+/// Whether two shapes can ever meet: there is, or inputs may spawn, a dynamic body and another one that it may touch.
+/// Decides what the pipeline needs and what check_scene refuses, so that both mean the same.
 bool can_collide(const Scene& scene);
 
 /// Every rule that a scene must keep, whoever made it: ranges, names, hulls, masses, limits, declared inputs.

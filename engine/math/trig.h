@@ -9,8 +9,8 @@ struct SinCos {
   double cos;
 };
 
-/// Sine and cosine of an angle in rad, |angle| <= 1e6; error at most 2 ulp of 1. Larger angles are reduced less and less
-/// exactly, non-finite ones give NaN.
+/// Sine and cosine of an angle in rad, |angle| <= 1e6; error at most 2 ulp of 1. Larger angles are reduced less and
+/// less exactly, non-finite ones give NaN.
 SinCos sin_cos(double angle);
 
 /// Angle of (x, y) in rad, -pi..pi; 0 for (0, 0). Error at most 4 ulp.

@@ -1,0 +1,138 @@
+// Sine, cosine and arc tangent from + - * / alone: the same bits on every platform.
+// SPDX-License-Identifier: MIT
+// Source: Cody and Waite, "Software Manual for the Elementary Functions", 1980 (reduction in parts of pi/2); Taylor
+// series with exact rational coefficients.
+#include "engine/math/trig.h"
+
+#include <limits>
+
+namespace ticktrue::engine {
+namespace {
+
+// pi/2 in three parts; the first two have 33 bits, so that their products with k < 2^20 are exact.
+constexpr double half_pi_1 = 0x1.921fb544p+0;
+constexpr double half_pi_2 = 0x1.0b4611a6p-34;
+constexpr double half_pi_3 = 0x1.3198a2e037073p-69;
+constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
+constexpr double two_pi = 0x1.921fb54442d18p+2;
+constexpr double half_pi = 0x1.921fb54442d18p+0;
+constexpr double half_pi_rest = 0x1.1a62633145c07p-54;  // pi/2 - half_pi
+constexpr double exactly_reduced_max = 1e6;             // rad; k stays below 2^20
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// Remainder of angle >= 0 by the double nearest to 2 pi. Every subtraction is exact (the operands are within a factor
+/// of two), so only the error of two_pi itself counts, once per turn.
+double remove_turns(double angle) {
+  double turns = two_pi;
+  while (turns <= angle * 0.5) turns *= 2;
+  for (; turns >= two_pi; turns *= 0.5)
+    if (angle >= turns) angle -= turns;
+  return angle;
+}
+
+// Taylor series on |x| <= pi/4 (a little more after rounding k); the first term left out is below 2^-58 of the sum.
+double sin_series(double x) {
+  const double z = x * x;
+  double p = 1.0 / 355687428096000.0;
+  p = p * z - 1.0 / 1307674368000.0;
+  p = p * z + 1.0 / 6227020800.0;
+  p = p * z - 1.0 / 39916800.0;
+  p = p * z + 1.0 / 362880.0;
+  p = p * z - 1.0 / 5040.0;
+  p = p * z + 1.0 / 120.0;
+  p = p * z - 1.0 / 6.0;
+  return x + x * z * p;
+}
+
+double cos_series(double x) {
+  const double z = x * x;
+  double p = -1.0 / 6402373705728000.0;
+  p = p * z + 1.0 / 20922789888000.0;
+  p = p * z - 1.0 / 87178291200.0;
+  p = p * z + 1.0 / 479001600.0;
+  p = p * z - 1.0 / 3628800.0;
+  p = p * z + 1.0 / 40320.0;
+  p = p * z - 1.0 / 720.0;
+  p = p * z + 1.0 / 24.0;
+  return 1.0 - (0.5 * z - z * z * p);
+}
+
+// atan(i / 8)
+constexpr double atan_of_eighths[9] = {
+    0,
+    0x1.fd5ba9aac2f6ep-4,
+    0x1.f5b75f92c80ddp-3,
+    0x1.6f61941e4def1p-2,
+    0x1.dac670561bb4fp-2,
+    0x1.1e00babdefeb4p-1,
+    0x1.4978fa3269ee1p-1,
+    0x1.700a7c5784634p-1,
+    0x1.921fb54442d18p-1,
+};
+
+/// atan(low / high) for 0 <= low <= high, high > 0: atan(c) + atan((t - c) / (1 + c t)) with c the nearest eighth.
+double atan_first_octant(double low, double high) {
+  const int eighths = static_cast<int>(low / high * 8 + 0.5);
+  const double c = eighths * 0.125;
+  const double u = (low - c * high) / (high + c * low);  // |u| <= 1/16
+  const double z = u * u;
+  double p = 1.0 / 13.0;
+  p = p * z - 1.0 / 11.0;
+  p = p * z + 1.0 / 9.0;
+  p = p * z - 1.0 / 7.0;
+  p = p * z + 1.0 / 5.0;
+  p = p * z - 1.0 / 3.0;
+  return atan_of_eighths[eighths] + (u + u * z * p);
+}
+
+}  // namespace
+
+SinCos sin_cos(double angle) {
+  // Reduced by magnitude, so that sin(-x) == -sin(x) and cos(-x) == cos(x) to the last bit.
+  const bool negative = angle < 0;
+  double x = negative ? -angle : angle;
+  if (!(x <= std::numeric_limits<double>::max())) return {not_a_number, not_a_number};
+  if (x == 0) return {angle, 1};  // keeps the sign of -0
+  if (x > exactly_reduced_max) x = remove_turns(x);
+
+  const int k = static_cast<int>(x * two_over_pi + 0.5);  // quarter turns, 0..636620
+  const double r = ((x - k * half_pi_1) - k * half_pi_2) - k * half_pi_3;
+  const double s = sin_series(r);
+  const double c = cos_series(r);
+  SinCos result{};
+  switch (k & 3) {
+    case 0:
+      result = {s, c};
+      break;
+    case 1:
+      result = {c, -s};
+      break;
+    case 2:
+      result = {-s, -c};
+      break;
+    case 3:
+      result = {-c, s};
+      break;
+  }
+  if (negative) result.sin = -result.sin;
+  return result;
+}
+
+double arc_tangent(double y, double x) {
+  double abs_y = y < 0 ? -y : y;
+  double abs_x = x < 0 ? -x : x;
+  const double high = abs_y > abs_x ? abs_y : abs_x;
+  if (!(abs_y + abs_x >= 0) || high > std::numeric_limits<double>::max()) return not_a_number;
+  if (high == 0) return 0;
+  // A common power of two changes no quotient but keeps products and sums in range.
+  const double scale = high > 0x1p1000 ? 0x1p-100 : high < 0x1p-900 ? 0x1p100 : 1.0;
+  abs_y *= scale;
+  abs_x *= scale;
+
+  double angle =
+      abs_y > abs_x ? half_pi - (atan_first_octant(abs_x, abs_y) - half_pi_rest) : atan_first_octant(abs_y, abs_x);
+  if (x < 0) angle = pi - (angle - 2 * half_pi_rest);
+  return y < 0 ? -angle : angle;
+}
+
+}  // namespace ticktrue::engine
