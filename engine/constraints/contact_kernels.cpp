@@ -1,8 +1,9 @@
-// The inner loops of the contact solver: eight contacts side by side, plain loops that compilers turn into vectors.
+// The inner loops of the contact solver: contacts of a batch side by side, as many as a vector register holds.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
 #include "engine/constraints/contact_batch.h"
+#include "engine/math/wide.h"
 #include "engine/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -12,139 +13,179 @@ namespace {
 constexpr Real push_speed_max = 3;  // m/s
 
 struct Velocities {
-  Lanes x, y, w;
+  Wide x, y, w;
 };
 struct Motions {
-  Lanes x, y, c, s;
+  Wide x, y, c, s;
 };
 
-inline void gather(const MovingBody* bodies, const std::uint32_t* index, Velocities& v) {
-  for (int i = 0; i < lane_count; ++i) {
+/// wide_count contacts of a batch, starting at lane `first`.
+struct Group {
+  ContactBatch& batch;
+  int first;
+
+  Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
+  void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+};
+
+Velocities gather_velocities(const MovingBody* bodies, const std::uint32_t* index) {
+  Velocities v{};
+  for (int i = 0; i < wide_count; ++i) {
     const MovingBody& body = bodies[index[i]];
-    v.x.at[i] = body.velocity.x;
-    v.y.at[i] = body.velocity.y;
-    v.w.at[i] = body.angular_velocity;
+    v.x[i] = body.velocity.x;
+    v.y[i] = body.velocity.y;
+    v.w[i] = body.angular_velocity;
   }
+  return v;
 }
 
-inline void gather(const MovingBody* bodies, const std::uint32_t* index, Velocities& v, Motions& m) {
-  for (int i = 0; i < lane_count; ++i) {
+Motions gather_motions(const MovingBody* bodies, const std::uint32_t* index) {
+  Motions m{};
+  for (int i = 0; i < wide_count; ++i) {
     const MovingBody& body = bodies[index[i]];
-    v.x.at[i] = body.velocity.x;
-    v.y.at[i] = body.velocity.y;
-    v.w.at[i] = body.angular_velocity;
-    m.x.at[i] = body.moved.x;
-    m.y.at[i] = body.moved.y;
-    m.c.at[i] = body.turned.c;
-    m.s.at[i] = body.turned.s;
+    m.x[i] = body.moved.x;
+    m.y[i] = body.moved.y;
+    m.c[i] = body.turned.c;
+    m.s[i] = body.turned.s;
   }
+  return m;
 }
 
-inline void scatter(MovingBody* bodies, const std::uint32_t* index, const Velocities& v) {
-  for (int i = 0; i < lane_count; ++i) {
+void scatter(MovingBody* bodies, const std::uint32_t* index, const Velocities& v) {
+  for (int i = 0; i < wide_count; ++i) {
     MovingBody& body = bodies[index[i]];
-    body.velocity.x = v.x.at[i];
-    body.velocity.y = v.y.at[i];
-    body.angular_velocity = v.w.at[i];
+    body.velocity.x = v.x[i];
+    body.velocity.y = v.y[i];
+    body.angular_velocity = v.w[i];
   }
+}
+
+/// The bodies' share of a contact: constants of a group, loaded once.
+struct Masses {
+  Wide inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
+};
+
+Masses load_masses(const Group& group) {
+  return {group.load(group.batch.inv_mass_a), group.load(group.batch.inv_mass_b), group.load(group.batch.inv_inertia_a),
+          group.load(group.batch.inv_inertia_b)};
+}
+
+struct Anchors {
+  Wide ax, ay, bx, by;
+};
+
+Anchors load_anchors(const Group& group, const ContactPointLanes& point) {
+  return {group.load(point.anchor_a_x), group.load(point.anchor_a_y), group.load(point.anchor_b_x),
+          group.load(point.anchor_b_y)};
 }
 
 /// Adds impulse (px, py) at the point: -on A, +on B.
-inline void apply(const ContactBatch& batch, const ContactPointLanes& point, int i, Real px, Real py, Velocities& a,
-                  Velocities& b) {
-  a.x.at[i] -= batch.inv_mass_a.at[i] * px;
-  a.y.at[i] -= batch.inv_mass_a.at[i] * py;
-  a.w.at[i] -= batch.inv_inertia_a.at[i] * (point.anchor_a_x.at[i] * py - point.anchor_a_y.at[i] * px);
-  b.x.at[i] += batch.inv_mass_b.at[i] * px;
-  b.y.at[i] += batch.inv_mass_b.at[i] * py;
-  b.w.at[i] += batch.inv_inertia_b.at[i] * (point.anchor_b_x.at[i] * py - point.anchor_b_y.at[i] * px);
+void apply(const Masses& masses, const Anchors& r, Wide px, Wide py, Velocities& a, Velocities& b) {
+  a.x -= masses.inv_mass_a * px;
+  a.y -= masses.inv_mass_a * py;
+  a.w -= masses.inv_inertia_a * (r.ax * py - r.ay * px);
+  b.x += masses.inv_mass_b * px;
+  b.y += masses.inv_mass_b * py;
+  b.w += masses.inv_inertia_b * (r.bx * py - r.by * px);
 }
 
-inline Real relative_velocity_x(const ContactPointLanes& point, int i, const Velocities& a, const Velocities& b) {
-  return (b.x.at[i] - b.w.at[i] * point.anchor_b_y.at[i]) - (a.x.at[i] - a.w.at[i] * point.anchor_a_y.at[i]);
+/// Velocity of B's point seen from A's, along (nx, ny).
+Wide relative_velocity(const Anchors& r, const Velocities& a, const Velocities& b, Wide nx, Wide ny) {
+  const Wide x = (b.x - b.w * r.by) - (a.x - a.w * r.ay);
+  const Wide y = (b.y + b.w * r.bx) - (a.y + a.w * r.ax);
+  return x * nx + y * ny;
 }
-inline Real relative_velocity_y(const ContactPointLanes& point, int i, const Velocities& a, const Velocities& b) {
-  return (b.y.at[i] + b.w.at[i] * point.anchor_b_x.at[i]) - (a.y.at[i] + a.w.at[i] * point.anchor_a_x.at[i]);
+
+template <Bias bias>
+void solve_normal(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny,
+                  const Motions& ma, const Motions& mb, Wide inv_h, Velocities& a, Velocities& b) {
+  const Anchors r = load_anchors(group, point);
+  // Present separation: the anchors turn with their bodies, the normal stays.
+  const Wide dx = (mb.x - ma.x) + ((mb.c * r.bx - mb.s * r.by) - (ma.c * r.ax - ma.s * r.ay));
+  const Wide dy = (mb.y - ma.y) + ((mb.s * r.bx + mb.c * r.by) - (ma.s * r.ax + ma.c * r.ay));
+  const Wide separation = group.load(point.base_separation) + (dx * nx + dy * ny);
+
+  // Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.
+  const Wide zero{};
+  const Wide one = spread(1);
+  const auto apart = separation > zero;
+  Wide target = apart ? separation * inv_h : zero;
+  Wide mass_scale = one;
+  Wide impulse_scale = zero;
+  if constexpr (bias == Bias::on) {
+    const Wide push = larger(group.load(group.batch.bias_rate) * separation, spread(-push_speed_max));
+    target = apart ? target : push;
+    mass_scale = apart ? one : group.load(group.batch.mass_scale);
+    impulse_scale = apart ? zero : group.load(group.batch.impulse_scale);
+  }
+  const Wide vn = relative_velocity(r, a, b, nx, ny);
+  const Wide old_impulse = group.load(point.normal_impulse);
+  const Wide wanted =
+      (old_impulse - group.load(point.normal_mass) * mass_scale * (vn + target)) - impulse_scale * old_impulse;
+  const Wide impulse = larger(wanted, zero);
+  group.store(point.normal_impulse, impulse);
+  group.store(point.normal_impulse_max, larger(group.load(point.normal_impulse_max), impulse));
+  const Wide change = impulse - old_impulse;
+  apply(masses, r, change * nx, change * ny, a, b);
+}
+
+void solve_friction(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny, Velocities& a,
+                    Velocities& b) {
+  const Anchors r = load_anchors(group, point);
+  const Wide tx = ny;
+  const Wide ty = -nx;
+  const Wide vt = relative_velocity(r, a, b, tx, ty);
+  const Wide old_impulse = group.load(point.tangent_impulse);
+  const Wide limit = group.load(group.batch.friction) * group.load(point.normal_impulse);
+  const Wide wanted = old_impulse - group.load(point.tangent_mass) * vt;
+  const Wide impulse = larger(smaller(wanted, limit), -limit);
+  group.store(point.tangent_impulse, impulse);
+  const Wide change = impulse - old_impulse;
+  apply(masses, r, change * tx, change * ty, a, b);
 }
 
 template <Bias bias>
 void solve_batches(Scratch& scratch, Real h) {
   MovingBody* bodies = scratch.bodies.data();
-  const Real inv_h = 1 / h;
-  for (ContactBatch& batch : scratch.contact_batches.batches) {
-    Velocities a, b;
-    Motions ma, mb;
-    gather(bodies, batch.read_a, a, ma);
-    gather(bodies, batch.read_b, b, mb);
-    for (ContactPointLanes& point : batch.points) {
-      for (int i = 0; i < lane_count; ++i) {
-        const Real nx = batch.normal_x.at[i];
-        const Real ny = batch.normal_y.at[i];
-        // Present separation: the anchors turn with their bodies, the normal stays.
-        const Real ax = ma.c.at[i] * point.anchor_a_x.at[i] - ma.s.at[i] * point.anchor_a_y.at[i];
-        const Real ay = ma.s.at[i] * point.anchor_a_x.at[i] + ma.c.at[i] * point.anchor_a_y.at[i];
-        const Real bx = mb.c.at[i] * point.anchor_b_x.at[i] - mb.s.at[i] * point.anchor_b_y.at[i];
-        const Real by = mb.s.at[i] * point.anchor_b_x.at[i] + mb.c.at[i] * point.anchor_b_y.at[i];
-        const Real dx = (mb.x.at[i] - ma.x.at[i]) + (bx - ax);
-        const Real dy = (mb.y.at[i] - ma.y.at[i]) + (by - ay);
-        const Real separation = point.base_separation.at[i] + (dx * nx + dy * ny);
-
-        // Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.
-        const Real push = batch.bias_rate.at[i] * separation;
-        const Real soft_bias = bias == Bias::on ? (push > -push_speed_max ? push : -push_speed_max) : Real(0);
-        const Real target = separation > 0 ? separation * inv_h : soft_bias;
-        const Real mass_scale = separation > 0 || bias == Bias::off ? Real(1) : batch.mass_scale.at[i];
-        const Real impulse_scale = separation > 0 || bias == Bias::off ? Real(0) : batch.impulse_scale.at[i];
-
-        const Real vn = relative_velocity_x(point, i, a, b) * nx + relative_velocity_y(point, i, a, b) * ny;
-        const Real old_impulse = point.normal_impulse.at[i];
-        const Real wanted =
-            (old_impulse - point.normal_mass.at[i] * mass_scale * (vn + target)) - impulse_scale * old_impulse;
-        const Real impulse = wanted > 0 ? wanted : Real(0);
-        point.normal_impulse.at[i] = impulse;
-        point.normal_impulse_max.at[i] = larger(point.normal_impulse_max.at[i], impulse);
-        const Real change = impulse - old_impulse;
-        apply(batch, point, i, change * nx, change * ny, a, b);
-      }
+  const Wide inv_h = spread(1 / h);
+  for (ContactBatch& batch : scratch.contact_batches.batches)
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      Velocities a = gather_velocities(bodies, batch.read_a + first);
+      Velocities b = gather_velocities(bodies, batch.read_b + first);
+      const Motions ma = gather_motions(bodies, batch.read_a + first);
+      const Motions mb = gather_motions(bodies, batch.read_b + first);
+      const Masses masses = load_masses(group);
+      const Wide nx = group.load(batch.normal_x);
+      const Wide ny = group.load(batch.normal_y);
+      for (ContactPointLanes& point : batch.points)
+        solve_normal<bias>(group, masses, point, nx, ny, ma, mb, inv_h, a, b);
+      for (ContactPointLanes& point : batch.points) solve_friction(group, masses, point, nx, ny, a, b);
+      scatter(bodies, batch.write_a + first, a);
+      scatter(bodies, batch.write_b + first, b);
     }
-    for (ContactPointLanes& point : batch.points) {
-      for (int i = 0; i < lane_count; ++i) {
-        const Real tx = batch.normal_y.at[i];
-        const Real ty = -batch.normal_x.at[i];
-        const Real vt = relative_velocity_x(point, i, a, b) * tx + relative_velocity_y(point, i, a, b) * ty;
-        const Real old_impulse = point.tangent_impulse.at[i];
-        const Real limit = batch.friction.at[i] * point.normal_impulse.at[i];
-        const Real wanted = old_impulse - point.tangent_mass.at[i] * vt;
-        const Real bounded = wanted < limit ? wanted : limit;
-        const Real impulse = bounded > -limit ? bounded : -limit;
-        point.tangent_impulse.at[i] = impulse;
-        const Real change = impulse - old_impulse;
-        apply(batch, point, i, change * tx, change * ty, a, b);
-      }
-    }
-    scatter(bodies, batch.write_a, a);
-    scatter(bodies, batch.write_b, b);
-  }
 }
 
 }  // namespace
 
 void warm_start_contacts(Scratch& scratch) {
   MovingBody* bodies = scratch.bodies.data();
-  for (ContactBatch& batch : scratch.contact_batches.batches) {
-    Velocities a, b;
-    gather(bodies, batch.read_a, a);
-    gather(bodies, batch.read_b, b);
-    for (const ContactPointLanes& point : batch.points)
-      for (int i = 0; i < lane_count; ++i) {
-        const Real normal = point.normal_impulse.at[i];
-        const Real tangent = point.tangent_impulse.at[i];
-        apply(batch, point, i, normal * batch.normal_x.at[i] + tangent * batch.normal_y.at[i],
-              normal * batch.normal_y.at[i] - tangent * batch.normal_x.at[i], a, b);
+  for (ContactBatch& batch : scratch.contact_batches.batches)
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      Velocities a = gather_velocities(bodies, batch.read_a + first);
+      Velocities b = gather_velocities(bodies, batch.read_b + first);
+      const Masses masses = load_masses(group);
+      const Wide nx = group.load(batch.normal_x);
+      const Wide ny = group.load(batch.normal_y);
+      for (const ContactPointLanes& point : batch.points) {
+        const Wide normal = group.load(point.normal_impulse);
+        const Wide tangent = group.load(point.tangent_impulse);
+        apply(masses, load_anchors(group, point), normal * nx + tangent * ny, normal * ny - tangent * nx, a, b);
       }
-    scatter(bodies, batch.write_a, a);
-    scatter(bodies, batch.write_b, b);
-  }
+      scatter(bodies, batch.write_a + first, a);
+      scatter(bodies, batch.write_b + first, b);
+    }
 }
 
 void solve_contacts(Scratch& scratch, Real h, Bias bias) {
@@ -159,28 +200,36 @@ bool bounce_contacts(Scratch& scratch, Real threshold) {
   bool any = false;
   for (ContactBatch& batch : scratch.contact_batches.batches) {
     if (!batch.bounces) continue;
-    Velocities a, b;
-    gather(bodies, batch.read_a, a);
-    gather(bodies, batch.read_b, b);
-    for (ContactPointLanes& point : batch.points)
-      for (int i = 0; i < batch.count; ++i) {
+    for (int lane = 0; lane < batch.count; ++lane) {
+      if (batch.restitution.at[lane] == 0) continue;
+      MovingBody& a = bodies[batch.read_a[lane]];
+      MovingBody& b = bodies[batch.read_b[lane]];
+      const Vec2 normal{batch.normal_x.at[lane], batch.normal_y.at[lane]};
+      for (ContactPointLanes& point : batch.points) {
         // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
-        if (batch.restitution.at[i] == 0 || point.approach.at[i] > -threshold || point.normal_impulse_max.at[i] == 0)
-          continue;
-        const Real nx = batch.normal_x.at[i];
-        const Real ny = batch.normal_y.at[i];
-        const Real vn = relative_velocity_x(point, i, a, b) * nx + relative_velocity_y(point, i, a, b) * ny;
-        const Real old_impulse = point.normal_impulse.at[i];
+        if (point.approach.at[lane] > -threshold || point.normal_impulse_max.at[lane] == 0) continue;
+        const Vec2 arm_a{point.anchor_a_x.at[lane], point.anchor_a_y.at[lane]};
+        const Vec2 arm_b{point.anchor_b_x.at[lane], point.anchor_b_y.at[lane]};
+        const Vec2 velocity_a = a.velocity + cross(a.angular_velocity, arm_a);
+        const Vec2 velocity_b = b.velocity + cross(b.angular_velocity, arm_b);
+        const Real vn = dot(velocity_b - velocity_a, normal);
+        const Real old_impulse = point.normal_impulse.at[lane];
         const Real wanted =
-            old_impulse - point.normal_mass.at[i] * (vn + batch.restitution.at[i] * point.approach.at[i]);
-        const Real impulse = wanted > 0 ? wanted : Real(0);
-        point.normal_impulse.at[i] = impulse;
-        const Real change = impulse - old_impulse;
-        apply(batch, point, i, change * nx, change * ny, a, b);
+            old_impulse - point.normal_mass.at[lane] * (vn + batch.restitution.at[lane] * point.approach.at[lane]);
+        const Real impulse = larger(wanted, 0);
+        point.normal_impulse.at[lane] = impulse;
+        const Vec2 change = (impulse - old_impulse) * normal;
+        if (batch.write_a[lane] == batch.read_a[lane]) {
+          a.velocity = a.velocity - batch.inv_mass_a.at[lane] * change;
+          a.angular_velocity -= batch.inv_inertia_a.at[lane] * cross(arm_a, change);
+        }
+        if (batch.write_b[lane] == batch.read_b[lane]) {
+          b.velocity = b.velocity + batch.inv_mass_b.at[lane] * change;
+          b.angular_velocity += batch.inv_inertia_b.at[lane] * cross(arm_b, change);
+        }
         any = true;
       }
-    scatter(bodies, batch.write_a, a);
-    scatter(bodies, batch.write_b, b);
+    }
   }
   return any;
 }

@@ -18,12 +18,16 @@ namespace f32 {
 using Real = float;
 inline constexpr Precision precision = Precision::f32;
 inline constexpr Real epsilon = 0x1p-23f;
-inline Real square_root(Real x) { return __builtin_sqrtf(x); }
+inline Real square_root(Real x) {
+  return __builtin_sqrtf(x);
+}
 }  // namespace f32
 namespace f64 {
 using Real = double;
 inline constexpr Precision precision = Precision::f64;
 inline constexpr Real epsilon = 0x1p-52;
-inline Real square_root(Real x) { return __builtin_sqrt(x); }
+inline Real square_root(Real x) {
+  return __builtin_sqrt(x);
+}
 }  // namespace f64
 }  // namespace ticktrue::engine
