@@ -102,4 +102,8 @@ struct Scratch {
   Real substep = 0;  // s, of the last solver run
 };
 
+/// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge
+/// indices). Builds with TICKTRUE_POISON call it before each tick.
+void poison(Scratch& scratch);
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -64,6 +64,9 @@ class World final : public Engine {
   }
 
   void step(const TickInput& input, StageObserver* observer) override {
+#ifdef TICKTRUE_POISON
+    poison(scratch_);
+#endif
     const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
     scratch_.force.clear();

@@ -1,0 +1,40 @@
+// Poisoning of scratch memory, so that what one tick leaves behind cannot pass for what the next one should compute.
+// SPDX-License-Identifier: MIT
+#include "engine/scratch.h"
+
+#include <cstring>
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+template <typename T>
+void poison_rows(std::vector<T>& rows) {
+  rows.resize(rows.capacity());
+  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
+  rows.clear();
+}
+
+}  // namespace
+
+void poison(Scratch& scratch) {
+  // Inputs are decoded by the caller; free_motion is a cache with its key beside it.
+  poison_rows(scratch.force);
+  poison_rows(scratch.torque);
+  poison_rows(scratch.proxies);
+  poison_rows(scratch.pairs);
+  poison_rows(scratch.unsorted_pairs);
+  poison_rows(scratch.order);
+  poison_rows(scratch.counts);
+  poison_rows(scratch.touching);
+  poison_rows(scratch.contacts);
+  poison_rows(scratch.bodies);
+  poison_rows(scratch.velocity_steps);
+  poison_rows(scratch.contact_batches.batches);
+  poison_rows(scratch.contact_batches.colors);
+  poison_rows(scratch.contact_batches.body_colors);
+  poison_rows(scratch.contact_batches.sorted);
+  poison_rows(scratch.pulls);
+  scratch.substep = 0;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
