@@ -2,14 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/build_info.h"
 
-#include <cfloat>
-
 #include "base/bytes.h"
-
-#ifdef __FAST_MATH__
-#error "fast-math changes results: build without -ffast-math, -Ofast and -funsafe-math-optimizations"
-#endif
-static_assert(FLT_EVAL_METHOD == 0, "floats must be evaluated in their own precision: on i386 use -mfpmath=sse");
 
 namespace ticktrue {
 namespace {

@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/float_rules.h"
+
 namespace ticktrue {
 
 using Bytes = std::vector<std::uint8_t>;

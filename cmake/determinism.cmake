@@ -1,4 +1,6 @@
 # The flags that make bits portable. Every target links ticktrue_determinism; docs/determinism.md has the reasons.
+include(${CMAKE_CURRENT_LIST_DIR}/refuse_flags.cmake)
+
 add_library(ticktrue_determinism INTERFACE)
 target_compile_features(ticktrue_determinism INTERFACE cxx_std_20)
 target_include_directories(ticktrue_determinism INTERFACE ${PROJECT_SOURCE_DIR})

@@ -1,0 +1,16 @@
+// Refuses to compile where floats would not follow IEEE 754 operation by operation. docs/determinism.md has the
+// reasons. SPDX-License-Identifier: MIT
+//
+// base/bytes.h includes this header, so that it is seen by every object that handles state, not by one of them only.
+// Not seen here: fused multiply-add (no macro tells; tests/base/float_rules_test.cpp probes it) and clang's single
+// flags such as -fassociative-math (cmake/determinism.cmake refuses them by name).
+#pragma once
+
+#include <cfloat>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || \
+    defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#error "fast-math changes results: build without -ffast-math, -Ofast and -funsafe-math-optimizations"
+#endif
+static_assert(FLT_EVAL_METHOD == 0, "floats must be evaluated in their own precision: on i386 use -mfpmath=sse");
+static_assert(FLT_RADIX == 2 && FLT_MANT_DIG == 24 && DBL_MANT_DIG == 53, "floats must be IEEE 754 binary32, binary64");

@@ -1,0 +1,623 @@
+// The source tree keeps its own rules: what is banned where, and what to use instead.
+// SPDX-License-Identifier: MIT
+//
+// Verified: banned names and headers, direction of includes, first lines, marks without an issue, files that no build
+// lists, links between documents. Not verified: what needs a parser (aliases, macros that hide a banned name, side
+// effects in call arguments): clang-tidy and the golden traces are there for that.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/catch.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SourceFile {
+  std::string path;  // from the root, with '/'
+  std::string text;
+};
+
+bool starts_with(std::string_view text, std::string_view prefix) {
+  return text.substr(0, prefix.size()) == prefix;
+}
+bool ends_with(std::string_view text, std::string_view suffix) {
+  return text.size() >= suffix.size() && text.substr(text.size() - suffix.size()) == suffix;
+}
+bool is_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+std::string top_of(std::string_view path) {
+  const std::size_t slash = path.find('/');
+  return std::string(slash == std::string_view::npos ? std::string_view{} : path.substr(0, slash));
+}
+
+std::vector<std::string> lines_of(std::string_view text) {
+  std::vector<std::string> lines;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    std::size_t end = text.find('\n', begin);
+    if (end == std::string_view::npos) end = text.size();
+    lines.emplace_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+/// The same text with comments and the insides of literals blanked, line for line. The names in #include stay.
+std::string code_of(std::string_view text) {
+  std::string code(text);
+  const auto blank = [&code](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && i < code.size(); ++i)
+      if (code[i] != '\n') code[i] = ' ';
+  };
+  bool in_include = false;
+  std::size_t i = 0;
+  while (i < text.size()) {
+    if (text[i] == '\n') {
+      in_include = false;
+      ++i;
+    } else if (starts_with(text.substr(i), "#include")) {
+      in_include = true;
+      i += 8;
+    } else if (starts_with(text.substr(i), "//")) {
+      std::size_t end = text.find('\n', i);
+      if (end == std::string_view::npos) end = text.size();
+      blank(i, end);
+      i = end;
+    } else if (starts_with(text.substr(i), "/*")) {
+      const std::size_t close = text.find("*/", i + 2);
+      const std::size_t end = close == std::string_view::npos ? text.size() : close + 2;
+      blank(i, end);
+      i = end;
+    } else if (text[i] == '"' && i > 0 && text[i - 1] == 'R') {
+      const std::size_t open = text.find('(', i);
+      if (open == std::string_view::npos) break;
+      const std::string closing = ")" + std::string(text.substr(i + 1, open - i - 1)) + "\"";
+      const std::size_t close = text.find(closing, open);
+      const std::size_t end = close == std::string_view::npos ? text.size() : close + closing.size();
+      blank(i, end);
+      i = end;
+    } else if ((text[i] == '"' && !in_include) || (text[i] == '\'' && (i == 0 || !is_word(text[i - 1])))) {
+      std::size_t end = i + 1;  // a quote after a word character separates digits
+      while (end < text.size() && text[end] != text[i] && text[end] != '\n') end += text[end] == '\\' ? 2u : 1u;
+      blank(i + 1, end);
+      i = end + 1;
+    } else {
+      ++i;
+    }
+  }
+  return code;
+}
+
+/// Whether `name` stands in the line as whole words; with `call`, only where an opening parenthesis follows.
+bool uses(std::string_view line, std::string_view name, bool call) {
+  for (std::size_t at = line.find(name); at != std::string_view::npos; at = line.find(name, at + 1)) {
+    if (at > 0 && is_word(line[at - 1])) continue;
+    std::size_t end = at + name.size();
+    if (end < line.size() && is_word(line[end]) && is_word(name.back())) continue;
+    if (!call) return true;
+    while (end < line.size() && line[end] == ' ') ++end;
+    if (end < line.size() && line[end] == '(') return true;
+  }
+  return false;
+}
+
+// --- the rules ------------------------------------------------------------------------------------------------------
+
+struct Ban {
+  std::string_view where;  // comma-separated path prefixes; empty: everywhere
+  std::string_view name;
+  bool call;  // counts only as a function that is called
+  std::string_view use;
+};
+
+constexpr std::string_view own_trigonometry = "engine/math/trig.h";
+constexpr std::string_view own_sort = "an insertion or radix sort over a total order, in engine/";
+constexpr std::string_view id_order = "rows that ascend by id";
+constexpr std::string_view bits_in = "numbers that come in with the scene or the inputs";
+constexpr std::string_view time_in = "the dt of the tick's input";
+
+// libm functions whose last bits differ between platforms. Each also with the suffixes f and l, with std:: and as
+// __builtin_.
+constexpr std::array libm{"sin",   "cos",   "tan",   "asin", "acos", "atan",   "atan2",  "sinh",   "cosh",  "tanh",
+                          "asinh", "acosh", "atanh", "exp",  "exp2", "expm1",  "log",    "log2",   "log10", "log1p",
+                          "pow",   "cbrt",  "hypot", "erf",  "erfc", "tgamma", "lgamma", "sincos", "exp10"};
+
+constexpr Ban bans[] = {
+    {"engine/", "sqrt", true, "__builtin_sqrt (the library's is misrounded on some targets)"},
+    {"engine/", "sqrtf", true, "__builtin_sqrtf"},
+    {"engine/", "fma", true, "a product and a sum (std::fma is wrong on some targets)"},
+    {"engine/", "fmaf", true, "a product and a sum"},
+    {"engine/", "__builtin_fma", false, "a product and a sum"},
+    {"engine/", "__builtin_fmaf", false, "a product and a sum"},
+    {"engine/", "fmin", true, "a < b ? a : b (the order of -0 and 0 is not fixed)"},
+    {"engine/", "fmax", true, "a > b ? a : b"},
+    {"engine/", "fminf", true, "a < b ? a : b"},
+    {"engine/", "fmaxf", true, "a > b ? a : b"},
+    {"engine/", "fmod", true, "own reduction from + - * /"},
+    {"engine/", "remainder", true, "own reduction from + - * /"},
+    {"engine/", "rint", true, "a clamped conversion (the rounding mode is not ours)"},
+    {"engine/", "nearbyint", true, "a clamped conversion"},
+    {"engine/", "lrint", true, "a clamped conversion"},
+    {"engine/", "lround", true, "a clamped conversion"},
+    {"engine/", "std::sort", false, own_sort},
+    {"engine/", "std::stable_sort", false, own_sort},
+    {"engine/", "std::partial_sort", false, own_sort},
+    {"engine/", "std::nth_element", false, own_sort},
+    {"engine/", "std::make_heap", false, own_sort},
+    {"engine/", "std::priority_queue", false, own_sort},
+    {"engine/", "std::reduce", false, "a loop (its order is fixed)"},
+    {"engine/", "std::transform_reduce", false, "a loop (its order is fixed)"},
+    {"engine/", "std::execution", false, "a loop (its order is fixed)"},
+    {"engine/", "std::unordered_map", false, id_order},
+    {"engine/", "std::unordered_set", false, id_order},
+    {"engine/", "std::unordered_multimap", false, id_order},
+    {"engine/", "std::unordered_multiset", false, id_order},
+    {"engine/", "std::hash", false, "hash64 of base/hash.h"},
+    {"engine/", "uintptr_t", false, "an index or id (addresses differ from run to run)"},
+    {"engine/", "std::owner_less", false, id_order},
+    {"engine/", "rand", true, bits_in},
+    {"engine/", "srand", true, bits_in},
+    {"engine/", "drand48", true, bits_in},
+    {"engine/", "std::mt19937", false, bits_in},
+    {"engine/", "std::random_device", false, bits_in},
+    {"engine/", "time", true, time_in},
+    {"engine/", "clock", true, time_in},
+    {"engine/", "clock_gettime", true, time_in},
+    {"engine/", "gettimeofday", true, time_in},
+    {"engine/", "getenv", true, "the scene's settings"},
+    {"engine/", "long double", false, "Real or double (its size differs between targets)"},
+    {"engine/", "thread_local", false, "Scratch"},
+    {"engine/", "setlocale", true, "nothing: numbers are not parsed by locale"},
+    {"engine/", "fopen", true, "text or bytes handed in (the engine knows no files)"},
+    {"", "std::bit_cast", false, "__builtin_bit_cast (clang 14)"},
+    {"", "std::source_location", false, "TICKTRUE_ASSERT"},
+    {"", "std::ranges", false, "a loop, or the algorithm in std:: (clang 14)"},
+    {"", "std::views", false, "a loop (clang 14)"},
+    {"", "std::format", false, "fmt (g++ 12)"},
+    {"", "std::expected", false, "Result of base/result.h"},
+    {"", "std::experimental", false, "a plain loop over lanes (its masks are miscompiled for AVX-512)"},
+    {"base/,engine/,replay/,verifier/", "assert", true, "TICKTRUE_ASSERT"},
+    {"base/,engine/,replay/,verifier/", "std::endl", false, "a line break"},
+    {"base/,engine/,replay/,verifier/", "const_cast", false, "a type that says who may write"},
+};
+
+struct HeaderBan {
+  std::string_view where;       // comma-separated path prefixes; empty: everywhere
+  std::string_view header;      // as written between the brackets; a trailing '/' means the folder
+  std::string_view allowed_in;  // comma-separated path prefixes
+  std::string_view use;
+};
+
+constexpr HeaderBan header_bans[] = {
+    {"engine/", "random", "", bits_in},
+    {"engine/", "chrono", "", time_in},
+    {"engine/", "ctime", "", time_in},
+    {"engine/", "time.h", "", time_in},
+    {"engine/", "thread", "", "work handed in by the caller"},
+    {"engine/", "future", "", "work handed in by the caller"},
+    {"engine/", "mutex", "", "work handed in by the caller"},
+    {"engine/", "execution", "", "a loop"},
+    {"engine/", "unordered_map", "", id_order},
+    {"engine/", "unordered_set", "", id_order},
+    {"engine/", "cfenv", "", "the default rounding mode"},
+    {"engine/", "complex", "", "engine/math"},
+    {"engine/", "fstream", "", "text or bytes handed in (the engine knows no files)"},
+    {"engine/", "filesystem", "", "text or bytes handed in (the engine knows no files)"},
+    {"engine/", "iostream", "", "text or bytes handed in (the engine knows no files)"},
+    {"engine/", "locale", "", "nothing: numbers are not parsed by locale"},
+    {"", "cassert", "", "TICKTRUE_ASSERT of base/assert.h"},
+    {"", "bit", "", "base/bytes.h (clang 14 has no std::bit_cast)"},
+    {"", "ranges", "", "a loop (clang 14)"},
+    {"", "format", "", "fmt (g++ 12)"},
+    {"", "expected", "", "Result of base/result.h"},
+    {"", "source_location", "", "TICKTRUE_ASSERT"},
+    {"", "experimental/", "", "a plain loop over lanes"},
+    {"", "xxhash.h", "base/hash.cpp", "base/hash.h"},
+    {"", "xxh3.h", "base/hash.cpp", "base/hash.h"},
+    {"", "zstd.h", "replay/", "TraceReader and TraceWriter"},
+    {"", "box2d/", "verifier/crosscheck,bench/", "verifier/crosscheck (its bits are not portable)"},
+    {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
+    {"", "CLI/", "verifier/", "an options struct, filled by the subcommand"},
+    {"", "benchmark/", "bench/", "bench/"},
+};
+
+struct Direction {
+  std::string_view from;
+  std::string_view may_include;  // comma-separated top folders
+};
+constexpr Direction directions[] = {
+    {"base", "base"},
+    {"engine", "base,engine"},
+    {"replay", "base,replay"},
+    {"verifier", "base,engine,replay,verifier"},
+    {"tests", "base,engine,replay,verifier,tests"},
+    {"bench", "base,engine,replay,verifier,bench"},
+};
+
+/// Whether `path` starts with one of the comma-separated prefixes.
+bool is_under(std::string_view path, std::string_view prefixes) {
+  while (!prefixes.empty()) {
+    const std::size_t comma = std::min(prefixes.find(','), prefixes.size());
+    if (starts_with(path, prefixes.substr(0, comma))) return true;
+    prefixes.remove_prefix(std::min(comma + 1, prefixes.size()));
+  }
+  return false;
+}
+
+bool is_one_of(std::string_view name, std::string_view names) {
+  while (!names.empty()) {
+    const std::size_t comma = std::min(names.find(','), names.size());
+    if (names.substr(0, comma) == name) return true;
+    names.remove_prefix(std::min(comma + 1, names.size()));
+  }
+  return false;
+}
+
+// --- checking one file ----------------------------------------------------------------------------------------------
+
+using Findings = std::vector<std::string>;
+
+void report(Findings& findings, const SourceFile& file, std::size_t line, std::string_view what, std::string_view use) {
+  findings.push_back(file.path + ":" + std::to_string(line) + ": error: " + std::string(what) + " is banned, use " +
+                     std::string(use));
+}
+
+void check_first_lines(const SourceFile& file, const std::vector<std::string>& lines, Findings& findings) {
+  if (lines.empty() || !starts_with(lines[0], "// ") || lines[0].size() < 15)
+    report(findings, file, 1, "a first line without a comment", "// and one sentence of what the file is for");
+  bool has_license = false;
+  for (std::size_t i = 0; i < lines.size() && i < 6; ++i) has_license |= lines[i] == "// SPDX-License-Identifier: MIT";
+  if (!has_license) report(findings, file, 2, "a file without a licence", "// SPDX-License-Identifier: MIT");
+  if (ends_with(file.path, ".h") && !contains(file.text, "#pragma once"))
+    report(findings, file, 1, "a header without a guard", "#pragma once");
+}
+
+void check_names(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  for (const Ban& ban : bans)
+    if ((ban.where.empty() || is_under(file.path, ban.where)) && uses(line, ban.name, ban.call))
+      report(findings, file, number, ban.name, ban.use);
+  if (starts_with(file.path, "engine/"))
+    for (const std::string_view name : libm)
+      for (const std::string_view prefix : {"", "__builtin_"})
+        for (const std::string_view suffix : {"", "f", "l"}) {
+          const std::string whole = std::string(prefix) + std::string(name) + std::string(suffix);
+          if (uses(line, whole, true)) report(findings, file, number, whole, own_trigonometry);
+        }
+  if (ends_with(file.path, ".h") && uses(line, "using namespace", false))
+    report(findings, file, number, "using namespace in a header", "the qualified name");
+}
+
+/// Containers ordered by address: map<X*, ..>, set<X*>, less<X*>.
+void check_pointer_keys(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  for (const std::string_view container : {"map<", "set<", "less<", "greater<"})
+    for (std::size_t at = line.find(container); at != std::string_view::npos; at = line.find(container, at + 1)) {
+      std::size_t end = at + container.size();
+      for (int depth = 0; end < line.size(); ++end) {
+        if (line[end] == '<') ++depth;
+        if (line[end] == '>' && depth-- == 0) break;
+        if (line[end] == ',' && depth == 0) break;
+      }
+      while (end > at && (line[end - 1] == ' ')) --end;
+      if (end > at && line[end - 1] == '*') report(findings, file, number, "a pointer as a key", id_order);
+    }
+}
+
+void check_include(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  const std::size_t open = line.find_first_of("<\"", 8);
+  if (open == std::string_view::npos) return;
+  const std::size_t close = line.find_first_of(">\"", open + 1);
+  if (close == std::string_view::npos) return;
+  const std::string_view name = line.substr(open + 1, close - open - 1);
+  for (const HeaderBan& ban : header_bans) {
+    const bool hit = ends_with(ban.header, "/") ? starts_with(name, ban.header) : name == ban.header;
+    if (hit && (ban.where.empty() || is_under(file.path, ban.where)) && !is_under(file.path, ban.allowed_in))
+      report(findings, file, number, "#include <" + std::string(name) + ">", ban.use);
+  }
+  if (line[open] == '<') return;
+  const std::string from = top_of(file.path);
+  const std::string to = top_of(name);
+  for (const Direction& direction : directions) {
+    if (direction.from != from) continue;
+    if (to.empty() || starts_with(name, "."))
+      report(findings, file, number, "the include path \"" + std::string(name) + "\"", "the path from the root");
+    else if (!is_one_of(to, direction.may_include))
+      report(findings, file, number, from + "/ that includes " + to + "/",
+             "what it may see: " + std::string(direction.may_include));
+  }
+}
+
+void check_marks(const SourceFile& file, std::string_view line, std::size_t number, Findings& findings) {
+  for (const std::string_view mark : {"FIX"
+                                      "ME",
+                                      "TO"
+                                      "DO",
+                                      "XX"
+                                      "X",
+                                      "HA"
+                                      "CK"}) {
+    if (!uses(line, mark, false)) continue;
+    const std::size_t hash = line.find('#');
+    const bool has_issue =
+        hash != std::string_view::npos && hash + 1 < line.size() && line[hash + 1] >= '0' && line[hash + 1] <= '9';
+    if (!has_issue) report(findings, file, number, std::string(mark) + " without an issue", "an issue, as #12");
+  }
+}
+
+Findings check_file(const SourceFile& file) {
+  Findings findings;
+  const std::vector<std::string> lines = lines_of(file.text);
+  const std::vector<std::string> code = lines_of(code_of(file.text));
+  check_first_lines(file, lines, findings);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    check_marks(file, lines[i], i + 1, findings);
+    if (i >= code.size()) continue;
+    if (starts_with(code[i], "#include")) {
+      check_include(file, code[i], i + 1, findings);
+      continue;
+    }
+    check_names(file, code[i], i + 1, findings);
+    if (starts_with(file.path, "engine/")) check_pointer_keys(file, code[i], i + 1, findings);
+  }
+  return findings;
+}
+
+// --- checking the tree ----------------------------------------------------------------------------------------------
+
+constexpr std::array source_folders{"base", "engine", "replay", "verifier", "tests", "bench"};
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<SourceFile> files_below(const fs::path& root, std::string_view folder,
+                                    std::initializer_list<std::string_view> suffixes) {
+  std::vector<SourceFile> files;
+  if (!fs::exists(root / folder)) return files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string path = entry.path().lexically_relative(root).generic_string();
+    if (std::any_of(suffixes.begin(), suffixes.end(), [&](std::string_view suffix) { return ends_with(path, suffix); }))
+      files.push_back({path, read_text(entry.path())});
+  }
+  std::sort(files.begin(), files.end(), [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
+  return files;
+}
+
+std::vector<SourceFile> source_tree() {
+  std::vector<SourceFile> files;
+  for (const char* folder : source_folders)
+    for (SourceFile& file : files_below(TICKTRUE_SOURCE_DIR, folder, {".h", ".cpp"})) files.push_back(std::move(file));
+  return files;
+}
+
+/// Whether a CMakeLists.txt in the file's folder or above names it, or takes a whole folder by GLOB.
+bool is_built(const fs::path& root, const std::string& path) {
+  for (fs::path folder = fs::path(path).parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    const std::string list = read_text(root / folder / "CMakeLists.txt");
+    if (contains(list, fs::path(path).lexically_relative(folder).generic_string())) return true;
+    if (contains(list, "GLOB")) return true;
+  }
+  return false;
+}
+
+TEST_CASE("the source tree keeps its rules", "[tidy][determinism]") {
+  const std::vector<SourceFile> files = source_tree();
+  REQUIRE(files.size() > 20);
+  for (const SourceFile& file : files)
+    for (const std::string& finding : check_file(file)) FAIL_CHECK(finding);
+}
+
+TEST_CASE("every source file is built and every header is included", "[tidy]") {
+  const std::vector<SourceFile> files = source_tree();
+  std::set<std::string> included;
+  for (const SourceFile& file : files)
+    for (const std::string& line : lines_of(code_of(file.text)))
+      if (starts_with(line, "#include \"")) included.insert(line.substr(10, line.find('"', 10) - 10));
+  for (const SourceFile& file : files) {
+    if (ends_with(file.path, ".cpp") && !is_built(TICKTRUE_SOURCE_DIR, file.path))
+      FAIL_CHECK(file.path << ":1: error: a file that no CMakeLists.txt names is banned, use or remove it");
+    if (ends_with(file.path, ".h") && included.count(file.path) == 0)
+      FAIL_CHECK(file.path << ":1: error: a header that nobody includes is banned, use or remove it");
+  }
+}
+
+/// Targets of [text](target) in a Markdown text, code blocks left out.
+std::vector<std::string> links_of(std::string_view markdown) {
+  std::vector<std::string> links;
+  bool in_block = false;
+  for (const std::string& line : lines_of(markdown)) {
+    if (starts_with(line, "```")) in_block = !in_block;
+    if (in_block) continue;
+    for (std::size_t at = line.find("]("); at != std::string::npos; at = line.find("](", at + 1)) {
+      const std::size_t end = line.find(')', at);
+      if (end != std::string::npos) links.push_back(line.substr(at + 2, end - at - 2));
+    }
+  }
+  return links;
+}
+
+TEST_CASE("every link between documents leads to a file", "[tidy][docs]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  std::vector<SourceFile> documents = files_below(root, "docs", {".md"});
+  for (const char* name : {"README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"})
+    if (fs::exists(root / name)) documents.push_back({name, read_text(root / name)});
+  REQUIRE(documents.size() >= 5);
+  for (const SourceFile& document : documents)
+    for (const std::string& link : links_of(document.text)) {
+      if (contains(link, "://") || starts_with(link, "#") || starts_with(link, "mailto:")) continue;
+      const std::string target = link.substr(0, link.find('#'));
+      if (!fs::exists((root / document.path).parent_path() / target))
+        FAIL_CHECK(document.path << ": error: the link " << link << " leads to no file");
+    }
+}
+
+/// Paths in backticks that look like files of this tree: with a folder that exists, or a name at the root.
+TEST_CASE("every file that ARCHITECTURE.md names is there", "[tidy][docs]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  const std::string text = read_text(root / "ARCHITECTURE.md");
+  REQUIRE_FALSE(text.empty());
+  int count = 0;
+  for (std::size_t open = text.find('`'); open != std::string::npos;) {
+    const std::size_t close = text.find('`', open + 1);
+    if (close == std::string::npos) break;
+    const std::string name = text.substr(open + 1, close - open - 1);
+    const bool is_path =
+        contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string::npos &&
+        is_one_of(top_of(name), "base,engine,replay,verifier,tests,bench,traces,scenes,docs,cmake,.ci");
+    if (is_path) {
+      ++count;
+      if (!fs::exists(root / name)) FAIL_CHECK("ARCHITECTURE.md: error: names " << name << ", which is not there");
+    }
+    open = text.find('`', close + 1);
+  }
+  CHECK(count > 10);
+}
+
+// --- the rules fire -------------------------------------------------------------------------------------------------
+
+constexpr std::string_view header_lines = "// A planted file of the test.\n// SPDX-License-Identifier: MIT\n";
+
+Findings planted(const std::string& path, const std::string& code) {
+  return check_file({path, std::string(header_lines) + (ends_with(path, ".h") ? "#pragma once\n" : "") + code + "\n"});
+}
+
+TEST_CASE("a clean file has no finding", "[tidy][self]") {
+  CHECK(planted("engine/math/vec2.h", "inline float length(Vec2 v) { return __builtin_sqrtf(dot(v, v)); }").empty());
+  CHECK(planted("engine/stages/x.cpp", "#include \"base/bytes.h\"\nconst int big = 200'000; // rand() is banned")
+            .empty());
+  CHECK(planted("engine/stages/x.cpp", "SinCos r = sin_cos(a); use(r.sin, r.cos, arc_tangent(y, x), sort_rows(x));")
+            .empty());
+  CHECK(planted("engine/stages/x.cpp", "const char* text = \"std::sort, rand(), sin(x)\";").empty());
+  CHECK(planted("engine/stages/x.cpp", "std::map<std::string, Row*> rows; std::vector<Row*> list;").empty());
+  CHECK(planted("engine/stages/x.cpp", "step_time(1); run_time = 2;").empty());
+  CHECK(planted("verifier/main.cpp", "#include <chrono>\n#include <CLI/CLI.hpp>\nstd::sort(a, b);").empty());
+}
+
+TEST_CASE("every banned name fires once, at its line, with what to use", "[tidy][self]") {
+  for (const Ban& ban : bans) {
+    const std::string path = ban.where.empty() ? "replay/planted.cpp"
+                                               : std::string(ban.where.substr(0, ban.where.find(','))) + "planted.cpp";
+    const std::string code = "int a;\nx = " + std::string(ban.name) + (ban.call ? " (b);" : " b;");
+    const Findings findings = planted(path, code);
+    CAPTURE(ban.name, code);
+    REQUIRE(findings.size() == 1);
+    CHECK(findings[0] == path + ":4: error: " + std::string(ban.name) + " is banned, use " + std::string(ban.use));
+    if (!ban.where.empty()) CHECK(planted("tests/planted.cpp", code).empty());
+  }
+}
+
+TEST_CASE("every libm function fires in the engine, in each spelling", "[tidy][self]") {
+  for (const std::string name : libm)
+    for (const std::string& spelling : {name, "std::" + name, name + "f", name + "l", "__builtin_" + name + "f"}) {
+      CAPTURE(spelling);
+      CHECK(planted("engine/planted.cpp", "x = " + spelling + "(y);").size() == 1);
+      CHECK(planted("verifier/planted.cpp", "x = " + spelling + "(y);").empty());
+    }
+}
+
+TEST_CASE("every banned header fires, and not where it is allowed", "[tidy][self]") {
+  for (const HeaderBan& ban : header_bans) {
+    const std::string name = std::string(ban.header) + (ends_with(ban.header, "/") ? "x.h" : "");
+    CAPTURE(name);
+    CHECK(planted("engine/planted.cpp", "#include <" + name + ">").size() == 1);
+    if (!ban.allowed_in.empty()) {
+      std::string path(ban.allowed_in.substr(0, ban.allowed_in.find(',')));
+      if (!contains(path, ".")) path += "planted.cpp";
+      CHECK(planted(path, "#include <" + name + ">").empty());
+    }
+  }
+}
+
+TEST_CASE("includes against the direction fire", "[tidy][self]") {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"base/x.cpp", "engine/scene.h"},
+      {"base/x.cpp", "replay/trace.h"},
+      {"engine/x.cpp", "replay/trace.h"},
+      {"engine/x.cpp", "verifier/verify.h"},
+      {"replay/x.cpp", "engine/scene.h"},
+      {"replay/x.cpp", "verifier/verify.h"},
+      {"verifier/x.cpp", "tests/support/catch.h"},
+      {"bench/x.cpp", "tests/support/catch.h"},
+      {"engine/x.cpp", "scene.h"},
+      {"engine/x.cpp", "../base/bytes.h"},
+  };
+  for (const auto& [path, include] : wrong) {
+    CAPTURE(path, include);
+    CHECK(planted(path, "#include \"" + std::string(include) + "\"").size() == 1);
+  }
+  const std::pair<const char*, const char*> right[] = {
+      {"engine/x.cpp", "base/bytes.h"},     {"replay/x.cpp", "base/bytes.h"},  {"verifier/x.cpp", "engine/scene.h"},
+      {"verifier/x.cpp", "replay/trace.h"}, {"tests/x.cpp", "engine/scene.h"}, {"bench/x.cpp", "engine/scene.h"},
+  };
+  for (const auto& [path, include] : right) {
+    CAPTURE(path, include);
+    CHECK(planted(path, "#include \"" + std::string(include) + "\"").empty());
+  }
+}
+
+TEST_CASE("pointers as keys fire", "[tidy][self]") {
+  for (const std::string code : {"std::map<Body*, int> m;", "std::set<const Body *> s;", "std::less<Body*> l;",
+                                 "std::map<std::vector<int>*, int> m;"}) {
+    CAPTURE(code);
+    CHECK(planted("engine/planted.cpp", code).size() == 1);
+  }
+  CHECK(planted("engine/planted.cpp", "std::map<std::pair<int, int>, Body*> m;").empty());
+}
+
+TEST_CASE("using namespace fires in headers only", "[tidy][self]") {
+  CHECK(planted("verifier/x.h", "using namespace std;").size() == 1);
+  CHECK(planted("verifier/x.cpp", "using namespace std;").empty());
+}
+
+TEST_CASE("marks fire unless they name an issue", "[tidy][self]") {
+  CHECK(planted("base/x.cpp",
+                "// TO"
+                "DO: later")
+            .size() == 1);
+  CHECK(planted("base/x.cpp",
+                "// TO"
+                "DO #12: later")
+            .empty());
+  CHECK(planted("base/x.cpp",
+                "// FIX"
+                "ME")
+            .size() == 1);
+}
+
+TEST_CASE("missing first lines fire", "[tidy][self]") {
+  CHECK(check_file({"base/x.cpp", "#include <vector>\n"}).size() == 2);
+  CHECK(check_file({"base/x.cpp", "// What this file is for.\nint a;\n"}).size() == 1);
+  CHECK(check_file({"base/x.h", std::string(header_lines) + "int a;\n"}).size() == 1);
+}
+
+TEST_CASE("comments and literals are no code, digit separators are no literals", "[tidy][self]") {
+  CHECK(code_of("a // b\nc") == "a     \nc");
+  CHECK(code_of("a /* b\nc */ d") == "a     \n     d");
+  CHECK(code_of("f(\"x\\\"y\") + g") == "f(\"    \") + g");
+  CHECK(code_of("'\"' + rand()") == "' ' + rand()");
+  CHECK(code_of("1'000 + rand() + 2'000") == "1'000 + rand() + 2'000");
+  CHECK(code_of("R\"(rand() \")\" + x") == "R             + x");
+}
+
+TEST_CASE("links are found outside code blocks", "[tidy][self]") {
+  CHECK(links_of("see [a](b.md) and [c](d.md#e)\n```\n[x](y)\n```\n") == std::vector<std::string>{"b.md", "d.md#e"});
+}
+
+}  // namespace
