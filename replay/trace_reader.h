@@ -29,6 +29,7 @@ class TraceReader {
   const BuildFacts& facts() const;
   const std::string& name() const;
   std::uint64_t size() const;  // bytes of the file
+  bool is_compressed() const;  // whether its state images may be
 
   using Item = std::variant<std::monostate, TickRecord, CheckpointRecord>;
   /// The next tick or checkpoint, in file order; monostate when there is no more: then see tail(). A tick is given out
@@ -42,7 +43,8 @@ class TraceReader {
   const TraceTail& tail() const;
 
   /// Continues at the last checkpoint with tick <= `tick`: next() gives that checkpoint. Uses the index, or scans where
-  /// it is missing or damaged. False if there is none before damage or cut.
+  /// it is missing or damaged. False if there is none before damage or cut; then reading begins at the start again.
+  /// What lies before that checkpoint is not read: tail() then speaks of the rest alone.
   bool seek(std::uint64_t tick);
   void rewind();
 

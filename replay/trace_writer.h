@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -16,7 +17,7 @@ namespace ticktrue::replay {
 struct WriterOptions {
   bool overwrite = false;  // replace an existing file; else it is an error
   bool compress = true;    // checkpoints and images with zstd where the build has it
-  bool sync = true;        // fsync at checkpoints and at the end (power loss)
+  bool sync = true;        // fsync at checkpoints (at most one a second) and at the end (power loss)
 };
 
 /// Order of calls: create, checkpoint (tick 0), then begin_tick / end_tick for each tick, checkpoint in between where
@@ -39,12 +40,18 @@ class TraceWriter {
   /// full (wants_full()).
   Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* image);
 
-  /// Whether the tick that begins next is to be stored in full.
+  /// The same with an image that is encoded already, as recovery has it.
+  Status end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
+                          std::optional<ByteView> image);
+
+  /// Whether the tick that is in flight or begins next is to be stored in full.
   bool wants_full() const;
 
   /// Whether a checkpoint is due now, before the next begin_tick.
   bool wants_checkpoint() const;
+  /// Requires: no tick begun; the first at tick 0, later ones ascending.
   Status checkpoint(const StateView& state, std::uint64_t root_hash);
+  Status checkpoint_encoded(ByteView image, std::uint64_t root_hash);
 
   /// Writes end record, index and footer and closes the file.
   Status finish(EndReason reason, const std::string& note);

@@ -1,0 +1,191 @@
+// Encoding and checking of chunk headers and tick records.
+// SPDX-License-Identifier: MIT
+#include "replay/chunk.h"
+
+#include <algorithm>
+
+#include "base/assert.h"
+#include "base/hash.h"
+#include "replay/trace.h"
+
+namespace ticktrue::replay {
+namespace {
+
+constexpr std::uint8_t flag_streamed = 1;
+constexpr std::size_t record_check_size = 2;
+
+bool has_size_field(std::uint8_t tag) {
+  return tag == static_cast<std::uint8_t>(RecordTag::inputs) || tag == static_cast<std::uint8_t>(RecordTag::stages) ||
+         tag >= private_kind_first;
+}
+
+std::size_t body_size_max(std::uint8_t tag) {
+  if (tag == static_cast<std::uint8_t>(RecordTag::inputs)) return input_size_max;
+  if (tag == static_cast<std::uint8_t>(RecordTag::stages)) return limits::stage_count_max * 8;
+  return limits::record_size_max;
+}
+
+/// Size of the body of a tag without size field; 0 for an unknown tag.
+std::size_t fixed_body_size(std::uint8_t tag) {
+  switch (static_cast<RecordTag>(tag)) {
+    case RecordTag::dt:
+    case RecordTag::root:
+    case RecordTag::root_image:
+      return 8;
+    case RecordTag::close:
+      return 12;
+    default:
+      return 0;
+  }
+}
+
+void encode_header_fields(const ChunkHeader& header, ByteWriter& out) {
+  out.bytes(sync_marker);
+  out.u8(header.kind);
+  out.u8(header.size == streamed_size ? flag_streamed : 0);
+  out.u16(0);
+  out.u32(header.sequence);
+  out.u32(header.size);
+  out.u64(header.tick);
+  out.u64(header.chain);
+}
+
+}  // namespace
+
+const ChunkKindInfo* chunk_kind_info(std::uint8_t kind) {
+  for (const ChunkKindInfo& info : chunk_kinds)
+    if (static_cast<std::uint8_t>(info.kind) == kind) return &info;
+  return nullptr;
+}
+
+void encode_file_header(ByteWriter& out) {
+  const std::size_t start = out.size();
+  out.bytes(magic);
+  out.u16(format_version);
+  out.u16(0);
+  out.u32(static_cast<std::uint32_t>(hash64(out.view().subspan(start))));
+}
+
+std::uint64_t chain_start() {
+  ByteWriter header;
+  encode_file_header(header);
+  return hash64(header.view());
+}
+
+std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out) {
+  const std::size_t start = out.size();
+  encode_header_fields(header, out);
+  const std::uint64_t check = hash64(out.view().subspan(start), seed);
+  out.u64(check);
+  return check;
+}
+
+std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t seed) {
+  TICKTRUE_ASSERT(bytes.size() >= chunk_header_size);
+  if (!std::equal(sync_marker.begin(), sync_marker.end(), bytes.begin())) return std::nullopt;
+  ByteReader in(bytes.subspan(sync_marker.size(), chunk_header_size - sync_marker.size()));
+  ChunkHeader header;
+  header.kind = in.u8();
+  const std::uint8_t flags = in.u8();
+  const std::uint16_t reserved = in.u16();
+  header.sequence = in.u32();
+  header.size = in.u32();
+  header.tick = in.u64();
+  header.chain = in.u64();
+  header.check = in.u64();
+  if (hash64(bytes.first(chunk_header_size - 8), seed) != header.check) return std::nullopt;
+  const bool is_streamed = header.kind == static_cast<std::uint8_t>(ChunkKind::ticks);
+  if (reserved != 0 || flags != (is_streamed ? flag_streamed : 0)) return std::nullopt;
+  if (is_streamed != (header.size == streamed_size)) return std::nullopt;
+  return header;
+}
+
+bool may_begin_chunk(ByteView part, const ChunkHeader& expected) {
+  ByteWriter fields;
+  encode_header_fields(expected, fields);
+  for (std::size_t i = 0; i < part.size() && i < fields.size(); ++i) {
+    const bool is_unknown = i == 4 || i == 5 || (i >= 12 && i < 16);  // kind, flags and size are not known before
+    if (!is_unknown && part[i] != fields.view()[i]) return false;
+  }
+  return true;
+}
+
+std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data) {
+  ByteWriter link;
+  link.u8(header.kind);
+  link.u32(header.sequence);
+  link.u64(header.tick);
+  return hash64(data, hash64(fields, hash64(link.view(), header.chain)));
+}
+
+void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out) {
+  const std::size_t start = out.size();
+  const auto tag_byte = static_cast<std::uint8_t>(tag);
+  out.u8(tag_byte);
+  if (has_size_field(tag_byte)) out.varint(body.size());
+  out.bytes(body);
+  running = hash64(out.view().subspan(start), running);
+  out.u16(static_cast<std::uint16_t>(running));
+}
+
+void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& out) {
+  const std::size_t start = out.size();
+  out.u8(static_cast<std::uint8_t>(RecordTag::close));
+  out.u32(tick_count);
+  running = hash64(out.view().subspan(start), running);
+  out.u64(running);
+}
+
+Record parse_record(ByteView bytes, std::uint64_t* running) {
+  Record record;
+  if (bytes.empty()) {
+    record.fault = RecordFault::ends_early;
+    record.size = 1;
+    return record;
+  }
+  record.tag = bytes[0];
+  std::size_t body_offset = 1;
+  std::size_t body_size = fixed_body_size(record.tag);
+  if (has_size_field(record.tag)) {
+    ByteReader in(bytes.subspan(1));
+    const std::uint64_t size = in.varint();
+    if (!in.ok()) {
+      // Cut off inside the size, or no valid size.
+      bool goes_on = bytes.size() < 11;
+      for (std::size_t i = 1; i < bytes.size() && goes_on; ++i) goes_on = (bytes[i] & 0x80) != 0;
+      record.fault = goes_on ? RecordFault::ends_early : RecordFault::bad_size;
+      record.size = bytes.size() + 1;
+      return record;
+    }
+    if (size > body_size_max(record.tag) || (size == 0 && record.tag < private_kind_first)) {
+      record.fault = RecordFault::bad_size;
+      return record;
+    }
+    body_offset += in.offset();
+    body_size = static_cast<std::size_t>(size);
+  } else if (body_size == 0) {
+    record.fault = RecordFault::unknown_tag;
+    return record;
+  }
+  const bool is_close = record.tag == static_cast<std::uint8_t>(RecordTag::close);
+  record.size = body_offset + body_size + (is_close ? 0 : record_check_size);
+  if (bytes.size() < record.size) {
+    record.fault = RecordFault::ends_early;
+    return record;
+  }
+  record.body = bytes.subspan(body_offset, body_size);
+  if (running == nullptr) return record;
+  const std::size_t check_size = is_close ? 8 : record_check_size;
+  const ByteView checked = bytes.first(record.size - check_size);
+  const std::uint64_t value = hash64(checked, *running);
+  ByteReader in(bytes.subspan(checked.size(), check_size));
+  record.check_found = is_close ? in.u64() : in.u16();
+  record.check_expected = is_close ? value : value & 0xffff;
+  if (record.check_found != record.check_expected)
+    record.fault = RecordFault::bad_check;
+  else
+    *running = value;
+  return record;
+}
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,101 @@
+// The framing of a trace: file header, chunks with their checks and chain, and the records of a ticks chunk.
+// SPDX-License-Identifier: MIT
+//
+// Format: docs/trace_format.md. Writer and reader share this file, so that they cannot disagree.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "base/bytes.h"
+#include "base/limits.h"
+
+namespace ticktrue::replay {
+
+inline constexpr std::array<std::uint8_t, 8> magic{0x89, 'T', 'T', 'R', 0x0d, 0x0a, 0x1a, 0x0a};
+inline constexpr std::array<std::uint8_t, 4> sync_marker{0xf5, 'T', 'T', 'C'};
+inline constexpr std::size_t file_header_size = 16;
+inline constexpr std::size_t chunk_header_size = 40;
+inline constexpr std::size_t chunk_trailer_size = 8;
+inline constexpr std::uint32_t streamed_size = 0xffffffffu;  // of a ticks chunk: its records say where it ends
+
+inline constexpr std::size_t input_size_max = 8u << 20;      // bytes of one tick: inputs_per_tick_max of 128 B
+inline constexpr std::uint32_t chunk_tick_count = 1024;      // the writer closes a ticks chunk at so many ticks
+inline constexpr std::size_t chunk_close_size = 256u << 10;  // or at so many bytes
+inline constexpr std::size_t image_part_size = 1u << 20;     // raw bytes of a state image in one chunk
+inline constexpr std::size_t index_entry_count_max = 65'536;
+
+enum class ChunkKind : std::uint8_t { setup = 1, facts, checkpoint, ticks, image, end, index, footer };
+struct ChunkKindInfo {
+  ChunkKind kind;
+  std::string_view name;
+  std::size_t payload_size_max;
+};
+inline constexpr std::array<ChunkKindInfo, 8> chunk_kinds{{
+    {ChunkKind::setup, "setup", limits::setup_size_max},
+    {ChunkKind::facts, "build facts", 4u << 20},
+    {ChunkKind::checkpoint, "checkpoint", image_part_size + 64},
+    {ChunkKind::ticks, "ticks", limits::chunk_size_max},
+    {ChunkKind::image, "image", image_part_size + 64},
+    {ChunkKind::end, "end", 64u << 10},
+    {ChunkKind::index, "index", 2u << 20},
+    {ChunkKind::footer, "footer", 24},
+}};
+/// Null for a kind that is unknown or private.
+const ChunkKindInfo* chunk_kind_info(std::uint8_t kind);
+inline constexpr std::uint8_t private_kind_first = 0x80;  // kinds and tags from here on are skipped by readers
+
+struct ChunkHeader {
+  std::uint8_t kind = 0;
+  std::uint32_t sequence = 0;
+  std::uint32_t size = 0;   // bytes of the payload
+  std::uint64_t tick = 0;   // ticks done before this chunk
+  std::uint64_t chain = 0;  // chain value before this chunk
+  std::uint64_t check = 0;  // of the fields above
+};
+
+void encode_file_header(ByteWriter& out);
+/// Chain value before the first chunk, and seed of the header check of the setup chunk.
+std::uint64_t chain_start();
+
+/// Appends the header; gives its check. `seed` is chain_start() for the setup, else the chain value after the setup.
+std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out);
+/// Nothing if the marker, the reserved bits or the check are wrong. Requires: chunk_header_size bytes.
+std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t seed);
+/// Whether the first bytes of a header that is cut off are what they must be.
+bool may_begin_chunk(ByteView part, const ChunkHeader& expected);
+
+/// Chain value after a chunk with this content: `fields`, then `data`.
+std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data);
+
+enum class RecordTag : std::uint8_t {
+  dt = 1,
+  inputs = 2,
+  stages = 3,
+  root = 4,
+  root_image = 5,  // root, and the image of the state follows in image chunks
+  cells = 6,       // reserved: not in version 1
+  close = 15,
+};
+
+/// Appends a record (not `close`) and moves the running value on. A tag with a size of its own gets it in front.
+void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out);
+/// Appends the record that closes a ticks chunk; `running` becomes the chain value after it.
+void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& out);
+
+enum class RecordFault : std::uint8_t { none, ends_early, unknown_tag, bad_size, bad_check };
+struct Record {
+  RecordFault fault = RecordFault::none;
+  std::uint8_t tag = 0;
+  ByteView body;                  // without tag, size and check
+  std::size_t size = 0;           // of the whole record; with ends_early: how many bytes it takes at least
+  std::uint64_t check_found = 0;  // with bad_check
+  std::uint64_t check_expected = 0;
+};
+/// The record at the start of `bytes`. With a running value it is checked, and the value moves on if all is right.
+Record parse_record(ByteView bytes, std::uint64_t* running);
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,286 @@
+// Encoding and bounded decoding of chunk payloads. The only file that includes zstd.h.
+// SPDX-License-Identifier: MIT
+#include "replay/payload.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/limits.h"
+#include "replay/chunk.h"
+
+#ifdef TICKTRUE_HAS_ZSTD
+#include <zstd.h>
+#endif
+
+namespace ticktrue::replay {
+namespace {
+
+Error corrupt(const std::string& what) {
+  return {ErrorCode::corrupt, what, ""};
+}
+
+Error over_limit(const std::string& place, const std::string& what, std::uint64_t found, std::uint64_t max) {
+  return {ErrorCode::limit,
+          place + ": " + what + ": found " + std::to_string(found) + ", expected at most " + std::to_string(max), ""};
+}
+
+bool is_dt(double dt) {
+  return std::isfinite(dt) && dt >= 0;
+}
+
+}  // namespace
+
+bool has_codec(Codec codec) {
+#ifdef TICKTRUE_HAS_ZSTD
+  if (codec == Codec::zstd) return true;
+#endif
+  return codec == Codec::none;
+}
+
+Status check_setup(const TraceSetup& setup, const std::string& place) {
+  if (setup.simulation.empty() || setup.simulation.size() > limits::name_size_max)
+    return Error{ErrorCode::limit,
+                 place + ": setup: simulation name: found " + std::to_string(setup.simulation.size()) +
+                     " bytes, expected 1.." + std::to_string(limits::name_size_max),
+                 ""};
+  if (setup.title.size() > limits::name_size_max)
+    return over_limit(place, "setup: bytes of the title", setup.title.size(), limits::name_size_max);
+  if (!is_dt(setup.dt))
+    return Error{ErrorCode::invalid_scene, place + ": setup: dt: found a value that is negative or not finite", ""};
+  if (setup.detail == Detail::full ? setup.full_first > setup.full_last : (setup.full_first | setup.full_last) != 0)
+    return Error{ErrorCode::usage,
+                 place + ": setup: ticks stored in full: found " + std::to_string(setup.full_first) + ".." +
+                     std::to_string(setup.full_last) + ", expected first <= last with detail full, else 0..0",
+                 ""};
+  if (setup.stages.size() > limits::stage_count_max)
+    return over_limit(place, "setup: stage count", setup.stages.size(), limits::stage_count_max);
+  for (const std::string& stage : setup.stages)
+    if (stage.size() > limits::name_size_max)
+      return over_limit(place, "setup: bytes of a stage name", stage.size(), limits::name_size_max);
+  if (const Status status = check_schema(setup.schema); !status)
+    return Error{status.error().code, place + ": setup: " + status.error().message, status.error().hint};
+  // The fields before it are far below a megabyte per schema table.
+  if (setup.setup.size() > limits::setup_size_max - (16u << 20))
+    return over_limit(place, "setup: bytes", setup.setup.size(), limits::setup_size_max - (16u << 20));
+  return {};
+}
+
+void encode_setup(const TraceSetup& setup, ByteWriter& out) {
+  out.text(setup.simulation);
+  out.u32(setup.physics_version);
+  out.text(setup.title);
+  out.f64(setup.dt);
+  out.u8(static_cast<std::uint8_t>(setup.detail));
+  out.u64(setup.full_first);
+  out.u64(setup.full_last);
+  out.u32(setup.checkpoint_interval);
+  encode_schema(setup.schema, out);
+  out.u16(static_cast<std::uint16_t>(setup.stages.size()));
+  for (const std::string& stage : setup.stages) out.text(stage);
+  out.u32(static_cast<std::uint32_t>(setup.setup.size()));
+  out.bytes(setup.setup);
+}
+
+Result<TraceSetup> decode_setup(ByteView payload) {
+  ByteReader in(payload);
+  TraceSetup setup;
+  setup.simulation = in.text(limits::name_size_max);
+  setup.physics_version = in.u32();
+  setup.title = in.text(limits::name_size_max);
+  setup.dt = in.f64();
+  const auto detail = static_cast<Detail>(in.u8());
+  setup.full_first = in.u64();
+  setup.full_last = in.u64();
+  setup.checkpoint_interval = in.u32();
+  if (!in.ok()) return corrupt("setup: ends early");
+  if (std::none_of(details.begin(), details.end(), [&](const DetailInfo& info) { return info.detail == detail; }))
+    return corrupt("setup: detail: found " + std::to_string(static_cast<unsigned>(detail)) + ", expected 1 or 3");
+  setup.detail = detail;
+  Result<StateSchema> schema = decode_schema(in);
+  if (!schema) return corrupt("setup: " + schema.error().message);
+  setup.schema = std::move(*schema);
+  const std::size_t stage_count = in.u16();
+  if (stage_count > limits::stage_count_max) return corrupt("setup: too many stages");
+  for (std::size_t i = 0; i < stage_count && in.ok(); ++i) setup.stages.push_back(in.text(limits::name_size_max));
+  const std::size_t size = in.u32();
+  const ByteView rest = in.bytes(size);
+  if (!in.ok() || !in.at_end()) return corrupt("setup: sizes do not add up");
+  setup.setup.assign(rest.begin(), rest.end());
+  if (const Status status = check_setup(setup, "trace"); !status) return corrupt(status.error().message);
+  return setup;
+}
+
+Status check_facts(const BuildFacts& facts, const std::string& place) {
+  if (facts.size() > fact_count_max) return over_limit(place, "build facts: count", facts.size(), fact_count_max);
+  for (const auto& [name, value] : facts)
+    if (std::max(name.size(), value.size()) > fact_size_max)
+      return over_limit(place, "build facts: bytes of one", std::max(name.size(), value.size()), fact_size_max);
+  return {};
+}
+
+void encode_facts(const FactsPayload& facts, ByteWriter& out) {
+  out.u8(static_cast<std::uint8_t>(facts.codec));
+  out.u16(static_cast<std::uint16_t>(facts.facts.size()));
+  for (const auto& [name, value] : facts.facts) {
+    out.text(name);
+    out.text(value);
+  }
+}
+
+Result<FactsPayload> decode_facts(ByteView payload) {
+  ByteReader in(payload);
+  FactsPayload facts;
+  const std::uint8_t codec = in.u8();
+  const std::size_t count = in.u16();
+  if (codec > static_cast<std::uint8_t>(Codec::zstd) || count > fact_count_max)
+    return corrupt("build facts: found an unknown codec or too many facts");
+  facts.codec = static_cast<Codec>(codec);
+  for (std::size_t i = 0; i < count && in.ok(); ++i) {
+    std::string name = in.text(fact_size_max);
+    std::string value = in.text(fact_size_max);
+    facts.facts.emplace_back(std::move(name), std::move(value));
+  }
+  if (!in.ok() || !in.at_end()) return corrupt("build facts: sizes do not add up");
+  return facts;
+}
+
+void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out) {
+  out.u64(part.root_hash);
+  out.u64(part.image_size);
+  out.u64(part.offset);
+  out.u32(part.size);
+#ifdef TICKTRUE_HAS_ZSTD
+  if (compress && !raw.empty()) {
+    Bytes packed(ZSTD_compressBound(raw.size()));
+    constexpr int level = 3;  // zstd's own default
+    const std::size_t size = ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), level);
+    if (!ZSTD_isError(size) && size < raw.size()) {
+      out.u8(static_cast<std::uint8_t>(Codec::zstd));
+      out.bytes(ByteView(packed).first(size));
+      return;
+    }
+  }
+#else
+  static_cast<void>(compress);
+#endif
+  out.u8(static_cast<std::uint8_t>(Codec::none));
+  out.bytes(raw);
+}
+
+Result<ImagePart> decode_image_part(ByteView payload) {
+  ByteReader in(payload);
+  ImagePart part;
+  part.root_hash = in.u64();
+  part.image_size = in.u64();
+  part.offset = in.u64();
+  part.size = in.u32();
+  const std::uint8_t codec = in.u8();
+  if (!in.ok()) return corrupt("state image: ends early");
+  if (part.image_size > limits::state_image_size_max)
+    return over_limit("state image", "size", part.image_size, limits::state_image_size_max);
+  if (part.offset > part.image_size ||
+      part.size != std::min<std::uint64_t>(image_part_size, part.image_size - part.offset) ||
+      (part.size == 0 && part.image_size != 0))
+    return corrupt("state image: parts do not add up: found " + std::to_string(part.size) + " bytes at " +
+                   std::to_string(part.offset) + " of " + std::to_string(part.image_size));
+  if (codec > static_cast<std::uint8_t>(Codec::zstd))
+    return corrupt("state image: codec: found " + std::to_string(codec) + ", expected 0 or 1");
+  part.codec = static_cast<Codec>(codec);
+  part.stored = in.bytes(in.remaining());
+  return part;
+}
+
+Status unpack_image_part(const ImagePart& part, Bytes& out) {
+  if (part.codec == Codec::none) {
+    if (part.stored.size() != part.size)
+      return corrupt("state image: stored size: found another, expected the raw size");
+    out.insert(out.end(), part.stored.begin(), part.stored.end());
+    return {};
+  }
+#ifdef TICKTRUE_HAS_ZSTD
+  const std::size_t start = out.size();
+  out.resize(start + part.size);
+  const std::size_t size = ZSTD_decompress(out.data() + start, part.size, part.stored.data(), part.stored.size());
+  if (ZSTD_isError(size) || size != part.size) {
+    out.resize(start);
+    return corrupt("state image: zstd: does not unpack to " + std::to_string(part.size) + " bytes");
+  }
+  return {};
+#else
+  return Error{ErrorCode::unsupported, "state image: zstd: this build cannot unpack it", "use a build with zstd"};
+#endif
+}
+
+void encode_end(const EndRecord& end, ByteWriter& out) {
+  out.u8(static_cast<std::uint8_t>(end.reason));
+  out.text(std::string_view(end.note).substr(0, note_size_max));
+}
+
+Result<EndRecord> decode_end(ByteView payload, std::uint64_t tick_count) {
+  ByteReader in(payload);
+  EndRecord end;
+  end.tick_count = tick_count;
+  const auto reason = static_cast<EndReason>(in.u8());
+  end.note = in.text(note_size_max);
+  if (!in.ok() || !in.at_end()) return corrupt("end: sizes do not add up");
+  if (std::none_of(end_reasons.begin(), end_reasons.end(),
+                   [&](const EndReasonInfo& info) { return info.reason == reason; }))
+    return corrupt("end: reason: found " + std::to_string(static_cast<unsigned>(reason)) + ", expected 1..4");
+  end.reason = reason;
+  return end;
+}
+
+void CheckpointIndex::add(const IndexEntry& entry) {
+  if (checkpoint_count++ % stride != 0) return;
+  entries.push_back(entry);
+  if (entries.size() <= index_entry_count_max) return;
+  for (std::size_t i = 0; 2 * i < entries.size(); ++i) entries[i] = entries[2 * i];
+  entries.resize((entries.size() + 1) / 2);
+  stride *= 2;
+}
+
+void encode_index(const CheckpointIndex& index, ByteWriter& out) {
+  out.u32(index.stride);
+  out.u32(static_cast<std::uint32_t>(index.entries.size()));
+  for (const IndexEntry& entry : index.entries) {
+    out.u64(entry.tick);
+    out.u64(entry.offset);
+  }
+}
+
+Result<CheckpointIndex> decode_index(ByteView payload) {
+  ByteReader in(payload);
+  CheckpointIndex index;
+  index.stride = in.u32();
+  const std::size_t count = in.u32();
+  if (!in.ok() || index.stride == 0 || count > index_entry_count_max || in.remaining() != 16 * count)
+    return corrupt("index: sizes do not add up");
+  index.entries.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    IndexEntry entry;
+    entry.tick = in.u64();
+    entry.offset = in.u64();
+    if (i > 0 && (entry.tick <= index.entries.back().tick || entry.offset <= index.entries.back().offset))
+      return corrupt("index: entry " + std::to_string(i) + ": found out of order, expected ascending ticks");
+    index.entries.push_back(entry);
+  }
+  return index;
+}
+
+void encode_footer(const Footer& footer, ByteWriter& out) {
+  out.u64(footer.index_offset);
+  out.u64(footer.index_check);
+  out.u64(footer.facts_check);
+}
+
+Result<Footer> decode_footer(ByteView payload) {
+  ByteReader in(payload);
+  Footer footer;
+  footer.index_offset = in.u64();
+  footer.index_check = in.u64();
+  footer.facts_check = in.u64();
+  if (!in.ok() || !in.at_end()) return corrupt("footer: size: found " + std::to_string(payload.size()));
+  return footer;
+}
+
+}  // namespace ticktrue::replay

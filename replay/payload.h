@@ -1,0 +1,87 @@
+// What the payloads of chunks hold: setup, build facts, parts of state images, end, index, footer.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "replay/trace.h"
+
+namespace ticktrue::replay {
+
+inline constexpr std::size_t fact_count_max = 256;
+inline constexpr std::size_t fact_size_max = 4'096;  // bytes of one name or value
+inline constexpr std::size_t note_size_max = 4'096;
+
+/// How the bytes of a state image are stored.
+enum class Codec : std::uint8_t { none = 0, zstd = 1 };
+/// Whether this build reads and writes it.
+bool has_codec(Codec codec);
+
+/// Errors: limit, incompatible parts. `place` begins the messages.
+Status check_setup(const TraceSetup& setup, const std::string& place);
+void encode_setup(const TraceSetup& setup, ByteWriter& out);
+/// Errors: corrupt.
+Result<TraceSetup> decode_setup(ByteView payload);
+
+/// `codecs` says which compression the state images of this file may use: it stands here, outside the chain.
+struct FactsPayload {
+  Codec codec = Codec::none;
+  BuildFacts facts;
+};
+Status check_facts(const BuildFacts& facts, const std::string& place);
+void encode_facts(const FactsPayload& facts, ByteWriter& out);
+Result<FactsPayload> decode_facts(ByteView payload);
+
+/// One part of a state image. Its content in the chain is its fields and its raw bytes, whatever the codec.
+struct ImagePart {
+  std::uint64_t root_hash = 0;
+  std::uint64_t image_size = 0;
+  std::uint64_t offset = 0;  // of this part in the image
+  std::uint32_t size = 0;    // raw
+  Codec codec = Codec::none;
+  ByteView stored;
+};
+inline constexpr std::size_t image_part_fields_size = 28;  // what of them counts for the chain
+/// Compresses `raw` where it helps, and appends the part.
+void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out);
+/// Errors: corrupt, limit.
+Result<ImagePart> decode_image_part(ByteView payload);
+/// Appends the part's raw bytes, exactly part.size, to `out`. Errors: corrupt, unsupported.
+Status unpack_image_part(const ImagePart& part, Bytes& out);
+
+void encode_end(const EndRecord& end, ByteWriter& out);
+/// Errors: corrupt. tick_count stands in the chunk's header.
+Result<EndRecord> decode_end(ByteView payload, std::uint64_t tick_count);
+
+struct IndexEntry {
+  std::uint64_t tick = 0;
+  std::uint64_t offset = 0;  // bytes from the start of the file to the header of the checkpoint's first chunk
+  bool operator==(const IndexEntry&) const = default;
+};
+/// Every stride-th checkpoint: bounded, however long the recording.
+struct CheckpointIndex {
+  std::uint32_t stride = 1;
+  std::vector<IndexEntry> entries;
+  std::uint64_t checkpoint_count = 0;
+
+  void add(const IndexEntry& entry);
+};
+void encode_index(const CheckpointIndex& index, ByteWriter& out);
+/// Errors: corrupt.
+Result<CheckpointIndex> decode_index(ByteView payload);
+
+struct Footer {
+  std::uint64_t index_offset = 0;
+  std::uint64_t index_check = 0;  // trailers of the two chunks that are outside the chain
+  std::uint64_t facts_check = 0;
+};
+void encode_footer(const Footer& footer, ByteWriter& out);
+/// Errors: corrupt.
+Result<Footer> decode_footer(ByteView payload);
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,116 @@
+// The recording loop: inputs to the disk, step, hashes to the disk.
+// SPDX-License-Identifier: MIT
+#include "replay/recorder.h"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "base/state_view.h"
+
+namespace ticktrue::replay {
+namespace {
+
+/// Root hash after each stage of the ticks that are stored in full.
+class StageHasher : public StageObserver {
+ public:
+  void after_stage(std::size_t, const StateView& state) override { hashes.push_back(root_hash(state)); }
+  std::vector<std::uint64_t> hashes;
+};
+
+std::string non_finite_text(const Simulation& simulation, std::uint64_t tick, const StatePlace& place) {
+  const StateView& state = simulation.state();
+  const TableSchema& table = state.schema->tables[place.table];
+  const Column& column = table.columns[place.column];
+  const std::string name = simulation.row_name(place.table, place.row);
+  return "tick " + std::to_string(tick) + ": " + table.name + " row " + std::to_string(place.row) +
+         (name.empty() ? "" : " (" + name + ")") + ", column " + column.name + ", lane " + std::to_string(place.lane) +
+         ": found a value that is not finite";
+}
+
+/// One recording in progress.
+class Recording {
+ public:
+  Recording(Simulation& simulation, InputSource& source, TraceWriter& writer, const RecordOptions& options)
+      : simulation_(simulation), source_(source), writer_(writer), options_(options) {}
+
+  Result<RecordResult> run() {
+    result_.root_hash = root_hash(simulation_.state());
+    for (;;) {
+      if (writer_.wants_checkpoint())
+        if (const Status status = writer_.checkpoint(simulation_.state(), result_.root_hash); !status)
+          return status.error();
+      const std::uint64_t tick = writer_.tick_count();
+      if (options_.tick_count && tick >= *options_.tick_count) return finish(EndReason::complete, "");
+      if (options_.progress && !options_.progress(tick)) return finish(EndReason::interrupted, "stopped on request");
+      Result<std::optional<TickInput>> input = source_.next(tick);
+      if (!input) return refuse(input.error());
+      if (!input->has_value()) return finish(EndReason::complete, "");
+      if (const Status status = simulation_.accept(**input); !status) return refuse(status.error());
+      if (const Status status = writer_.begin_tick(**input); !status) return status.error();
+      const bool is_full = writer_.wants_full();
+      step(**input, is_full);
+      if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
+        return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
+      result_.root_hash = root_hash(simulation_.state());
+      if (const Status status =
+              writer_.end_tick(result_.root_hash, stage_hasher_.hashes, is_full ? &simulation_.state() : nullptr);
+          !status)
+        return status.error();
+    }
+  }
+
+ private:
+  void step(const TickInput& input, bool is_full) {
+    stage_hasher_.hashes.clear();
+    const auto before = std::chrono::steady_clock::now();
+    simulation_.step(input, is_full ? &stage_hasher_ : nullptr);
+    result_.simulate_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  }
+
+  Result<RecordResult> finish(EndReason reason, const std::string& note) {
+    if (const Status status = writer_.finish(reason, note); !status) return status.error();
+    result_.tick_count = writer_.tick_count();
+    result_.size = writer_.size();
+    result_.reason = reason;
+    result_.note = note;
+    return std::move(result_);
+  }
+
+  /// The source or the simulation refused an input.
+  Error refuse(Error error) {
+    if (source_.repeatable()) {
+      writer_.discard();
+      return error;
+    }
+    const std::uint64_t tick_count = writer_.tick_count();
+    if (const Status status = writer_.finish(EndReason::interrupted, error.message); !status) return status.error();
+    error.hint += (error.hint.empty() ? "" : "; ") + std::string("the trace was closed and holds the ") +
+                  std::to_string(tick_count) + " ticks before";
+    return error;
+  }
+
+  Simulation& simulation_;
+  InputSource& source_;
+  TraceWriter& writer_;
+  const RecordOptions& options_;
+  StageHasher stage_hasher_;
+  RecordResult result_;
+};
+
+}  // namespace
+
+Result<std::optional<TickInput>> NoInputs::next(std::uint64_t) {
+  return std::optional<TickInput>(TickInput{dt_, {}});
+}
+
+Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
+                            const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options) {
+  if (const std::optional<StatePlace> place = find_non_finite(simulation.state()))
+    return Error{ErrorCode::invalid_scene, "initial state, " + non_finite_text(simulation, 0, *place), ""};
+  Result<TraceWriter> writer = TraceWriter::create(path, setup, facts, options.writer);
+  if (!writer) return writer.error();
+  return Recording(simulation, source, *writer, options).run();
+}
+
+}  // namespace ticktrue::replay
