@@ -1,0 +1,28 @@
+// The subcommands: each adds itself to the command line and leaves its exit code in the context.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "verifier/cli/cli.h"
+
+namespace ticktrue::cli {
+
+// session
+void add_run(CLI::App& app, CliContext& context);
+void add_record(CLI::App& app, CliContext& context);
+void add_replay(CLI::App& app, CliContext& context);
+void add_verify(CLI::App& app, CliContext& context);
+void add_diff(CLI::App& app, CliContext& context);
+void add_show(CLI::App& app, CliContext& context);
+void add_recover(CLI::App& app, CliContext& context);
+void add_import(CLI::App& app, CliContext& context);
+
+// study
+void add_crosscheck(CLI::App& app, CliContext& context);
+
+// upkeep
+void add_describe(CLI::App& app, CliContext& context);
+void add_scenes(CLI::App& app, CliContext& context);
+void add_inject(CLI::App& app, CliContext& context);
+void add_env(CLI::App& app, CliContext& context);
+
+}  // namespace ticktrue::cli

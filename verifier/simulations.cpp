@@ -1,0 +1,32 @@
+// The list of simulations.
+// SPDX-License-Identifier: MIT
+#include "verifier/simulations.h"
+
+#include <array>
+
+#include "engine/engine.h"
+
+namespace ticktrue::verifier {
+
+std::span<const SimulationInfo* const> simulations() {
+  static const std::array<const SimulationInfo*, 1> list{&engine::engine_info()};
+  return list;
+}
+
+const SimulationInfo* find_simulation(std::string_view name) {
+  for (const SimulationInfo* info : simulations())
+    if (info->name == name) return info;
+  return nullptr;
+}
+
+std::string simulation_names() {
+  const auto list = simulations();
+  std::string text;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (i > 0) text += i + 1 == list.size() ? " or " : ", ";
+    text += list[i]->name;
+  }
+  return text;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,21 @@
+// The simulations this build can make from a trace: the only list of them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/simulation.h"
+
+namespace ticktrue::verifier {
+
+std::span<const SimulationInfo* const> simulations();
+
+/// The simulation with this name, or null.
+const SimulationInfo* find_simulation(std::string_view name);
+
+/// "a, b or c": for error messages.
+std::string simulation_names();
+
+}  // namespace ticktrue::verifier
