@@ -82,6 +82,16 @@ Result<TickRange> parse_tick_range(const std::string& text, const std::string& o
 void catch_stop_signals();
 bool stop_requested();
 
+/// A number option: decimal digits only, so that `-1` and `0x10` are refused; `min` and `max` are allowed values.
+struct NumberRange {
+  std::uint64_t min = 0;
+  std::uint64_t max = std::numeric_limits<std::uint64_t>::max();
+};
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& target, const std::string& help,
+                        NumberRange range = {});
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
+                        const std::string& help, NumberRange range = {});
+
 /// Text that stands below the options in a subcommand's help: `examples` has one line each, without indentation.
 void set_examples(CLI::App& command, std::string_view examples);
 

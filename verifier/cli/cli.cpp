@@ -1,0 +1,235 @@
+// Messages, data output, the SCENE argument, tick ranges, stop signals: shared by the subcommands.
+// SPDX-License-Identifier: MIT
+#include "verifier/cli/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/limits.h"
+#include "engine/builtin_scenes.h"
+#include "engine/scene_json.h"
+#include "verifier/data_file.h"
+
+namespace ticktrue::cli {
+namespace {
+
+int output_error = 0;  // errno of the first write to stdout that failed
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+void remember_stop(int signal) {
+  stop_signal = 1;
+  std::signal(signal, SIG_DFL);  // the second one kills
+}
+
+void print_message(const char* kind, std::string_view text) {
+  std::fflush(stdout);  // on a terminal, data printed before the message stands before it
+  std::fprintf(stderr, "ticktrue: %s: %.*s\n", kind, static_cast<int>(text.size()), text.data());
+}
+
+/// Letters to insert, remove, replace or exchange with a neighbour to get from `a` to `b`.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      const std::size_t replaced = cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      cost[i][j] = std::min({replaced, cost[i - 1][j] + 1, cost[i][j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  }
+  return cost[a.size()][b.size()];
+}
+
+std::optional<std::uint64_t> parse_number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+bool ends_with(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
+}
+
+std::uint64_t checked_number(const std::string& name, const std::string& text, NumberRange range) {
+  const std::optional<std::uint64_t> value = parse_number(text);
+  if (!value || *value < range.min || *value > range.max) {
+    std::string expected = "a whole number";
+    if (range.max != std::numeric_limits<std::uint64_t>::max())
+      expected += " from " + std::to_string(range.min) + " to " + std::to_string(range.max);
+    else if (range.min > 0)
+      expected += ", at least " + std::to_string(range.min);
+    throw CLI::ValidationError(name, "found " + quoted(text) + ", expected " + expected);
+  }
+  return *value;
+}
+
+}  // namespace
+
+void print_error(const Error& error) {
+  print_message("error", error.message);
+  if (!error.hint.empty()) std::fprintf(stderr, "  %s\n", error.hint.c_str());
+}
+
+void print_warning(std::string_view text) { print_message("warning", text); }
+
+void print_note(std::string_view text) { print_message("note", text); }
+
+int fail(const Error& error) {
+  print_error(error);
+  return exit_code_of(error.code);
+}
+
+int fail_usage(const Error& error) {
+  print_error(error);
+  return exit_usage;
+}
+
+void print(std::string_view text) {
+  if (output_error != 0) return;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) output_error = errno != 0 ? errno : EIO;
+}
+
+bool output_is_open() { return output_error == 0; }
+
+Status flush_output() {
+  if (output_error == 0 && std::fflush(stdout) != 0) output_error = errno != 0 ? errno : EIO;
+  if (output_error == 0 || output_error == EPIPE) return {};
+  return Error{ErrorCode::io, "standard output: cannot write: " + verifier::system_message(output_error), ""};
+}
+
+Result<std::string> read_text_file(const std::string& path, std::size_t size_max) {
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return Error{ErrorCode::io, path + ": cannot open: " + verifier::system_message(errno), ""};
+  std::string text;
+  char block[1 << 16];
+  std::size_t count = 0;
+  while ((count = std::fread(block, 1, sizeof block, file)) > 0 && text.size() <= size_max) text.append(block, count);
+  const int error_number = std::ferror(file) != 0 ? errno : 0;
+  std::fclose(file);
+  if (error_number != 0)
+    return Error{ErrorCode::io, path + ": cannot read: " + verifier::system_message(error_number), ""};
+  if (text.size() > size_max)
+    return Error{ErrorCode::limit, path + ": file size: found more than " + std::to_string(size_max) +
+                                       " bytes, expected at most that", ""};
+  return text;
+}
+
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
+  if (typed.empty() || typed.size() > limits::name_size_max) return "";
+  std::string nearest;
+  std::size_t nearest_distance = std::max<std::size_t>(2, typed.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const bool begins = candidate.compare(0, typed.size(), typed) == 0;
+    const std::size_t distance = begins ? 1 : edit_distance(typed, candidate);
+    if (distance < nearest_distance && distance < candidate.size()) {
+      nearest = candidate;
+      nearest_distance = distance;
+    }
+  }
+  return nearest;
+}
+
+Result<engine::Scene> load_scene_argument(const std::string& text) {
+  std::error_code code;
+  if (ends_with(text, ".json") || std::filesystem::exists(text, code)) {
+    const Result<std::string> json = read_text_file(text, limits::scene_file_size_max);
+    if (!json) return json.error();
+    return engine::parse_scene(*json, text);
+  }
+  const std::string name = text.substr(0, text.find('?'));
+  std::vector<std::string> names;
+  std::string list;
+  for (const engine::BuiltinScene& scene : engine::builtin_scenes()) {
+    names.emplace_back(scene.name);
+    list += (list.empty() ? "" : ", ") + names.back();
+  }
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    const std::string nearest = nearest_name(name, names);
+    return Error{ErrorCode::usage,
+                 "scene " + quoted(text) + ": found neither a file nor a built-in scene of this name, expected a file or " +
+                     list,
+                 nearest.empty() ? "`ticktrue scenes` lists the built-in scenes with their parameters"
+                                 : "did you mean " + nearest + "? `ticktrue scenes` lists them with their parameters"};
+  }
+  return engine::make_builtin_scene(text);
+}
+
+Result<TickRange> parse_tick_range(const std::string& text, const std::string& option) {
+  const Error refused{ErrorCode::usage,
+                      option + ": found " + quoted(text) + ", expected A..B, A.., ..B or one tick, with A <= B", ""};
+  TickRange range;
+  const std::size_t dots = text.find("..");
+  if (dots == std::string::npos) {
+    const auto tick = parse_number(text);
+    if (!tick) return refused;
+    range.first = range.last = *tick;
+    return range;
+  }
+  const std::string_view first = std::string_view(text).substr(0, dots);
+  const std::string_view last = std::string_view(text).substr(dots + 2);
+  if (first.empty() && last.empty()) return refused;
+  if (!first.empty()) {
+    const auto tick = parse_number(first);
+    if (!tick) return refused;
+    range.first = *tick;
+  }
+  if (!last.empty()) {
+    const auto tick = parse_number(last);
+    if (!tick) return refused;
+    range.last = *tick;
+  }
+  if (range.first > range.last) return refused;
+  return range;
+}
+
+void catch_stop_signals() {
+  // Without SA_RESTART: a read that waits for live input returns, so that the recording can be closed.
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction action {};
+    action.sa_handler = remember_stop;
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+bool stop_requested() { return stop_signal != 0; }
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& target, const std::string& help,
+                        NumberRange range) {
+  return command
+      .add_option_function<std::string>(
+          name, [&target, name, range](const std::string& text) { target = checked_number(name, text, range); }, help)
+      ->type_name("N");
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
+                        const std::string& help, NumberRange range) {
+  return command
+      .add_option_function<std::string>(
+          name, [&target, name, range](const std::string& text) { target = checked_number(name, text, range); }, help)
+      ->type_name("N");
+}
+
+void set_examples(CLI::App& command, std::string_view examples) {
+  std::string text = "Examples:";
+  while (!examples.empty()) {
+    const std::size_t end = std::min(examples.find('\n'), examples.size());
+    text += "\n  " + std::string(examples.substr(0, end));
+    examples.remove_prefix(std::min(end + 1, examples.size()));
+  }
+  command.footer(text);
+}
+
+}  // namespace ticktrue::cli
