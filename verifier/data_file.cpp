@@ -18,7 +18,9 @@ Error exists_error(const std::string& path) {
 
 }  // namespace
 
-std::string system_message(int error_number) { return std::generic_category().message(error_number); }
+std::string system_message(int error_number) {
+  return std::generic_category().message(error_number);
+}
 
 Status check_writable_target(const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;

@@ -2,4 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/cli/command_line.h"
 
-int main(int argc, char** argv) { return ticktrue::cli::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  return ticktrue::cli::run_command_line(argc, argv);
+}

@@ -57,7 +57,9 @@ std::optional<std::uint64_t> parse_number(std::string_view text) {
   return value;
 }
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+std::string in_quotes(std::string_view text) {
+  return "\"" + std::string(text) + "\"";
+}
 
 bool ends_with(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
@@ -71,7 +73,7 @@ std::uint64_t checked_number(const std::string& name, const std::string& text, N
       expected += " from " + std::to_string(range.min) + " to " + std::to_string(range.max);
     else if (range.min > 0)
       expected += ", at least " + std::to_string(range.min);
-    throw CLI::ValidationError(name, "found " + quoted(text) + ", expected " + expected);
+    throw CLI::ValidationError(name, "found " + in_quotes(text) + ", expected " + expected);
   }
   return *value;
 }
@@ -83,9 +85,13 @@ void print_error(const Error& error) {
   if (!error.hint.empty()) std::fprintf(stderr, "  %s\n", error.hint.c_str());
 }
 
-void print_warning(std::string_view text) { print_message("warning", text); }
+void print_warning(std::string_view text) {
+  print_message("warning", text);
+}
 
-void print_note(std::string_view text) { print_message("note", text); }
+void print_note(std::string_view text) {
+  print_message("note", text);
+}
 
 int fail(const Error& error) {
   print_error(error);
@@ -102,7 +108,9 @@ void print(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) output_error = errno != 0 ? errno : EIO;
 }
 
-bool output_is_open() { return output_error == 0; }
+bool output_is_open() {
+  return output_error == 0;
+}
 
 Status flush_output() {
   if (output_error == 0 && std::fflush(stdout) != 0) output_error = errno != 0 ? errno : EIO;
@@ -122,8 +130,9 @@ Result<std::string> read_text_file(const std::string& path, std::size_t size_max
   if (error_number != 0)
     return Error{ErrorCode::io, path + ": cannot read: " + verifier::system_message(error_number), ""};
   if (text.size() > size_max)
-    return Error{ErrorCode::limit, path + ": file size: found more than " + std::to_string(size_max) +
-                                       " bytes, expected at most that", ""};
+    return Error{ErrorCode::limit,
+                 path + ": file size: found more than " + std::to_string(size_max) + " bytes, expected at most that",
+                 ""};
   return text;
 }
 
@@ -159,8 +168,8 @@ Result<engine::Scene> load_scene_argument(const std::string& text) {
   if (std::find(names.begin(), names.end(), name) == names.end()) {
     const std::string nearest = nearest_name(name, names);
     return Error{ErrorCode::usage,
-                 "scene " + quoted(text) + ": found neither a file nor a built-in scene of this name, expected a file or " +
-                     list,
+                 "scene " + in_quotes(text) +
+                     ": found neither a file nor a built-in scene of this name, expected a file or " + list,
                  nearest.empty() ? "`ticktrue scenes` lists the built-in scenes with their parameters"
                                  : "did you mean " + nearest + "? `ticktrue scenes` lists them with their parameters"};
   }
@@ -169,7 +178,7 @@ Result<engine::Scene> load_scene_argument(const std::string& text) {
 
 Result<TickRange> parse_tick_range(const std::string& text, const std::string& option) {
   const Error refused{ErrorCode::usage,
-                      option + ": found " + quoted(text) + ", expected A..B, A.., ..B or one tick, with A <= B", ""};
+                      option + ": found " + in_quotes(text) + ", expected A..B, A.., ..B or one tick, with A <= B", ""};
   TickRange range;
   const std::size_t dots = text.find("..");
   if (dots == std::string::npos) {
@@ -204,7 +213,9 @@ void catch_stop_signals() {
   }
 }
 
-bool stop_requested() { return stop_signal != 0; }
+bool stop_requested() {
+  return stop_signal != 0;
+}
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& target, const std::string& help,
                         NumberRange range) {

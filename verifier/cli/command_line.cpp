@@ -116,7 +116,8 @@ int parse_and_run(int argc, char** argv) {
     const std::vector<std::string> names = subcommand_names(app);
     if (std::find(names.begin(), names.end(), words[0]) == names.end()) {
       const std::string nearest = nearest_name(words[0], names);
-      return fail_usage(Error{ErrorCode::usage, "command line: found command \"" + words[0] + "\", which does not exist",
+      return fail_usage(Error{ErrorCode::usage,
+                              "command line: found command \"" + words[0] + "\", which does not exist",
                               nearest.empty() ? "see `ticktrue --help`" : "did you mean " + nearest + "?"});
     }
   }

@@ -21,6 +21,11 @@ class Progress {
 
   /// Cheap: may be called once a tick.
   void update(std::uint64_t done);
+  /// The same where the total becomes known on the way.
+  void update(std::uint64_t done, std::uint64_t total) {
+    total_ = total;
+    update(done);
+  }
   /// Removes the bar, so that what is printed next stands on a clean line.
   void finish();
 

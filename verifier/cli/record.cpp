@@ -1,0 +1,169 @@
+// `ticktrue record`: simulates a scene and writes a trace.
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/hash.h"
+#include "base/limits.h"
+#include "verifier/cli/commands.h"
+#include "verifier/cli/json_output.h"
+#include "verifier/cli/progress.h"
+#include "verifier/cli/session_inputs.h"
+#include "verifier/data_file.h"
+#include "verifier/session.h"
+
+namespace ticktrue::cli {
+namespace {
+
+struct RecordCommand {
+  std::string scene;
+  std::string inputs;
+  std::optional<std::uint64_t> tick_count;
+  std::string detail = "root";
+  std::uint64_t checkpoint_interval = 600;  // 10 s at 60 Hz: seeking re-simulates less than a second's work
+  bool no_compress = false;
+  bool force = false;
+  bool json = false;
+  std::string output;
+};
+
+Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon);
+  for (const replay::DetailInfo& info : replay::details) {
+    if (info.name != name) continue;
+    choices.detail = info.detail;
+    if (info.detail != replay::Detail::full) break;
+    choices.full_last = std::numeric_limits<std::uint64_t>::max();
+    if (colon == std::string::npos) return {};
+    const Result<TickRange> range = parse_tick_range(text.substr(colon + 1), "--detail");
+    if (!range) return range.error();
+    choices.full_first = range->first;
+    choices.full_last = range->last;
+    return {};
+  }
+  if (choices.detail == replay::Detail::root && text == "root") return {};
+  return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, full or full:A..B", ""};
+}
+
+std::string_view reason_name(replay::EndReason reason) {
+  for (const replay::EndReasonInfo& info : replay::end_reasons)
+    if (info.reason == reason) return info.name;
+  return "unknown";
+}
+
+int run_record(const RecordCommand& options) {
+  verifier::TraceChoices choices;
+  choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
+  if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
+  const Result<engine::Scene> scene = load_scene_argument(options.scene);
+  if (!scene) return fail_usage(scene.error());
+  const auto made = engine::make_engine(*scene);
+  if (!made) return fail_usage(made.error());
+  engine::Engine& engine = **made;
+  if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
+    return fail_usage(status.error());
+  catch_stop_signals();
+  const auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
+  if (!inputs) return fail_usage(inputs.error());
+  if (stop_requested()) {
+    print_note("stopped before the first tick: nothing was written");
+    return exit_ok;
+  }
+
+  Progress progress("record " + options.output, inputs->ticks_expected);
+  replay::RecordOptions record_options;
+  record_options.tick_count = options.tick_count;
+  record_options.writer.overwrite = options.force;
+  record_options.writer.compress = !options.no_compress;
+  std::uint64_t ticks_done = 0;
+  record_options.progress = [&](std::uint64_t done) {
+    ticks_done = done;
+    progress.update(done);
+    return !stop_requested();
+  };
+  const auto result =
+      replay::record(engine, *inputs->source, options.output, verifier::make_trace_setup(engine, choices),
+                     verifier::make_build_facts(), record_options);
+  progress.finish();
+  if (!result && stop_requested() && result.error().code == ErrorCode::io && !inputs->source->repeatable()) {
+    // The signal came while waiting for live inputs; the recorder closed the trace as interrupted.
+    print_note(options.output + ": stopped as asked after " + std::to_string(ticks_done) +
+               " ticks; the trace is whole");
+    return exit_ok;
+  }
+  if (!result) return fail_usage(with_input_place(result.error(), *inputs, engine));
+
+  const std::uint64_t input_count = inputs->lines == nullptr ? 0 : inputs->lines->count();
+  const double time_s = static_cast<double>(result->tick_count) * scene->settings.dt;
+  const double tick_ms =
+      result->tick_count == 0 ? 0 : result->simulate_s * 1e3 / static_cast<double>(result->tick_count);
+  if (options.json) {
+    Json object;
+    object["schema"] = "ticktrue.record/1";
+    object["file"] = options.output;
+    object["scene"] = scene->name;
+    object["ticks"] = result->tick_count;
+    object["time_s"] = time_s;
+    object["size"] = result->size;
+    object["detail"] = options.detail;
+    object["checkpoint_interval"] = options.checkpoint_interval;
+    object["reason"] = reason_name(result->reason);
+    object["note"] = result->note;
+    object["inputs"] = input_count;
+    object["ignored_inputs"] = engine.ignored_inputs();
+    object["ms_per_tick"] = tick_ms;
+    object["hash"] = hex64(result->root_hash);
+    print_json(object);
+  } else {
+    print(fmt::format("recorded  {}  {} ticks ({:.3f} s), {} bytes\n", options.output, result->tick_count, time_s,
+                      result->size));
+    if (inputs->lines != nullptr)
+      print(fmt::format("  inputs  {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
+    print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
+    print(fmt::format("  hash    {}\n", hex64(result->root_hash)));
+    if (result->reason != replay::EndReason::complete)
+      print(fmt::format("  ended   {}{}{}\n", reason_name(result->reason), result->note.empty() ? "" : ": ",
+                        result->note));
+  }
+  if (result->reason == replay::EndReason::interrupted)
+    print_note(options.output + ": stopped as asked after " + std::to_string(result->tick_count) +
+               " ticks; the trace is whole");
+  return result->reason == replay::EndReason::non_finite ? exit_finding : exit_ok;
+}
+
+}  // namespace
+
+void add_record(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<RecordCommand>();
+  CLI::App* command =
+      app.add_subcommand("record", "Simulate a scene and write a trace (a replay file)")->group(group_session);
+  command->add_option("SCENE", options->scene, "Scene file (.json) or built-in scene, with parameters: stack?boxes=20")
+      ->required();
+  command->add_option("-o,--output", options->output, "The trace to write")->type_name("OUT.ttr")->required();
+  command->add_option("--inputs", options->inputs, "Inputs as JSON Lines, - for standard input (live)")
+      ->type_name("FILE");
+  add_number(*command, "--ticks", options->tick_count,
+             "How many ticks at most; without it: up to the `end` input. An earlier `end` wins",
+             {1, limits::tick_count_max});
+  command
+      ->add_option("--detail", options->detail,
+                   "root: a hash per tick (default). full[:A..B]: also the state and a hash after each stage, of ticks "
+                   "A to B")
+      ->type_name("D");
+  add_number(*command, "--checkpoint-interval", options->checkpoint_interval,
+             "Ticks between full states, 0: only the first (default 600)", {0, 0xffffffffu});
+  command->add_flag("--no-compress", options->no_compress, "Checkpoints without zstd, readable by every build");
+  command->add_flag("--force", options->force, "Replace an existing file");
+  command->add_flag("--json", options->json, "One JSON object");
+  set_examples(*command,
+               "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
+               "ticktrue record thesis --inputs session.jsonl --detail full:100..160 -o session.ttr\n"
+               "my_game --print-inputs | ticktrue record level.json --inputs - -o live.ttr\n"
+               "\n"
+               "Ctrl-C ends a recording like an `end` input would: the trace is whole, marked interrupted, exit 0.");
+  command->callback([options, &context] { context.exit_code = run_record(*options); });
+}
+
+}  // namespace ticktrue::cli
