@@ -1,0 +1,484 @@
+// Fault injection: a simulation that shows one flipped bit, run through the ordinary verification.
+// SPDX-License-Identifier: MIT
+#include "verifier/inject.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "verifier/json_parts.h"
+#include "verifier/verify.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using replay::CheckpointRecord;
+using replay::TickRecord;
+using replay::TraceReader;
+
+/// Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (SplitMix64).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next() {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+  /// 0 .. count - 1; the bias of the remainder is below count / 2^64. Requires: count > 0.
+  std::uint64_t below(std::uint64_t count) { return next() % count; }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Which flip is wanted, and, once it was made, which it was.
+struct Flip {
+  std::uint64_t tick = 0;
+  std::uint64_t seed = 0;  // of the draws below the tick
+  const InjectOptions* options = nullptr;
+
+  bool done = false;
+  StatePlace place;
+  std::uint32_t bit = 0;
+  std::uint64_t true_bits = 0;
+  std::string row_name;
+};
+
+/// Draws table, row, column, lane and bit among those of `state` the options allow. False if there is none.
+bool draw_place(const StateView& state, Flip& flip) {
+  const InjectOptions& options = *flip.options;
+  const auto fits = [&](const Column& column) {
+    return (options.column.empty() || column.name == options.column) &&
+           (!options.lane || *options.lane < column.lane_count) &&
+           (!options.bit || *options.bit < 8u * scalar_info(column.type)->size);
+  };
+  std::vector<std::size_t> tables;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) {
+    const TableSchema& table = state.schema->tables[t];
+    if (!options.table.empty() && table.name != options.table) continue;
+    if (state.tables[t].row_count == 0 || (options.row && *options.row >= state.tables[t].row_count)) continue;
+    if (std::any_of(table.columns.begin(), table.columns.end(), fits)) tables.push_back(t);
+  }
+  if (tables.empty()) return false;
+  Random random(flip.seed);
+  flip.place.table = tables[static_cast<std::size_t>(random.below(tables.size()))];
+  const TableSchema& table = state.schema->tables[flip.place.table];
+  const std::uint64_t row = random.below(state.tables[flip.place.table].row_count);
+  flip.place.row = static_cast<std::size_t>(options.row.value_or(row));
+  std::vector<std::size_t> columns;
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    if (fits(table.columns[c])) columns.push_back(c);
+  flip.place.column = columns[static_cast<std::size_t>(random.below(columns.size()))];
+  const Column& column = table.columns[flip.place.column];
+  const std::uint64_t lane = random.below(column.lane_count);
+  flip.place.lane = static_cast<std::size_t>(options.lane.value_or(static_cast<std::uint32_t>(lane)));
+  const std::uint64_t bit = random.below(8u * scalar_info(column.type)->size);
+  flip.bit = options.bit.value_or(static_cast<std::uint32_t>(bit));
+  return true;
+}
+
+/// Passes everything through to the real simulation, but shows its state at the end of one tick with one bit flipped.
+class FlippingSimulation : public Simulation {
+ public:
+  FlippingSimulation(std::unique_ptr<Simulation> real, std::uint64_t ticks_done, Flip& flip)
+      : real_(std::move(real)), ticks_done_(ticks_done), flip_(flip) {}
+
+  Status accept(const TickInput& input) const override { return real_->accept(input); }
+  void step(const TickInput& input, StageObserver* observer) override {
+    real_->step(input, observer);
+    ++ticks_done_;
+    shows_flip_ = ticks_done_ == flip_.tick + 1 && make_flip();
+  }
+  const StateView& state() const override { return shows_flip_ ? view_ : real_->state(); }
+  Status load(ByteView image) override {
+    const Status loaded = real_->load(image);
+    if (loaded) shows_flip_ = false;
+    return loaded;
+  }
+  std::span<const std::string> stage_names() const override { return real_->stage_names(); }
+  std::string row_name(std::size_t table, std::size_t row) const override { return real_->row_name(table, row); }
+  std::string inputs_text(ByteView inputs) const override { return real_->inputs_text(inputs); }
+
+ private:
+  bool make_flip() {
+    view_ = real_->state();
+    if (!draw_place(view_, flip_)) return false;
+    const TableSchema& table = view_.schema->tables[flip_.place.table];
+    const Column& column = table.columns[flip_.place.column];
+    TableRows& rows = view_.tables[flip_.place.table];
+    rows_.assign(rows.data, rows.data + static_cast<std::size_t>(rows.row_count) * table.row_size);
+    rows.data = rows_.data();
+    const std::size_t size = scalar_info(column.type)->size;
+    std::uint8_t* lane = rows_.data() + flip_.place.row * table.row_size + column.offset + flip_.place.lane * size;
+    const auto byte_of = [&](std::size_t index) { return machine_is_little_endian ? index : size - 1 - index; };
+    flip_.true_bits = 0;
+    for (std::size_t i = 0; i < size; ++i) flip_.true_bits |= static_cast<std::uint64_t>(lane[byte_of(i)]) << (8 * i);
+    std::uint8_t& byte = lane[byte_of(flip_.bit / 8)];
+    byte = static_cast<std::uint8_t>(byte ^ (1u << (flip_.bit % 8)));
+    flip_.row_name = real_->row_name(flip_.place.table, flip_.place.row);
+    flip_.done = true;
+    return true;
+  }
+
+  std::unique_ptr<Simulation> real_;
+  std::uint64_t ticks_done_;
+  Flip& flip_;
+  bool shows_flip_ = false;
+  StateView view_;
+  Bytes rows_;  // of the table with the flip
+};
+
+/// One tick of a trace with the state before it as its checkpoint: what a flip in this tick needs.
+class Excerpt : public TraceSource {
+ public:
+  Excerpt(const replay::TraceSetup& setup, const Bytes& state_before, const TickRecord& record)
+      : setup_(setup), checkpoint_(CheckpointRecord{record.tick, 0, state_before}), tick_(record) {
+    tail_.ticks_intact = record.tick + 1;
+  }
+  /// Of the state before the tick, as recorded.
+  void set_root(std::uint64_t root_hash) { std::get<CheckpointRecord>(checkpoint_).root_hash = root_hash; }
+
+  const replay::TraceSetup& setup() const override { return setup_; }
+  const TraceReader::Item& next() override {
+    const TraceReader::Item* items[] = {&checkpoint_, &tick_, &end_};
+    const TraceReader::Item& item = *items[position_];
+    position_ = std::min<std::size_t>(position_ + 1, 2);
+    return item;
+  }
+  bool seek(std::uint64_t tick) override {
+    if (tick < std::get<CheckpointRecord>(checkpoint_).tick) return false;
+    position_ = 0;
+    return true;
+  }
+  void rewind() override { position_ = 0; }
+  const replay::TraceTail& tail() const override { return tail_; }
+  std::optional<std::uint64_t> tick_count_hint() const override { return tail_.ticks_intact; }
+
+ private:
+  const replay::TraceSetup& setup_;
+  TraceReader::Item checkpoint_;
+  TraceReader::Item tick_;
+  TraceReader::Item end_;
+  replay::TraceTail tail_;
+  std::size_t position_ = 0;
+};
+
+class Injector {
+ public:
+  Injector(TraceReader& reader, const InjectOptions& options)
+      : reader_(reader), setup_(reader.setup()), options_(options) {}
+
+  Result<InjectReport> run() {
+    report_.file = reader_.name();
+    report_.seed = options_.seed;
+    for (const replay::DetailInfo& info : replay::details)
+      if (info.detail == setup_.detail) report_.detail = info.name;
+    if (const Status named = check_names(); !named) return named.error();
+    VerifyOptions plain;
+    plain.simulation = options_.simulation;
+    report_.baseline = verify(reader_, plain);
+    if (report_.baseline.verdict != Verdict::match) return std::move(report_);
+    tick_count_ = report_.baseline.ticks_recorded.value_or(report_.baseline.ticks_compared);
+    if (const Status planned = plan(); !planned) return planned.error();
+    run_excerpts();
+    for (const std::size_t index : left_) run_on_file(index);
+    for (const InjectRow& row : report_.rows) {
+      if (row.outcome == InjectRow::Outcome::found) ++report_.passed;
+      if (row.outcome == InjectRow::Outcome::missed) ++report_.failed;
+      if (row.outcome == InjectRow::Outcome::not_applicable) ++report_.not_applicable;
+    }
+    return std::move(report_);
+  }
+
+ private:
+  Status check_names() const {
+    bool table_known = options_.table.empty(), column_known = options_.column.empty();
+    std::string tables, columns;
+    for (const TableSchema& table : setup_.schema.tables) {
+      tables += (tables.empty() ? "" : ", ") + table.name;
+      if (!options_.table.empty() && table.name != options_.table) continue;
+      table_known = true;
+      for (const Column& column : table.columns) {
+        columns += (columns.empty() ? "" : ", ") + column.name;
+        column_known = column_known || column.name == options_.column;
+      }
+    }
+    if (!table_known)
+      return Error{ErrorCode::usage, "--table: no such table: found " + options_.table + ", expected one of " + tables,
+                   ""};
+    if (!column_known)
+      return Error{ErrorCode::usage,
+                   "--column: no such column: found " + options_.column + ", expected one of " + columns, ""};
+    return {};
+  }
+
+  bool stored_in_full(std::uint64_t tick) const {
+    return setup_.detail == replay::Detail::full && tick >= setup_.full_first && tick <= setup_.full_last;
+  }
+
+  /// Draws the tick of each flip: among those stored in full where there are any.
+  Status plan() {
+    std::uint64_t first = 0, count = tick_count_;
+    if (setup_.detail == replay::Detail::full && setup_.full_first < tick_count_) {
+      first = setup_.full_first;
+      count = std::min(setup_.full_last, tick_count_ - 1) - first + 1;
+    }
+    if (options_.tick && *options_.tick >= tick_count_)
+      return Error{ErrorCode::usage,
+                   "--tick: beyond the trace: found " + std::to_string(*options_.tick) + ", expected 0.." +
+                       std::to_string(tick_count_ - 1),
+                   ""};
+    Random random(options_.seed);
+    for (std::uint64_t i = 0; i < options_.count; ++i) {
+      Flip flip;
+      flip.options = &options_;
+      flip.tick = first + random.below(count);
+      if (options_.tick) flip.tick = *options_.tick;
+      flip.seed = random.next();
+      flips_.push_back(std::move(flip));
+      InjectRow row;
+      row.index = i;
+      report_.rows.push_back(std::move(row));
+    }
+    return {};
+  }
+
+  /// One pass through the file: each flip in a tick whose state before is stored costs one tick (and one more to
+  /// judge).
+  void run_excerpts() {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < flips_.size(); ++i) order.push_back(i);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return flips_[a].tick != flips_[b].tick ? flips_[a].tick < flips_[b].tick : a < b;
+    });
+    if (setup_.detail != replay::Detail::full || !can_load()) {
+      left_ = std::move(order);
+      return;
+    }
+    Bytes before;
+    std::uint64_t before_root = 0;
+    bool before_known = false;
+    std::uint64_t before_ticks = 0;  // ticks done in `before`
+    std::size_t next = 0;
+    reader_.rewind();
+    while (next < order.size()) {
+      const TraceReader::Item& item = reader_.next();
+      if (std::holds_alternative<std::monostate>(item)) break;
+      if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) {
+        before.assign(checkpoint->image.begin(), checkpoint->image.end());
+        before_root = checkpoint->root_hash;
+        before_ticks = checkpoint->tick;
+        before_known = true;
+        continue;
+      }
+      const TickRecord& record = std::get<TickRecord>(item);
+      for (; next < order.size() && flips_[order[next]].tick == record.tick; ++next) {
+        if (!before_known || before_ticks != record.tick || !record.image) {
+          left_.push_back(order[next]);
+          continue;
+        }
+        Excerpt excerpt(setup_, before, record);
+        excerpt.set_root(before_root);
+        run_flip(order[next], excerpt, {});
+      }
+      before_known = record.image.has_value();
+      if (record.image) {
+        before.assign(record.image->begin(), record.image->end());
+        before_root = record.root_hash;
+        before_ticks = record.tick + 1;
+      }
+    }
+  }
+
+  void run_on_file(std::size_t index) {
+    ReaderSource source(reader_);
+    run_flip(index, source, flips_[index].tick);
+  }
+
+  void run_flip(std::size_t index, TraceSource& source, std::optional<std::uint64_t> to) {
+    Flip& flip = flips_[index];
+    VerifyOptions options;
+    options.simulation = options_.simulation;
+    options.from = flip.tick;
+    options.to = to;
+    options.wrap = [&flip](std::unique_ptr<Simulation> real, std::uint64_t ticks_done) {
+      return std::make_unique<FlippingSimulation>(std::move(real), ticks_done, flip);
+    };
+    source.rewind();
+    const Report found = verify_source(source, options);
+    judge(flip, found, report_.rows[index]);
+    if (options_.progress) options_.progress(++flips_done_);
+  }
+
+  void judge(const Flip& flip, const Report& found, InjectRow& row) const {
+    row.tick = flip.tick;
+    row.verdict = found.verdict;
+    row.divergence = found.divergence;
+    if (!flip.done) {
+      row.outcome = InjectRow::Outcome::not_applicable;
+      row.reason = "the state has no such place at this tick";
+      return;
+    }
+    const TableSchema& table = setup_.schema.tables[flip.place.table];
+    const Column& column = table.columns[flip.place.column];
+    row.bit = flip.bit;
+    row.place.table = table.name;
+    row.place.column = column.name;
+    row.place.row = flip.place.row;
+    row.place.name = flip.row_name;
+    row.place.lane = static_cast<std::uint32_t>(flip.place.lane);
+    row.place.lane_count = column.lane_count;
+    row.place.type = column.type;
+    row.place.expected = flip.true_bits;
+    row.place.got = flip.true_bits ^ (std::uint64_t{1} << flip.bit);
+    // A checkpoint right behind the tick gives the place away too.
+    row.place_required = stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty());
+    row.reason = why_missed(found, row);
+    row.outcome = row.reason.empty() ? InjectRow::Outcome::found : InjectRow::Outcome::missed;
+  }
+
+  static std::string why_missed(const Report& found, const InjectRow& row) {
+    if (found.verdict != Verdict::diverged || !found.divergence)
+      return "verdict " + std::string(verdict_info(found.verdict).name) +
+             (found.reason.empty() ? "" : " (" + found.reason + ")") + ", expected diverged";
+    const Divergence& divergence = *found.divergence;
+    if (divergence.tick != row.tick) return "tick " + std::to_string(divergence.tick);
+    if (divergence.stage == stage_setup || divergence.stage == stage_load) return "reported before the tick ran";
+    if (!row.place_required) return "";
+    if (divergence.lane_count != 1 || divergence.rows.size() != 1 || divergence.tables.size() != 1)
+      return std::to_string(divergence.lane_count) + " lanes, expected 1";
+    const LaneReport& lane = divergence.rows[0];
+    if (divergence.tables[0].table != row.place.table || lane.table != row.place.table) return "table " + lane.table;
+    if (divergence.tables[0].columns != std::vector<std::string>{row.place.column} || lane.column != row.place.column)
+      return "column " + lane.column;
+    if (lane.row != row.place.row) return "row " + std::to_string(lane.row);
+    if (lane.lane != row.place.lane) return "lane " + std::to_string(lane.lane);
+    if (lane.expected != row.place.expected || lane.got != row.place.got) return "other values";
+    return "";
+  }
+
+  bool can_load() const {
+    const Result<std::unique_ptr<Simulation>> made = options_.simulation->make(setup_.setup);
+    if (!made) return false;
+    const Status loaded = (*made)->load({});
+    return loaded || loaded.error().code != ErrorCode::unsupported;
+  }
+
+  TraceReader& reader_;
+  const replay::TraceSetup& setup_;
+  const InjectOptions& options_;
+  InjectReport report_;
+  std::uint64_t tick_count_ = 0;
+  std::uint64_t flips_done_ = 0;
+  std::vector<Flip> flips_;
+  std::vector<std::size_t> left_;  // flips that have to run on the file itself
+};
+
+std::string place_words(const InjectRow& row) {
+  std::string text = "tick " + std::to_string(row.tick) + ", " + row.place.table + "." + row.place.column + " row " +
+                     std::to_string(row.place.row);
+  if (!row.place.name.empty()) text += " \"" + row.place.name + "\"";
+  return text + " lane " + std::to_string(row.place.lane) + " bit " + std::to_string(row.bit) + ": " +
+         lane_hex(row.place.type, *row.place.expected) + " (" + lane_text(row.place.type, *row.place.expected) +
+         ") to " + lane_hex(row.place.type, *row.place.got) + " (" + lane_text(row.place.type, *row.place.got) + ")";
+}
+
+const char* outcome_name(InjectRow::Outcome outcome) {
+  switch (outcome) {
+    case InjectRow::Outcome::found:
+      return "found";
+    case InjectRow::Outcome::missed:
+      return "missed";
+    case InjectRow::Outcome::not_applicable:
+      return "not_applicable";
+  }
+  return "missed";
+}
+
+}  // namespace
+
+int InjectReport::exit_code() const {
+  if (baseline.verdict != Verdict::match) return baseline.exit_code();
+  return failed == 0 && passed > 0 ? exit_ok : exit_finding;
+}
+
+Result<InjectReport> inject(TraceReader& reader, const InjectOptions& options) {
+  return Injector(reader, options).run();
+}
+
+std::string inject_text(const InjectReport& report) {
+  if (report.baseline.verdict != Verdict::match)
+    return report_text(report.baseline) + "  note    nothing was injected: the trace itself does not match\n";
+  constexpr std::size_t rows_shown_max = 10;
+  bool places = true;
+  for (const InjectRow& row : report.rows)
+    if (row.outcome == InjectRow::Outcome::found) places = places && row.place_required;
+  std::string text = std::string(report.failed == 0 && report.passed > 0 ? "found" : "missed") + "  " + report.file +
+                     "  " + std::to_string(report.passed) + " of " + std::to_string(report.rows.size()) +
+                     " flips found at the exact " + (places ? "tick, table, column, row and lane" : "tick") + "\n";
+  if (!places)
+    text +=
+        "  note    where the trace stores only the hash of a tick, only the tick was required: record with "
+        "--detail full for more\n";
+  if (report.not_applicable > 0)
+    text += "  note    " + std::to_string(report.not_applicable) + " not applicable: no such place in the state\n";
+  std::size_t shown = 0;
+  for (const InjectRow& row : report.rows) {
+    const bool single = report.rows.size() == 1;
+    if ((row.outcome != InjectRow::Outcome::missed && !single) || shown++ >= rows_shown_max) continue;
+    if (row.outcome == InjectRow::Outcome::not_applicable) continue;
+    text += "  flipped " + place_words(row) + "\n";
+    if (row.outcome == InjectRow::Outcome::missed) text += "  missed  verify says: " + row.reason + "\n";
+    if (row.divergence) text += divergence_text(*row.divergence);
+  }
+  return text;
+}
+
+std::string inject_json(const InjectReport& report) {
+  using Json = nlohmann::ordered_json;
+  Json object = {{"schema", "ticktrue.inject/1"},
+                 {"file", report.file},
+                 {"seed", report.seed},
+                 {"count", report.rows.size()},
+                 {"detail", report.detail},
+                 {"baseline", verdict_info(report.baseline.verdict).name},
+                 {"passed", report.passed},
+                 {"failed", report.failed},
+                 {"expected", 0},
+                 {"not_applicable", report.not_applicable}};
+  Json rows = Json::array();
+  for (const InjectRow& row : report.rows) {
+    Json entry = {{"index", row.index}, {"outcome", outcome_name(row.outcome)}, {"tick", row.tick}};
+    if (row.outcome != InjectRow::Outcome::not_applicable) {
+      entry["table"] = row.place.table;
+      entry["column"] = row.place.column;
+      entry["row"] = row.place.row;
+      entry["lane"] = row.place.lane;
+      entry["bit"] = row.bit;
+      entry["name"] = row.place.name;
+      entry["expected"] = lane_hex(row.place.type, *row.place.expected);
+      entry["got"] = lane_hex(row.place.type, *row.place.got);
+      entry["required"] = row.place_required ? "place" : "tick";
+    }
+    entry["reason"] = row.reason;
+    Json found = {{"verdict", verdict_info(row.verdict).name}};
+    if (row.divergence) {
+      found["tick"] = row.divergence->tick;
+      const LaneReport* lane = row.divergence->rows.empty() ? nullptr : &row.divergence->rows[0];
+      found["table"] = lane != nullptr ? Json(lane->table) : Json(nullptr);
+      found["column"] = lane != nullptr ? Json(lane->column) : Json(nullptr);
+      found["row"] = lane != nullptr ? Json(lane->row) : Json(nullptr);
+      found["lane"] = lane != nullptr ? Json(lane->lane) : Json(nullptr);
+      found["lane_count"] = row.divergence->lane_count;
+    }
+    entry["found"] = std::move(found);
+    rows.push_back(std::move(entry));
+  }
+  object["rows"] = std::move(rows);
+  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace ticktrue::verifier

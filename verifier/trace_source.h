@@ -1,0 +1,39 @@
+// TraceSource: where verify takes the records of a trace from: a file, or an excerpt held in memory.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "replay/trace_reader.h"
+
+namespace ticktrue::verifier {
+
+/// The part of TraceReader that verify uses; the meaning of each function is the reader's.
+class TraceSource {
+ public:
+  virtual ~TraceSource() = default;
+  virtual const replay::TraceSetup& setup() const = 0;
+  virtual const replay::TraceReader::Item& next() = 0;
+  virtual bool seek(std::uint64_t tick) = 0;
+  virtual void rewind() = 0;
+  virtual const replay::TraceTail& tail() const = 0;
+  virtual std::optional<std::uint64_t> tick_count_hint() const = 0;
+};
+
+class ReaderSource : public TraceSource {
+ public:
+  /// The reader must outlive this.
+  explicit ReaderSource(replay::TraceReader& reader) : reader_(reader) {}
+  const replay::TraceSetup& setup() const override { return reader_.setup(); }
+  const replay::TraceReader::Item& next() override { return reader_.next(); }
+  bool seek(std::uint64_t tick) override { return reader_.seek(tick); }
+  void rewind() override { reader_.rewind(); }
+  const replay::TraceTail& tail() const override { return reader_.tail(); }
+  std::optional<std::uint64_t> tick_count_hint() const override { return reader_.tick_count_hint(); }
+
+ private:
+  replay::TraceReader& reader_;
+};
+
+}  // namespace ticktrue::verifier

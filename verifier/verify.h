@@ -1,0 +1,57 @@
+// Re-simulates a trace and compares every tick with what was recorded.
+// SPDX-License-Identifier: MIT
+//
+// Verified: the root hash of every tick, every checkpoint and every stored image; that the state made from the setup is
+// the recorded one; that a divergence shows again in a second run.
+// Not verified: the hashes after each stage of ticks whose end agrees (they only locate).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "base/simulation.h"
+#include "replay/trace_reader.h"
+#include "verifier/report.h"
+#include "verifier/trace_source.h"
+
+namespace ticktrue::verifier {
+
+enum class VerifyMode : std::uint8_t { replay, restore, twice };
+struct VerifyModeInfo {
+  VerifyMode mode;
+  std::string_view name;
+  std::string_view summary;
+};
+inline constexpr std::array<VerifyModeInfo, 3> verify_modes{{
+    {VerifyMode::replay, "replay", "run from the start, compare every tick and checkpoint"},
+    {VerifyMode::restore, "restore", "load each checkpoint into a fresh simulation and run on from there"},
+    {VerifyMode::twice, "twice", "run twice side by side; needs no recorded hashes"},
+}};
+
+struct VerifyOptions {
+  const SimulationInfo* simulation = nullptr;  // null: this build has none of that name
+  VerifyMode mode = VerifyMode::replay;
+  std::uint64_t from = 0;           // first tick to compare; the run begins at the last checkpoint before it
+  std::optional<std::uint64_t> to;  // last tick to compare; the trace is not read beyond it
+  bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
+  std::size_t row_count_max = 64;   // lanes listed in a report
+  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+
+  /// Stands between the simulation and verify (fault injection); may be empty. `ticks_done`: of its present state.
+  std::function<std::unique_ptr<Simulation>(std::unique_ptr<Simulation> simulation, std::uint64_t ticks_done)> wrap;
+};
+
+/// Reads the whole trace (up to options.to) in bounded memory, whatever is found.
+Report verify(replay::TraceReader& reader, const VerifyOptions& options);
+
+/// The same over any source of records. Fills all of the report but `file` and the build facts.
+Report verify_source(TraceSource& source, const VerifyOptions& options);
+
+/// The report of a trace that could not be opened.
+Report open_error_report(const std::string& file, const Error& error);
+
+}  // namespace ticktrue::verifier
