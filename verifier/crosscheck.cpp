@@ -1,0 +1,330 @@
+// Runs a scene in both engines over an ensemble of jittered starts, on all threads, and judges the outcome.
+// SPDX-License-Identifier: MIT
+#include "verifier/crosscheck.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "base/limits.h"
+#include "verifier/box2d_peer.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Scene;
+using engine::SolverKind;
+
+constexpr double jitter_per_size = 0.001;
+constexpr double contact_window_s = 1;       // contacts are averaged over the last second,
+constexpr std::uint64_t contact_stride = 4;  // every fourth tick of it
+constexpr Box2dOptions usual_iterations{};
+constexpr Box2dOptions many_iterations{32, 12};  // to tell a difference of physics from one of convergence
+
+// A number in [-1, 1) for a body of a seed: one round of splitmix64.
+// Source: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
+double jitter_of(std::uint32_t seed, std::uint64_t body) {
+  std::uint64_t z = (static_cast<std::uint64_t>(seed) << 32) + body;
+  z = (z + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  z ^= z >> 31;
+  return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+}
+
+// One run to do: of the engine under a solver, or of Box2D.
+struct Job {
+  Scene scene;
+  bool is_box2d = false;
+  Box2dOptions box2d;
+};
+
+struct Outcome {
+  CrosscheckRun run;
+  std::size_t clamped_tick = 0;  // of Box2D
+  double length_scale = 1;
+  double skin = 0;
+};
+
+class Runner {
+ public:
+  Runner(const CrosscheckLayout& layout, std::uint64_t tick_count, const CrosscheckOptions& options)
+      : layout_(layout), tick_count_(tick_count), options_(options) {}
+
+  void expect_jobs(std::size_t count) { total_ += count * tick_count_; }
+
+  /// The outcome of each job, in order; the first error in that order.
+  Result<std::vector<Outcome>> run(const std::vector<Job>& jobs) {
+    std::vector<std::optional<Result<Outcome>>> results(jobs.size());
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next.fetch_add(1); i < jobs.size(); i = next.fetch_add(1)) results[i] = run_job(jobs[i]);
+    };
+    std::vector<std::thread> threads;
+    const std::size_t thread_count = std::min<std::size_t>(std::max(1u, options_.thread_count), jobs.size());
+    for (std::size_t i = 1; i < thread_count; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+
+    std::vector<Outcome> outcomes;
+    for (std::optional<Result<Outcome>>& result : results) {
+      if (!*result) return result->error();
+      outcomes.push_back(std::move(**result));
+    }
+    return outcomes;
+  }
+
+ private:
+  Result<Outcome> run_job(const Job& job) {
+    const engine::Settings& settings = job.scene.settings;
+    Outcome outcome;
+    if (job.is_box2d) {
+      Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(job.scene, job.box2d);
+      if (!peer) return peer.error();
+      outcome.skin = (*peer)->skin();
+      outcome.length_scale = (*peer)->length_scale();
+      CrosscheckMeasure measure(layout_, 0, outcome.skin);
+      watch(**peer, settings.dt, measure, [&] {
+        (*peer)->step();
+        return true;
+      });
+      outcome.clamped_tick = (*peer)->clamped_tick();
+      outcome.run = measure.finish();
+      return outcome;
+    }
+    Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(job.scene);
+    if (!made) return made.error();
+    engine::Engine& engine = **made;
+    CrosscheckMeasure measure(layout_, contact_hertz(settings), 0);
+    const TickInput input{settings.dt, {}};
+    Status accepted;
+    watch(engine, settings.dt, measure, [&] {
+      accepted = engine.accept(input);
+      if (accepted) engine.step(input, nullptr);
+      return accepted.has_value();
+    });
+    if (!accepted) return accepted.error();
+    outcome.run = measure.finish();
+    return outcome;
+  }
+
+  // Steps and looks: at bodies after every tick, at contacts now and then in the last second.
+  template <typename World, typename Step>
+  void watch(const World& world, double dt, CrosscheckMeasure& measure, Step step) {
+    const std::uint64_t window = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
+    for (std::uint64_t tick = 1; tick <= tick_count_; ++tick) {
+      if (!step()) return;
+      const std::uint64_t left = tick_count_ - tick;
+      const double time_s = static_cast<double>(tick) * dt;
+      if (left < window && left % contact_stride == 0) {
+        const std::vector<engine::ContactReport> contacts = world.contacts();
+        measure.add(time_s, world.bodies(), &contacts);
+      } else {
+        measure.add(time_s, world.bodies(), nullptr);
+      }
+      count_tick();
+    }
+  }
+
+  void count_tick() {
+    const std::uint64_t done = done_.fetch_add(1) + 1;
+    if (!options_.progress || done % 64 != 0) return;
+    const std::lock_guard<std::mutex> lock(progress_mutex_);
+    options_.progress(done, total_);
+  }
+
+  // docs/physics.md, "tgs_soft": contact stiffness rises with the substep rate.
+  static double contact_hertz(const engine::Settings& settings) {
+    return settings.solver == SolverKind::tgs_soft ? 0.125 * settings.substeps / settings.dt : 0;
+  }
+
+  const CrosscheckLayout& layout_;
+  std::uint64_t tick_count_;
+  const CrosscheckOptions& options_;
+  std::uint64_t total_ = 0;
+  std::atomic<std::uint64_t> done_{0};
+  std::mutex progress_mutex_;
+};
+
+std::vector<CrosscheckRun> runs_of(const std::vector<Outcome>& outcomes, std::size_t first, std::size_t count) {
+  std::vector<CrosscheckRun> runs;
+  for (std::size_t i = first; i < first + count; ++i) runs.push_back(outcomes[i].run);
+  return runs;
+}
+
+std::size_t stood_count(const std::vector<CrosscheckRun>& runs) {
+  return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& run) { return run.stood; }));
+}
+
+bool has_difference(const std::vector<CrosscheckRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.verdict == Verdict::differ; });
+}
+
+// What Box2D comes to with many iterations, where that agrees with ours, is a difference of Box2D's convergence.
+void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<CrosscheckRow>& converged) {
+  for (std::size_t i = 0; i < rows.size() && i < converged.size(); ++i) {
+    if (rows[i].verdict != Verdict::differ || rows[i].criterion != converged[i].criterion) continue;
+    if (converged[i].verdict != Verdict::agree && converged[i].verdict != Verdict::expected) continue;
+    double mean = 0;
+    for (const double value : converged[i].box2d) mean += value / static_cast<double>(converged[i].box2d.size());
+    rows[i].verdict = Verdict::expected;
+    rows[i].reason = fmt::format("Box2D is not converged: with {}/{} iterations it comes to {:.4g}, as ours",
+                                 many_iterations.velocity_iterations, many_iterations.position_iterations, mean);
+  }
+}
+
+CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& name,
+                           const std::vector<CrosscheckRow>& rows, std::size_t stood) {
+  CrosscheckSolver solver;
+  solver.solver = name;
+  solver.stood = stood;
+  for (const CrosscheckRow& row : rows) {
+    if (row.verdict == Verdict::agree) ++solver.passed;
+    if (row.verdict == Verdict::differ) ++solver.failed;
+    if (row.verdict == Verdict::expected) ++solver.expected;
+    if (row.verdict == Verdict::not_applicable) ++solver.not_applicable;
+  }
+  const int judged = solver.passed + solver.failed + solver.expected;
+  solver.summary = solver.failed == 0 ? fmt::format("{:<10} agrees with Box2D {} on {} of {} criteria", name,
+                                                    report.box2d_version, solver.passed + solver.expected, judged)
+                                      : fmt::format("{:<10} differs from Box2D {} on {} of {} criteria", name,
+                                                    report.box2d_version, solver.failed, judged);
+  if (solver.expected > 0) solver.summary += fmt::format(" ({} expected)", solver.expected);
+  if (report.is_structure)
+    solver.summary += fmt::format(": stood {} of {} (Box2D {} of {})", stood, report.seed_count, report.box2d_stood,
+                                  report.seed_count);
+  return solver;
+}
+
+// A report that says only why nothing can be compared.
+CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vector<SolverKind>& solvers,
+                                       const std::string& reason) {
+  for (const SolverKind kind : solvers) {
+    CrosscheckRow row;
+    row.solver = engine::info_of(engine::solvers, kind).name;
+    row.criterion = "scene";
+    row.reason = reason;
+    CrosscheckSolver solver;
+    solver.solver = row.solver;
+    solver.not_applicable = 1;
+    solver.summary = fmt::format("{:<10} not comparable with Box2D {}: {}", row.solver, report.box2d_version, reason);
+    report.solvers.push_back(std::move(solver));
+    report.rows.push_back(std::move(row));
+  }
+  return report;
+}
+
+}  // namespace
+
+Scene jittered_scene(const Scene& scene, const CrosscheckLayout& layout, std::uint32_t seed) {
+  Scene jittered = scene;
+  if (seed == 0) return jittered;
+  for (std::size_t i = 0; i < jittered.bodies.size(); ++i) {
+    const CrosscheckBody& body = layout.bodies[i];
+    if (!body.is_dynamic) continue;
+    const double shift = jitter_of(seed, i) * jitter_per_size * std::min(body.width, body.height);
+    jittered.bodies[i].position.x += shift * layout.right.x;
+    jittered.bodies[i].position.y += shift * layout.right.y;
+  }
+  return jittered;
+}
+
+Scene scene_with_solver(const Scene& scene, SolverKind solver) {
+  Scene changed = scene;
+  if (solver == scene.settings.solver) return changed;
+  changed.settings.solver = solver;
+  const bool substeps = engine::info_of(engine::solvers, solver).substeps;
+  const bool substepped = engine::info_of(engine::solvers, scene.settings.solver).substeps;
+  if (!substeps) changed.settings.substeps = 1;
+  if (substeps && !substepped) changed.settings.substeps = engine::Settings{}.substeps;
+  return changed;
+}
+
+Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions& options) {
+  if (box2d_version().empty()) return make_box2d_peer(scene).error();
+  if (options.seed_count < 1 || options.seed_count > 1000)
+    return Error{ErrorCode::usage, fmt::format("seeds: found {}, expected 1 to 1000", options.seed_count), {}};
+  const double ticks = std::ceil(options.seconds / scene.settings.dt - 1e-9);
+  if (!(ticks >= 1 && ticks <= 1e8))
+    return Error{
+        ErrorCode::usage,
+        fmt::format("seconds: found {:g}, expected 1 to 1e8 ticks of {:g} s", options.seconds, scene.settings.dt),
+        {}};
+
+  std::vector<SolverKind> solvers = options.solvers;
+  if (solvers.empty()) solvers.push_back(scene.settings.solver);
+  CrosscheckReport report;
+  report.scene = scene.name;
+  report.box2d_version = box2d_version();
+  report.velocity_iterations = usual_iterations.velocity_iterations;
+  report.position_iterations = usual_iterations.position_iterations;
+  report.seed_count = options.seed_count;
+  report.tick_count = static_cast<std::uint64_t>(ticks);
+  report.seconds = ticks * scene.settings.dt;
+
+  const CrosscheckLayout layout = make_layout(scene);
+  if (layout.dynamic_count == 0)
+    return report_not_applicable(report, solvers, "the scene starts without moving bodies, and no inputs are given");
+  for (const SolverKind kind : solvers)
+    if (Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(scene_with_solver(scene, kind)); !made)
+      return made.error();
+  if (Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene); !peer)
+    return report_not_applicable(report, solvers, peer.error().message);
+
+  std::vector<Scene> starts;
+  for (std::uint32_t seed = 0; seed < options.seed_count; ++seed) starts.push_back(jittered_scene(scene, layout, seed));
+  std::vector<Job> jobs;
+  for (const Scene& start : starts) jobs.push_back({start, true, usual_iterations});
+  for (const SolverKind kind : solvers)
+    for (const Scene& start : starts) jobs.push_back({scene_with_solver(start, kind), false, {}});
+  Runner runner(layout, report.tick_count, options);
+  runner.expect_jobs(jobs.size());
+  Result<std::vector<Outcome>> outcomes = runner.run(jobs);
+  if (!outcomes) return outcomes.error();
+
+  report.length_scale = outcomes->front().length_scale;
+  const double skin = outcomes->front().skin;
+  std::size_t clamped_tick = std::numeric_limits<std::size_t>::max();
+  for (const Outcome& outcome : *outcomes)
+    if (outcome.clamped_tick > 0) clamped_tick = std::min(clamped_tick, outcome.clamped_tick);
+  if (clamped_tick != std::numeric_limits<std::size_t>::max())
+    return report_not_applicable(report, solvers,
+                                 fmt::format("Box2D cuts movements of over 2 m or 90 degrees a step, first at {:.2f} s",
+                                             static_cast<double>(clamped_tick) * scene.settings.dt));
+
+  const std::vector<CrosscheckRun> box2d = runs_of(*outcomes, 0, starts.size());
+  report.is_structure = layout.is_structure;
+  report.box2d_stood = stood_count(box2d);
+  std::vector<CrosscheckRun> converged;  // run when first needed
+  for (std::size_t i = 0; i < solvers.size(); ++i) {
+    const std::string name{engine::info_of(engine::solvers, solvers[i]).name};
+    const std::vector<CrosscheckRun> ours = runs_of(*outcomes, (i + 1) * starts.size(), starts.size());
+    std::vector<CrosscheckRow> rows = compare_runs(layout, ours, box2d, skin);
+    // Where Box2D's structure stands and ours does not, more iterations of Box2D can excuse nothing.
+    const bool ours_fell = layout.is_structure && stood_count(ours) < report.box2d_stood;
+    if (has_difference(rows) && !ours_fell) {
+      if (converged.empty()) {
+        std::vector<Job> more;
+        for (const Scene& start : starts) more.push_back({start, true, many_iterations});
+        runner.expect_jobs(more.size());
+        Result<std::vector<Outcome>> again = runner.run(more);
+        if (!again) return again.error();
+        converged = runs_of(*again, 0, starts.size());
+      }
+      excuse_convergence(rows, compare_runs(layout, ours, converged, skin));
+    }
+    report.solvers.push_back(summarize(report, name, rows, stood_count(ours)));
+    for (CrosscheckRow& row : rows) {
+      row.solver = name;
+      report.rows.push_back(std::move(row));
+    }
+  }
+  return report;
+}
+
+}  // namespace ticktrue::verifier

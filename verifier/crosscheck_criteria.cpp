@@ -1,0 +1,309 @@
+// The criteria: an ensemble of runs of the engine judged against Box2D's.
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "verifier/crosscheck.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+// Differences up to these agree, if the scatter of Box2D's own seeds does not ask for more (scatter_factor).
+constexpr double scatter_factor = 2;                // standard deviations of Box2D's seeds
+constexpr double stood_tolerance = 0.2;             // of the seeds: one of five may go the other way
+constexpr double standing_tolerance = 0.02;         // of the placed bodies, where Box2D's structure stands
+constexpr double collapsed_tolerance = 0.15;        // of the placed bodies, where Box2D's structure does not
+constexpr double top_tolerance = 0.01;              // of the height
+constexpr double top_explained_tolerance = 0.0025;  // of the height, once the gaps between shapes are taken out
+constexpr double tilt_tolerance_deg = 3;
+constexpr double settle_tolerance_share = 0.25;
+constexpr double settle_tolerance_min_s = 1;
+constexpr double penetration_tolerance = 0.02;  // of the smaller body's size
+constexpr double travel_tolerance_share = 0.025;
+constexpr double travel_tolerance_min = 0.05;  // of a body's size
+constexpr double force_tolerance = 0.02;       // of the weight
+
+struct Statistics {
+  double mean = 0;
+  double deviation = 0;  // standard, of the sample
+};
+Statistics statistics_of(const std::vector<double>& values) {
+  Statistics s;
+  for (const double value : values) s.mean += value / static_cast<double>(values.size());
+  if (values.size() < 2) return s;
+  double sum = 0;
+  for (const double value : values) sum += (value - s.mean) * (value - s.mean);
+  s.deviation = std::sqrt(sum / static_cast<double>(values.size() - 1));
+  return s;
+}
+
+template <typename Field>
+std::vector<double> each(const std::vector<CrosscheckRun>& runs, Field field) {
+  std::vector<double> values;
+  for (const CrosscheckRun& run : runs) values.push_back(static_cast<double>(field(run)));
+  return values;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return statistics_of(values).mean;
+}
+
+template <typename Condition>
+bool all(const std::vector<CrosscheckRun>& runs, Condition condition) {
+  return std::all_of(runs.begin(), runs.end(), condition);
+}
+
+CrosscheckRow not_applicable(std::string criterion, std::string reason) {
+  CrosscheckRow row;
+  row.criterion = std::move(criterion);
+  row.reason = std::move(reason);
+  return row;
+}
+
+// Means compared; more than the tolerance apart differs, unless Box2D's own seeds scatter as far.
+CrosscheckRow compare_means(std::string criterion, std::string unit, std::vector<double> ours,
+                            std::vector<double> box2d, double tolerance) {
+  CrosscheckRow row;
+  row.criterion = std::move(criterion);
+  row.unit = std::move(unit);
+  const Statistics reference = statistics_of(box2d);
+  row.difference = std::fabs(mean_of(ours) - reference.mean);
+  row.tolerance = std::max(tolerance, scatter_factor * reference.deviation);
+  row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+  row.ours = std::move(ours);
+  row.box2d = std::move(box2d);
+  return row;
+}
+
+// Distance between two distributions: mean difference of what stands at the same rank. Runs in which bodies were lost
+// have fewer; ranks are then matched by share.
+double rank_distance(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.empty() || b.empty()) return a.size() == b.size() ? 0 : std::numeric_limits<double>::infinity();
+  const std::size_t count = std::max(a.size(), b.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += std::fabs(a[i * a.size() / count] - b[i * b.size() / count]);
+  return sum / static_cast<double>(count);
+}
+
+// Rank by rank over the ensemble.
+std::vector<double> mean_ranks(const std::vector<CrosscheckRun>& runs, std::vector<double> CrosscheckRun::*field) {
+  std::size_t count = 0;
+  for (const CrosscheckRun& run : runs) count = std::max(count, (run.*field).size());
+  std::vector<double> ranks(count, 0);
+  for (const CrosscheckRun& run : runs) {
+    const std::vector<double>& values = run.*field;
+    if (values.empty()) continue;
+    for (std::size_t i = 0; i < count; ++i)
+      ranks[i] += values[i * values.size() / count] / static_cast<double>(runs.size());
+  }
+  return ranks;
+}
+
+struct Judge {
+  const CrosscheckLayout& layout;
+  const std::vector<CrosscheckRun>& ours;
+  const std::vector<CrosscheckRun>& box2d;
+  double skin;
+
+  bool box2d_stood() const {
+    return all(box2d, [](const CrosscheckRun& run) { return run.stood; });
+  }
+  double standing_share() const { return box2d_stood() ? standing_tolerance : collapsed_tolerance; }
+
+  // Empty if the criteria of structures apply.
+  std::string not_a_structure() const {
+    if (layout.gravity == 0) return "no gravity";
+    if (layout.is_structure) return {};
+    return fmt::format("{} of {} moving bodies start at rest on something", layout.placed_count, layout.dynamic_count);
+  }
+
+  CrosscheckRow stands() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("stands or falls", reason);
+    const auto stood = [](const CrosscheckRun& run) { return run.stood ? 1 : 0; };
+    CrosscheckRow row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
+    row.tolerance = stood_tolerance + 1e-9;
+    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    return row;
+  }
+
+  CrosscheckRow standing() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("standing bodies", reason);
+    const auto count = [](const CrosscheckRun& run) { return run.standing_count; };
+    const double placed = static_cast<double>(layout.placed_count);
+    return compare_means("standing bodies", fmt::format("of {}", layout.placed_count), each(ours, count),
+                         each(box2d, count), std::max(0.5, standing_share() * placed));
+  }
+
+  CrosscheckRow top() const {
+    if (layout.gravity == 0) return not_applicable("top height", "no gravity");
+    const auto height = [](const CrosscheckRun& run) { return run.top; };
+    // What flies or falls far is measured against how far.
+    const double reach = std::max(layout.height, std::fabs(mean_of(each(box2d, height))));
+    CrosscheckRow row =
+        compare_means("top height", "m", each(ours, height), each(box2d, height), top_tolerance * reach);
+    if (row.verdict != Verdict::differ) return row;
+    const auto chained = [](const CrosscheckRun& run) { return run.has_chain; };
+    if (!all(ours, chained) || !all(box2d, chained)) return row;
+    const auto gap = [](const CrosscheckRun& run) { return run.chain_gap; };
+    const auto bare = [](const CrosscheckRun& run) { return run.top - run.chain_gap; };
+    const double without = std::fabs(mean_of(each(ours, bare)) - mean_of(each(box2d, bare)));
+    const double skin_max = skin;
+    const bool gaps_are_skin =
+        all(box2d, [&](const CrosscheckRun& run) { return run.chain_gap_max <= 1.05 * skin_max; });
+    const bool overlaps_are_softness =
+        all(ours, [](const CrosscheckRun& run) { return run.penetration_unexplained <= penetration_tolerance; });
+    if (without > top_explained_tolerance * reach || !gaps_are_skin || !overlaps_are_softness) return row;
+    row.verdict = Verdict::expected;
+    row.reason = fmt::format(
+        "gaps from the top down: ours {:+.4f} m (soft contacts), Box2D {:+.4f} m (skin); without them {:.4f} m apart",
+        mean_of(each(ours, gap)), mean_of(each(box2d, gap)), without);
+    return row;
+  }
+
+  CrosscheckRow order() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("order upwards", reason);
+    const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(), [&](const CrosscheckBody& body) {
+      return std::any_of(body.supports.begin(), body.supports.end(),
+                         [&](std::uint32_t support) { return layout.bodies[support].is_dynamic; });
+    });
+    if (!any) return not_applicable("order upwards", "no moving body lies on another");
+    const auto share = [](const CrosscheckRun& run) { return 100 * run.order; };
+    return compare_means("order upwards", "% kept", each(ours, share), each(box2d, share), 100 * standing_share());
+  }
+
+  CrosscheckRow tilt() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("largest tilt", reason);
+    const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(),
+                                 [](const CrosscheckBody& body) { return body.is_placed && body.shows_tilt; });
+    if (!any) return not_applicable("largest tilt", "only circles");
+    const auto degrees = [](const CrosscheckRun& run) { return run.tilt_deg; };
+    return compare_means("largest tilt", "deg, up to 45", each(ours, degrees), each(box2d, degrees),
+                         tilt_tolerance_deg);
+  }
+
+  CrosscheckRow settle() const {
+    const auto settled = [](const CrosscheckRun& run) { return std::isfinite(run.settle_s) ? 1.0 : 0.0; };
+    const double ours_settled = mean_of(each(ours, settled));
+    const double box2d_settled = mean_of(each(box2d, settled));
+    const auto time = [](const CrosscheckRun& run) { return run.settle_s; };
+    CrosscheckRow row;
+    row.criterion = "comes to rest";
+    row.unit = "s";
+    row.ours = each(ours, time);
+    row.box2d = each(box2d, time);
+    row.tolerance = settle_tolerance_min_s;
+    if ((ours_settled > 0.5) != (box2d_settled > 0.5)) {
+      // Seeds that go either way in Box2D decide nothing.
+      const bool split = box2d_settled > 0.25 && box2d_settled < 0.75 && ours_settled > 0.2 && ours_settled < 0.8;
+      row.verdict = split ? Verdict::agree : Verdict::differ;
+      row.difference = std::numeric_limits<double>::infinity();
+      row.reason = split ? ""
+                         : fmt::format("at rest in {:.0f} % of the seeds, Box2D in {:.0f} %", 100 * ours_settled,
+                                       100 * box2d_settled);
+      return row;
+    }
+    if (ours_settled <= 0.5) {  // neither comes to rest
+      row.verdict = Verdict::agree;
+      return row;
+    }
+    const auto finite = [](std::vector<double> values) {
+      values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
+                   values.end());
+      return values;
+    };
+    const Statistics reference = statistics_of(finite(row.box2d));
+    row.difference = std::fabs(mean_of(finite(row.ours)) - reference.mean);
+    row.tolerance = std::max(
+        {settle_tolerance_min_s, settle_tolerance_share * reference.mean, scatter_factor * reference.deviation});
+    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    return row;
+  }
+
+  CrosscheckRow penetration() const {
+    const auto depth = [](const CrosscheckRun& run) { return 100 * run.penetration; };
+    CrosscheckRow row = compare_means("deepest overlap", "% of size", each(ours, depth), each(box2d, depth),
+                                      100 * penetration_tolerance);
+    if (row.verdict != Verdict::differ) return row;
+    const auto rest = [](const CrosscheckRun& run) { return 100 * run.penetration_unexplained; };
+    const double without = mean_of(each(ours, rest)) - mean_of(row.box2d);
+    if (mean_of(row.ours) < mean_of(row.box2d) || without > row.tolerance) return row;
+    row.verdict = Verdict::expected;
+    row.reason = fmt::format("soft contacts give way by force / (stiffness * mass); without that {:.2f} %",
+                             mean_of(each(ours, rest)));
+    return row;
+  }
+
+  CrosscheckRow travel_by(std::vector<double> CrosscheckRun::*field) const {
+    CrosscheckRow row;
+    row.criterion = "slides or holds";
+    row.unit = "m across";
+    const auto mean = [&](const CrosscheckRun& run) { return (run.*field).empty() ? 0 : mean_of(run.*field); };
+    row.ours = each(ours, mean);
+    row.box2d = each(box2d, mean);
+    const std::vector<double> reference = mean_ranks(box2d, field);
+    double scatter = 0;
+    for (const CrosscheckRun& run : box2d)
+      scatter += rank_distance(run.*field, reference) / static_cast<double>(box2d.size());
+    row.difference = rank_distance(mean_ranks(ours, field), reference);
+    row.tolerance =
+        std::max({travel_tolerance_min * layout.size,
+                  travel_tolerance_share * (reference.empty() ? 0 : mean_of(reference)), scatter_factor * scatter});
+    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    return row;
+  }
+
+  CrosscheckRow travel() const {
+    CrosscheckRow row = travel_by(&CrosscheckRun::travel);
+    if (row.verdict != Verdict::differ || !box2d_stood()) return row;
+    const CrosscheckRow closed = travel_by(&CrosscheckRun::travel_closed);
+    if (closed.verdict != Verdict::agree) return row;
+    row.verdict = Verdict::expected;
+    row.reason = fmt::format("Box2D's skin pushes rows of touching bodies apart; with its gaps closed {:.4f} m apart",
+                             closed.difference);
+    return row;
+  }
+
+  CrosscheckRow column() const {
+    if (!layout.is_column) return not_applicable("weights in the stack", "not a single stack");
+    const auto error = [](const CrosscheckRun& run) { return 100 * run.column_error; };
+    CrosscheckRow row =
+        compare_means("weights in the stack", "% off", each(ours, error), each(box2d, error), 100 * force_tolerance);
+    if (mean_of(row.box2d) > 100 * force_tolerance)
+      return not_applicable("weights in the stack", "Box2D's own stack does not rest");
+    row.tolerance = 100 * force_tolerance;
+    row.verdict = mean_of(row.ours) <= row.tolerance ? Verdict::agree : Verdict::differ;
+    return row;
+  }
+
+  CrosscheckRow ground() const {
+    if (layout.gravity == 0) return not_applicable("weight on the ground", "no gravity");
+    if (!all(box2d, [](const CrosscheckRun& run) { return std::isfinite(run.settle_s); }))
+      return not_applicable("weight on the ground", "Box2D does not come to rest");
+    if (!all(box2d, [](const CrosscheckRun& run) { return run.ground_is_flat; }))
+      return not_applicable("weight on the ground", "slopes or walls carry a part by friction");
+    const auto share = [](const CrosscheckRun& run) { return 100 * run.ground_force; };
+    return compare_means("weight on the ground", "% of weight", each(ours, share), each(box2d, share),
+                         100 * force_tolerance);
+  }
+};
+
+}  // namespace
+
+std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                        const std::vector<CrosscheckRun>& box2d, double box2d_skin) {
+  const auto finite = [](const CrosscheckRun& run) { return run.is_finite; };
+  if (!all(box2d, finite)) return {not_applicable("scene", "Box2D's state becomes non-finite")};
+  if (!all(ours, finite)) {
+    CrosscheckRow row = not_applicable("scene", "a state becomes non-finite");
+    row.verdict = Verdict::differ;
+    return {row};
+  }
+  const Judge judge{layout, ours, box2d, box2d_skin};
+  return {judge.stands(), judge.standing(),    judge.top(),    judge.order(),  judge.tilt(),
+          judge.settle(), judge.penetration(), judge.travel(), judge.column(), judge.ground()};
+}
+
+}  // namespace ticktrue::verifier
