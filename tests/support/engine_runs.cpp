@@ -1,0 +1,141 @@
+// The sessions over which engine properties are tested.
+// SPDX-License-Identifier: MIT
+#include "tests/support/engine_runs.h"
+
+#include "engine/builtin_scenes.h"
+#include "engine/math/random.h"
+#include "tests/support/catch.h"
+#include "tests/support/scenes.h"
+
+namespace ticktrue::test {
+namespace {
+
+using engine::Input;
+using engine::InputKind;
+
+/// A closed room with a kinematic paddle, a compound body and every shape, that declares every kind of input.
+engine::Scene playground(engine::SolverKind solver, engine::Precision precision) {
+  engine::Scene scene;
+  scene.name = "playground";
+  scene.settings.solver = solver;
+  scene.settings.substeps = solver == engine::SolverKind::impulse ? 1 : 4;
+  scene.settings.precision = precision;
+  for (const auto& [x, y, hx, hy] : {std::array{0.0, -0.5, 8.0, 0.5}, {-8.5, 5.0, 0.5, 6.0}, {8.5, 5.0, 0.5, 6.0}})
+    scene.bodies.push_back(body_of(box_shape(hx, hy), {x, y}, BodyType::static_body));
+  scene.bodies.push_back(body_of(box_shape(1, 0.2), {-3, 1.5}, BodyType::kinematic_body));
+  scene.bodies.back().angular_velocity = 2;
+  scene.bodies.push_back(body_of(box_shape(0.8, 0.2), {3, 1}));
+  Shape wing = box_shape(0.2, 0.6);
+  wing.center = {0.5, 0.3};
+  wing.angle = 0.4;
+  wing.material.restitution = 0.6;
+  scene.bodies.back().shapes.push_back(wing);
+  scene.bodies.back().linear_damping = 0.3;
+  scene.bodies.back().angular_damping = 0.2;
+  for (int i = 0; i < 6; ++i) {
+    const double x = -4 + 1.5 * i;
+    scene.bodies.push_back(body_of(i % 2 == 0 ? disc_shape(0.4) : box_shape(0.4, 0.3), {x, 3.0 + 0.5 * i}));
+    scene.bodies.back().shapes[0].material.restitution = 0.1 * i;
+  }
+  scene.prototypes = {body_of(disc_shape(0.3), {}), body_of(box_shape(0.35, 0.25), {}),
+                      body_of(polygon_shape({{0.5, 0}, {0.2, 0.45}, {-0.4, 0.3}, {-0.35, -0.3}, {0.1, -0.5}}), {})};
+  scene.prototypes[0].name = "disc";
+  scene.prototypes[1].name = "brick";
+  scene.prototypes[2].name = "gem";
+  for (const engine::InputInfo& info : engine::input_kinds) scene.inputs.push_back(info.kind);
+  scene.pointer = engine::PointerSettings{{"disc", "brick", "gem"}, 5, 0.7, 1000};
+  scene.bounds = engine::Bounds{{-12, -4}, {12, 14}};
+  scene.spawned_max = 12;
+  return scene;
+}
+
+std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count) {
+  engine::Random random(seed);
+  std::vector<Bytes> encoded;
+  const auto event = [&](InputKind kind, std::uint8_t player) {
+    Input input;
+    input.kind = kind;
+    input.player = player;
+    const engine::InputInfo& info = info_of(engine::input_kinds, kind);
+    if (info.has_body) input.body = static_cast<std::uint32_t>(4 + random.below(7));
+    if (info.has_prototype) input.prototype = static_cast<std::uint16_t>(random.below(scene.prototypes.size()));
+    for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = random.real(-3, 3);
+    const bool is_place = kind == InputKind::spawn || kind == InputKind::press || kind == InputKind::drag;
+    if (is_place) input.values[0] = random.real(-7, 7);
+    if (is_place) input.values[1] = random.real(0.5, 9);
+    if (kind == InputKind::set_gravity) input.values[1] = random.real(-12, -6);
+    return input;
+  };
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    std::vector<Input> inputs;
+    for (std::uint8_t player = 0; player < 2; ++player)
+      for (std::uint32_t sequence = 0; sequence < random.below(3); ++sequence) {
+        static constexpr InputKind often[] = {InputKind::press,   InputKind::drag,  InputKind::drag,
+                                              InputKind::release, InputKind::spawn, InputKind::force,
+                                              InputKind::impulse, InputKind::torque};
+        static constexpr InputKind seldom[] = {InputKind::remove, InputKind::set_velocity, InputKind::set_gravity};
+        const InputKind kind = random.below(20) == 0 ? seldom[random.below(3)] : often[random.below(8)];
+        inputs.push_back(event(kind, player));
+        inputs.back().sequence = sequence;
+      }
+    Bytes bytes;
+    engine::encode_inputs(inputs, bytes);
+    encoded.push_back(std::move(bytes));
+  }
+  return encoded;
+}
+
+}  // namespace
+
+std::vector<Session> property_sessions() {
+  std::vector<Session> sessions;
+  for (const engine::Choice<Precision>& precision : engine::precisions) {
+    const std::string suffix = "precision=" + std::string(precision.name);
+    for (const char* text : {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&",
+                             "projectile?", "billiards?", "slide?", "stack?boxes=4&solver=impulse&"}) {
+      const auto scene = engine::make_builtin_scene(text + suffix);
+      INFO(text << suffix << ": " << (scene ? "" : scene.error().message));
+      REQUIRE(scene.has_value());
+      sessions.push_back({text + suffix, *scene, {}});
+    }
+    for (const engine::SolverKind solver : {engine::SolverKind::tgs_soft, engine::SolverKind::impulse}) {
+      const engine::Scene scene = playground(solver, precision.kind);
+      sessions.push_back({"playground " + std::string(info_of(engine::solvers, solver).name) + " " + suffix, scene,
+                          random_inputs(scene, 7, 400)});
+    }
+  }
+  return sessions;
+}
+
+std::unique_ptr<engine::Engine> make_engine_or_fail(const engine::Scene& scene, const engine::EngineOptions& options) {
+  auto engine = engine::make_engine(scene, options);
+  INFO((engine ? "" : engine.error().message));
+  REQUIRE(engine.has_value());
+  return *std::move(engine);
+}
+
+TickInput input_of(const Session& session, std::uint64_t tick) {
+  return {session.scene.settings.dt, tick < session.inputs.size() ? ByteView(session.inputs[tick]) : ByteView()};
+}
+
+std::vector<std::uint64_t> tick_hashes(const Session& session, std::uint64_t tick_count,
+                                       const engine::EngineOptions& options) {
+  const auto engine = make_engine_or_fail(session.scene, options);
+  std::vector<std::uint64_t> hashes;
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    const Status accepted = engine->accept(input_of(session, tick));
+    INFO("tick " << tick << ": " << (accepted ? "" : accepted.error().message));
+    REQUIRE(accepted.has_value());
+    engine->step(input_of(session, tick), nullptr);
+    hashes.push_back(root_hash(engine->state()));
+  }
+  return hashes;
+}
+
+Bytes image_of(const Simulation& simulation) {
+  Bytes image;
+  encode_image(simulation.state(), image);
+  return image;
+}
+
+}  // namespace ticktrue::test
