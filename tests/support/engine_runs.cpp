@@ -43,7 +43,7 @@ engine::Scene playground(engine::SolverKind solver, engine::Precision precision)
   scene.prototypes[1].name = "brick";
   scene.prototypes[2].name = "gem";
   for (const engine::InputInfo& info : engine::input_kinds) scene.inputs.push_back(info.kind);
-  scene.pointer = engine::PointerSettings{{"disc", "brick", "gem"}, 5, 0.7, 1000};
+  scene.pointer.emplace().spawns = {"disc", "brick", "gem"};
   scene.bounds = engine::Bounds{{-12, -4}, {12, 14}};
   scene.spawned_max = 12;
   return scene;
