@@ -443,6 +443,7 @@ struct TraceReader::Impl {
     double dt = setup.dt;
     bool has_image = false;
     std::uint8_t last_tag = 0;  // in the tick: records come in the order of their tags
+    bool is_pending = false;    // dt or inputs came, the root hash not yet
     std::size_t inputs_offset = 0, inputs_size = 0;
     std::size_t want = ticks_view_size;
     ByteView bytes = view(cursor.offset, want);
@@ -466,6 +467,7 @@ struct TraceReader::Impl {
           return damaged(place, chunk_text(header.kind) + ": record order: found tag " + std::to_string(record.tag) +
                                     " after " + std::to_string(last_tag));
         last_tag = record.tag;
+        is_pending = is_pending || record.tag <= static_cast<std::uint8_t>(RecordTag::inputs);
       }
       const std::size_t body_offset = static_cast<std::size_t>(record.body.data() - bytes.data());
       at += record.size;
@@ -496,6 +498,7 @@ struct TraceReader::Impl {
                                       std::to_string(limits::tick_count_max));
           ticks_end = at;
           last_tag = 0;
+          is_pending = false;
           inputs_size = 0;
           break;
         case RecordTag::close: {
@@ -506,7 +509,7 @@ struct TraceReader::Impl {
           if (last_tag > static_cast<std::uint8_t>(RecordTag::inputs))
             return damaged(place, chunk_text(header.kind) + ": found stage hashes without a root hash");
           keep_ticks(bytes, ticks_end, tick);
-          if (last_tag != 0) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
+          if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
           cursor.offset += at;
           ++cursor.sequence;
           cursor.chain = running;
@@ -527,7 +530,7 @@ struct TraceReader::Impl {
     bytes = view(cursor.offset, at);
     if (bytes.size() < at) return Step::stop;  // the file shrank meanwhile
     keep_ticks(bytes, ticks_end, tick);
-    if (last_tag != 0) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
+    if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
     return walk_end > 0 ? Step::ticks : Step::stop;
   }
 

@@ -5,6 +5,7 @@
 // (keyed by id), links (keyed by the ids of both bodies). Stages: inputs, forces, move.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -254,9 +255,9 @@ class ToySimulation : public Simulation {
   }
 
   ToyBody* find(std::uint32_t id) {
-    for (ToyBody& body : bodies)
-      if (body.id == id) return &body;
-    return nullptr;
+    const auto at = std::lower_bound(bodies.begin(), bodies.end(), id,
+                                     [](const ToyBody& body, std::uint32_t wanted) { return body.id < wanted; });
+    return at != bodies.end() && at->id == id ? &*at : nullptr;
   }
   void spawn(double x, double y) {
     ToyBody body;
