@@ -1,9 +1,10 @@
-// Refuses to compile where floats would not follow IEEE 754 operation by operation. docs/determinism.md has the
-// reasons. SPDX-License-Identifier: MIT
+// Refuses to compile where floats would not follow IEEE 754 operation by operation.
+// SPDX-License-Identifier: MIT
 //
+// docs/determinism.md has the reasons.
 // base/bytes.h includes this header, so that it is seen by every object that handles state, not by one of them only.
 // Not seen here: fused multiply-add (no macro tells; tests/base/float_rules_test.cpp probes it) and clang's single
-// flags such as -fassociative-math (cmake/determinism.cmake refuses them by name).
+// flags such as -fassociative-math (cmake/refuse_flags.cmake refuses them by name).
 #pragma once
 
 #include <cfloat>
