@@ -124,7 +124,7 @@ struct Ban {
   std::string_view use;
 };
 
-constexpr std::string_view own_trigonometry = "engine/math/trig.h";
+constexpr std::string_view own_functions = "engine/math/trig.h or engine/math/exponential.h";
 constexpr std::string_view own_sort = "an insertion or radix sort over a total order, in engine/";
 constexpr std::string_view id_order = "rows that ascend by id";
 constexpr std::string_view bits_in = "numbers that come in with the scene or the inputs";
@@ -295,7 +295,7 @@ void check_names(const SourceFile& file, std::string_view line, std::size_t numb
       for (const std::string_view prefix : {"", "__builtin_"})
         for (const std::string_view suffix : {"", "f", "l"}) {
           const std::string whole = std::string(prefix) + std::string(name) + std::string(suffix);
-          if (uses(line, whole, true)) report(findings, file, number, whole, own_trigonometry);
+          if (uses(line, whole, true)) report(findings, file, number, whole, own_functions);
         }
   if (ends_with(file.path, ".h") && uses(line, "using namespace", false))
     report(findings, file, number, "using namespace in a header", "the qualified name");
