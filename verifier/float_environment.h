@@ -1,0 +1,27 @@
+// What floating point does here, found by arithmetic, not by asking: rounding, subnormals, contraction, and a digest.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace ticktrue::verifier {
+
+struct FloatEnvironment {
+  std::string_view rounding;         // "nearest", "upward", "downward", "toward_zero"
+  bool flushes_to_zero = false;      // subnormal results become zero
+  bool subnormals_are_zero = false;  // subnormal operands count as zero
+  bool contracts = false;            // a * b + c is rounded once
+  int evaluation_method = 0;         // FLT_EVAL_METHOD
+  std::uint64_t digest = 0;          // of a few thousand operations in f32 and f64
+};
+
+/// The digest of every platform that follows IEEE 754 operation by operation.
+inline constexpr std::uint64_t float_digest_expected = 0xa67fd07f0e75dd74u;
+
+FloatEnvironment probe_float_environment();
+
+/// Whether traces of other machines can be expected to verify here.
+bool follows_rules(const FloatEnvironment& environment);
+
+}  // namespace ticktrue::verifier
