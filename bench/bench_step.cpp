@@ -1,0 +1,226 @@
+// Time of a tick of a built-in scene, ours and Box2D's in turns in one process, so that both see the same machine.
+// SPDX-License-Identifier: MIT
+//
+// Each repeat makes both worlds anew, steps tick 0 untimed (it builds what later ticks keep), then lets them take turns
+// in blocks of ticks. A block's time over its ticks is one sample; median, least and quartiles are over all samples.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/build_info.h"
+#include "base/hash.h"
+#include "base/state_view.h"
+#include "engine/builtin_scenes.h"
+#include "engine/engine.h"
+#include "verifier/box2d_peer.h"
+
+namespace ticktrue {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+struct BenchOptions {
+  std::string scene;
+  std::uint64_t tick_count = 500;
+  std::uint64_t block_size = 10;  // ticks
+  std::uint64_t repeat_count = 3;
+  unsigned thread_count = 1;
+  std::string pipeline = "composed";
+  std::string peer;
+  bool json = false;
+};
+
+struct Times {
+  double min_ms = 0;
+  double median_ms = 0;
+  double iqr_ms = 0;
+};
+
+// Requires: samples not empty.
+Times times_of(std::vector<double> samples) {
+  std::sort(samples.begin(), samples.end());
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(samples.size() - 1);
+    const std::size_t below = static_cast<std::size_t>(place);
+    const std::size_t above = std::min(below + 1, samples.size() - 1);
+    return samples[below] + (place - static_cast<double>(below)) * (samples[above] - samples[below]);
+  };
+  return {samples.front(), at(0.5), at(0.75) - at(0.25)};
+}
+
+// Milliseconds of one tick, from a block of them.
+template <typename Step>
+double time_block(std::uint64_t tick_count, Step step) {
+  const Clock::time_point start = Clock::now();
+  for (std::uint64_t i = 0; i < tick_count; ++i) step();
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count() / static_cast<double>(tick_count);
+}
+
+struct Measured {
+  Times ours;
+  Times peer;  // zero without a peer
+  std::size_t body_count = 0;
+  std::size_t contact_count = 0;
+  std::size_t peer_contact_count = 0;
+  std::uint64_t hash = 0;
+};
+
+Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options) {
+  Measured measured;
+  std::vector<double> ours;
+  std::vector<double> peers;
+  const TickInput input{scene.settings.dt, {}};
+  for (std::uint64_t repeat = 0; repeat < options.repeat_count; ++repeat) {
+    engine::EngineOptions engine_options;
+    engine_options.full_pipeline = options.pipeline == "full";
+    auto made = engine::make_engine(scene, engine_options);
+    if (!made) return made.error();
+    engine::Engine& engine = **made;
+    std::unique_ptr<verifier::Box2dPeer> peer;
+    if (!options.peer.empty()) {
+      auto peer_made = verifier::make_box2d_peer(scene);
+      if (!peer_made) return peer_made.error();
+      peer = std::move(*peer_made);
+    }
+    if (Status accepted = engine.accept(input); !accepted) return accepted.error();
+    engine.step(input, nullptr);
+    if (peer) peer->step();
+    for (std::uint64_t tick = 1; tick < options.tick_count;) {
+      const std::uint64_t block = std::min(options.block_size, options.tick_count - tick);
+      ours.push_back(time_block(block, [&] { engine.step(input, nullptr); }));
+      if (peer) peers.push_back(time_block(block, [&] { peer->step(); }));
+      tick += block;
+    }
+    const std::uint64_t hash = root_hash(engine.state());
+    if (repeat > 0 && hash != measured.hash)
+      return Error{
+          ErrorCode::incompatible,
+          fmt::format("{}: two runs differ: found hash {}, expected {}", scene.name, hex64(hash), hex64(measured.hash)),
+          "record and verify the scene with --mode twice"};
+    measured.hash = hash;
+    measured.body_count = engine.bodies().size();
+    measured.contact_count = engine.contacts().size();
+    if (peer) measured.peer_contact_count = peer->contact_count();
+  }
+  measured.ours = times_of(std::move(ours));
+  if (!peers.empty()) measured.peer = times_of(std::move(peers));
+  return measured;
+}
+
+Json times_json(const Times& times) {
+  return {{"min", times.min_ms}, {"median", times.median_ms}, {"iqr", times.iqr_ms}};
+}
+
+std::string peer_settings(const engine::Scene& scene) {
+  const verifier::Box2dOptions defaults;
+  return fmt::format("{}/{} iterations, dt {:g} s, warm starting, no sleeping", defaults.velocity_iterations,
+                     defaults.position_iterations, scene.settings.dt);
+}
+
+Json report_json(const engine::Scene& scene, const BenchOptions& options, const Measured& measured) {
+  Json object;
+  object["schema"] = "ticktrue.bench_step/1";
+  object["scene"] = options.scene;
+  object["ticks"] = options.tick_count;
+  object["repeats"] = options.repeat_count;
+  object["threads"] = options.thread_count;
+  object["pipeline"] = options.pipeline;
+  object["precision"] = engine::info_of(engine::precisions, scene.settings.precision).name;
+  object["solver"] = engine::info_of(engine::solvers, scene.settings.solver).name;
+  object["substeps"] = scene.settings.substeps;
+  object["ms_per_tick"] = times_json(measured.ours);
+  if (options.peer.empty()) {
+    object["peer"] = nullptr;
+    object["ratio"] = nullptr;
+  } else {
+    object["peer"] = {{"name", "Box2D"},
+                      {"version", verifier::box2d_version()},
+                      {"settings", peer_settings(scene)},
+                      {"ms_per_tick", times_json(measured.peer)},
+                      {"contacts", measured.peer_contact_count}};
+    object["ratio"] = measured.peer.median_ms / measured.ours.median_ms;
+  }
+  object["bodies"] = measured.body_count;
+  object["contacts"] = measured.contact_count;
+  object["hash"] = hex64(measured.hash);
+  object["build"] = build_line();
+  return object;
+}
+
+std::string report_text(const engine::Scene& scene, const BenchOptions& options, const Measured& measured) {
+  std::string text =
+      fmt::format("{}  {} ticks, {} repeats, {} bodies, {} contacts, {} {}, {} substeps, {} pipeline, hash {}\n",
+                  options.scene, options.tick_count, options.repeat_count, measured.body_count, measured.contact_count,
+                  engine::info_of(engine::precisions, scene.settings.precision).name,
+                  engine::info_of(engine::solvers, scene.settings.solver).name, scene.settings.substeps,
+                  options.pipeline, hex64(measured.hash));
+  const auto line = [](const std::string& name, const Times& times) {
+    return fmt::format("  {:<14}{:>10.4f}{:>10.4f}{:>10.4f}\n", name, times.min_ms, times.median_ms, times.iqr_ms);
+  };
+  text += fmt::format("  {:<14}{:>10}{:>10}{:>10}\n", "ms per tick", "min", "median", "iqr");
+  text += line("ticktrue", measured.ours);
+  if (!options.peer.empty()) {
+    text += line("Box2D " + verifier::box2d_version(), measured.peer);
+    text += fmt::format("  {:.2f} times as fast as Box2D {} ({})\n", measured.peer.median_ms / measured.ours.median_ms,
+                        verifier::box2d_version(), peer_settings(scene));
+  }
+  return text;
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "bench_step: error: %s\n", error.message.c_str());
+  if (!error.hint.empty()) std::fprintf(stderr, "  %s\n", error.hint.c_str());
+  return 2;
+}
+
+int run(const BenchOptions& options) {
+  Result<engine::Scene> scene = engine::make_builtin_scene(options.scene);
+  if (!scene) return fail(scene.error());
+  const Result<Measured> measured = measure(*scene, options);
+  if (!measured) return fail(measured.error());
+  const std::string text =
+      options.json ? report_json(*scene, options, *measured).dump(2) + "\n" : report_text(*scene, options, *measured);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return 0;
+}
+
+}  // namespace
+}  // namespace ticktrue
+
+int main(int argc, char** argv) {
+  ticktrue::BenchOptions options;
+  CLI::App app("Time of a tick of a built-in scene, ours and Box2D's in turns");
+  app.add_option("--scene", options.scene, "Built-in scene, with parameters: large_pyramid, stack?boxes=20")
+      ->required();
+  app.add_option("--ticks", options.tick_count, "Ticks of a run; the first is not timed")
+      ->check(CLI::Range(2, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--block", options.block_size, "Ticks between changes of turn")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--repeats", options.repeat_count, "Runs from the start")
+      ->check(CLI::Range(1, 1'000))
+      ->capture_default_str();
+  app.add_option("--threads", options.thread_count, "Threads of a tick; the engine uses one")
+      ->check(CLI::Range(1, 1))
+      ->capture_default_str();
+  app.add_option("--pipeline", options.pipeline, "Only the stages the scene needs, or all")
+      ->check(CLI::IsMember({"composed", "full"}))
+      ->capture_default_str();
+  app.add_option("--peer", options.peer, "Compare with another engine")->check(CLI::IsMember({"box2d"}));
+  app.add_flag("--json", options.json, "One JSON object");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return ticktrue::run(options);
+}
