@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "engine/scene.h"
 
-#include <cstdio>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -20,12 +19,6 @@ constexpr double coefficient_max = 1e9;    // friction, damping ratios, hertz, s
 constexpr double inertia_min = 1e-30;      // kg m^2
 constexpr double inertia_max = 1e30;       // kg m^2
 constexpr double force_per_kg_max = 1e15;  // N/kg
-
-std::string limit_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.15g", value);
-  return text;
-}
 
 bool is_finite(double value) {
   return value - value == 0;
@@ -117,10 +110,10 @@ class Checker {
                        : min > 0 && value <= 0 ? "must be > 0"
                        : min == 0 && value < 0 ? "must be >= 0"
                                                : "out of range";
-    return refuse(
-        name,
-        std::string(what) + ": found " + number_text(value) + ", expected " + limit_text(min) + ".." + limit_text(max),
-        hint);
+    return refuse(name,
+                  std::string(what) + ": found " + number_text(value) + ", expected " + number_text(min) + ".." +
+                      number_text(max),
+                  hint);
   }
   bool point(const char* key, const Point& value, double max) {
     return number(key, value.x, -max, max, 0) && number(key, value.y, -max, max, 1);
@@ -249,12 +242,12 @@ class Checker {
     if (!(mass.mass >= limits::mass_min_kg && mass.mass <= limits::mass_max_kg))
       return refuse("",
                     "mass of its shapes out of range: found " + number_text(mass.mass) + " kg, expected " +
-                        limit_text(limits::mass_min_kg) + ".." + limit_text(limits::mass_max_kg),
+                        number_text(limits::mass_min_kg) + ".." + number_text(limits::mass_max_kg),
                     "change density or size, or state the mass");
     if (!body.fixed_rotation && !(mass.inertia >= inertia_min && mass.inertia <= inertia_max))
       return refuse("",
                     "inertia out of range: found " + number_text(mass.inertia) + " kg m^2, expected " +
-                        limit_text(inertia_min) + ".." + limit_text(inertia_max),
+                        number_text(inertia_min) + ".." + number_text(inertia_max),
                     "change density or size, state the inertia, or fix the rotation");
     return true;
   }
@@ -306,7 +299,7 @@ class Checker {
     const double extent = upper.x - lower.x > upper.y - lower.y ? upper.x - lower.x : upper.y - lower.y;
     return extent >= limits::size_min_m ||
            refuse("vertices", "too small: found an extent of " + number_text(extent) + " m, expected at least " +
-                                  limit_text(limits::size_min_m));
+                                  number_text(limits::size_min_m));
   }
 
   bool check_inputs() {
