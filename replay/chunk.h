@@ -71,13 +71,14 @@ bool may_begin_chunk(ByteView part, const ChunkHeader& expected);
 /// Chain value after a chunk with this content: `fields`, then `data`.
 std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data);
 
+/// In the order in which the records of a tick stand; `root` or `root_image` ends it.
 enum class RecordTag : std::uint8_t {
   dt = 1,
   inputs = 2,
   stages = 3,
-  root = 4,
-  root_image = 5,  // root, and the image of the state follows in image chunks
-  cells = 6,       // reserved: not in version 1
+  cells = 4,  // reserved: not in version 1
+  root = 5,
+  root_image = 6,  // root, and the image of the state follows in image chunks
   close = 15,
 };
 

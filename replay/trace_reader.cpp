@@ -541,7 +541,7 @@ struct TraceReader::Impl {
   static std::string fault_text(const Record& record) {
     switch (record.fault) {
       case RecordFault::unknown_tag:
-        return "record tag: found " + std::to_string(record.tag) + ", expected 1..5, 15 or 128..255";
+        return "record tag: found " + std::to_string(record.tag) + ", expected 1..3, 5, 6, 15 or 128..255";
       case RecordFault::bad_size:
         return "record size: found one that is not allowed for tag " + std::to_string(record.tag);
       default:
