@@ -68,9 +68,11 @@ std::string facts_line(const replay::BuildFacts& facts) {
   // The facts every recorder writes, in the form of build_line(); others follow with their names.
   std::string known, others;
   for (const char* name : {"version", "commit", "compiler", "flags", "target"})
-    for (const auto& [found, value] : facts)
-      if (found == name && !value.empty())
-        known += found == "version" ? "ticktrue " + value : found == "commit" ? " (" + value + ")" : " " + value;
+    for (const auto& [found, value] : facts) {
+      if (found != name || value.empty()) continue;
+      known += known.empty() ? "" : " ";
+      known += found == "version" ? "ticktrue " + value : found == "commit" ? "(" + value + ")" : value;
+    }
   for (const auto& [name, value] : facts)
     if (name != "version" && name != "commit" && name != "compiler" && name != "flags" && name != "target")
       others += (others.empty() && known.empty() ? "" : ", ") + name + " " + value;

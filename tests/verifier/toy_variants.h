@@ -1,0 +1,80 @@
+// Toy simulations with a planted fault, and short ways to record and verify them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "tests/replay/toy_traces.h"
+#include "tests/support/toy_simulation.h"
+#include "verifier/verify.h"
+
+namespace ticktrue::test {
+
+/// A toy that does something at the end of a stage of one tick. What, is set by the test before it is made.
+struct Planted {
+  std::uint64_t tick = 0;
+  std::size_t stage = 0;
+  std::function<void(ToySimulation&)> fault;
+};
+inline Planted planted;
+
+inline Result<std::unique_ptr<Simulation>> make_planted(ByteView setup) {
+  ByteReader in(setup);
+  auto toy = std::make_unique<ToySimulation>(in.u32());
+  toy->disturb = [](ToySimulation& self, std::size_t stage) {
+    // tick_count rises in the last stage, before the fault.
+    const std::uint64_t tick = self.world.tick_count - (stage == ToySimulation::move_stage ? 1 : 0);
+    if (tick != planted.tick || stage != planted.stage) return;
+    planted.fault(self);
+    self.refresh();
+  };
+  return std::unique_ptr<Simulation>(std::move(toy));
+}
+inline constexpr SimulationInfo planted_info{"ticktrue.toy", 1, &make_planted};
+
+/// The toy under a class of one's own.
+template <typename Toy>
+Result<std::unique_ptr<Simulation>> make_toy(ByteView setup) {
+  ByteReader in(setup);
+  return std::unique_ptr<Simulation>(std::make_unique<Toy>(in.u32()));
+}
+
+inline Bytes toy_trace_with(const replay::TraceSetup& setup, std::uint64_t tick_count,
+                            std::uint32_t checkpoint_interval) {
+  replay::TraceSetup copy = setup;
+  copy.checkpoint_interval = checkpoint_interval;
+  return toy_trace(copy, tick_count);
+}
+
+inline replay::TraceReader open_trace(ByteView bytes) {
+  auto reader = replay::TraceReader::open_bytes(bytes, "toy.ttr");
+  if (!reader) FAIL(reader.error().message);
+  return std::move(*reader);
+}
+
+inline verifier::VerifyOptions verify_options(const SimulationInfo& info,
+                                              verifier::VerifyMode mode = verifier::VerifyMode::replay) {
+  verifier::VerifyOptions options;
+  options.simulation = &info;
+  options.mode = mode;
+  return options;
+}
+
+inline verifier::Report verify_bytes(ByteView bytes, const verifier::VerifyOptions& options) {
+  replay::TraceReader reader = open_trace(bytes);
+  return verifier::verify(reader, options);
+}
+inline verifier::Report verify_bytes(ByteView bytes, const SimulationInfo& info,
+                                     verifier::VerifyMode mode = verifier::VerifyMode::replay) {
+  return verify_bytes(bytes, verify_options(info, mode));
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace ticktrue::test
