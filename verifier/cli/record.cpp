@@ -10,6 +10,7 @@
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/session_inputs.h"
+#include "verifier/cli/trace_words.h"
 #include "verifier/data_file.h"
 #include "verifier/session.h"
 
@@ -45,12 +46,6 @@ Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
   }
   if (choices.detail == replay::Detail::root && text == "root") return {};
   return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, full or full:A..B", ""};
-}
-
-std::string_view reason_name(replay::EndReason reason) {
-  for (const replay::EndReasonInfo& info : replay::end_reasons)
-    if (info.reason == reason) return info.name;
-  return "unknown";
 }
 
 int run_record(const RecordCommand& options) {
@@ -109,7 +104,7 @@ int run_record(const RecordCommand& options) {
     object["size"] = result->size;
     object["detail"] = options.detail;
     object["checkpoint_interval"] = options.checkpoint_interval;
-    object["reason"] = reason_name(result->reason);
+    object["reason"] = end_reason_name(result->reason);
     object["note"] = result->note;
     object["inputs"] = input_count;
     object["ignored_inputs"] = engine.ignored_inputs();
@@ -124,7 +119,7 @@ int run_record(const RecordCommand& options) {
     print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
     print(fmt::format("  hash    {}\n", hex64(result->root_hash)));
     if (result->reason != replay::EndReason::complete)
-      print(fmt::format("  ended   {}{}{}\n", reason_name(result->reason), result->note.empty() ? "" : ": ",
+      print(fmt::format("  ended   {}{}{}\n", end_reason_name(result->reason), result->note.empty() ? "" : ": ",
                         result->note));
   }
   if (result->reason == replay::EndReason::interrupted)

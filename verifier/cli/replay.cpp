@@ -11,6 +11,7 @@
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
+#include "verifier/cli/trace_words.h"
 #include "verifier/data_file.h"
 #include "verifier/playback.h"
 #include "verifier/svg.h"
@@ -101,8 +102,7 @@ std::string json_line(const engine::Engine& engine, std::uint64_t tick) {
 int report_end(const std::string& file, const verifier::PlaybackResult& result) {
   int code = exit_ok;
   if (result.tail && result.tail->condition != replay::TraceCondition::complete) {
-    const bool is_damaged = result.tail->condition == replay::TraceCondition::damaged;
-    code = is_damaged ? exit_damaged : exit_incomplete;
+    code = exit_code_of_condition(result.tail->condition);
     print_warning(file + ": " + (result.tail->message.empty() ? "ends early" : result.tail->message) + "; played " +
                   std::to_string(result.tail->ticks_intact) + " ticks that are intact");
   }
