@@ -283,7 +283,7 @@ TEST_CASE("the same recording has the same content whatever the build facts", "[
   const Bytes packed = toy_trace(setup, 12, compressing);
   const auto places = chunk_places(one);
   for (const Bytes* bytes : std::initializer_list<const Bytes*>{&other, &packed}) {
-    CHECK(one.size() != bytes->size());
+    if (bytes == &other || replay::has_codec(replay::Codec::zstd)) CHECK(one.size() != bytes->size());
     const auto other_places = chunk_places(*bytes);
     REQUIRE(places.size() == other_places.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
