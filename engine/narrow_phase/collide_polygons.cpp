@@ -1,6 +1,6 @@
-// Contacts of two convex polygons: separating axes of both, then the edges of deepest overlap clipped against each
-// other. SPDX-License-Identifier: MIT Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland
-// and Hodgman, 1974.
+// Contacts of two convex polygons: separating axes of both, then the edges of deepest overlap clipped.
+// SPDX-License-Identifier: MIT
+// Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland and Hodgman, 1974.
 #include "base/limits.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
