@@ -274,7 +274,9 @@ Scene build_mixed_pile(const SceneArguments& arguments) {
   scene.bodies.push_back(static_body("wall_left", {-half_width - 0.5, half_height}, box(0.5, half_height)));
   scene.bodies.push_back(static_body("wall_right", {half_width + 0.5, half_height}, box(0.5, half_height)));
   for (int i = 0; i < count; ++i) {
-    const Point position{(i % column_count + 0.5) * pitch - half_width, (i / column_count + 0.5) * pitch};
+    const int column = i % column_count;
+    const int row = i / column_count;
+    const Point position{(column + 0.5) * pitch - half_width, (row + 0.5) * pitch};
     const std::size_t number = scene.bodies.size();
     switch (random.below(3)) {
       case 0:
