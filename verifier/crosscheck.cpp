@@ -28,10 +28,10 @@ constexpr Box2dOptions usual_box2d{};
 constexpr std::array<int, 2> finer_steps_per_tick{4, 16};
 constexpr std::size_t finest_body_count_max = 500;  // bounds the time the finest steps take
 
-// A number in [-1, 1) for a body of a seed: one round of splitmix64.
+// A number in [-1, 1) for a place in the sequence of a seed: one round of splitmix64.
 // Source: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
-double jitter_of(std::uint32_t seed, std::uint64_t body) {
-  std::uint64_t z = (static_cast<std::uint64_t>(seed) << 32) + body;
+double jitter_of(std::uint32_t seed, std::uint64_t place) {
+  std::uint64_t z = (static_cast<std::uint64_t>(seed) << 32) + place;
   z = (z + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -229,9 +229,12 @@ Scene jittered_scene(const Scene& scene, const CrosscheckLayout& layout, std::ui
   for (std::size_t i = 0; i < jittered.bodies.size(); ++i) {
     const CrosscheckBody& body = layout.bodies[i];
     if (!body.is_dynamic) continue;
-    const double shift = jitter_of(seed, i) * jitter_per_size * std::min(body.width, body.height);
-    jittered.bodies[i].position.x += shift * layout.right.x;
-    jittered.bodies[i].position.y += shift * layout.right.y;
+    const double reach = jitter_per_size * std::min(body.width, body.height);
+    const double across = jitter_of(seed, 2 * i) * reach;
+    // Without gravity no direction is special, and a shift along one alone would keep a scene's symmetry.
+    const double up = layout.gravity > 0 ? 0 : jitter_of(seed, 2 * i + 1) * reach;
+    jittered.bodies[i].position.x += across * layout.right.x + up * layout.up.x;
+    jittered.bodies[i].position.y += across * layout.right.y + up * layout.up.y;
   }
   return jittered;
 }

@@ -167,7 +167,8 @@ struct CrosscheckReport {
 /// A scene that Box2D cannot do gives a report with one row, not_applicable.
 Result<CrosscheckReport> crosscheck(const engine::Scene& scene, const CrosscheckOptions& options);
 
-/// The scene with each dynamic body shifted across gravity by up to 1 mm per metre of its size; seed 0: unchanged.
+/// The scene with each dynamic body shifted across gravity (without gravity: in both directions) by up to
+/// 1 mm per metre of its size; seed 0: unchanged.
 /// `layout` is make_layout of the scene.
 engine::Scene jittered_scene(const engine::Scene& scene, const CrosscheckLayout& layout, std::uint32_t seed);
 

@@ -36,25 +36,31 @@ std::string_view verdict_name(Verdict verdict) {
   return verifier::verdict_names[static_cast<std::size_t>(verdict)];
 }
 
+// Three digits, four decimals at most: the JSON has them all.
+std::string number_text(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (std::fabs(value) >= 0.1) return fmt::format("{:.4g}", value);
+  std::string text = fmt::format("{:.4f}", value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
 // Mean of the seeds, with their range where it shows; infinite values (never at rest) counted apart.
 std::string value_text(const std::vector<double>& values) {
+  if (values.empty()) return "-";
   std::vector<double> finite;
   std::copy_if(values.begin(), values.end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
-  if (values.empty()) return "-";
   if (finite.empty()) return "never";
   double mean = 0;
   for (const double value : finite) mean += value / static_cast<double>(finite.size());
   const auto [lowest, highest] = std::minmax_element(finite.begin(), finite.end());
-  const std::string low = fmt::format("{:.4g}", *lowest);
-  const std::string high = fmt::format("{:.4g}", *highest);
-  std::string text = fmt::format("{:.4g}", mean);
+  const std::string low = number_text(*lowest);
+  const std::string high = number_text(*highest);
+  std::string text = number_text(mean);
   if (low != high) text += fmt::format(" ({}..{})", low, high);
-  if (finite.size() < values.size()) text += fmt::format(", {} never", values.size() - finite.size());
+  if (finite.size() < values.size()) text += fmt::format(" {} never", values.size() - finite.size());
   return text;
-}
-
-std::string number_text(double value) {
-  return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-";
 }
 
 // Lines of at most text_width columns, indented.
@@ -71,13 +77,14 @@ std::string wrapped(std::string_view text, std::size_t indent) {
   return lines;
 }
 
-constexpr std::string_view row_format = "  {:<21}{:<22}{:<22}{:<9}{:<9}{:<15}{}\n";
+constexpr std::string_view row_format = "  {:<21}{:<24} {:<24} {:<8}{:<8}{:<14}{}\n";
 
 std::string row_text(const CrosscheckRow& row) {
-  const bool judged = !row.ours.empty();
-  std::string text = fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d),
-                                 judged ? number_text(row.difference) : "-", judged ? number_text(row.tolerance) : "-",
-                                 row.unit, verdict_name(row.verdict));
+  if (row.verdict == Verdict::not_applicable)
+    return fmt::format("  {:<21}not applicable: {}\n", row.criterion, row.reason);
+  std::string text =
+      fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d), number_text(row.difference),
+                  number_text(row.tolerance), row.unit, verdict_name(row.verdict));
   if (!row.reason.empty()) text += wrapped(row.reason, 4);
   return text;
 }
