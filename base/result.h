@@ -45,7 +45,7 @@ class [[nodiscard]] Result {
   /// Requires: has_value().
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
-  T&& operator*() && { return std::move(value()); }
+  T operator*() && { return std::move(value()); }  // by value: `for (x : *f())` must not dangle
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
   T& value() {

@@ -83,7 +83,9 @@ class World final : public Engine {
     update_view(state_, pipeline_.tables, view_);
   }
 
-  const StateView& state() const override { return view_; }
+  const StateView& state() const override {
+    return view_;
+  }
 
   Status load(ByteView image) override {
     const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
@@ -91,7 +93,9 @@ class World final : public Engine {
     return status;
   }
 
-  std::span<const std::string> stage_names() const override { return stage_names_; }
+  std::span<const std::string> stage_names() const override {
+    return stage_names_;
+  }
 
   std::string row_name(std::size_t table, std::size_t row) const override {
     const std::string& name = schema_.tables[table].name;
@@ -111,11 +115,21 @@ class World final : public Engine {
     return text;
   }
 
-  std::vector<StageDescription> describe() const override { return pipeline_.description; }
-  const Scene& scene() const override { return model_.scene; }
-  std::uint64_t tick() const override { return state_.world.tick; }
-  double time_s() const override { return state_.world.time; }
-  std::uint64_t ignored_inputs() const override { return state_.world.ignored_inputs; }
+  std::vector<StageDescription> describe() const override {
+    return pipeline_.description;
+  }
+  const Scene& scene() const override {
+    return model_.scene;
+  }
+  std::uint64_t tick() const override {
+    return state_.world.tick;
+  }
+  double time_s() const override {
+    return state_.world.time;
+  }
+  std::uint64_t ignored_inputs() const override {
+    return state_.world.ignored_inputs;
+  }
 
   std::vector<BodyReport> bodies() const override {
     std::vector<BodyReport> reports;

@@ -164,17 +164,17 @@ std::size_t stood_count(const std::vector<CrosscheckRun>& runs) {
 }
 
 bool has_difference(const std::vector<CrosscheckRow>& rows) {
-  return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.verdict == Verdict::differ; });
+  return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.verdict == Agreement::differ; });
 }
 
 // Where Box2D with finer steps agrees with ours, the difference is one of Box2D's convergence.
 void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<CrosscheckRow>& finer, int steps_per_tick) {
   for (std::size_t i = 0; i < rows.size() && i < finer.size(); ++i) {
-    if (rows[i].verdict != Verdict::differ || rows[i].criterion != finer[i].criterion) continue;
-    if (finer[i].verdict != Verdict::agree && finer[i].verdict != Verdict::expected) continue;
+    if (rows[i].verdict != Agreement::differ || rows[i].criterion != finer[i].criterion) continue;
+    if (finer[i].verdict != Agreement::agree && finer[i].verdict != Agreement::expected) continue;
     double mean = 0;
     for (const double value : finer[i].box2d) mean += value / static_cast<double>(finer[i].box2d.size());
-    rows[i].verdict = Verdict::expected;
+    rows[i].verdict = Agreement::expected;
     rows[i].reason =
         fmt::format("Box2D has not converged: with {} steps a tick it comes to {:.4g} too", steps_per_tick, mean);
   }
@@ -186,10 +186,10 @@ CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& na
   solver.solver = name;
   solver.stood = stood;
   for (const CrosscheckRow& row : rows) {
-    if (row.verdict == Verdict::agree) ++solver.passed;
-    if (row.verdict == Verdict::differ) ++solver.failed;
-    if (row.verdict == Verdict::expected) ++solver.expected;
-    if (row.verdict == Verdict::not_applicable) ++solver.not_applicable;
+    if (row.verdict == Agreement::agree) ++solver.passed;
+    if (row.verdict == Agreement::differ) ++solver.failed;
+    if (row.verdict == Agreement::expected) ++solver.expected;
+    if (row.verdict == Agreement::not_applicable) ++solver.not_applicable;
   }
   const int judged = solver.passed + solver.failed + solver.expected;
   solver.summary = solver.failed == 0 ? fmt::format("{:<10} agrees with Box2D {} on {} of {} criteria", name,

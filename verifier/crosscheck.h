@@ -20,7 +20,7 @@
 
 namespace ticktrue::verifier {
 
-enum class Verdict : std::uint8_t { agree, differ, expected, not_applicable };
+enum class Agreement : std::uint8_t { agree, differ, expected, not_applicable };
 inline constexpr std::array<std::string_view, 4> verdict_names{"agree", "differ", "expected", "not_applicable"};
 
 /// A body of the scene as it starts, seen along gravity: `across` to the right, `up` against gravity.
@@ -116,7 +116,7 @@ class CrosscheckMeasure {
 struct CrosscheckRow {
   std::string solver;
   std::string criterion;
-  Verdict verdict = Verdict::not_applicable;
+  Agreement verdict = Agreement::not_applicable;
   std::string unit;
   std::vector<double> ours;   // by seed; empty if not applicable
   std::vector<double> box2d;  // by seed

@@ -73,7 +73,7 @@ CrosscheckRow compare_means(std::string criterion, std::string unit, std::vector
   const Statistics reference = statistics_of(box2d);
   row.difference = std::fabs(mean_of(ours) - reference.mean);
   row.tolerance = std::max(tolerance, scatter_factor * reference.deviation);
-  row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+  row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
   row.ours = std::move(ours);
   row.box2d = std::move(box2d);
   return row;
@@ -129,7 +129,7 @@ struct Judge {
     const auto stood = [](const CrosscheckRun& run) { return run.stood ? 1 : 0; };
     CrosscheckRow row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
     row.tolerance = stood_tolerance + 1e-9;
-    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
   }
 
@@ -150,7 +150,7 @@ struct Judge {
     const double heap = is_heap() ? layout.size : 0;
     CrosscheckRow row = compare_means("top height", "m", each(ours, height), each(box2d, height),
                                       std::max(top_tolerance * reach, heap));
-    if (row.verdict != Verdict::differ) return row;
+    if (row.verdict != Agreement::differ) return row;
     const auto chained = [](const CrosscheckRun& run) { return run.has_chain; };
     if (!all(ours, chained) || !all(box2d, chained)) return row;
     const auto gap = [](const CrosscheckRun& run) { return run.chain_gap; };
@@ -162,7 +162,7 @@ struct Judge {
     const bool overlaps_are_softness =
         all(ours, [](const CrosscheckRun& run) { return run.penetration_unexplained <= penetration_tolerance; });
     if (without > top_explained_tolerance * reach || !gaps_are_skin || !overlaps_are_softness) return row;
-    row.verdict = Verdict::expected;
+    row.verdict = Agreement::expected;
     row.reason = fmt::format(
         "gaps from the top down: ours {:+.4f} m (soft contacts), Box2D {:+.4f} m (skin); without them {:.4f} m apart",
         mean_of(each(ours, gap)), mean_of(each(box2d, gap)), without);
@@ -206,7 +206,7 @@ struct Judge {
     if ((ours_settled > 0.5) != (box2d_settled > 0.5)) {
       // Seeds that go either way in Box2D decide nothing.
       const bool split = box2d_settled > 0.25 && box2d_settled < 0.75 && ours_settled > 0.2 && ours_settled < 0.8;
-      row.verdict = split ? Verdict::agree : Verdict::differ;
+      row.verdict = split ? Agreement::agree : Agreement::differ;
       row.difference = std::numeric_limits<double>::infinity();
       row.reason = split ? ""
                          : fmt::format("at rest in {:.0f} % of the seeds, Box2D in {:.0f} %", 100 * ours_settled,
@@ -214,7 +214,7 @@ struct Judge {
       return row;
     }
     if (ours_settled <= 0.5) {  // neither comes to rest
-      row.verdict = Verdict::agree;
+      row.verdict = Agreement::agree;
       return row;
     }
     const auto finite = [](std::vector<double> values) {
@@ -226,7 +226,7 @@ struct Judge {
     row.difference = std::fabs(mean_of(finite(row.ours)) - reference.mean);
     row.tolerance = std::max(
         {settle_tolerance_min_s, settle_tolerance_share * reference.mean, scatter_factor * reference.deviation});
-    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
   }
 
@@ -234,11 +234,11 @@ struct Judge {
     const auto depth = [](const CrosscheckRun& run) { return 100 * run.penetration; };
     CrosscheckRow row = compare_means("deepest overlap", "% of size", each(ours, depth), each(box2d, depth),
                                       100 * penetration_tolerance);
-    if (row.verdict != Verdict::differ) return row;
+    if (row.verdict != Agreement::differ) return row;
     const auto rest = [](const CrosscheckRun& run) { return 100 * run.penetration_unexplained; };
     const double without = mean_of(each(ours, rest)) - mean_of(row.box2d);
     if (mean_of(row.ours) < mean_of(row.box2d) || without > row.tolerance) return row;
-    row.verdict = Verdict::expected;
+    row.verdict = Agreement::expected;
     row.reason = fmt::format("soft contacts give way by force / (stiffness * mass); without that {:.2f} %",
                              mean_of(each(ours, rest)));
     return row;
@@ -259,16 +259,16 @@ struct Judge {
     row.tolerance =
         std::max({travel_tolerance_min * layout.size,
                   travel_tolerance_share * (reference.empty() ? 0 : mean_of(reference)), scatter_factor * scatter});
-    row.verdict = row.difference <= row.tolerance ? Verdict::agree : Verdict::differ;
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
   }
 
   CrosscheckRow travel() const {
     CrosscheckRow row = travel_by(&CrosscheckRun::travel);
-    if (row.verdict != Verdict::differ || !box2d_stood()) return row;
+    if (row.verdict != Agreement::differ || !box2d_stood()) return row;
     const CrosscheckRow closed = travel_by(&CrosscheckRun::travel_closed);
-    if (closed.verdict != Verdict::agree) return row;
-    row.verdict = Verdict::expected;
+    if (closed.verdict != Agreement::agree) return row;
+    row.verdict = Agreement::expected;
     row.reason = fmt::format("Box2D's skin pushes rows of touching bodies apart; with its gaps closed {:.4f} m apart",
                              closed.difference);
     return row;
@@ -282,7 +282,7 @@ struct Judge {
     if (mean_of(row.box2d) > 100 * force_tolerance)
       return not_applicable("weights in the stack", "Box2D's own stack does not rest");
     row.tolerance = 100 * force_tolerance;
-    row.verdict = mean_of(row.ours) <= row.tolerance ? Verdict::agree : Verdict::differ;
+    row.verdict = mean_of(row.ours) <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
   }
 
@@ -306,7 +306,7 @@ std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const st
   if (!all(box2d, finite)) return {not_applicable("scene", "Box2D's state becomes non-finite")};
   if (!all(ours, finite)) {
     CrosscheckRow row = not_applicable("scene", "a state becomes non-finite");
-    row.verdict = Verdict::differ;
+    row.verdict = Agreement::differ;
     return {row};
   }
   const Judge judge{layout, ours, box2d, box2d_skin};

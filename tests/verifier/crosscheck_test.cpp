@@ -12,11 +12,11 @@
 
 using namespace ticktrue;
 using namespace ticktrue::test;
+using verifier::Agreement;
 using verifier::CrosscheckLayout;
 using verifier::CrosscheckMeasure;
 using verifier::CrosscheckRow;
 using verifier::CrosscheckRun;
-using verifier::Verdict;
 
 namespace {
 
@@ -79,7 +79,7 @@ const CrosscheckRow& row_of(const std::vector<CrosscheckRow>& rows, const std::s
   return rows.front();
 }
 
-Verdict verdict_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
+Agreement verdict_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
   return row_of(rows, criterion).verdict;
 }
 
@@ -173,7 +173,7 @@ TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crossc
   CHECK(rows.size() == 10);
   for (const CrosscheckRow& row : rows) {
     CAPTURE(row.criterion);
-    CHECK(row.verdict == Verdict::agree);
+    CHECK(row.verdict == Agreement::agree);
   }
 }
 
@@ -183,15 +183,15 @@ TEST_CASE("a top that is higher by Box2D's skin is expected, one that is higher 
   const std::vector<CrosscheckRun> ours(2, stack_run(layout, 10, -0.003));
   const std::vector<CrosscheckRun> skinned(2, stack_run(layout, 10, 0.015));
   const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, ours, skinned, skin);
-  CHECK(verdict_of(rows, "top height") == Verdict::expected);
+  CHECK(verdict_of(rows, "top height") == Agreement::expected);
   CHECK(row_of(rows, "top height").reason.find("skin") != std::string::npos);
 
   const std::vector<CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // no skin is that thick
-  CHECK(verdict_of(verifier::compare_runs(layout, ours, floating, skin), "top height") == Verdict::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, floating, skin), "top height") == Agreement::differ);
 
   std::vector<CrosscheckRun> lifted = skinned;
   for (CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps tell
-  CHECK(verdict_of(verifier::compare_runs(layout, ours, lifted, skin), "top height") == Verdict::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, lifted, skin), "top height") == Agreement::differ);
 }
 
 TEST_CASE("a deep overlap is expected only as far as soft contacts give under their load",
@@ -208,9 +208,9 @@ TEST_CASE("a deep overlap is expected only as far as soft contacts give under th
   contacts.erase(contacts.begin());  // against the ground contacts are stiffer
   const std::vector<engine::BodyReport> bodies = reports_of(stack_scene(10));
   const std::vector<CrosscheckRun> soft(2, run_of(layout, bodies, contacts, hertz));
-  CHECK(verdict_of(verifier::compare_runs(layout, soft, box2d, skin), "deepest overlap") == Verdict::expected);
+  CHECK(verdict_of(verifier::compare_runs(layout, soft, box2d, skin), "deepest overlap") == Agreement::expected);
   const std::vector<CrosscheckRun> hard(2, run_of(layout, bodies, contacts, 0));
-  CHECK(verdict_of(verifier::compare_runs(layout, hard, box2d, skin), "deepest overlap") == Verdict::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, hard, box2d, skin), "deepest overlap") == Agreement::differ);
 }
 
 TEST_CASE("a stack that fell differs from one that stands on what a person would see",
@@ -228,7 +228,7 @@ TEST_CASE("a stack that fell differs from one that stands on what a person would
   for (const char* criterion : {"stands or falls", "standing bodies", "top height", "order upwards", "largest tilt",
                                 "slides or holds", "weights in the stack", "weight on the ground"}) {
     CAPTURE(criterion);
-    CHECK(verdict_of(rows, criterion) == Verdict::differ);
+    CHECK(verdict_of(rows, criterion) == Agreement::differ);
   }
 }
 
@@ -237,9 +237,9 @@ TEST_CASE("one seed of five may go the other way, two may not", "[verifier][cros
   const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 3, 0));
   std::vector<CrosscheckRun> ours = box2d;
   ours[0].stood = false;
-  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Verdict::agree);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::agree);
   ours[1].stood = false;
-  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Verdict::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::differ);
 }
 
 TEST_CASE("what never comes to rest differs from what does", "[verifier][crosscheck][analytic]") {
@@ -251,8 +251,8 @@ TEST_CASE("what never comes to rest differs from what does", "[verifier][crossch
   bodies[1].velocity.x = 1;
   const CrosscheckRun moving = run_of(layout, bodies, stack_contacts(1, 0));
   CHECK(std::isinf(moving.settle_s));
-  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {resting}, skin), "comes to rest") == Verdict::differ);
-  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {moving}, skin), "comes to rest") == Verdict::agree);
+  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {resting}, skin), "comes to rest") == Agreement::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {moving}, skin), "comes to rest") == Agreement::agree);
 }
 
 TEST_CASE("a slide is compared by its distance, box by box in order", "[verifier][crosscheck][analytic]") {
@@ -263,8 +263,10 @@ TEST_CASE("a slide is compared by its distance, box by box in order", "[verifier
     bodies[1].center.x += distance;
     return std::vector<CrosscheckRun>(3, run_of(layout, bodies, stack_contacts(1, 0)));
   };
-  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.98), slid(9.92), skin), "slides or holds") == Verdict::agree);
-  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.5), slid(9.92), skin), "slides or holds") == Verdict::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.98), slid(9.92), skin), "slides or holds") ==
+        Agreement::agree);
+  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.5), slid(9.92), skin), "slides or holds") ==
+        Agreement::differ);
 }
 
 TEST_CASE("rows that Box2D's skin pushed apart are expected, a pyramid that spreads is not",
@@ -279,9 +281,9 @@ TEST_CASE("rows that Box2D's skin pushed apart are expected, a pyramid that spre
     return std::vector<CrosscheckRun>(2, run_of(layout, bodies, stack_contacts(0, 0)));
   };
   const std::vector<CrosscheckRun> ours = spread(0);
-  CHECK(verdict_of(verifier::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == Verdict::agree);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == Agreement::agree);
   const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, spread(0.1), ours, skin);
-  CHECK(verdict_of(rows, "slides or holds") == Verdict::differ);
+  CHECK(verdict_of(rows, "slides or holds") == Agreement::differ);
 }
 
 TEST_CASE("a non-finite state differs, whatever else it does", "[verifier][crosscheck][analytic]") {
@@ -293,7 +295,7 @@ TEST_CASE("a non-finite state differs, whatever else it does", "[verifier][cross
   const CrosscheckRun bad = run_of(layout, bodies, stack_contacts(2, 0));
   const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, {bad}, {good}, skin);
   REQUIRE(rows.size() == 1);
-  CHECK(rows[0].verdict == Verdict::differ);
+  CHECK(rows[0].verdict == Agreement::differ);
 }
 
 TEST_CASE("jitter shifts bodies by at most a millimetre per metre, seed 0 by nothing",
@@ -488,7 +490,7 @@ TEST_CASE("what Box2D cannot do is not applicable, with the reason", "[verifier]
     const auto report = verifier::crosscheck(scene, options);
     REQUIRE(report);
     REQUIRE(report->rows.size() == 1);
-    CHECK(report->rows[0].verdict == Verdict::not_applicable);
+    CHECK(report->rows[0].verdict == Agreement::not_applicable);
     CHECK_FALSE(report->rows[0].reason.empty());
     CHECK(report->solvers[0].failed == 0);
   }

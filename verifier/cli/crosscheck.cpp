@@ -16,10 +16,10 @@
 namespace ticktrue::cli {
 namespace {
 
+using verifier::Agreement;
 using verifier::CrosscheckReport;
 using verifier::CrosscheckRow;
 using verifier::CrosscheckSolver;
-using verifier::Verdict;
 
 constexpr std::size_t text_width = 116;  // of a line
 
@@ -32,7 +32,7 @@ struct CrosscheckCommand {
   bool json = false;
 };
 
-std::string_view verdict_name(Verdict verdict) {
+std::string_view verdict_name(Agreement verdict) {
   return verifier::verdict_names[static_cast<std::size_t>(verdict)];
 }
 
@@ -80,7 +80,7 @@ std::string wrapped(std::string_view text, std::size_t indent) {
 constexpr std::string_view row_format = "  {:<21}{:<24} {:<24} {:<8}{:<8}{:<14}{}\n";
 
 std::string row_text(const CrosscheckRow& row) {
-  if (row.verdict == Verdict::not_applicable)
+  if (row.verdict == Agreement::not_applicable)
     return fmt::format("  {:<21}not applicable: {}\n", row.criterion, row.reason);
   std::string text =
       fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d), number_text(row.difference),
