@@ -27,7 +27,7 @@ constexpr double degrees_per_radian = 180 / engine::pi;
 // Mid tones: at least 3:1 against white and against black.
 constexpr std::string_view style =
     "<style>"
-    "path,circle{stroke-width:1.2;vector-effect:non-scaling-stroke;stroke-linejoin:round}"
+    "path,circle{stroke-linejoin:round}"
     ".static{fill:#808080;fill-opacity:.35;stroke:#808080}"
     ".kinematic{fill:#a86fc0;fill-opacity:.4;stroke:#a86fc0}"
     ".dynamic{fill:#3f8fd0;fill-opacity:.35;stroke:#3f8fd0}"
@@ -197,8 +197,8 @@ std::string svg_picture(const engine::Engine& engine, std::uint64_t tick, const 
   fmt::format_to(out, "<title>{}, tick {}, {:.3f} s</title>\n{}\n", xml_text(engine.scene().name), tick,
                  engine.time_s(), style);
   // World: y up, m.
-  fmt::format_to(out, "<g transform=\"scale({:.7g} {:.7g}) translate({:.7g} {:.7g})\">\n", scale, -scale, -view.lower_x,
-                 -view.upper_y);
+  fmt::format_to(out, "<g stroke-width=\"{:.4g}\" transform=\"scale({:.7g} {:.7g}) translate({:.7g} {:.7g})\">\n",
+                 1.2 / scale, scale, -scale, -view.lower_x, -view.upper_y);
   for (const BodyReport& body : engine.bodies()) draw_body(body, out);
   const double mark = 3 / scale;  // m: 3 px
   const double normal = 16 / scale;

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 
 #include "base/limits.h"
@@ -21,10 +22,17 @@ namespace {
 int output_error = 0;  // errno of the first write to stdout that failed
 
 volatile std::sig_atomic_t stop_signal = 0;
+volatile std::time_t stop_time = 0;
 
 void remember_stop(int signal) {
+  // One wish to stop may arrive twice (`timeout` signals the process and then its group): only a later one kills.
+  const std::time_t now = std::time(nullptr);
+  if (stop_signal != 0 && now - stop_time > 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+  if (stop_signal == 0) stop_time = now;
   stop_signal = 1;
-  std::signal(signal, SIG_DFL);  // the second one kills
 }
 
 void print_message(const char* kind, std::string_view text) {
@@ -233,13 +241,15 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::optiona
       ->type_name("N");
 }
 
-void set_examples(CLI::App& command, std::string_view examples) {
+void set_examples(CLI::App& command, std::string_view examples, std::string_view remarks) {
   std::string text = "Examples:";
   while (!examples.empty()) {
     const std::size_t end = std::min(examples.find('\n'), examples.size());
-    text += "\n  " + std::string(examples.substr(0, end));
+    const std::string_view line = examples.substr(0, end);
+    text += line.empty() ? "\n" : "\n  " + std::string(line);
     examples.remove_prefix(std::min(end + 1, examples.size()));
   }
+  if (!remarks.empty()) text += "\n\n" + std::string(remarks);
   command.footer(text);
 }
 

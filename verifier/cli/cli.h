@@ -78,7 +78,8 @@ struct TickRange {
 /// Errors: usage. `option` is what the message names first, such as "--ticks".
 Result<TickRange> parse_tick_range(const std::string& text, const std::string& option);
 
-/// From here on Ctrl-C and termination do not kill the tool but make stop_requested() true; a second one kills.
+/// From here on Ctrl-C and termination do not kill the tool but make stop_requested() true; one more, over a
+/// second later, kills.
 void catch_stop_signals();
 bool stop_requested();
 
@@ -92,7 +93,8 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
                         const std::string& help, NumberRange range = {});
 
-/// Text that stands below the options in a subcommand's help: `examples` has one line each, without indentation.
-void set_examples(CLI::App& command, std::string_view examples);
+/// Text that stands below the options in a subcommand's help: `examples` has one line each, without indentation;
+/// `remarks` follow as they are.
+void set_examples(CLI::App& command, std::string_view examples, std::string_view remarks = {});
 
 }  // namespace ticktrue::cli

@@ -3,6 +3,7 @@
 #include "verifier/cli/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <csignal>
 #include <exception>
@@ -65,6 +66,15 @@ const CLI::App* selected_command(const CLI::App& app, std::string& path) {
   return command;
 }
 
+/// "SCENE REQUIRED" instead of "SCENE TEXT REQUIRED": what a positional argument is, its name says.
+void drop_text_labels(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    for (CLI::Option* option : command->get_options())
+      if (option->get_positional() && option->get_type_name() == "TEXT") option->type_name("");
+    drop_text_labels(*command);
+  }
+}
+
 int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const std::vector<std::string>& words) {
   std::string path;
   const CLI::App* command = selected_command(app, path);
@@ -72,7 +82,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
   if (what.size() > 1 && std::islower(static_cast<unsigned char>(what[1])) != 0)
     what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
   std::string hint = "see `ticktrue " + (path.empty() ? "" : path + " ") + "--help`";
-  if (parse_error.get_name() == "ExtrasError") {
+  if (dynamic_cast<const CLI::ExtrasError*>(&parse_error) != nullptr) {
     const std::vector<std::string> options = option_names(*command);
     for (const std::string& word : words) {
       const std::string name = word.substr(0, word.find('='));
@@ -107,6 +117,8 @@ int parse_and_run(int argc, char** argv) {
   add_scenes(app, context);
   add_inject(app, context);
   add_env(app, context);
+
+  drop_text_labels(app);
 
   if (words.empty()) {
     print(app.help());
