@@ -833,6 +833,9 @@ Result<Scene> parse_scene(std::string_view json, const std::string& source) {
                         return false;
                       });
   builder_in_use = &builder;
+  // The parser takes a NUL for the end of the text.
+  if (json.find('\0') != std::string_view::npos)
+    return Error{ErrorCode::invalid_scene, source + ": broken JSON: found a NUL byte, expected text", ""};
   if (!nlohmann::json::sax_parse(json.begin(), json.end(), &builder)) return builder.error();
   if (!reader.scene(builder.root(), root, scene)) return reader.error();
   if (Status status = check_scene(scene, source); !status) return status.error();
@@ -849,6 +852,8 @@ Result<Input> parse_input(const Scene& scene, std::string_view line, const std::
                  place + ": line too long: found " + std::to_string(line.size()) + " bytes, expected at most " +
                      std::to_string(limits::input_line_size_max),
                  ""};
+  if (line.find('\0') != std::string_view::npos)
+    return Error{ErrorCode::invalid_input, place + ": broken JSON: found a NUL byte, expected text", ""};
   TreeBuilder builder(line, place, ErrorCode::invalid_input);
   if (!nlohmann::json::sax_parse(line.begin(), line.end(), &builder)) return builder.error();
   Input input;

@@ -86,6 +86,10 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
     if (!overwrite) return Error{ErrorCode::io, path + ": exists: it is not overwritten", "use --force to replace it"};
     if (file.is_regular_) {
       const std::string old_path = path + ".old";
+      // It may be the last good recording, set aside by a recorder that was killed: never ours to replace.
+      if (std::filesystem::exists(std::filesystem::symlink_status(old_path, failure)))
+        return Error{ErrorCode::io, old_path + ": exists: it is not overwritten",
+                     "--force sets the old file aside under this name while it records; move or remove it first"};
       std::filesystem::rename(path, old_path, failure);
       if (failure) return io_error(path, "cannot set aside as " + old_path, failure.value());
       file.old_path_ = old_path;

@@ -45,6 +45,8 @@ class Recording {
       if (options_.progress && !options_.progress(tick)) return finish(EndReason::interrupted, "stopped on request");
       Result<std::optional<TickInput>> input = source_.next(tick);
       if (!input) return refuse(input.error());
+      if (!input->has_value() && tick == 0)
+        return refuse(Error{ErrorCode::invalid_input, "the session ends before its first tick: nothing to record", ""});
       if (!input->has_value()) return finish(EndReason::complete, "");
       if (const Status status = simulation_.accept(**input); !status) return refuse(status.error());
       if (const Status status = writer_.begin_tick(**input); !status) return status.error();
@@ -79,7 +81,7 @@ class Recording {
 
   /// The source or the simulation refused an input.
   Error refuse(Error error) {
-    if (source_.repeatable()) {
+    if (source_.repeatable() || writer_.tick_count() == 0) {
       writer_.discard();
       return error;
     }

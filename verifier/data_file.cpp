@@ -38,6 +38,15 @@ Status check_writable_target(const std::string& path, bool overwrite) {
   return {};
 }
 
+Status check_not_read(const std::string& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code code;
+    if (std::filesystem::equivalent(output, input, code))
+      return Error{ErrorCode::io, output + ": cannot write: it is what the command reads", "give another name"};
+  }
+  return {};
+}
+
 Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;
   if (const Status target = check_writable_target(path, overwrite); !target) return target.error();
@@ -50,7 +59,7 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   if (fs::exists(status)) {
     mode = "wb";
     file.removable_ = fs::is_regular_file(status);
-    if (file.removable_) file.new_path_ = path + ".new";
+    if (file.removable_) file.new_path_ = path + ".ticktrue-new";
   }
   file.file_ = std::fopen(file.new_path_.c_str(), mode);
   if (file.file_ == nullptr) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 
@@ -40,6 +41,9 @@ class DataFile {
 
 /// What DataFile::create refuses, without creating anything: asked before long work begins.
 Status check_writable_target(const std::string& path, bool overwrite);
+
+/// Refuses an output that is one of the files the command reads, under whatever name.
+Status check_not_read(const std::string& output, const std::vector<std::string>& inputs);
 
 /// "what the operating system says" for an errno value.
 std::string system_message(int error_number);

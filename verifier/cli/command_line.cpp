@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <fcntl.h>
+
 #include <csignal>
 #include <exception>
 #include <new>
@@ -145,10 +147,19 @@ int parse_and_run(int argc, char** argv) {
   return context.exit_code;
 }
 
+/// A standard stream that was closed at start stays closed: else the next file opened takes its number, and messages go
+/// into a trace. Read-only, so that writing to it still fails.
+void hold_standard_descriptors() {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor)
+    if (::fcntl(descriptor, F_GETFD) == -1 && ::open("/dev/null", O_RDONLY) != descriptor) return;
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  hold_standard_descriptors();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is seen as a failed write, not as a death
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
   int exit_code = exit_usage;
   try {
     exit_code = parse_and_run(argc, argv);

@@ -56,6 +56,8 @@ int run_import_mouse(const MouseOptions& options) {
   if (options.output != "-")
     if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
       return fail_usage(status.error());
+  if (const Status status = verifier::check_not_read(options.output, {options.csv, options.scene}); !status)
+    return fail_usage(status.error());
   const Result<engine::Scene> scene = load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
   const auto inputs = make_inputs(options, *scene);

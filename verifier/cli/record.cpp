@@ -59,6 +59,8 @@ int run_record(const RecordCommand& options) {
   engine::Engine& engine = **made;
   if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
     return fail_usage(status.error());
+  if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
+    return fail_usage(status.error());
   catch_stop_signals();
   const auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());

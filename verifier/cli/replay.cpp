@@ -201,6 +201,8 @@ int run_replay(const ReplayOptions& options) {
     if (!parsed) return fail_usage(parsed.error());
     range = *parsed;
   }
+  if (const Status status = verifier::check_not_read(options.output, {options.file}); !status)
+    return fail_usage(status.error());
   auto reader = replay::TraceReader::open(options.file);
   if (!reader) return fail(reader.error());
   if (reader->setup().physics_version != engine::physics_version)

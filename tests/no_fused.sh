@@ -1,0 +1,20 @@
+#!/bin/sh
+# Compiles engine sources for a machine that has fused multiply-add, with the project's flags, and looks for it.
+# SPDX-License-Identifier: MIT
+# usage: no_fused.sh SOURCE_DIR COMPILER FLAGS...    Exits 0 if there is none, 1 if there is, 77 if it cannot tell.
+set -u
+source_dir=$1
+compiler=$2
+shift 2
+command -v objdump >/dev/null 2>&1 || exit 77
+object=$(mktemp) || exit 77
+trap 'rm -f "$object"' EXIT
+status=0
+for source in engine/narrow_phase/collide_polygons.cpp engine/solvers/impulse.cpp engine/constraints/pointer.cpp \
+  engine/constraints/contact_kernels.cpp; do
+  "$compiler" -std=c++20 -O3 -march=x86-64-v3 "$@" -DTICKTRUE_PRECISION=f64 -I"$source_dir" -c "$source_dir/$source" \
+    -o "$object" || exit 1
+  count=$(objdump -d "$object" | grep -cE 'vfn?m(add|sub)')
+  [ "$count" = 0 ] || { echo "$source: found $count fused instructions, expected 0"; status=1; }
+done
+exit $status
