@@ -55,8 +55,8 @@ class Simulation {
   /// What a person would call this row, such as "crate_7"; empty where it has no name.
   virtual std::string row_name(std::size_t table, std::size_t row) const = 0;
 
-  /// The inputs as JSON Lines, the form in which they are written by hand; empty if they cannot be read.
-  virtual std::string inputs_text(ByteView inputs) const = 0;
+  /// The inputs of `tick` as JSON Lines, the form in which they are written by hand; empty if they cannot be read.
+  virtual std::string inputs_text(std::uint64_t tick, ByteView inputs) const = 0;
 };
 
 /// What a trace must say so that a simulation can be made again from its setup.

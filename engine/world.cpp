@@ -107,11 +107,14 @@ class World final : public Engine {
     return "";
   }
 
-  std::string inputs_text(ByteView bytes) const override {
+  std::string inputs_text(std::uint64_t tick, ByteView bytes) const override {
     std::vector<Input> inputs;
     if (!decode_inputs(model_.scene, bytes, inputs)) return "";
     std::string text;
-    for (const Input& input : inputs) text += print_input(model_.scene, input) + "\n";
+    for (Input& input : inputs) {
+      input.tick = tick;
+      text += print_input(model_.scene, input) + "\n";
+    }
     return text;
   }
 

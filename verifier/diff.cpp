@@ -133,7 +133,9 @@ class Differ {
   }
 
  private:
-  std::string inputs_text(ByteView inputs) const { return words_ ? words_->inputs_text(inputs) : ""; }
+  std::string inputs_text(std::uint64_t tick, ByteView inputs) const {
+    return words_ ? words_->inputs_text(tick, inputs) : "";
+  }
 
   void walk() {
     const TickRecord* a = a_.advance(true);
@@ -160,7 +162,7 @@ class Differ {
         divergence.time_s = time_s;
         divergence.expected_root = a->root_hash;
         divergence.got_root = b->root_hash;
-        divergence.inputs = inputs_text(a->inputs);
+        divergence.inputs = inputs_text(tick, a->inputs);
         report_.divergence = std::move(divergence);
         stored_a_ = store(*a);
         stored_b_ = store(*b);
@@ -182,7 +184,7 @@ class Differ {
     if (bits_of(a.dt) == bits_of(b.dt) &&
         std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end()))
       return;
-    report_.inputs = InputDifference{tick, a.dt, b.dt, inputs_text(a.inputs), inputs_text(b.inputs)};
+    report_.inputs = InputDifference{tick, a.dt, b.dt, inputs_text(tick, a.inputs), inputs_text(tick, b.inputs)};
   }
 
   /// The sides stand behind the checkpoints, if any, that hold the states with `ticks_done` ticks done.
@@ -208,7 +210,8 @@ class Differ {
     for (const auto& [side, out] : {std::pair<Side*, DiffSide*>{&a_, &report_.a}, {&b_, &report_.b}}) {
       out->ticks = side->ticks();
       out->end.tail = side->tail();
-      if (out->end.tail.has_pending_inputs) out->end.pending_inputs = inputs_text(out->end.tail.pending_inputs);
+      const replay::TraceTail& tail = out->end.tail;
+      if (tail.has_pending_inputs) out->end.pending_inputs = inputs_text(tail.ticks_intact, tail.pending_inputs);
     }
     const auto either = [&](TraceCondition condition) {
       return a_.tail().condition == condition || b_.tail().condition == condition;

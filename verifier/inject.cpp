@@ -100,7 +100,9 @@ class FlippingSimulation : public Simulation {
   }
   std::span<const std::string> stage_names() const override { return real_->stage_names(); }
   std::string row_name(std::size_t table, std::size_t row) const override { return real_->row_name(table, row); }
-  std::string inputs_text(ByteView inputs) const override { return real_->inputs_text(inputs); }
+  std::string inputs_text(std::uint64_t tick, ByteView inputs) const override {
+    return real_->inputs_text(tick, inputs);
+  }
 
  private:
   bool make_flip() {

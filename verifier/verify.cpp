@@ -440,7 +440,7 @@ class Verifier {
     divergence.time_s = time_s_;
     divergence.expected_root = expected.root_hash;
     divergence.got_root = got_root;
-    divergence.inputs = simulation.inputs_text(expected.inputs);
+    divergence.inputs = simulation.inputs_text(expected.tick, expected.inputs);
     divergence.stage_note = "not known: the trace stores no hash after each stage of this tick";
     if (expected.image) fill_lanes(simulation, *expected.image, got, divergence);
     return divergence;
@@ -621,7 +621,7 @@ class Verifier {
     divergence.stage_note = note;
     divergence.expected_root = a;
     divergence.got_root = b;
-    divergence.inputs = first.inputs_text(inputs);
+    divergence.inputs = first.inputs_text(tick_, inputs);
     Bytes image_a, image_b;
     encode_image(first.state(), image_a);
     encode_image(second.state(), image_b);
@@ -637,7 +637,8 @@ class Verifier {
     if (ended == Walk::end_of_trace) {
       take_tail();
       TraceEnd& end = *report_.end;
-      if (end.tail.has_pending_inputs) end.pending_inputs = simulation.inputs_text(end.tail.pending_inputs);
+      if (end.tail.has_pending_inputs)
+        end.pending_inputs = simulation.inputs_text(end.tail.ticks_intact, end.tail.pending_inputs);
       if (end.tail.condition == TraceCondition::complete && end.tail.end &&
           end.tail.end->reason == replay::EndReason::non_finite)
         check_non_finite_end(simulation, end.tail);
@@ -669,7 +670,7 @@ class Verifier {
     divergence.time_s = time_s_;
     divergence.stage_note = "not known: a tick that is not finite is not stored";
     divergence.got_root = root_hash(simulation.state());
-    divergence.inputs = simulation.inputs_text(tail.pending_inputs);
+    divergence.inputs = simulation.inputs_text(tick_, tail.pending_inputs);
     if (place)
       divergence.tables.push_back(
           {setup_.schema.tables[place->table].name, {setup_.schema.tables[place->table].columns[place->column].name}});

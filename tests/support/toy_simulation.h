@@ -174,7 +174,7 @@ class ToySimulation : public Simulation {
     return table == 1 && row < bodies.size() ? "toy_" + std::to_string(bodies[row].id) : "";
   }
 
-  std::string inputs_text(ByteView inputs) const override {
+  std::string inputs_text(std::uint64_t tick, ByteView inputs) const override {
     static constexpr const char* names[] = {"push", "spawn", "remove", "gravity", "poison"};
     std::string text;
     ByteReader in(inputs);
@@ -183,7 +183,7 @@ class ToySimulation : public Simulation {
       const std::uint32_t id = in.u32();
       const double value = in.f64();
       if (!in.ok() || kind < 1 || kind > 5) return "";
-      text += std::string("{\"type\":\"") + names[kind - 1] + "\",\"body\":" + std::to_string(id) +
+      text += "{\"tick\":" + std::to_string(tick) + ",\"type\":\"" + names[kind - 1] + "\",\"body\":" + std::to_string(id) +
               ",\"value\":" + std::to_string(value) + "}\n";
     }
     return text;

@@ -97,7 +97,7 @@ TEST_CASE("diff: inputs that differ are named with their tick and text", "[verif
   CHECK(report.verdict == DiffVerdict::different);
   REQUIRE(report.inputs);
   CHECK(report.inputs->tick == 22);
-  CHECK(contains(report.inputs->inputs_b, "\"push\",\"body\":1,\"value\":42"));
+  CHECK(contains(report.inputs->inputs_b, "{\"tick\":22,\"type\":\"push\",\"body\":1,\"value\":42"));
   CHECK(report.inputs->inputs_a != report.inputs->inputs_b);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 22);

@@ -67,7 +67,7 @@ TEST_CASE("report: the text names tick, stage, column, values, builds and the ne
   CHECK(contains(text, ".  1 ulp\n"));
   CHECK(contains(text, "\n  builds  recorded gcc"));
   CHECK(contains(text, "\n          here ticktrue "));
-  CHECK(contains(text, "\n  input   {\"type\":\"push\""));
+  CHECK(contains(text, "\n  input   {\"tick\":37,\"type\":\"push\""));
   CHECK(contains(text, "\n  again   ticktrue verify toy.ttr --mode replay --from 32 --to 37\n"));
 }
 

@@ -122,7 +122,7 @@ TEST_CASE("verify: time of a divergence is the sum of the dt before it", "[verif
   const Report report = verify_bytes(trace, planted_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->time_s == 24 * 0.015625 + 6 * 0.0078125);
-  CHECK(contains(report.divergence->inputs, "\"spawn\""));
+  CHECK(contains(report.divergence->inputs, "{\"tick\":30,\"type\":\"spawn\""));
 }
 
 // Made anew, it is another one each time: as if it had not initialised a member.
