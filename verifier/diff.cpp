@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "verifier/json_parts.h"
 #include "verifier/locate.h"
+#include "verifier/schema_difference.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -68,17 +69,6 @@ std::string bytes_summary(const Bytes& bytes) {
   return std::to_string(bytes.size()) + " bytes, hash " + hex64(hash64(bytes));
 }
 
-std::string schema_summary(const StateSchema& schema) {
-  std::string text;
-  for (const TableSchema& table : schema.tables) {
-    text += (text.empty() ? "" : "; ") + table.name + ":";
-    for (const Column& column : table.columns)
-      text += " " + column.name + " " + std::string(scalar_info(column.type)->name) +
-              (column.lane_count > 1 ? "x" + std::to_string(column.lane_count) : "");
-  }
-  return text;
-}
-
 std::string stages_summary(const std::vector<std::string>& stages) {
   std::string text;
   for (const std::string& stage : stages) text += (text.empty() ? "" : ", ") + stage;
@@ -90,7 +80,8 @@ std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector
   if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
   if (a.physics_version != b.physics_version)
     out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
-  if (!(a.schema == b.schema)) out.push_back({"schema", schema_summary(a.schema), schema_summary(b.schema)});
+  if (const auto difference = first_schema_difference(a.schema, b.schema))
+    out.push_back({"schema: " + difference->place, difference->a, difference->b});
   const std::size_t blocking = out.size();
   if (a.stages != b.stages) out.push_back({"stages", stages_summary(a.stages), stages_summary(b.stages)});
   if (a.title != b.title) out.push_back({"title", a.title, b.title});
@@ -169,7 +160,7 @@ class Differ {
       }
       time_s += a->dt;
       ++tick;
-      ++report_.ticks_compared;
+      if (comparable_) ++report_.ticks_compared;
       if (options_.progress) options_.progress(tick);
       a = a_.advance(found);
       b = b_.advance(found);

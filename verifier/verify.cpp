@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "verifier/locate.h"
+#include "verifier/schema_difference.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -91,30 +92,9 @@ std::string count_text(std::uint64_t count, const char* noun) {
 
 /// What differs between two schemas, in words; empty if nothing does.
 std::string schema_difference(const StateSchema& recorded, const StateSchema& here) {
-  for (const TableSchema& table : recorded.tables) {
-    const auto index = here.find_table(table.name);
-    if (!index) return "table " + table.name + ": recorded, but not here";
-    const TableSchema& other = here.tables[*index];
-    for (std::size_t c = 0; c < std::max(table.columns.size(), other.columns.size()); ++c) {
-      if (c >= other.columns.size()) return "column " + table.name + "." + table.columns[c].name + ": not here";
-      if (c >= table.columns.size()) return "column " + table.name + "." + other.columns[c].name + ": not recorded";
-      const Column& a = table.columns[c];
-      const Column& b = other.columns[c];
-      if (a == b) continue;
-      const std::string place = "column " + table.name + "." + a.name + ": ";
-      if (a.name != b.name) return place + "here its place is taken by " + b.name;
-      if (a.type != b.type)
-        return place + "recorded as " + std::string(scalar_info(a.type)->name) + ", here " +
-               std::string(scalar_info(b.type)->name);
-      if (a.lane_count != b.lane_count)
-        return place + "recorded with " + count_text(a.lane_count, "lane") + ", here " + std::to_string(b.lane_count);
-      return place + "its range or target is another here";
-    }
-    if (!(table == other)) return "table " + table.name + ": its rows are laid out differently here";
-  }
-  for (const TableSchema& table : here.tables)
-    if (!recorded.find_table(table.name)) return "table " + table.name + ": here, but not recorded";
-  return recorded == here ? "" : "the tables stand in another order here";
+  const auto difference = first_schema_difference(recorded, here);
+  if (!difference) return "";
+  return "schema: " + difference->place + ": recorded " + difference->a + ", here " + difference->b;
 }
 
 std::string stage_difference(std::span<const std::string> recorded, std::span<const std::string> here) {

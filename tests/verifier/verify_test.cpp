@@ -317,7 +317,7 @@ TEST_CASE("verify: what this build is not cannot be compared", "[verifier][verif
       {nullptr, "simulation: recorded with ticktrue.toy"},
       {&other_name, "simulation: recorded with ticktrue.toy"},
       {&other_physics, "physics version: recorded with 1, here 2"},
-      {&other_schema, "column bodies.hits: here its place is taken by colour"},
+      {&other_schema, "schema: column 5 of bodies: recorded hits, here colour"},
       {&other_stages, "stages: recorded inputs, forces, move; here inputs, move"},
       {&picky, "tick 9: recorded inputs are refused here: toy input: too much gravity"},
       {&refusing, "setup refused here: toy setup: no such thing"},

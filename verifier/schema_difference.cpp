@@ -1,0 +1,69 @@
+// Two schemas, table by table and column by column.
+// SPDX-License-Identifier: MIT
+#include "verifier/schema_difference.h"
+
+#include <algorithm>
+
+namespace ticktrue::verifier {
+namespace {
+
+std::string range_text(const Column& column) {
+  return lane_text(ScalarType::f64, bits_of(column.min)) + ".." + lane_text(ScalarType::f64, bits_of(column.max));
+}
+
+std::string reference_text(const StateSchema& schema, const Column& column) {
+  if (column.target < 0) return "no reference";
+  return (column.optional ? "optional reference to " : "reference to ") +
+         schema.tables[static_cast<std::size_t>(column.target)].name;
+}
+
+std::string table_names(const StateSchema& schema) {
+  std::string text;
+  for (const TableSchema& table : schema.tables) text += (text.empty() ? "" : ", ") + table.name;
+  return text;
+}
+
+}  // namespace
+
+std::optional<SchemaDifference> first_schema_difference(const StateSchema& a, const StateSchema& b) {
+  for (const TableSchema& table : a.tables) {
+    const auto index = b.find_table(table.name);
+    if (!index) return SchemaDifference{table.name, "a table", "no such table"};
+    const TableSchema& other = b.tables[*index];
+    for (std::size_t c = 0; c < std::max(table.columns.size(), other.columns.size()); ++c) {
+      if (c >= other.columns.size())
+        return SchemaDifference{table.name + "." + table.columns[c].name, "a column", "no such column"};
+      if (c >= table.columns.size())
+        return SchemaDifference{table.name + "." + other.columns[c].name, "no such column", "a column"};
+      const Column& column_a = table.columns[c];
+      const Column& column_b = other.columns[c];
+      if (column_a == column_b) continue;
+      const std::string place = table.name + "." + column_a.name;
+      if (column_a.name != column_b.name)
+        return SchemaDifference{"column " + std::to_string(c) + " of " + table.name, column_a.name, column_b.name};
+      if (column_a.type != column_b.type)
+        return SchemaDifference{place, std::string(scalar_info(column_a.type)->name),
+                                std::string(scalar_info(column_b.type)->name)};
+      if (column_a.lane_count != column_b.lane_count)
+        return SchemaDifference{place, std::to_string(column_a.lane_count) + " lanes",
+                                std::to_string(column_b.lane_count) + " lanes"};
+      if (range_text(column_a) != range_text(column_b))
+        return SchemaDifference{place, range_text(column_a), range_text(column_b)};
+      if (column_a.target != column_b.target || column_a.optional != column_b.optional)
+        return SchemaDifference{place, reference_text(a, column_a), reference_text(b, column_b)};
+      return SchemaDifference{place, "at byte " + std::to_string(column_a.offset),
+                              "at byte " + std::to_string(column_b.offset)};
+    }
+    if (!(table == other))
+      return SchemaDifference{
+          table.name,
+          std::to_string(table.row_size) + " bytes a row, " + std::to_string(table.key_column_count) + " key columns",
+          std::to_string(other.row_size) + " bytes a row, " + std::to_string(other.key_column_count) + " key columns"};
+  }
+  for (const TableSchema& table : b.tables)
+    if (!a.find_table(table.name)) return SchemaDifference{table.name, "no such table", "a table"};
+  if (a == b) return std::nullopt;
+  return SchemaDifference{"tables", table_names(a), table_names(b)};
+}
+
+}  // namespace ticktrue::verifier
