@@ -18,6 +18,11 @@ Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
   return writer.end_tick_encoded(tick.root_hash, tick.stage_hashes, tick.image);
 }
 
+/// A trace without ticks proves nothing, unless it was recorded so.
+bool nothing_saved(const TraceWriter& writer, const TraceTail& tail) {
+  return writer.tick_count() == 0 && tail.condition != TraceCondition::complete;
+}
+
 Status copy(TraceReader& reader, TraceWriter& writer) {
   for (;;) {
     const TraceReader::Item& item = reader.next();
@@ -25,6 +30,7 @@ Status copy(TraceReader& reader, TraceWriter& writer) {
     if (const Status status = copy_item(item, writer); !status) return status;
   }
   const TraceTail& tail = reader.tail();
+  if (nothing_saved(writer, tail)) return {};
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
   // With its end record, no tick was lost: only index or footer were.
@@ -49,6 +55,7 @@ Result<RecoverResult> recover_trace(const std::string& input, const std::string&
     writer->discard();
     return status.error();
   }
+  if (nothing_saved(*writer, reader->tail())) writer->discard();
   return RecoverResult{reader->tail(), writer->tick_count()};
 }
 

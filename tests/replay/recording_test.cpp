@@ -342,7 +342,7 @@ TEST_CASE("setups beyond the limits are refused, and nothing is written", "[repl
   CHECK(code_of(toy_setup(1), {{"name", std::string(10'000, 'x')}}) == ErrorCode::limit);
 }
 
-TEST_CASE("every prefix of a trace is recovered to a complete one", "[replay][recover][corruption]") {
+TEST_CASE("every prefix of a trace that holds a tick is recovered to a complete one", "[replay][recover][corruption]") {
   replay::TraceSetup setup = full_toy_setup(2, 3, 4);
   setup.checkpoint_interval = 5;
   const bool compress = GENERATE(false, true);
@@ -363,6 +363,12 @@ TEST_CASE("every prefix of a trace is recovered to a complete one", "[replay][re
       continue;
     }
     const ReadTrace expected = read_all(ByteView(whole).first(size));
+    if (expected.ticks.empty()) {
+      // A file is there only if something is in it.
+      REQUIRE(result->ticks_written == 0);
+      REQUIRE(!std::filesystem::exists(output));
+      continue;
+    }
     const ReadTrace got = read_all(read_file(output));
     REQUIRE(got.tail.condition == TraceCondition::complete);
     REQUIRE(got.ticks == expected.ticks);

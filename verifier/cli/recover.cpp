@@ -26,11 +26,13 @@ int run_recover(const RecoverOptions& options) {
   const auto result = replay::recover_trace(options.file, options.output, options.force);
   if (!result) return fail(result.error());
   const replay::TraceTail& tail = result->tail;
+  const bool nothing_saved = result->ticks_written == 0 && tail.condition != replay::TraceCondition::complete;
+  const int code = nothing_saved ? exit_code_of_condition(tail.condition) : exit_ok;
   if (options.json) {
     Json object;
     object["schema"] = "ticktrue.recover/1";
     object["file"] = options.file;
-    object["output"] = options.output;
+    object["output"] = nothing_saved ? Json(nullptr) : Json(options.output);
     object["condition"] = condition_name(tail.condition);
     object["message"] = tail.message;
     object["ticks_written"] = result->ticks_written;
@@ -39,16 +41,20 @@ int run_recover(const RecoverOptions& options) {
     for (const replay::IntactRange& range : tail.intact_after)
       object["lost_but_intact"].push_back({{"first_tick", range.first_tick}, {"last_tick", range.last_tick}});
     print_json(object);
-    return exit_ok;
+    return code;
   }
-  print(fmt::format("recovered  {}  {} ticks from {}\n", options.output, result->ticks_written, options.file));
+  if (nothing_saved)
+    print(
+        fmt::format("nothing recovered  no tick of {} is intact; {} was not written\n", options.file, options.output));
+  else
+    print(fmt::format("recovered  {}  {} ticks from {}\n", options.output, result->ticks_written, options.file));
   print(fmt::format("  condition  {}{}{}\n", condition_name(tail.condition), tail.message.empty() ? "" : ": ",
                     tail.message));
   if (tail.has_pending_inputs)
     print(fmt::format("  lost       inputs of tick {}, whose result was never written\n", tail.ticks_intact));
   for (const replay::IntactRange& range : tail.intact_after)
     print(fmt::format("  left out   intact, but behind the damage: {}\n", intact_range_text(range)));
-  return exit_ok;
+  return code;
 }
 
 }  // namespace
