@@ -213,6 +213,11 @@ class Differ {
       report_.reason = report_.setup.front().what + ": " + report_.setup.front().a + " and " + report_.setup.front().b;
     } else if (report_.divergence || report_.inputs || !report_.setup.empty()) {
       report_.verdict = DiffVerdict::different;
+      if (!report_.divergence && report_.ticks_compared > 0) report_.reason = "states equal; " + what_differs();
+    } else if (whole && ended_early(shorter())) {
+      report_.verdict = DiffVerdict::incomplete;
+      report_.reason = "equal as far as both go; " + (&shorter() == &a_ ? report_.a.file : report_.b.file) +
+                       " ended early, after " + std::to_string(shorter().ticks()) + " ticks";
     } else if (whole && a_.ticks() != b_.ticks()) {
       report_.verdict = DiffVerdict::different;
       report_.reason = "lengths: " + std::to_string(a_.ticks()) + " and " + std::to_string(b_.ticks()) +
@@ -229,9 +234,25 @@ class Differ {
     }
     if (report_.divergence && report_.divergence->tables.empty() && comparable_) {
       const std::string tick = std::to_string(report_.divergence->tick);
-      report_.again.push_back("ticktrue record SCENE --detail full:" + tick + ".." + tick +
-                              " -o OUT.ttr, with both builds; then diff the two traces");
+      report_.again.push_back("ticktrue record SCENE --detail full:" + tick + ".." + tick + " -o OUT.ttr, " +
+                              (report_.a.build == report_.b.build ? "for each" : "with both builds") +
+                              "; then diff the two traces");
     }
+  }
+
+  const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }
+
+  /// Whether the recorder of the side was stopped, or died, before the other one ended.
+  bool ended_early(const Side& side) const {
+    if (a_.ticks() == b_.ticks() || !side.tail().end) return false;
+    const replay::EndReason reason = side.tail().end->reason;
+    return reason == replay::EndReason::recovered || reason == replay::EndReason::interrupted;
+  }
+
+  /// Where the states do not.
+  std::string what_differs() const {
+    if (report_.setup.empty()) return "the inputs differ";
+    return report_.inputs ? "the setups and the inputs differ" : "the setups differ";
   }
 
   const TraceSetup& setup_a_;

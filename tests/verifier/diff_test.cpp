@@ -82,6 +82,7 @@ TEST_CASE("diff: the first differing tick is located as far as both traces store
   CHECK(report.divergence->tables.empty());
   REQUIRE(report.again.size() == 1);
   CHECK(contains(report.again[0], "full:17..17"));
+  CHECK(!contains(report.again[0], "both builds"));
 
   // A checkpoint right behind the tick.
   report = diff_bytes(toy_trace_with(toy_setup(6), 40, 9), faulty_trace(toy_setup(6), 40, 6));
@@ -163,6 +164,28 @@ TEST_CASE("diff: another length, a cut and damage are told apart", "[verifier][d
   report = diff_bytes(a, damaged);
   CHECK(report.verdict == DiffVerdict::different);
   CHECK(report.exit_code() == 1);
+}
+
+TEST_CASE("diff: a shorter trace whose recorder was stopped is incomplete, not different",
+          "[verifier][diff][equivalence]") {
+  const Bytes a = toy_trace_with(toy_setup(6), 40, 8);
+  const TemporaryFolder folder;
+  const Bytes cut(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(a.size() * 3 / 4));
+  write_file(folder.file("cut.ttr"), cut);
+  REQUIRE(replay::recover_trace(folder.file("cut.ttr"), folder.file("saved.ttr"), false));
+  const DiffReport report = diff_bytes(read_file(folder.file("saved.ttr")), a);
+  CHECK(report.verdict == DiffVerdict::incomplete);
+  CHECK(report.exit_code() == 3);
+  CHECK(report.exit_code(true) == 0);
+  CHECK(contains(report.reason, "a.ttr ended early"));
+}
+
+TEST_CASE("diff: where only the setups differ, the states are said to be equal", "[verifier][diff][equivalence]") {
+  replay::TraceSetup other = toy_setup(6);
+  other.title = "another";
+  const DiffReport report = diff_bytes(toy_trace_with(toy_setup(6), 20, 8), toy_trace_with(other, 20, 8));
+  CHECK(report.verdict == DiffVerdict::different);
+  CHECK(report.reason == "states equal; the setups differ");
 }
 
 TEST_CASE("diff: text and JSON say the same", "[verifier][diff][analytic]") {
