@@ -45,6 +45,7 @@ struct Flip {
   std::uint32_t bit = 0;
   std::uint64_t true_bits = 0;
   std::string row_name;
+  std::uint64_t rows_seen = 0;  // of the largest table the flip could be in
 };
 
 /// Draws table, row, column, lane and bit among those of `state` the options allow. False if there is none.
@@ -59,6 +60,8 @@ bool draw_place(const StateView& state, Flip& flip) {
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
     const TableSchema& table = state.schema->tables[t];
     if (!options.table.empty() && table.name != options.table) continue;
+    if (std::any_of(table.columns.begin(), table.columns.end(), fits))
+      flip.rows_seen = std::max<std::uint64_t>(flip.rows_seen, state.tables[t].row_count);
     if (state.tables[t].row_count == 0 || (options.row && *options.row >= state.tables[t].row_count)) continue;
     if (std::any_of(table.columns.begin(), table.columns.end(), fits)) tables.push_back(t);
   }
@@ -192,10 +195,22 @@ class Injector {
       if (row.outcome == InjectRow::Outcome::missed) ++report_.failed;
       if (row.outcome == InjectRow::Outcome::not_applicable) ++report_.not_applicable;
     }
+    if (const Status found = check_row(); !found) return found.error();
     return std::move(report_);
   }
 
  private:
+  /// How many rows there are is known only from the states the flips were tried on.
+  Status check_row() const {
+    std::uint64_t rows_seen = 0;
+    for (const Flip& flip : flips_) rows_seen = std::max(rows_seen, flip.rows_seen);
+    if (!options_.row || *options_.row < rows_seen || rows_seen == 0) return {};
+    return Error{ErrorCode::usage,
+                 "--row: no such row" + (options_.table.empty() ? "" : " in table " + options_.table) + ": found " +
+                     std::to_string(*options_.row) + ", expected 0.." + std::to_string(rows_seen - 1),
+                 ""};
+  }
+
   Status check_names() const {
     bool table_known = options_.table.empty(), column_known = options_.column.empty();
     std::string tables, columns;

@@ -57,7 +57,7 @@ struct InjectReport {
 };
 
 /// Verifies the trace, then injects options.count flips, each at the end of a tick, each through verify_source.
-/// Errors: usage (no such tick, table or column in this trace).
+/// Errors: usage (no such tick, table, column or row in this trace).
 Result<InjectReport> inject(replay::TraceReader& reader, const InjectOptions& options);
 
 std::string inject_text(const InjectReport& report);

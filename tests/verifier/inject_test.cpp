@@ -161,6 +161,9 @@ TEST_CASE("inject: a place that is not there is not applicable or refused, never
   options.column = "stiffness";
   CHECK(contains(error(options), "found stiffness, expected one of id, partner"));
   options.column = "";
+  options.row = 400;
+  CHECK(contains(error(options), "--row: no such row in table bodies: found 400, expected 0..0"));
+  options.row.reset();
   options.tick = 2;
   CHECK(contains(error(options), "--tick: beyond the trace: found 2, expected 0..1"));
 }

@@ -205,6 +205,10 @@ int run_replay(const ReplayOptions& options) {
     return fail_usage(status.error());
   auto reader = replay::TraceReader::open(options.file);
   if (!reader) return fail(reader.error());
+  const std::uint64_t last_asked = range.last == TickRange{}.last ? range.first : range.last;
+  if (!options.ticks.empty())
+    if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
+      return fail_usage(known.error());
   if (reader->setup().physics_version != engine::physics_version)
     print_warning(options.file + ": physics version: found " + std::to_string(reader->setup().physics_version) +
                   ", expected " + std::to_string(engine::physics_version) + "; the states shown are this build's");

@@ -221,6 +221,10 @@ int run_show(const ShowOptions& options) {
   }
   auto reader = replay::TraceReader::open(options.file);
   if (!reader) return fail(reader.error());
+  const std::uint64_t last_asked = range.last == TickRange{}.last ? range.first : range.last;
+  if (!options.ticks.empty())
+    if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
+      return fail_usage(known.error());
   if (options.inputs) return list_inputs(*reader, options, range);
   if (!options.ticks.empty()) return list_ticks(*reader, options, range);
 

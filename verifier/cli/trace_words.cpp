@@ -36,6 +36,14 @@ int exit_code_of_condition(replay::TraceCondition condition) {
   return verifier::exit_damaged;
 }
 
+Status check_tick(const std::string& option, std::uint64_t tick, std::optional<std::uint64_t> tick_count) {
+  if (!tick_count || tick < *tick_count) return {};
+  return Error{ErrorCode::usage,
+               option + ": no such tick: found " + std::to_string(tick) + ", expected " +
+                   (*tick_count == 0 ? "none: the trace has no ticks" : "0.." + std::to_string(*tick_count - 1)),
+               ""};
+}
+
 std::string intact_range_text(const replay::IntactRange& range) {
   return "ticks " + std::to_string(range.first_tick) + ".." + std::to_string(range.last_tick) +
          (range.has_checkpoint ? " (verifiable from a checkpoint inside)" : " (without a checkpoint)");

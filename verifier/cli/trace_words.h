@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "replay/trace.h"
 
 namespace ticktrue::cli {
@@ -13,6 +16,8 @@ namespace ticktrue::cli {
 std::string_view condition_name(replay::TraceCondition condition);
 std::string_view end_reason_name(replay::EndReason reason);
 int exit_code_of_condition(replay::TraceCondition condition);
+/// Refuses a tick that a whole trace does not have; of a broken one (no count) nothing is known. Errors: usage.
+Status check_tick(const std::string& option, std::uint64_t tick, std::optional<std::uint64_t> tick_count);
 /// "ticks 800..1599 (from the checkpoint inside on)"
 std::string intact_range_text(const replay::IntactRange& range);
 

@@ -9,6 +9,7 @@
 
 #include "verifier/cli/commands.h"
 #include "verifier/cli/progress.h"
+#include "verifier/cli/trace_words.h"
 #include "verifier/report.h"
 #include "verifier/simulations.h"
 
@@ -66,6 +67,9 @@ Result<std::vector<std::string>> expand(const std::vector<std::string>& words) {
 Report verify_file(const std::string& file, const VerifyCommand& command) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(file);
   if (!reader) return verifier::open_error_report(file, reader.error());
+  if (command.from)
+    if (const Status known = check_tick(file + ": --from", *command.from, reader->tick_count_hint()); !known)
+      return verifier::open_error_report(file, known.error());
   verifier::VerifyOptions options;
   options.simulation = verifier::find_simulation(reader->setup().simulation);
   for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
