@@ -237,6 +237,27 @@ TEST_CASE("every case file is run", "[cli][cases][equivalence]") {
   }
 }
 
+TEST_CASE("the examples of each help work in order, in an empty directory", "[cli][docs][equivalence]") {
+  std::istringstream in(read_file(root / "docs/cli.md"));
+  int run_count = 0;
+  for (std::string line; std::getline(in, line);) {
+    const std::string begin = "```text ticktrue ";
+    // crosscheck needs no file and takes its time.
+    if (line.compare(0, begin.size(), begin) != 0 || contains(line, "crosscheck")) continue;
+    const CaseDirectory directory;
+    bool in_examples = false;
+    for (std::string inner; std::getline(in, inner) && inner != "```";) {
+      in_examples = inner == "Examples:" || inner == "Example:" || (in_examples && inner.compare(0, 2, "  ") == 0);
+      if (!in_examples || inner.compare(0, 2, "  ") != 0 || contains(inner, "git bisect")) continue;
+      const CaseDirectory::Outcome outcome = directory.run(inner);
+      CAPTURE(line, inner, outcome.out, outcome.err);
+      CHECK(outcome.exit_code == (contains(inner, "diff") ? 1 : 0));
+      ++run_count;
+    }
+  }
+  CHECK(run_count >= 20);
+}
+
 TEST_CASE("docs/cli.md shows the help texts of the tool word for word", "[cli][docs][equivalence]") {
   // A block: a line "```text ticktrue WORDS --help", the help, a line "```".
   const fs::path path = root / "docs/cli.md";

@@ -51,8 +51,10 @@ void add_diff(CLI::App& app, CliContext& context) {
   command->add_flag("--allow-truncated", options->allow_truncated,
                     "Equal as far as both go is fine where one ends early");
   set_examples(*command,
+               "ticktrue record stack --ticks 300 -o here.ttr\n"
+               "ticktrue record 'stack?jitter=0.01' --ticks 300 -o there.ttr\n"
                "ticktrue diff here.ttr there.ttr\n"
-               "ticktrue diff gcc.ttr clang.ttr --json");
+               "ticktrue diff here.ttr there.ttr --json");
   command->callback([options, &context] { context.exit_code = run_diff(*options); });
 }
 

@@ -81,7 +81,7 @@ int run_import_mouse(const MouseOptions& options) {
 void add_import(CLI::App& app, CliContext& context) {
   CLI::App* import = app.add_subcommand("import", "Turn recordings of other kinds into inputs")->group(group_session);
   import->require_subcommand(1);
-  set_examples(*import, "ticktrue import mouse session.csv --scene thesis -o session.jsonl");
+  set_examples(*import, "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl");
 
   auto options = std::make_shared<MouseOptions>();
   CLI::App* mouse = import->add_subcommand("mouse", "Mouse sessions of a person, or of a model of one, as inputs");
@@ -98,9 +98,9 @@ void add_import(CLI::App& app, CliContext& context) {
       ->required();
   mouse->add_flag("--force", options->force, "Replace an existing file");
   set_examples(*mouse,
-               "ticktrue import mouse session.csv --scene thesis -o session.jsonl\n"
-               "ticktrue import mouse --model 7 --seconds 30 --scene thesis -o model.jsonl\n"
-               "ticktrue record thesis --inputs model.jsonl -o model.ttr");
+               "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"
+               "ticktrue record thesis --inputs session.jsonl -o session.ttr",
+               "A person's session: `ticktrue import mouse person.csv --scene thesis -o person.jsonl`.");
   mouse->callback([options, &context] { context.exit_code = run_import_mouse(*options); });
 }
 

@@ -68,6 +68,7 @@ void add_inject(CLI::App& app, CliContext& context) {
   add_number(*command, "--bit", options->bit, "Flip this bit, 0 is the lowest; without it: any", {0, 63});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.inject/1)");
   set_examples(*command,
+               "ticktrue record 'stack?boxes=10' --ticks 300 --detail full -o stack.ttr\n"
                "ticktrue inject stack.ttr --count 2000 --seed 1 --json\n"
                "ticktrue inject stack.ttr --tick 137 --table bodies --column velocity --row 4 --lane 1 --bit 0");
   command->callback([options, &context] { context.exit_code = run_inject(*options); });

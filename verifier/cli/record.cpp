@@ -156,8 +156,9 @@ void add_record(CLI::App& app, CliContext& context) {
   command->add_flag("--json", options->json, "One JSON object");
   set_examples(*command,
                "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
+               "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"
                "ticktrue record thesis --inputs session.jsonl --detail full:100..160 -o session.ttr\n"
-               "my_game --print-inputs | ticktrue record level.json --inputs - -o live.ttr",
+               "cat session.jsonl | ticktrue record thesis --inputs - -o live.ttr",
                "Inputs are checked before anything is written: a file with a wrong line gives no trace. Live ones are\n"
                "recorded as they come: a tick runs when a line of a later tick, an `end` or the end of input is read.\n"
                "Ctrl-C or SIGTERM closes the trace: it is whole, marked interrupted, exit 0.");

@@ -238,6 +238,7 @@ void add_replay(CLI::App& app, CliContext& context) {
       ->type_name("PATH");
   command->add_flag("--force", options->force, "Replace existing files");
   set_examples(*command,
+               "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
                "ticktrue replay stack.ttr --every 60\n"
                "ticktrue replay stack.ttr --format jsonl --ticks 100..200 -o states.jsonl\n"
                "ticktrue replay stack.ttr --format svg --every 10 -o frames");

@@ -102,6 +102,7 @@ void add_run(CLI::App& app, CliContext& context) {
   command->add_flag("--json", options->json, "One JSON object");
   set_examples(*command,
                "ticktrue run 'pyramid?base=20' --ticks 600\n"
+               "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"
                "ticktrue run thesis --inputs session.jsonl --json");
   command->callback([options, &context] { context.exit_code = run_run(*options); });
 }

@@ -255,8 +255,10 @@ void add_show(CLI::App& app, CliContext& context) {
   command->add_flag("--checkpoints", options->checkpoints, "List the checkpoints");
   command->add_flag("--json", options->json, "One JSON object; with --ticks one a line");
   set_examples(*command,
+               "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"
+               "ticktrue record thesis --inputs session.jsonl -o session.ttr\n"
                "ticktrue show session.ttr\n"
-               "ticktrue show session.ttr --inputs > session.jsonl\n"
+               "ticktrue show session.ttr --inputs > again.jsonl\n"
                "ticktrue show session.ttr --ticks 130..140");
   command->callback([options, &context] { context.exit_code = run_show(*options); });
 }

@@ -151,15 +151,18 @@ void add_verify(CLI::App& app, CliContext& context) {
   command->add_flag("--to-end", options->to_end,
                     "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
-  command->add_flag("--git-bisect", options->git_bisect,
-                    "Exit with 125 (skip this commit) instead of 2, 4, 5 and 6: for `git bisect run`");
+  command->add_flag(
+      "--git-bisect", options->git_bisect,
+      "Exit with 125 (skip this commit) instead of 2, 4, 5 and 6: for `git bisect run`. 3 stays 3, which counts as "
+      "bad, unless --allow-truncated makes it 0");
   command->add_flag("--allow-truncated", options->allow_truncated,
                     "A trace that ends early is fine if every tick it has matches");
   set_examples(*command,
+               "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
                "ticktrue verify stack.ttr\n"
-               "ticktrue verify traces --json\n"
                "ticktrue verify stack.ttr --mode restore\n"
-               "ticktrue verify crashed.ttr --allow-truncated\n"
+               "ticktrue verify . --json\n"
+               "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'");
   command->callback([options, &context] { context.exit_code = run_verify(*options); });
 }
