@@ -464,6 +464,9 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
 std::span<const BuiltinScene> builtin_scenes() {
   return scenes;
 }
+std::span<const std::string_view> scene_setting_names() {
+  return setting_names;
+}
 
 Result<Scene> make_builtin_scene(std::string_view text) {
   if (text.size() > limits::name_size_max)

@@ -33,6 +33,8 @@ struct BuiltinScene {
 
 /// The only list of them.
 std::span<const BuiltinScene> builtin_scenes();
+/// The parameters every scene has besides its own.
+std::span<const std::string_view> scene_setting_names();
 
 /// `name` or `name?key=value&key=value`. Besides its own parameters each scene takes the names of Settings:
 /// precision, dt, substeps, solver, integrator, broad_phase, and gravity (m/s^2 downwards).

@@ -69,6 +69,24 @@ std::string in_quotes(std::string_view text) {
   return "\"" + std::string(text) + "\"";
 }
 
+/// The parameter that the first unknown one of `NAME?key=value&...` may have been meant for; empty if none is near.
+std::string nearest_parameter(std::string_view text) {
+  const std::size_t question = text.find('?');
+  if (question == std::string_view::npos) return "";
+  std::vector<std::string> names;
+  for (const engine::BuiltinScene& scene : engine::builtin_scenes())
+    if (scene.name == text.substr(0, question))
+      for (const engine::SceneParameter& parameter : scene.parameters) names.emplace_back(parameter.name);
+  for (const std::string_view name : engine::scene_setting_names()) names.emplace_back(name);
+  for (std::string_view rest = text.substr(question + 1); !rest.empty();) {
+    const std::string_view part = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+    const std::string_view key = part.substr(0, part.find('='));
+    if (std::find(names.begin(), names.end(), key) == names.end()) return nearest_name(key, names);
+  }
+  return "";
+}
+
 bool ends_with(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
 }
@@ -163,7 +181,11 @@ Result<engine::Scene> load_scene_argument(const std::string& text) {
   std::error_code code;
   if (ends_with(text, ".json") || std::filesystem::exists(text, code)) {
     const Result<std::string> json = read_text_file(text, limits::scene_file_size_max);
-    if (!json) return json.error();
+    if (!json) {
+      const bool missing = !std::filesystem::exists(text, code);
+      return Error{json.error().code, json.error().message,
+                   missing ? "a file to begin with: ticktrue scenes stack --print > level.json" : ""};
+    }
     return engine::parse_scene(*json, text);
   }
   const std::string name = text.substr(0, text.find('?'));
@@ -181,7 +203,11 @@ Result<engine::Scene> load_scene_argument(const std::string& text) {
                  nearest.empty() ? "`ticktrue scenes` lists the built-in scenes with their parameters"
                                  : "did you mean " + nearest + "? `ticktrue scenes` lists them with their parameters"};
   }
-  return engine::make_builtin_scene(text);
+  Result<engine::Scene> scene = engine::make_builtin_scene(text);
+  if (scene || !scene.error().hint.empty()) return scene;
+  const std::string nearest = nearest_parameter(text);
+  if (nearest.empty()) return scene;
+  return Error{scene.error().code, scene.error().message, "did you mean " + nearest + "?"};
 }
 
 Result<TickRange> parse_tick_range(const std::string& text, const std::string& option) {
