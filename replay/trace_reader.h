@@ -59,7 +59,8 @@ class TraceReader {
 };
 
 /// Copies all that is intact from the start of `input` into a new, complete trace.
-/// `tail` tells what was lost. No file is written where no tick of a broken trace is intact. Errors: io, and what TraceReader::open refuses.
+/// `tail` tells what was lost. No file is written where no tick of a broken trace is intact. Errors: io, and what
+/// TraceReader::open refuses.
 struct RecoverResult {
   TraceTail tail;
   std::uint64_t ticks_written = 0;

@@ -183,8 +183,8 @@ class ToySimulation : public Simulation {
       const std::uint32_t id = in.u32();
       const double value = in.f64();
       if (!in.ok() || kind < 1 || kind > 5) return "";
-      text += "{\"tick\":" + std::to_string(tick) + ",\"type\":\"" + names[kind - 1] + "\",\"body\":" + std::to_string(id) +
-              ",\"value\":" + std::to_string(value) + "}\n";
+      text += "{\"tick\":" + std::to_string(tick) + ",\"type\":\"" + names[kind - 1] +
+              "\",\"body\":" + std::to_string(id) + ",\"value\":" + std::to_string(value) + "}\n";
     }
     return text;
   }
