@@ -1,6 +1,7 @@
 // What a recorder leaves behind: when all goes well, when it dies, when the disk is full, when inputs are refused.
 // SPDX-License-Identifier: MIT
 #include <csignal>
+#include <filesystem>
 #include <string>
 
 #include "replay/chunk.h"
@@ -64,15 +65,13 @@ TEST_CASE("inputs are in the file before their tick runs, hashes right after it"
 
 TEST_CASE("a writer that stops anywhere leaves every tick so far", "[replay][writer][corruption]") {
   const TemporaryFolder folder;
-  const std::string path = folder.file("dead.ttr");
   for (std::uint64_t tick_count = 0; tick_count < 6; ++tick_count) {
     for (const bool in_flight : {false, true}) {
       CAPTURE(tick_count, in_flight);
+      const std::string path = folder.file("dead_" + std::to_string(tick_count) + (in_flight ? "b" : "a") + ".ttr");
       const ToySimulation simulation(2);
       {
-        replay::WriterOptions options = plain_writer();
-        options.overwrite = true;
-        auto writer = TraceWriter::create(path, toy_setup(2), toy_facts, options);
+        auto writer = TraceWriter::create(path, toy_setup(2), toy_facts, plain_writer());
         REQUIRE(writer);
         REQUIRE(writer->checkpoint(simulation.state(), 9));
         for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
@@ -124,6 +123,14 @@ TEST_CASE("an existing file is kept unless overwriting is asked for", "[replay][
   }
   CHECK(read_file(path + ".old") == before);  // died before its end: both are there
   CHECK(read_all(read_file(path)).tail.condition == TraceCondition::truncated);
+  // What was set aside is the only good one now: recording over it again is refused, and changes nothing.
+  const Bytes dead = read_file(path);
+  const auto again = TraceWriter::create(path, toy_setup(1), toy_facts, options);
+  REQUIRE_FALSE(again);
+  CHECK(again.error().message == path + ".old: exists: it is not overwritten");
+  CHECK(read_file(path + ".old") == before);
+  CHECK(read_file(path) == dead);
+  std::filesystem::remove(path + ".old");
   auto writer = TraceWriter::create(path, toy_setup(1), toy_facts, options);
   REQUIRE(writer);
   REQUIRE(writer->checkpoint(simulation.state(), 1));

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/cli/command_line.h"
 
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <fcntl.h>
-
 #include <csignal>
 #include <exception>
 #include <new>
