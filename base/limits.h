@@ -13,9 +13,13 @@ inline constexpr std::size_t body_count_max = 200'000;          // twice the lar
 inline constexpr std::size_t prototype_count_max = 4'096;       // kinds of spawned bodies, not bodies
 inline constexpr std::size_t shape_count_per_body_max = 1'024;  // a terrain body has hundreds of pieces
 inline constexpr std::size_t polygon_vertex_count_min = 3;
-inline constexpr std::size_t polygon_vertex_count_max = 16;  // hot records hold a hull without indirection
-inline constexpr std::size_t name_size_max = 256;            // bytes of UTF-8
-inline constexpr std::size_t player_count_max = 256;         // lockstep sessions have 2..16
+inline constexpr std::size_t polygon_vertex_count_max = 16;    // hot records hold a hull without indirection
+inline constexpr std::size_t chain_vertex_count_max = 16'384;  // the outline of a level
+inline constexpr std::size_t joint_count_max = 200'000;        // one per body
+inline constexpr std::size_t force_count_max = 4'096;          // each is evaluated at every stage of every substep
+inline constexpr int iteration_count_max = 1'000;
+inline constexpr std::size_t name_size_max = 256;     // bytes of UTF-8
+inline constexpr std::size_t player_count_max = 256;  // lockstep sessions have 2..16
 inline constexpr std::size_t inputs_per_tick_max =
     16'384;  // a burst, not a file; at 56 B each they fit record_size_max
 inline constexpr std::size_t input_line_size_max = 64u << 10;  // one JSON object

@@ -17,7 +17,10 @@ enum class IntegratorKind : std::uint8_t { semi_implicit_euler };
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
-enum class ShapeKind : std::uint8_t { circle, box, polygon };
+enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
+enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target };
+enum class ForceKind : std::uint8_t { constant, central, spring, wind, linear_drag, quadratic_drag };
+enum class ClockKind : std::uint8_t { fixed, semi_fixed, variable, adaptive };
 
 template <typename Kind>
 struct Choice {
@@ -68,10 +71,40 @@ inline constexpr std::array<Choice<BodyType>, 3> body_types{{
     {BodyType::dynamic_body, "dynamic", "moves and is pushed"},
 }};
 
-inline constexpr std::array<Choice<ShapeKind>, 3> shape_kinds{{
+inline constexpr std::array<Choice<ShapeKind>, 6> shape_kinds{{
     {ShapeKind::circle, "circle", "centre and radius"},
-    {ShapeKind::box, "box", "half extents, turned by an angle"},
-    {ShapeKind::polygon, "polygon", "convex, 3..16 vertices"},
+    {ShapeKind::box, "box", "half extents, turned by an angle; may be rounded by a radius"},
+    {ShapeKind::polygon, "polygon", "convex, 3..16 vertices; may be rounded by a radius"},
+    {ShapeKind::capsule, "capsule", "two centres and a radius"},
+    {ShapeKind::segment, "segment", "a line between two points, of both sides; has no mass"},
+    {ShapeKind::chain, "chain", "a line through points, of its right side; no bumps at its corners; has no mass"},
+}};
+
+inline constexpr std::array<Choice<JointKind>, 8> joint_kinds{{
+    {JointKind::revolute, "revolute", "a pin: the anchors stay together, the bodies turn"},
+    {JointKind::prismatic, "prismatic", "a slider: body B moves along an axis of body A and does not turn"},
+    {JointKind::distance, "distance", "the anchors keep their distance: a rod, a spring, or a rope with limits"},
+    {JointKind::weld, "weld", "the bodies move as one"},
+    {JointKind::wheel, "wheel", "body B turns freely and moves along an axis of body A, sprung"},
+    {JointKind::motor, "motor", "drives body B to an offset from body A, with bounded force and torque"},
+    {JointKind::friction, "friction", "slows relative motion, with bounded force and torque"},
+    {JointKind::target, "target", "pulls an anchor of body B to a point of the world"},
+}};
+
+inline constexpr std::array<Choice<ForceKind>, 6> force_kinds{{
+    {ForceKind::constant, "constant", "a constant force (world axes, at the centre of mass) and torque"},
+    {ForceKind::central, "central", "m k |r|^p towards a point of the world"},
+    {ForceKind::spring, "spring", "spring and damper between an anchor and another body's anchor or a point"},
+    {ForceKind::wind, "wind", "moves the air that drags refer to"},
+    {ForceKind::linear_drag, "linear_drag", "-c (v - wind), and a torque -c_r w"},
+    {ForceKind::quadratic_drag, "quadratic_drag", "-c |v - wind| (v - wind), and a torque -c_r |w| w"},
+}};
+
+inline constexpr std::array<Choice<ClockKind>, 4> clock_kinds{{
+    {ClockKind::fixed, "fixed", "ticks of dt; frame time that is left over is kept"},
+    {ClockKind::semi_fixed, "semi_fixed", "ticks of dt, at most so many a frame; time beyond is dropped and reported"},
+    {ClockKind::variable, "variable", "one tick per frame, as long as the frame"},
+    {ClockKind::adaptive, "adaptive", "as many ticks as keep the error of each below a tolerance"},
 }};
 
 /// The row of a table with this kind. Requires: the table has one (each table lists its whole enumeration).

@@ -17,7 +17,7 @@ struct ValueLimit {
   double max;  // of the magnitude
 };
 // Every name in input_kinds. Impulses and forces: what moves the largest mass to the largest speed.
-constexpr std::array<ValueLimit, 15> value_limits{{
+constexpr std::array<ValueLimit, 17> value_limits{{
     {"x", limits::coordinate_max_m},
     {"y", limits::coordinate_max_m},
     {"px", limits::coordinate_max_m},
@@ -33,6 +33,8 @@ constexpr std::array<ValueLimit, 15> value_limits{{
     {"fx", limits::mass_max_kg* limits::speed_max},
     {"fy", limits::mass_max_kg* limits::speed_max},
     {"torque", limits::mass_max_kg* limits::speed_max},
+    {"speed", limits::speed_max},
+    {"force_max", limits::mass_max_kg* limits::speed_max},
 }};
 
 constexpr double value_max(std::string_view name) {
@@ -78,13 +80,22 @@ Status check_input(const Scene& scene, const Input& input, const std::string& pl
   if (info.has_prototype && input.prototype >= scene.prototypes.size())
     return refused(place, "prototype: unknown: found number " + std::to_string(input.prototype) + ", expected 0.." +
                               std::to_string(scene.prototypes.size() - 1));
+  if (info.has_joint) {
+    if (input.joint >= scene.joints.size())
+      return refused(place, "joint: unknown: found number " + std::to_string(input.joint) + ", expected less than " +
+                                std::to_string(scene.joints.size()));
+    if (!scene.joints[input.joint].motor)
+      return refused(place, "joint: has no motor: found number " + std::to_string(input.joint),
+                     "give the joint a \"motor\" in the scene; force_max may be 0");
+  }
   for (std::size_t i = 0; i < info.value_count; ++i) {
     const double value = input.values[i];
     const double max = value_max(info.value_names[i]);
-    if (value >= -max && value <= max) continue;
+    const double min = info.value_names[i] == "force_max" ? 0 : -max;
+    if (value >= min && value <= max) continue;
     const bool finite = value - value == 0;
     return refused(place, std::string(info.value_names[i]) + (finite ? ": out of range" : ": must be finite") +
-                              ": found " + number_text(value) + ", expected " + number_text(-max) + ".." +
+                              ": found " + number_text(value) + ", expected " + number_text(min) + ".." +
                               number_text(max));
   }
   return {};
@@ -99,6 +110,7 @@ void encode_inputs(const std::vector<Input>& inputs, Bytes& out) {
     writer.u8(static_cast<std::uint8_t>(input.kind));
     if (info.has_body) writer.u32(input.body);
     if (info.has_prototype) writer.u16(input.prototype);
+    if (info.has_joint) writer.u32(input.joint);
     for (std::size_t i = 0; i < info.value_count; ++i) writer.f64(input.values[i]);
   }
   out = writer.take();
@@ -123,6 +135,7 @@ Status decode_inputs(const Scene& scene, ByteView bytes, std::vector<Input>& out
     const InputInfo& info = info_of(input_kinds, input.kind);
     if (info.has_body) input.body = reader.u32();
     if (info.has_prototype) input.prototype = reader.u16();
+    if (info.has_joint) input.joint = reader.u32();
     for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = reader.f64();
     if (!reader.ok()) return refused(place, "bytes end inside it: found " + std::to_string(bytes.size()) + " in all");
     if (input.kind == InputKind::end)

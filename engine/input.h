@@ -26,6 +26,7 @@ enum class InputKind : std::uint8_t {
   drag,
   release,
   end,
+  set_motor,
 };
 
 struct InputInfo {
@@ -33,22 +34,25 @@ struct InputInfo {
   std::string_view name;
   bool has_body;                                // `body` counts
   bool has_prototype;                           // `prototype` counts
+  bool has_joint;                               // `joint` counts
   std::uint8_t value_count;                     // how many of `values` count
   std::array<std::string_view, 6> value_names;  // JSON keys, in order
   std::string_view summary;
 };
-inline constexpr std::array<InputInfo, 11> input_kinds{{
+inline constexpr std::array<InputInfo, 12> input_kinds{{
     {InputKind::spawn,
      "spawn",
      false,
      true,
+     false,
      6,
      {"x", "y", "angle", "vx", "vy", "angular_velocity"},
      "makes a body from a prototype: pose of its origin (m, rad), velocity (m/s, rad/s)"},
-    {InputKind::remove, "remove", true, false, 0, {}, "removes a body"},
+    {InputKind::remove, "remove", true, false, false, 0, {}, "removes a body"},
     {InputKind::impulse,
      "impulse",
      true,
+     false,
      false,
      4,
      {"ix", "iy", "px", "py"},
@@ -57,34 +61,46 @@ inline constexpr std::array<InputInfo, 11> input_kinds{{
      "force",
      true,
      false,
+     false,
      4,
      {"fx", "fy", "px", "py"},
      "(fx, fy) N during this tick, applied at (px, py) in the body's frame, from its centre of mass"},
-    {InputKind::torque, "torque", true, false, 1, {"torque"}, "N m during this tick"},
+    {InputKind::torque, "torque", true, false, false, 1, {"torque"}, "N m during this tick"},
     {InputKind::set_velocity,
      "set_velocity",
      true,
      false,
+     false,
      3,
      {"vx", "vy", "angular_velocity"},
      "m/s of the centre of mass and rad/s"},
-    {InputKind::set_gravity, "set_gravity", false, false, 2, {"gx", "gy"}, "m/s^2, from this tick on"},
+    {InputKind::set_gravity, "set_gravity", false, false, false, 2, {"gx", "gy"}, "m/s^2, from this tick on"},
     {InputKind::press,
      "press",
+     false,
      false,
      false,
      2,
      {"x", "y"},
      "the player's pointer goes down at (x, y) m: grabs the dynamic body there, or spawns on empty space"},
-    {InputKind::drag, "drag", false, false, 2, {"x", "y"}, "the pointer moves, held down"},
-    {InputKind::release, "release", false, false, 0, {}, "the pointer goes up"},
+    {InputKind::drag, "drag", false, false, false, 2, {"x", "y"}, "the pointer moves, held down"},
+    {InputKind::release, "release", false, false, false, 0, {}, "the pointer goes up"},
     {InputKind::end,
      "end",
+     false,
      false,
      false,
      0,
      {},
      "the session ends before this tick; ends an input file, is part of no tick"},
+    {InputKind::set_motor,
+     "set_motor",
+     false,
+     false,
+     true,
+     2,
+     {"speed", "force_max"},
+     "a joint's motor: speed of B relative to A (m/s or rad/s) and its largest force (N or N m), from this tick on"},
 }};
 
 /// One input event. Which fields count is said by its row in input_kinds; the others are zero.
@@ -95,6 +111,7 @@ struct Input {
   InputKind kind = InputKind::end;
   std::uint32_t body = 0;       // id
   std::uint16_t prototype = 0;  // index in Scene::prototypes
+  std::uint32_t joint = 0;      // index in Scene::joints
   std::array<double, 6> values{};
   bool operator==(const Input&) const = default;
 };

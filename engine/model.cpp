@@ -39,6 +39,10 @@ double thesis_inertia(const Body& body, double mass) {
         sum += area / 6 / weight;
         break;
       }
+      case ShapeKind::capsule:
+      case ShapeKind::segment:
+      case ShapeKind::chain:
+        break;
     }
   }
   return sum;

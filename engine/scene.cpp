@@ -78,7 +78,7 @@ class Checker {
   Status run() {
     const bool good = check_counts() && check_settings() && check_bodies(scene_.bodies, "bodies") &&
                       check_bodies(scene_.prototypes, "prototypes") && check_inputs() && check_pointer() &&
-                      check_bounds() && check_choices();
+                      check_bounds() && check_choices() && check_built();
     if (good) return {};
     return error_;
   }
@@ -395,6 +395,28 @@ class Checker {
       return fail(ErrorCode::incompatible, "settings.integrator",
                   std::string(integrator.name) + " carries no contacts and no pointer: found " + found,
                   "use " + names_where(integrators, [](const IntegratorInfo& i) { return i.carries_constraints; }));
+    return true;
+  }
+
+  /// What a scene can say and the engine cannot do yet.
+  bool check_built() {
+    const Settings& settings = scene_.settings;
+    const Settings unset;
+    if (!scene_.joints.empty()) return refuse("joints", "not built yet: found some, expected none");
+    if (!scene_.forces.empty()) return refuse("forces", "not built yet: found some, expected none");
+    if (settings.auto_substeps) return refuse("settings.substeps", "not built yet: found auto, expected a number");
+    if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
+    if (settings.sleep) return refuse("settings.sleep", "not built yet: found some, expected none");
+    if (settings.events) return refuse("settings.events", "not built yet: found true, expected false");
+    if (settings.clock != unset.clock) return refuse("settings.clock", "not built yet: expected fixed");
+    for (const std::vector<Body>* list : {&scene_.bodies, &scene_.prototypes})
+      for (const Body& body : *list)
+        for (const Shape& shape : body.shapes) {
+          const Material plain{shape.material.friction, shape.material.restitution};
+          if (shape.kind > ShapeKind::polygon || shape.sensor || shape.filter != Filter{} || shape.material != plain ||
+              (shape.kind != ShapeKind::circle && shape.radius != 0))
+            return refuse("bodies", "not built yet: a capsule, segment, chain, rounding, sensor, filter or conveyor");
+        }
     return true;
   }
 

@@ -465,6 +465,10 @@ class Reader {
                           },
                           true});
         break;
+      case ShapeKind::capsule:
+      case ShapeKind::segment:
+      case ShapeKind::chain:
+        break;
     }
     fields.push_back(number("density", out.density));
     fields.push_back(number("friction", out.material.friction));
@@ -776,6 +780,10 @@ class Printer {
           point(shape.vertices[i]);
         }
         text_ += "]";
+        break;
+      case ShapeKind::capsule:
+      case ShapeKind::segment:
+      case ShapeKind::chain:
         break;
     }
     number("density", shape.density, unset.density);

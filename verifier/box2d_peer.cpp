@@ -56,6 +56,9 @@ double extent_of(const Shape& shape) {
     case ShapeKind::box:
       return 2 * std::sqrt(shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y);
     case ShapeKind::polygon:
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+    case ShapeKind::chain:
       break;
   }
   double extent = 0;
@@ -356,6 +359,10 @@ class Box2dWorld final : public Box2dPeer {
         definition.shape = &polygon;
         break;
       }
+      case ShapeKind::capsule:
+      case ShapeKind::segment:
+      case ShapeKind::chain:
+        break;
     }
     body->CreateFixture(&definition);
     return {};

@@ -57,6 +57,11 @@ Outline outline_of(const Body& body, const Shape& shape, const CrosscheckLayout&
     case ShapeKind::polygon:
       if (Result<std::vector<Point>> hull = engine::build_hull(shape.vertices)) corners = std::move(*hull);
       break;
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+    case ShapeKind::chain:
+      corners = shape.vertices;
+      break;
   }
   const engine::SinCos turn = engine::sin_cos(body.angle);
   Outline outline;

@@ -193,6 +193,10 @@ MassProperties shape_mass(const Shape& shape) {
       result.inertia = shape.density * moments.polar;
       break;
     }
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+    case ShapeKind::chain:
+      break;
   }
   return result;
 }

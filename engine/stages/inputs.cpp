@@ -147,6 +147,8 @@ void do_drag(const Model&, State& state, Scratch&, const Input& input) {
     if (row.player == input.player) row.target = to_vec2(input.values[0], input.values[1]);
 }
 
+void do_set_motor(const Model&, State&, Scratch&, const Input&) {}
+
 void do_end(const Model&, State&, Scratch&, const Input&) {}  // the recorder stops before this tick
 
 struct InputFunction {
@@ -165,6 +167,7 @@ constexpr std::array<InputFunction, input_kinds.size()> functions{{
     {InputKind::drag, do_drag},
     {InputKind::release, do_release},
     {InputKind::end, do_end},
+    {InputKind::set_motor, do_set_motor},
 }};
 
 }  // namespace
