@@ -157,6 +157,12 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
     }
     model.body_shapes.push_back(same->index);
   }
+  out.can_sleep = body.can_sleep;
+  for (std::uint32_t child = 0; child < out.shape_count; ++child) {
+    const ShapeModel& shape = model.shape(out, child);
+    out.reach = larger(out.reach, length(shape.center) + shape.bounding_radius);
+    if (shape.size > 0 && (out.size == 0 || shape.size < out.size)) out.size = shape.size;
+  }
   model.bodies.push_back(out);
 }
 
@@ -186,6 +192,7 @@ Model make_model(const Scene& scene) {
 
   model.restitution_threshold = static_cast<Real>(scene.settings.restitution_threshold);
   model.can_collide = info_of(solvers, scene.settings.solver).solves_constraints && engine::can_collide(scene);
+  model.finds_islands = scene.settings.auto_substeps.has_value() || scene.settings.sleep.has_value();
   model.takes_inputs = !scene.inputs.empty();
   model.has_pointer = scene.pointer.has_value();
   if (scene.pointer)

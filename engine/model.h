@@ -36,6 +36,9 @@ struct BodyModel {
   Real linear_damping = 0;       // 1/s
   Real angular_damping = 0;      // 1/s
   Real gravity_scale = 1;
+  Real size = 0;   // of the smallest shape, m
+  Real reach = 0;  // of the farthest point from the centre of mass, m
+  bool can_sleep = true;
   std::uint32_t first_shape = 0;  // in Model::body_shapes
   std::uint32_t shape_count = 0;
 };
@@ -56,7 +59,8 @@ struct Model {
   bool takes_inputs = false;
   bool has_pointer = false;
   bool has_bounds = false;
-  bool bounces = false;  // some pair of materials may have restitution > 0
+  bool finds_islands = false;  // some may sleep, or get substeps of their own
+  bool bounces = false;        // some pair of materials may have restitution > 0
   Box bounds;
 
   const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {

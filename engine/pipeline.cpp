@@ -38,6 +38,11 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
         {std::string(info_of(broad_phases, broad_phase).name), false, std::string(no_pairs)});
     pipeline.description.push_back({"narrow_phase", false, std::string(no_pairs)});
   }
+  // Islands own columns, so that nothing but the scene's wish brings them in.
+  if (model.finds_islands)
+    consider("islands", find_islands, true, "bodies may sleep, or get substeps of their own", "");
+  else
+    pipeline.description.push_back({"islands", false, "nothing sleeps, every body gets the same substeps"});
   consider(solver.name, solver_function(solver.kind), true, "every scene moves", "");
   if (finds_contacts || (full && contacts_possible))
     consider("restitution", apply_restitution, finds_contacts && model.bounces, "a material bounces",
@@ -45,6 +50,13 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   else
     pipeline.description.push_back(
         {"restitution", false, finds_pairs_itself ? "part of the solver" : "no two shapes can meet"});
+  const Settings& settings = model.scene.settings;
+  if (settings.sleep)
+    consider("sleep", measure_calm, true, "the scene lets bodies sleep", "");
+  else
+    pipeline.description.push_back({"sleep", false, "the scene lets nothing sleep"});
+  pipeline.tables.sleep = settings.sleep.has_value();
+  pipeline.tables.substeps = settings.auto_substeps.has_value();
   pipeline.tables.pointers = model.has_pointer;
   return pipeline;
 }

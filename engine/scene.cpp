@@ -404,9 +404,7 @@ class Checker {
     const Settings unset;
     if (!scene_.joints.empty()) return refuse("joints", "not built yet: found some, expected none");
     if (!scene_.forces.empty()) return refuse("forces", "not built yet: found some, expected none");
-    if (settings.auto_substeps) return refuse("settings.substeps", "not built yet: found auto, expected a number");
     if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
-    if (settings.sleep) return refuse("settings.sleep", "not built yet: found some, expected none");
     if (settings.events) return refuse("settings.events", "not built yet: found true, expected false");
     if (settings.clock != unset.clock) return refuse("settings.clock", "not built yet: expected fixed");
     for (const std::vector<Body>* list : {&scene_.bodies, &scene_.prototypes})

@@ -34,7 +34,20 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.sorted);
   poison_rows(scratch.pulls);
-  scratch.substep = 0;
+  poison_rows(scratch.groups);
+  scratch.moving_rows = {};
+  poison_rows(scratch.group_rows);
+  poison_rows(scratch.group_contacts);
+  poison_rows(scratch.body_group);
+  poison_rows(scratch.island_parent);
+  poison_rows(scratch.island_level);
+  poison_rows(scratch.island_awake);
+  poison_rows(scratch.supports);
+  poison_rows(scratch.support_start);
+  poison_rows(scratch.support_depth);
+  poison_rows(scratch.support_order);
+  poison_rows(scratch.load);
+  poison_rows(scratch.sag);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "engine/constraints/contact_batch.h"
@@ -47,6 +48,7 @@ struct TouchingPair {
   std::uint32_t body_b;  // row
   Real friction;
   Real restitution;
+  Real size;  // of the smaller shape, m
   Manifold manifold;
 };
 
@@ -75,6 +77,24 @@ struct VelocityStep {
   Real angular_decay;
 };
 
+/// A contact or joint by which a body may be carried.
+struct Support {
+  std::uint32_t other;  // row
+  Real softness;        // m/N at four substeps
+};
+
+inline constexpr std::uint32_t no_group = 0xffffffff;
+
+/// Islands solved together, with the same number of substeps. Ranges of Scratch::group_rows, group_contacts and
+/// ContactBatches::batches.
+struct SolveGroup {
+  int substeps = 1;
+  Real h = 0;  // s, of a substep
+  std::uint32_t first_row = 0, row_end = 0;
+  std::uint32_t first_contact = 0, contact_end = 0;
+  std::uint32_t first_batch = 0, batch_end = 0;
+};
+
 struct Scratch {
   // inputs
   std::vector<Input> inputs;
@@ -92,6 +112,22 @@ struct Scratch {
   std::vector<TouchingPair> touching;
   std::vector<ContactRow> contacts;  // the rows that replace State::contacts
 
+  // islands
+  std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
+  std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
+  std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
+  std::vector<std::uint32_t> group_contacts;   // in `touching`
+  std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
+  std::vector<std::uint32_t> island_parent;    // [body] union-find
+  std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
+  std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
+  std::vector<Support> supports;
+  std::vector<std::uint32_t> support_start;  // [body] in `supports`
+  std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
+  std::vector<std::uint32_t> support_order;  // bodies by depth
+  std::vector<Real> load;                    // [body] N
+  std::vector<Real> sag;                     // [body] m, expected at four substeps
+
   // solver
   std::vector<MovingBody> bodies;
   std::vector<FreeMotion> free_motion;       // [source], for steps of free_motion_step
@@ -99,7 +135,6 @@ struct Scratch {
   std::vector<VelocityStep> velocity_steps;  // [body]
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
-  Real substep = 0;  // s, of the last solver run
 };
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge

@@ -38,6 +38,15 @@ TableRows rows_of(const std::vector<Row>& rows) {
   return {reinterpret_cast<const std::uint8_t*>(rows.data()), static_cast<std::uint32_t>(rows.size())};
 }
 
+/// Whether a table has one row for each body, in their order.
+template <typename Row>
+bool is_parallel(const std::vector<Row>& rows, const std::vector<BodyRow>& bodies) {
+  if (rows.size() != bodies.size()) return false;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].body != bodies[i].id) return false;
+  return true;
+}
+
 Error image_error(const std::string& what) {
   return {ErrorCode::corrupt, "state image: " + what, ""};
 }
@@ -108,6 +117,25 @@ StateSchema make_schema(const Model& model, StateTables tables) {
          },
          sizeof(PointerRow),
          1});
+  if (tables.sleep)
+    schema.tables.push_back({"sleep",
+                             {
+                                 whole("body", ScalarType::u32, 1, offsetof(SleepRow, body), id_max, body_table),
+                                 whole("asleep", ScalarType::u32, 1, offsetof(SleepRow, asleep), 1),
+                                 real("calm", 1, offsetof(SleepRow, calm), 0),
+                             },
+                             sizeof(SleepRow),
+                             1});
+  if (tables.substeps)
+    schema.tables.push_back(
+        {"substeps",
+         {
+             whole("body", ScalarType::u32, 1, offsetof(SubstepRow, body), id_max, body_table),
+             {"count", ScalarType::u32, 1, offsetof(SubstepRow, count), 1, limits::substep_count_max},
+             whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, calm_ticks), limits::substep_count_max),
+         },
+         sizeof(SubstepRow),
+         1});
   const Status status = check_schema(schema);
   TICKTRUE_ASSERT(status.has_value());
   return schema;
@@ -119,6 +147,8 @@ void update_view(const State& state, StateTables tables, StateView& view) {
   view.tables.push_back(rows_of(state.bodies));
   if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
   if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
+  if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
+  if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
 }
 
 Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state) {
@@ -136,7 +166,15 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
     load_rows(schema.tables[table], (*parts)[table], loaded.contacts);
     ++table;
   }
-  if (tables.pointers) load_rows(schema.tables[table], (*parts)[table], loaded.pointers);
+  if (tables.pointers) {
+    load_rows(schema.tables[table], (*parts)[table], loaded.pointers);
+    ++table;
+  }
+  if (tables.sleep) {
+    load_rows(schema.tables[table], (*parts)[table], loaded.sleep);
+    ++table;
+  }
+  if (tables.substeps) load_rows(schema.tables[table], (*parts)[table], loaded.substeps);
 
   if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
   if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)
@@ -157,6 +195,9 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
   for (const PointerRow& pointer : loaded.pointers)
     if (model.bodies[loaded.bodies[loaded.find_body(pointer.body)].source].type != BodyType::dynamic_body)
       return image_error("pointers: player " + std::to_string(pointer.player) + " holds a body that is not dynamic");
+  if ((tables.sleep && !is_parallel(loaded.sleep, loaded.bodies)) ||
+      (tables.substeps && !is_parallel(loaded.substeps, loaded.bodies)))
+    return image_error("sleep, substeps: expected a row for each body, in order");
   state = std::move(loaded);
   return {};
 }
@@ -181,9 +222,23 @@ State initial_state(const Model& model) {
       row.velocity = {static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)};
       row.angular_velocity = static_cast<Real>(body.angular_velocity);
     }
-    state.bodies.push_back(row);
+    add_body_row(model, state, row);
   }
   return state;
+}
+
+void add_body_row(const Model& model, State& state, const BodyRow& body) {
+  state.bodies.push_back(body);
+  const Settings& settings = model.scene.settings;
+  if (settings.sleep) state.sleep.push_back({body.id, 0, 0});
+  if (settings.auto_substeps) state.substeps.push_back({body.id, static_cast<std::uint32_t>(settings.substeps), 0});
+}
+
+void erase_body_row(State& state, std::size_t row) {
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  state.bodies.erase(state.bodies.begin() + at);
+  if (!state.sleep.empty()) state.sleep.erase(state.sleep.begin() + at);
+  if (!state.substeps.empty()) state.substeps.erase(state.substeps.begin() + at);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

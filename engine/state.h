@@ -48,26 +48,51 @@ struct PointerRow {
   Vec2 force;          // N, of the last substep, for warm starting
 };
 
+/// How long a body has been calm. Parallel to the bodies.
+struct SleepRow {
+  std::uint32_t body;    // id
+  std::uint32_t asleep;  // 1: its island sleeps
+  Real calm;             // s
+};
+
+/// Substeps of the body's island. Parallel to the bodies.
+struct SubstepRow {
+  std::uint32_t body;        // id
+  std::uint32_t count;       // substeps per tick
+  std::uint32_t calm_ticks;  // that fewer would have done for
+};
+
 static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
 static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
 static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
-
-struct State {
-  WorldRow world{};
-  std::vector<BodyRow> bodies;  // ascending by id
-  std::vector<ContactRow> contacts;
-  std::vector<PointerRow> pointers;  // ascending by player
-
-  /// Index of the body's row, or bodies.size().
-  std::size_t find_body(std::uint32_t id) const;
-};
+static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
+static_assert(sizeof(SubstepRow) == 12);
 
 /// Which tables a pipeline owns.
 struct StateTables {
   bool contacts = false;
   bool pointers = false;
+  bool sleep = false;
+  bool substeps = false;
 };
+struct State {
+  WorldRow world{};
+  std::vector<BodyRow> bodies;  // ascending by id
+  std::vector<ContactRow> contacts;
+  std::vector<PointerRow> pointers;  // ascending by player
+  std::vector<SleepRow> sleep;       // [body], or empty
+  std::vector<SubstepRow> substeps;  // [body], or empty
+
+  /// Index of the body's row, or bodies.size().
+  std::size_t find_body(std::uint32_t id) const;
+
+  /// Lets the body's island move again.
+  void wake(std::size_t row) {
+    if (!sleep.empty()) sleep[row].calm = 0;
+  }
+};
+
 StateSchema make_schema(const Model& model, StateTables tables);
 
 /// Points `view` at the rows of `state`. `view.schema` must be set.
@@ -77,5 +102,10 @@ void update_view(const State& state, StateTables tables, StateView& view);
 Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state);
 
 State initial_state(const Model& model);
+
+/// Appends a body and its rows in the tables that are parallel to the bodies. Requires: an id above all others.
+void add_body_row(const Model& model, State& state, const BodyRow& body);
+/// Erases them. Rows that refer to the body are the caller's.
+void erase_body_row(State& state, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -19,10 +19,10 @@ void prepare_bodies(const State& state, Scratch& scratch) {
   scratch.bodies[state.bodies.size() + 1] = at_rest;
 }
 
-void store_bodies(const Model& model, const Scratch& scratch, State& state) {
+void store_bodies(const Scratch& scratch, State& state) {
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    if (scratch.body_group[row] == no_group) continue;
     BodyRow& body = state.bodies[row];
-    if (model.bodies[body.source].type == BodyType::static_body) continue;
     const MovingBody& moving = scratch.bodies[row];
     body.position = body.position + moving.moved;
     body.rotation = normalized(moving.turned * body.rotation);
@@ -31,12 +31,11 @@ void store_bodies(const Model& model, const Scratch& scratch, State& state) {
   }
 }
 
-void store_velocities(const Model& model, const Scratch& scratch, State& state) {
+void store_velocities(const Scratch& scratch, State& state) {
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    BodyRow& body = state.bodies[row];
-    if (model.bodies[body.source].type == BodyType::static_body) continue;
-    body.velocity = scratch.bodies[row].velocity;
-    body.angular_velocity = scratch.bodies[row].angular_velocity;
+    if (scratch.body_group[row] == no_group) continue;
+    state.bodies[row].velocity = scratch.bodies[row].velocity;
+    state.bodies[row].angular_velocity = scratch.bodies[row].angular_velocity;
   }
 }
 

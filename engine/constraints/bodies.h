@@ -18,9 +18,9 @@ inline std::uint32_t unread_record(const Scratch& scratch) {
   return static_cast<std::uint32_t>(scratch.bodies.size() - 1);
 }
 
-/// Poses and velocities of all but static bodies back to the state.
-void store_bodies(const Model& model, const Scratch& scratch, State& state);
+/// Poses and velocities of all bodies in groups back to the state.
+void store_bodies(const Scratch& scratch, State& state);
 /// Velocities only: for stages after the solver.
-void store_velocities(const Model& model, const Scratch& scratch, State& state);
+void store_velocities(const Scratch& scratch, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

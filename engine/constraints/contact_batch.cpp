@@ -24,13 +24,16 @@ bool moves(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
 }
 
-void color_contacts(const Model& model, const State& state, Scratch& scratch) {
+/// colors[i]: of the i-th contact of the group.
+void color_contacts(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   ContactBatches& out = scratch.contact_batches;
-  out.colors.resize(scratch.touching.size());
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::size_t count = group.contact_end - group.first_contact;
+  out.colors.resize(count);
   for (const bool against_immovable : {false, true}) {
     out.body_colors.assign(state.bodies.size(), 0);
-    for (std::size_t i = 0; i < scratch.touching.size(); ++i) {
-      const TouchingPair& pair = scratch.touching[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const TouchingPair& pair = scratch.touching[contacts[i]];
       const bool a_moves = moves(model, state, pair.body_a);
       const bool b_moves = moves(model, state, pair.body_b);
       if ((a_moves && b_moves) == against_immovable) continue;
@@ -48,7 +51,7 @@ void color_contacts(const Model& model, const State& state, Scratch& scratch) {
 }
 
 void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& point, const ContactRow& row,
-                const MovingBody& body_a, const MovingBody& body_b, Vec2 normal, Real h) {
+                const MovingBody& body_a, const MovingBody& body_b, Vec2 normal, Real slop, Real h) {
   ContactPointLanes& out = batch.points[index];
   const Vec2 tangent = right_turn(normal);
   const auto effective_mass = [&](Vec2 direction) {
@@ -63,7 +66,7 @@ void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& p
   out.anchor_a_y.at[lane] = point.anchor_a.y;
   out.anchor_b_x.at[lane] = point.anchor_b.x;
   out.anchor_b_y.at[lane] = point.anchor_b.y;
-  out.base_separation.at[lane] = point.separation - dot(point.anchor_b - point.anchor_a, normal);
+  out.base_separation.at[lane] = (point.separation + slop) - dot(point.anchor_b - point.anchor_a, normal);
   out.normal_mass.at[lane] = effective_mass(normal);
   out.tangent_mass.at[lane] = effective_mass(tangent);
   out.normal_impulse.at[lane] = h * row.normal_force[index];
@@ -75,9 +78,22 @@ void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& p
 
 }  // namespace
 
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, Real h) {
-  color_contacts(model, state, scratch);
+Real soft_contact_stiffness(Real h) {
+  const Real omega = Real(2 * pi) * hertz_per_rate / h;
+  return omega * omega;
+}
+
+ContactStiffness soft_contacts(Real h) {
+  const Real hertz = hertz_per_rate / h;
+  return {make_soft(hertz, contact_damping_ratio, h), make_soft(2 * hertz, contact_damping_ratio, h), 0};
+}
+
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
+                      const ContactStiffness& stiffness) {
+  color_contacts(model, state, scratch, group);
   ContactBatches& out = scratch.contact_batches;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const Real h = group.h;
 
   // Contacts by colour, in contact order within a colour.
   std::uint32_t start[color_total + 1] = {};
@@ -92,17 +108,15 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     first[color] = start[color];
   }
   out.sorted.resize(out.colors.size());
-  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[first[out.colors[i]]++] = i;
+  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[first[out.colors[i]]++] = contacts[i];
 
-  const Real hertz = hertz_per_rate / h;
-  const Softness soft = make_soft(hertz, contact_damping_ratio, h);
-  const Softness soft_immovable = make_soft(2 * hertz, contact_damping_ratio, h);
   const std::uint32_t resting = resting_record(scratch);
   const std::uint32_t unread = unread_record(scratch);
 
-  out.batches.clear();
-  out.batches.resize(batch_count);
-  std::size_t next = 0;
+  std::size_t next = out.batches.size();
+  group.first_batch = static_cast<std::uint32_t>(next);
+  group.batch_end = static_cast<std::uint32_t>(next + batch_count);
+  out.batches.resize(next + batch_count);
   for (int color = 0; color < color_total; ++color) {
     const std::uint32_t per_batch = color % group_color_count == overflow_color ? 1 : lane_count;
     for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += per_batch) {
@@ -134,28 +148,32 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
         batch.friction.at[lane] = pair.friction;
         batch.restitution.at[lane] = pair.restitution;
         batch.bounces |= pair.restitution > 0;
-        const Softness& softness = color >= group_color_count ? soft_immovable : soft;
+        const Softness& softness = color >= group_color_count ? stiffness.immovable : stiffness.moving;
         batch.bias_rate.at[lane] = softness.bias_rate;
         batch.mass_scale.at[lane] = softness.mass_scale;
         batch.impulse_scale.at[lane] = softness.impulse_scale;
+        const Real slop = stiffness.slop * pair.size;
         for (int i = 0; i < pair.manifold.point_count; ++i)
           fill_point(batch, lane, i, pair.manifold.points[i], state.contacts[contact],
-                     scratch.bodies[batch.read_a[lane]], scratch.bodies[batch.read_b[lane]], pair.manifold.normal, h);
+                     scratch.bodies[batch.read_a[lane]], scratch.bodies[batch.read_b[lane]], pair.manifold.normal, slop,
+                     h);
       }
     }
   }
 }
 
-void store_contacts(const Scratch& scratch, State& state, Real h) {
-  const Real inv_h = 1 / h;
-  for (const ContactBatch& batch : scratch.contact_batches.batches)
+void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
+  const Real inv_h = 1 / group.h;
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i) {
+    const ContactBatch& batch = scratch.contact_batches.batches[i];
     for (int lane = 0; lane < batch.count; ++lane) {
       ContactRow& row = state.contacts[batch.contact[lane]];
-      for (int i = 0; i < 2; ++i) {
-        row.normal_force[i] = inv_h * batch.points[i].normal_impulse.at[lane];
-        row.tangent_force[i] = inv_h * batch.points[i].tangent_impulse.at[lane];
+      for (int p = 0; p < 2; ++p) {
+        row.normal_force[p] = inv_h * batch.points[p].normal_impulse.at[lane];
+        row.tangent_force[p] = inv_h * batch.points[p].tangent_impulse.at[lane];
       }
     }
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

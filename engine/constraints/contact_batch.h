@@ -17,6 +17,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct Model;
 struct State;
 struct Scratch;
+struct SolveGroup;
 
 inline constexpr int lane_count = 8;
 
@@ -60,14 +61,27 @@ struct ContactBatches {
 
 enum class Bias : std::uint8_t { off, on };
 
-/// Colours and packs scratch.touching, with impulses from state.contacts, for substeps of length h.
-/// Requires: scratch.bodies filled (prepare_bodies).
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, Real h);
-void warm_start_contacts(Scratch& scratch);
-void solve_contacts(Scratch& scratch, Real h, Bias bias);
+/// How stiff contacts are: against moving bodies and against immovable ones. `slop`: overlap that is left alone.
+struct ContactStiffness {
+  Softness moving;
+  Softness immovable;
+  Real slop = 0;  // relative to the size of the smaller shape
+};
+
+/// Stiffness of soft contacts, tied to the substep rate 1 / h.
+ContactStiffness soft_contacts(Real h);
+/// N/m of a soft contact point per kg of effective mass, for substeps of length h.
+Real soft_contact_stiffness(Real h);
+
+/// Colours and packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h.
+/// Appends to the batches and notes the range in `group`. Requires: scratch.bodies filled (prepare_bodies).
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
+                      const ContactStiffness& stiffness);
+void warm_start_contacts(Scratch& scratch, const SolveGroup& group);
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias);
 /// Gives points that hit faster than `threshold` their bounce. True if any did.
-bool bounce_contacts(Scratch& scratch, Real threshold);
+bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold);
 /// Impulses back to state.contacts, as forces.
-void store_contacts(const Scratch& scratch, State& state, Real h);
+void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

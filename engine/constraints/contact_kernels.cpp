@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
+#include <span>
+
 #include "engine/constraints/contact_batch.h"
 #include "engine/math/wide.h"
 #include "engine/scratch.h"
@@ -18,6 +20,10 @@ struct Velocities {
 struct Motions {
   Wide x, y, c, s;
 };
+
+std::span<ContactBatch> batches_of(Scratch& scratch, const SolveGroup& group) {
+  return {scratch.contact_batches.batches.data() + group.first_batch, group.batch_end - group.first_batch};
+}
 
 /// wide_count contacts of a batch, starting at lane `first`.
 struct Group {
@@ -145,10 +151,10 @@ void solve_friction(const Group& group, const Masses& masses, ContactPointLanes&
 }
 
 template <Bias bias>
-void solve_batches(Scratch& scratch, Real h) {
+void solve_batches(Scratch& scratch, const SolveGroup& group_of_batches) {
   MovingBody* bodies = scratch.bodies.data();
-  const Wide inv_h = spread(1 / h);
-  for (ContactBatch& batch : scratch.contact_batches.batches)
+  const Wide inv_h = spread(1 / group_of_batches.h);
+  for (ContactBatch& batch : batches_of(scratch, group_of_batches))
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Velocities a = gather_velocities(bodies, batch.read_a + first);
@@ -168,9 +174,9 @@ void solve_batches(Scratch& scratch, Real h) {
 
 }  // namespace
 
-void warm_start_contacts(Scratch& scratch) {
+void warm_start_contacts(Scratch& scratch, const SolveGroup& group_of_batches) {
   MovingBody* bodies = scratch.bodies.data();
-  for (ContactBatch& batch : scratch.contact_batches.batches)
+  for (ContactBatch& batch : batches_of(scratch, group_of_batches))
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Velocities a = gather_velocities(bodies, batch.read_a + first);
@@ -188,17 +194,17 @@ void warm_start_contacts(Scratch& scratch) {
     }
 }
 
-void solve_contacts(Scratch& scratch, Real h, Bias bias) {
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
   if (bias == Bias::on)
-    solve_batches<Bias::on>(scratch, h);
+    solve_batches<Bias::on>(scratch, group);
   else
-    solve_batches<Bias::off>(scratch, h);
+    solve_batches<Bias::off>(scratch, group);
 }
 
-bool bounce_contacts(Scratch& scratch, Real threshold) {
+bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
   MovingBody* bodies = scratch.bodies.data();
   bool any = false;
-  for (ContactBatch& batch : scratch.contact_batches.batches) {
+  for (ContactBatch& batch : batches_of(scratch, group)) {
     if (!batch.bounces) continue;
     for (int lane = 0; lane < batch.count; ++lane) {
       if (batch.restitution.at[lane] == 0) continue;

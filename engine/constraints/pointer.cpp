@@ -15,12 +15,17 @@ void apply(MovingBody& body, const PointerPull& pull, Vec2 arm, Vec2 impulse) {
 
 }  // namespace
 
-void prepare_pulls(const Model& model, const State& state, Scratch& scratch, Real h) {
+void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
+  const Real h = group.h;
+  const auto group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
   scratch.pulls.clear();
-  for (const PointerRow& row : state.pointers) {
+  for (std::uint32_t index = 0; index < state.pointers.size(); ++index) {
+    const PointerRow& row = state.pointers[index];
     const PointerSettings& settings = *model.scene.pointer;
     PointerPull pull;
+    pull.pointer = index;
     pull.body = static_cast<std::uint32_t>(state.find_body(row.body));
+    if (scratch.body_group[pull.body] != group_index) continue;
     const BodyRow& body = state.bodies[pull.body];
     const BodyModel& constants = model.bodies[body.source];
     pull.inv_mass = constants.inv_mass;
@@ -65,7 +70,7 @@ void solve_pulls(Scratch& scratch) {
 
 void store_pulls(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  for (std::size_t i = 0; i < scratch.pulls.size(); ++i) state.pointers[i].force = inv_h * scratch.pulls[i].impulse;
+  for (const PointerPull& pull : scratch.pulls) state.pointers[pull.pointer].force = inv_h * pull.impulse;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

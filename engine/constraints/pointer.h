@@ -12,10 +12,12 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct Model;
 struct State;
 struct Scratch;
+struct SolveGroup;
 
 /// A PointerRow made ready for one tick.
 struct PointerPull {
-  std::uint32_t body;  // row
+  std::uint32_t pointer;  // row
+  std::uint32_t body;     // row
   Real inv_mass;
   Real inv_inertia;
   Vec2 anchor;  // from the centre of mass, world axes at the start of the tick, m
@@ -25,8 +27,8 @@ struct PointerPull {
   Vec2 impulse;      // N s, accumulated
 };
 
-/// Fills scratch.pulls from state.pointers, for steps of length h.
-void prepare_pulls(const Model& model, const State& state, Scratch& scratch, Real h);
+/// Fills scratch.pulls from the pointers that pull bodies of a group.
+void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);
 void warm_start_pulls(Scratch& scratch);
 void solve_pulls(Scratch& scratch);
 /// Impulses back to state.pointers, as forces.

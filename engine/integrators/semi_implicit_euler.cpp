@@ -20,7 +20,7 @@ void begin_semi_implicit_euler(const Model& model, const State& state, Scratch& 
     scratch.free_motion_step = h;
   }
   scratch.velocity_steps.resize(state.bodies.size());
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) {
@@ -38,8 +38,8 @@ void begin_semi_implicit_euler(const Model& model, const State& state, Scratch& 
   }
 }
 
-void predict_semi_implicit_euler(const Model&, const State& state, Scratch& scratch, Real) {
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+void predict_semi_implicit_euler(const Model&, const State&, Scratch& scratch, Real) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const VelocityStep& step = scratch.velocity_steps[row];
     body.velocity = step.linear_decay * body.velocity + step.velocity;
@@ -47,8 +47,8 @@ void predict_semi_implicit_euler(const Model&, const State& state, Scratch& scra
   }
 }
 
-void drift_semi_implicit_euler(const Model&, const State& state, Scratch& scratch, Real h) {
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+void drift_semi_implicit_euler(const Model&, const State&, Scratch& scratch, Real h) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     body.moved = body.moved + h * body.velocity;
     body.turned = rotation_by(h * body.angular_velocity) * body.turned;

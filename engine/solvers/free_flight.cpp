@@ -1,6 +1,7 @@
 // Bodies that meet nothing: the integrator alone.
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/groups.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/solver.h"
 
@@ -10,13 +11,15 @@ void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real 
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   const int substep_count = model.scene.settings.substeps;
   const Real h = dt / static_cast<Real>(substep_count);  // s
+  group_everything(model, state, scratch);
   prepare_bodies(state, scratch);
+  enter_group(model, state, scratch, scratch.groups[0], h);
   scheme.begin(model, state, scratch, h);
   for (int substep = 0; substep < substep_count; ++substep) {
     scheme.predict(model, state, scratch, h);
     scheme.drift(model, state, scratch, h);
   }
-  store_bodies(model, scratch, state);
+  store_bodies(scratch, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -8,6 +8,7 @@
 // - a body of 2 000 kg or more is taken for static;
 // - the circle test stops at the first edge the circle is outside of; coincident circles give NaN.
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/groups.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/solver.h"
 
@@ -174,14 +175,16 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
 
 void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Integrator& scheme = integrator(model.scene.settings.integrator);
+  group_everything(model, state, scratch);
   prepare_bodies(state, scratch);
-  prepare_pulls(model, state, scratch, dt);
+  enter_group(model, state, scratch, scratch.groups[0], dt);
+  prepare_pulls(model, state, scratch, scratch.groups[0]);
   scheme.begin(model, state, scratch, dt);
   scheme.predict(model, state, scratch, dt);
   warm_start_pulls(scratch);
   solve_pulls(scratch);
   scheme.drift(model, state, scratch, dt);
-  store_bodies(model, scratch, state);
+  store_bodies(scratch, state);
   store_pulls(scratch, state, dt);
 
   for (std::size_t i = 0; i < state.bodies.size(); ++i)

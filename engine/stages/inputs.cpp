@@ -19,10 +19,13 @@ void erase_where(Vector& rows, Predicate predicate) {
   rows.resize(kept);
 }
 
-/// The row that an input means, or nothing (counted) if that body was removed.
+/// The row that an input means, awake, or nothing (counted) if that body was removed.
 BodyRow* find(State& state, const Input& input) {
   const std::size_t row = state.find_body(input.body);
-  if (row < state.bodies.size()) return &state.bodies[row];
+  if (row < state.bodies.size()) {
+    state.wake(row);
+    return &state.bodies[row];
+  }
   if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
   return nullptr;
 }
@@ -50,7 +53,7 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
     row.velocity = to_vec2(pose.values[3], pose.values[4]);
     row.angular_velocity = static_cast<Real>(pose.values[5]);
   }
-  state.bodies.push_back(row);
+  add_body_row(model, state, row);
   if (!scratch.force.empty()) {
     scratch.force.push_back({0, 0});
     scratch.torque.push_back(0);
@@ -107,6 +110,7 @@ void do_set_velocity(const Model&, State& state, Scratch&, const Input& input) {
 
 void do_set_gravity(const Model&, State& state, Scratch&, const Input& input) {
   state.world.gravity = to_vec2(input.values[0], input.values[1]);
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) state.wake(row);
 }
 
 void do_release(const Model&, State& state, Scratch&, const Input& input) {
@@ -174,7 +178,11 @@ constexpr std::array<InputFunction, input_kinds.size()> functions{{
 
 void remove_body(State& state, Scratch& scratch, std::size_t row) {
   const std::uint32_t id = state.bodies[row].id;
-  state.bodies.erase(state.bodies.begin() + static_cast<std::ptrdiff_t>(row));
+  for (const ContactRow& contact : state.contacts) {
+    if (contact.body_a == id) state.wake(state.find_body(contact.body_b));
+    if (contact.body_b == id) state.wake(state.find_body(contact.body_a));
+  }
+  erase_body_row(state, row);
   if (!scratch.force.empty()) {
     scratch.force.erase(scratch.force.begin() + static_cast<std::ptrdiff_t>(row));
     scratch.torque.erase(scratch.torque.begin() + static_cast<std::ptrdiff_t>(row));

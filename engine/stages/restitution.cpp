@@ -6,9 +6,13 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void apply_restitution(const Model& model, State& state, Scratch& scratch, Real) {
-  if (!bounce_contacts(scratch, model.restitution_threshold)) return;
-  store_velocities(model, scratch, state);
-  store_contacts(scratch, state, scratch.substep);
+  bool any = false;
+  for (const SolveGroup& group : scratch.groups) {
+    if (!bounce_contacts(scratch, group, model.restitution_threshold)) continue;
+    store_contacts(scratch, group, state);
+    any = true;
+  }
+  if (any) store_velocities(scratch, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

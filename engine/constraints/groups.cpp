@@ -1,0 +1,36 @@
+// The one group of a world without islands.
+// SPDX-License-Identifier: MIT
+#include "engine/constraints/groups.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+void group_everything(const Model& model, const State& state, Scratch& scratch) {
+  scratch.groups.clear();
+  scratch.group_rows.clear();
+  scratch.group_contacts.clear();
+  scratch.body_group.assign(state.bodies.size(), no_group);
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (model.bodies[state.bodies[row].source].type == BodyType::static_body) continue;
+    scratch.group_rows.push_back(row);
+    scratch.body_group[row] = 0;
+  }
+  for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact)
+    scratch.group_contacts.push_back(contact);
+  SolveGroup group;
+  group.substeps = model.scene.settings.substeps;
+  group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
+  group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  scratch.groups.push_back(group);
+}
+
+void enter_group(const Model& model, const State& state, Scratch& scratch, SolveGroup& group, Real h) {
+  group.h = h;
+  scratch.moving_rows = {scratch.group_rows.data() + group.first_row, group.row_end - group.first_row};
+  for (const std::uint32_t row : scratch.moving_rows) {
+    const BodyRow& body = state.bodies[row];
+    if (model.bodies[body.source].type != BodyType::kinematic_body) continue;
+    scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

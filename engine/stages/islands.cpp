@@ -1,0 +1,286 @@
+// Islands: bodies that hang together by contacts and joints. Decides which sleep and how many substeps each needs.
+// SPDX-License-Identifier: MIT
+// Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find). The number of substeps
+// follows from the sag of soft constraints, which falls as substeps^-2: sag = force / (effective mass * omega^2) with
+// omega proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
+#include "base/limits.h"
+#include "engine/constraints/groups.h"
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr std::uint32_t calm_tick_count = 60;  // fewer substeps only after so many ticks that needed fewer
+constexpr int reference_substeps = 4;
+constexpr std::uint32_t not_carried = 0xffffffff;
+
+BodyType type_of(const Model& model, const State& state, std::uint32_t row) {
+  return model.bodies[state.bodies[row].source].type;
+}
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t row) {
+  while (parent[row] != row) {
+    parent[row] = parent[parent[row]];
+    row = parent[row];
+  }
+  return row;
+}
+
+/// The smaller row becomes the root, so that an island is named by its first row.
+void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t root_a = find_root(parent, a);
+  const std::uint32_t root_b = find_root(parent, b);
+  if (root_a < root_b) parent[root_b] = root_a;
+  if (root_b < root_a) parent[root_a] = root_b;
+}
+
+bool is_moving(const BodyRow& body) {
+  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+}
+
+/// Unites what hangs together; notes islands that something immovable but moving keeps awake.
+void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  scratch.island_parent.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) scratch.island_parent[row] = row;
+  const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+    if (type_of(model, state, a) == BodyType::dynamic_body && type_of(model, state, b) == BodyType::dynamic_body)
+      unite(scratch.island_parent, a, b);
+  };
+  for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
+}
+
+// ---- Sleep ----
+
+void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  scratch.island_awake.assign(count, model.scene.settings.sleep ? 0 : 1);
+  if (!model.scene.settings.sleep) return;
+  const Real after = static_cast<Real>(model.scene.settings.sleep->after_s);
+  for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
+  const auto touch_moving = [&](std::uint32_t still, std::uint32_t other) {
+    if (type_of(model, state, other) == BodyType::kinematic_body && is_moving(state.bodies[other]))
+      state.sleep[still].calm = 0;
+  };
+  for (const TouchingPair& pair : scratch.touching) {
+    touch_moving(pair.body_a, pair.body_b);
+    touch_moving(pair.body_b, pair.body_a);
+  }
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (type_of(model, state, row) == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
+      scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
+  for (std::uint32_t row = 0; row < count; ++row) {
+    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
+    SleepRow& sleep = state.sleep[row];
+    const bool awake = scratch.island_awake[find_root(scratch.island_parent, row)] != 0;
+    if (awake && sleep.asleep != 0) sleep.calm = 0;
+    if (!awake) {
+      state.bodies[row].velocity = {0, 0};
+      state.bodies[row].angular_velocity = 0;
+    }
+    sleep.asleep = awake ? 0 : 1;
+  }
+}
+
+// ---- Substeps ----
+
+/// 1 / (effective mass of a contact point along the normal).
+Real inv_effective_mass(const Model& model, const State& state, const TouchingPair& pair, const ManifoldPoint& point) {
+  const BodyModel& a = model.bodies[state.bodies[pair.body_a].source];
+  const BodyModel& b = model.bodies[state.bodies[pair.body_b].source];
+  const Real arm_a = cross(point.anchor_a, pair.manifold.normal);
+  const Real arm_b = cross(point.anchor_b, pair.manifold.normal);
+  return ((a.inv_mass + b.inv_mass) + a.inv_inertia * arm_a * arm_a) + b.inv_inertia * arm_b * arm_b;
+}
+
+/// m/N of a contact at the reference number of substeps.
+Real contact_softness(const Model& model, const State& state, const TouchingPair& pair, Real h) {
+  Real stiffness = 0;  // N/m
+  for (int i = 0; i < pair.manifold.point_count; ++i) {
+    const Real inv_mass = inv_effective_mass(model, state, pair, pair.manifold.points[i]);
+    if (inv_mass > 0) stiffness += soft_contact_stiffness(h) / inv_mass;
+  }
+  const bool immovable = type_of(model, state, pair.body_a) != BodyType::dynamic_body ||
+                         type_of(model, state, pair.body_b) != BodyType::dynamic_body;
+  if (immovable) stiffness *= 4;  // twice the frequency
+  return stiffness > 0 ? 1 / stiffness : Real(0);
+}
+
+/// Lists, for each body, what it touches or is joined to.
+void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
+  std::vector<std::uint32_t>& start = scratch.support_start;
+  start.assign(state.bodies.size() + 2, 0);
+  for (const TouchingPair& pair : scratch.touching) {
+    ++start[pair.body_a + 2];
+    ++start[pair.body_b + 2];
+  }
+  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.supports.resize(start.back());
+  for (const TouchingPair& pair : scratch.touching) {
+    const Real softness = contact_softness(model, state, pair, h);
+    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness};
+    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness};
+  }
+}
+
+std::span<const Support> supports_of(const Scratch& scratch, std::uint32_t row) {
+  return {scratch.supports.data() + scratch.support_start[row],
+          scratch.support_start[row + 1] - scratch.support_start[row]};
+}
+
+/// Steps from the nearest immovable body, breadth first; support_order lists what is carried, nearest first.
+void find_depths(const Model& model, const State& state, Scratch& scratch) {
+  scratch.support_depth.assign(state.bodies.size(), not_carried);
+  scratch.support_order.clear();
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+    if (type_of(model, state, row) != BodyType::dynamic_body) {
+      scratch.support_depth[row] = 0;
+      scratch.support_order.push_back(row);
+    }
+  for (std::size_t next = 0; next < scratch.support_order.size(); ++next) {
+    const std::uint32_t row = scratch.support_order[next];
+    for (const Support& support : supports_of(scratch, row)) {
+      if (scratch.support_depth[support.other] != not_carried) continue;
+      scratch.support_depth[support.other] = scratch.support_depth[row] + 1;
+      scratch.support_order.push_back(support.other);
+    }
+  }
+}
+
+/// Weights go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
+void find_sags(const Model& model, const State& state, Scratch& scratch) {
+  const Real gravity = length(state.world.gravity);
+  scratch.load.assign(state.bodies.size(), 0);
+  scratch.sag.assign(state.bodies.size(), 0);
+  const auto carrier_count = [&](std::uint32_t row) {
+    int count = 0;
+    for (const Support& support : supports_of(scratch, row))
+      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) ++count;
+    return static_cast<Real>(count);
+  };
+  for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
+    const std::uint32_t row = scratch.support_order[i];
+    if (scratch.support_depth[row] == 0) continue;
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    scratch.load[row] += absolute(body.gravity_scale) * gravity * body.mass;
+    const Real share = scratch.load[row] / carrier_count(row);
+    for (const Support& support : supports_of(scratch, row))
+      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) scratch.load[support.other] += share;
+  }
+  for (const std::uint32_t row : scratch.support_order) {
+    if (scratch.support_depth[row] == 0) continue;
+    const Real share = scratch.load[row] / carrier_count(row);
+    for (const Support& support : supports_of(scratch, row))
+      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row])
+        scratch.sag[row] = larger(scratch.sag[row], scratch.sag[support.other] + share * support.softness);
+  }
+}
+
+/// Powers of two from `least` to `most` that keep the sag of a body within its allowance.
+std::uint32_t wanted_substeps(Real sag, Real allowed, std::uint32_t least, std::uint32_t most) {
+  std::uint32_t count = least;
+  // sag at n substeps = sag * (4 / n)^2
+  while (count < most && sag * static_cast<Real>(reference_substeps * reference_substeps) >
+                             allowed * static_cast<Real>(count) * static_cast<Real>(count))
+    count *= 2;
+  return count < most ? count : most;
+}
+
+void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const Settings& settings = model.scene.settings;
+  const auto least = static_cast<std::uint32_t>(settings.substeps);
+  scratch.island_level.assign(state.bodies.size(), least);
+  if (!settings.auto_substeps) return;
+  list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
+  find_depths(model, state, scratch);
+  find_sags(model, state, scratch);
+  const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
+  const Real target = static_cast<Real>(settings.auto_substeps->target_error);
+  std::vector<std::uint32_t>& level = scratch.island_level;
+  // What the island needs now.
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
+    std::uint32_t& island = level[find_root(scratch.island_parent, row)];
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    const std::uint32_t wanted = wanted_substeps(scratch.sag[row], target * body.size, least, most);
+    island = island > wanted ? island : wanted;
+  }
+  // What it has had: rises at once, falls after calm ticks.
+  std::vector<std::uint32_t>& had = scratch.support_depth;
+  had.assign(state.bodies.size(), 0);
+  std::vector<std::uint32_t>& calm = scratch.support_order;
+  calm.assign(state.bodies.size(), calm_tick_count);
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    const std::uint32_t root = find_root(scratch.island_parent, row);
+    const SubstepRow& now = state.substeps[row];
+    if (now.count > had[root]) {
+      had[root] = now.count;
+      calm[root] = now.calm_ticks;
+    } else if (now.count == had[root] && now.calm_ticks < calm[root]) {
+      calm[root] = now.calm_ticks;
+    }
+  }
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
+    const std::uint32_t root = find_root(scratch.island_parent, row);
+    const bool keeps = had[root] > level[root] && calm[root] + 1 < calm_tick_count;
+    SubstepRow& now = state.substeps[row];
+    now.count = keeps ? had[root] : level[root];
+    now.calm_ticks = keeps ? calm[root] + 1 : 0;
+  }
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+    if (type_of(model, state, row) == BodyType::dynamic_body)
+      level[find_root(scratch.island_parent, row)] = state.substeps[row].count;
+}
+
+// ---- Groups ----
+
+/// Islands of equal substeps into one group each, fewest first. Everything kinematic moves in each of them.
+void make_groups(const Model& model, const State& state, Scratch& scratch) {
+  scratch.groups.clear();
+  scratch.group_rows.clear();
+  scratch.group_contacts.clear();
+  scratch.body_group.assign(state.bodies.size(), no_group);
+  const auto level_of = [&](std::uint32_t row) {
+    const std::uint32_t root = find_root(scratch.island_parent, row);
+    return scratch.island_awake[root] != 0 ? scratch.island_level[root] : 0u;
+  };
+  bool in_use[limits::substep_count_max + 1] = {};
+  in_use[model.scene.settings.substeps] = true;  // always, for what is kinematic
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+    if (type_of(model, state, row) == BodyType::dynamic_body) in_use[level_of(row)] = true;
+  for (std::uint32_t level = 1; level <= limits::substep_count_max; ++level) {
+    if (!in_use[level]) continue;
+    const auto index = static_cast<std::uint32_t>(scratch.groups.size());
+    SolveGroup group;
+    group.substeps = static_cast<int>(level);
+    group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
+    group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
+    for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+      const BodyType type = type_of(model, state, row);
+      if (type == BodyType::static_body) continue;
+      if (type == BodyType::dynamic_body && level_of(row) != level) continue;
+      scratch.group_rows.push_back(row);
+      scratch.body_group[row] = index;
+    }
+    for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
+      const TouchingPair& pair = scratch.touching[contact];
+      const bool a_moves = type_of(model, state, pair.body_a) == BodyType::dynamic_body;
+      if (level_of(a_moves ? pair.body_a : pair.body_b) == level) scratch.group_contacts.push_back(contact);
+    }
+    group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
+    group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
+    scratch.groups.push_back(group);
+  }
+}
+
+}  // namespace
+
+void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
+  unite_bodies(model, state, scratch);
+  wake_and_sleep(model, state, scratch);
+  choose_substeps(model, state, scratch, dt);
+  make_groups(model, state, scratch);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
