@@ -12,7 +12,7 @@
 namespace ticktrue::engine {
 
 enum class Precision : std::uint8_t { f32, f64 };
-enum class SolverKind : std::uint8_t { free_flight, impulse, tgs_soft };
+enum class SolverKind : std::uint8_t { free_flight, impulse, tgs_soft, pgs };
 enum class IntegratorKind : std::uint8_t { semi_implicit_euler };
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
@@ -38,10 +38,11 @@ struct SolverInfo : Choice<SolverKind> {
   bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
   bool substeps;            // false: settings.substeps must be 1
 };
-inline constexpr std::array<SolverInfo, 3> solvers{{
+inline constexpr std::array<SolverInfo, 4> solvers{{
     {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, true},
     {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false},
     {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true},
+    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, false},
 }};
 
 struct IntegratorInfo : Choice<IntegratorKind> {

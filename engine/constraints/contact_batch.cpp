@@ -20,6 +20,9 @@ constexpr int color_total = 2 * group_color_count;
 constexpr Real hertz_per_rate = Real(0.125);
 constexpr Real contact_damping_ratio = 10;
 
+/// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
+constexpr Real baumgarte = Real(0.2);
+
 bool moves(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
 }
@@ -86,6 +89,11 @@ Real soft_contact_stiffness(Real h) {
 ContactStiffness soft_contacts(Real h) {
   const Real hertz = hertz_per_rate / h;
   return {make_soft(hertz, contact_damping_ratio, h), make_soft(2 * hertz, contact_damping_ratio, h), 0};
+}
+
+ContactStiffness baumgarte_contacts(Real h) {
+  const Softness rigid{baumgarte / h, 1, 0};
+  return {rigid, rigid, Real(0.005)};
 }
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,

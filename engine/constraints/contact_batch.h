@@ -70,6 +70,8 @@ struct ContactStiffness {
 
 /// Stiffness of soft contacts, tied to the substep rate 1 / h.
 ContactStiffness soft_contacts(Real h);
+/// Contacts that remove a fifth of the overlap beyond the slop in each step of length h.
+ContactStiffness baumgarte_contacts(Real h);
 /// N/m of a soft contact point per kg of effective mass, for substeps of length h.
 Real soft_contact_stiffness(Real h);
 

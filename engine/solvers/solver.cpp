@@ -13,6 +13,7 @@ constexpr std::array<SolverEntry, solvers.size()> functions{{
     {SolverKind::free_flight, solve_free_flight},
     {SolverKind::impulse, solve_impulse},
     {SolverKind::tgs_soft, solve_tgs_soft},
+    {SolverKind::pgs, solve_pgs},
 }};
 
 }  // namespace

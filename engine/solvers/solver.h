@@ -11,6 +11,7 @@ StageFunction solver_function(SolverKind kind);
 
 void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real dt);
 void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt);
+void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt);
 void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,37 @@
+// Sequential impulses: iterations over all contacts, accumulated and warm started, overlap taken back by velocity.
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (projected Gauss-Seidel on accumulated
+// impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that takes overlap
+// back stays: the price of having no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
+#include "engine/constraints/bodies.h"
+#include "engine/constraints/groups.h"
+#include "engine/integrators/integrator.h"
+#include "engine/solvers/solver.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
+  if (!model.finds_islands) group_everything(model, state, scratch);
+  prepare_bodies(state, scratch);
+  scratch.contact_batches.batches.clear();
+  const Integrator& scheme = integrator(model.scene.settings.integrator);
+  for (SolveGroup& group : scratch.groups) {
+    enter_group(model, state, scratch, group, dt);
+    prepare_pulls(model, state, scratch, group);
+    prepare_contacts(model, state, scratch, group, baumgarte_contacts(dt));
+    scheme.begin(model, state, scratch, dt);
+    scheme.predict(model, state, scratch, dt);
+    warm_start_pulls(scratch);
+    warm_start_contacts(scratch, group);
+    for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
+      solve_pulls(scratch);
+      solve_contacts(scratch, group, Bias::on);
+    }
+    scheme.drift(model, state, scratch, dt);
+    store_contacts(scratch, group, state);
+    store_pulls(scratch, state, dt);
+  }
+  store_bodies(scratch, state);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
