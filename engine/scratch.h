@@ -48,7 +48,9 @@ struct TouchingPair {
   std::uint32_t body_b;  // row
   Real friction;
   Real restitution;
-  Real size;  // of the smaller shape, m
+  Real size;      // of the smaller shape, m
+  Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
+  Real radius_b;
   Manifold manifold;
 };
 

@@ -69,7 +69,8 @@ void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& p
   out.anchor_a_y.at[lane] = point.anchor_a.y;
   out.anchor_b_x.at[lane] = point.anchor_b.x;
   out.anchor_b_y.at[lane] = point.anchor_b.y;
-  out.base_separation.at[lane] = (point.separation + slop) - dot(point.anchor_b - point.anchor_a, normal);
+  out.base_separation.at[lane] = ((point.separation + slop) - dot(point.anchor_b - point.anchor_a, normal)) -
+                                 (batch.radius_a.at[lane] + batch.radius_b.at[lane]);
   out.normal_mass.at[lane] = effective_mass(normal);
   out.tangent_mass.at[lane] = effective_mass(tangent);
   out.normal_impulse.at[lane] = h * row.normal_force[index];
@@ -154,6 +155,8 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
         batch.normal_x.at[lane] = pair.manifold.normal.x;
         batch.normal_y.at[lane] = pair.manifold.normal.y;
         batch.friction.at[lane] = pair.friction;
+        batch.radius_a.at[lane] = pair.radius_a;
+        batch.radius_b.at[lane] = pair.radius_b;
         batch.restitution.at[lane] = pair.restitution;
         batch.bounces |= pair.restitution > 0;
         const Softness& softness = color >= group_color_count ? stiffness.immovable : stiffness.moving;

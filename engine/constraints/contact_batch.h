@@ -29,7 +29,7 @@ struct alignas(lane_count * sizeof(Real)) Lanes {
 struct ContactPointLanes {
   Lanes anchor_a_x, anchor_a_y;  // from A's centre of mass at the start of the tick, world axes, m
   Lanes anchor_b_x, anchor_b_y;
-  Lanes base_separation;  // separation minus (anchor_b - anchor_a) . normal, m
+  Lanes base_separation;  // separation minus (pivot_b - pivot_a) . normal, m
   Lanes normal_mass;      // effective mass along the normal, kg; 0 where there is no point
   Lanes tangent_mass;
   Lanes normal_impulse;  // N s, accumulated in this substep
@@ -48,6 +48,7 @@ struct ContactBatch {
   bool bounces;  // some lane has restitution
   Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   Lanes normal_x, normal_y, friction, restitution;
+  Lanes radius_a, radius_b;                    // of round shapes, m
   Lanes bias_rate, mass_scale, impulse_scale;  // Softness
   ContactPointLanes points[2];
 };

@@ -106,9 +106,16 @@ template <Bias bias>
 void solve_normal(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny,
                   const Motions& ma, const Motions& mb, Wide inv_h, Velocities& a, Velocities& b) {
   const Anchors r = load_anchors(group, point);
-  // Present separation: the anchors turn with their bodies, the normal stays.
-  const Wide dx = (mb.x - ma.x) + ((mb.c * r.bx - mb.s * r.by) - (ma.c * r.ax - ma.s * r.ay));
-  const Wide dy = (mb.y - ma.y) + ((mb.s * r.bx + mb.c * r.by) - (ma.s * r.ax + ma.c * r.ay));
+  // Present separation: the normal stays; what turns with the bodies are the pivots, a radius behind the anchors, since
+  // the surface of a rolling disc stays where it is.
+  const Wide radius_a = group.load(group.batch.radius_a);
+  const Wide radius_b = group.load(group.batch.radius_b);
+  const Wide pax = r.ax - radius_a * nx;
+  const Wide pay = r.ay - radius_a * ny;
+  const Wide pbx = r.bx + radius_b * nx;
+  const Wide pby = r.by + radius_b * ny;
+  const Wide dx = (mb.x - ma.x) + ((mb.c * pbx - mb.s * pby) - (ma.c * pax - ma.s * pay));
+  const Wide dy = (mb.y - ma.y) + ((mb.s * pbx + mb.c * pby) - (ma.s * pax + ma.c * pay));
   const Wide separation = group.load(point.base_separation) + (dx * nx + dy * ny);
 
   // Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.

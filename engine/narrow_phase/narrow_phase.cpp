@@ -69,7 +69,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     scratch.touching.push_back({proxy_a.body, proxy_b.body,
                                 mix(settings.friction_mix, shape_a.friction, shape_b.friction),
                                 mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution),
-                                smaller(shape_a.size, shape_b.size), manifold});
+                                smaller(shape_a.size, shape_b.size), shape_a.radius, shape_b.radius, manifold});
     ContactRow row{body_a.id, proxy_a.child, body_b.id, proxy_b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
     for (int i = 0; i < manifold.point_count; ++i) row.feature[i] = manifold.points[i].feature;
     while (old_index < state.contacts.size() && comes_before(state.contacts[old_index], row)) ++old_index;
