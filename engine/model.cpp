@@ -190,6 +190,8 @@ Model make_model(const Scene& scene) {
   model.first_prototype = static_cast<std::uint32_t>(model.bodies.size());
   for (const Body& body : scene.prototypes) add_body(model, body, known);
 
+  make_joints(model);
+
   model.restitution_threshold = static_cast<Real>(scene.settings.restitution_threshold);
   model.can_collide = info_of(solvers, scene.settings.solver).solves_constraints && engine::can_collide(scene);
   model.finds_islands = scene.settings.auto_substeps.has_value() || scene.settings.sleep.has_value();

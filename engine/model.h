@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "engine/constraints/joint_model.h"
 #include "engine/math/vec2.h"
 #include "engine/scene.h"
 
@@ -51,6 +52,9 @@ struct Model {
   std::vector<ShapeModel> shapes;
   std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
   std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
+
+  std::vector<JointModel> joints;        // [joint of the scene]
+  std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
 
   std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn
 

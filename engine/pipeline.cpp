@@ -58,6 +58,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   pipeline.tables.sleep = settings.sleep.has_value();
   pipeline.tables.substeps = settings.auto_substeps.has_value();
   pipeline.tables.pointers = model.has_pointer;
+  pipeline.tables.joints = !model.joints.empty();
   return pipeline;
 }
 

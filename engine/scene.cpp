@@ -78,7 +78,7 @@ class Checker {
   Status run() {
     const bool good = check_counts() && check_settings() && check_bodies(scene_.bodies, "bodies") &&
                       check_bodies(scene_.prototypes, "prototypes") && check_inputs() && check_pointer() &&
-                      check_bounds() && check_choices() && check_built();
+                      check_bounds() && check_joint_bodies() && check_choices() && check_built();
     if (good) return {};
     return error_;
   }
@@ -375,6 +375,22 @@ class Checker {
     return !scene_.spawned_max || number("spawned_max", *scene_.spawned_max, 1, limits::body_count_max);
   }
 
+  bool check_joint_bodies() {
+    for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+      const Joint& joint = scene_.joints[i];
+      const std::string key = "joints[" + std::to_string(i) + "]";
+      if (!is_row(joint_kinds, joint.kind)) return refuse(key + ".kind", "unknown");
+      const bool has_a = joint.kind == JointKind::target || joint.body_a < scene_.bodies.size();
+      if (!has_a || joint.body_b >= scene_.bodies.size())
+        return refuse(key, "joins a body that the scene has not: found number " +
+                               std::to_string(has_a ? joint.body_b : joint.body_a) + ", expected less than " +
+                               std::to_string(scene_.bodies.size()));
+      if (joint.kind != JointKind::target && joint.body_a == joint.body_b)
+        return refuse(key, "joins a body to itself: found number " + std::to_string(joint.body_a));
+    }
+    return true;
+  }
+
   bool check_choices() {
     const SolverInfo& solver = info_of(solvers, scene_.settings.solver);
     const IntegratorInfo& integrator = info_of(integrators, scene_.settings.integrator);
@@ -385,15 +401,18 @@ class Checker {
           name_of_solver + " does not substep: found " + std::to_string(scene_.settings.substeps) + ", expected 1",
           "set substeps to 1, or use " + names_where(solvers, [](const SolverInfo& s) { return s.substeps; }));
     const bool collide = can_collide(scene_);
-    if (!collide && !scene_.pointer) return true;
-    const std::string found = collide ? "bodies that may collide" : "a pointer";
+    if (!scene_.joints.empty() && !solver.solves_joints)
+      return fail(ErrorCode::incompatible, "settings.solver", name_of_solver + " solves no joints: found joints",
+                  "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
+    if (!collide && !scene_.pointer && scene_.joints.empty()) return true;
+    const std::string found = collide ? "bodies that may collide" : scene_.pointer ? "a pointer" : "joints";
     if (!solver.solves_constraints)
       return fail(ErrorCode::incompatible, "settings.solver",
                   name_of_solver + " solves no contacts and moves nothing by a pointer: found " + found,
                   "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_constraints; }));
     if (!integrator.carries_constraints)
       return fail(ErrorCode::incompatible, "settings.integrator",
-                  std::string(integrator.name) + " carries no contacts and no pointer: found " + found,
+                  std::string(integrator.name) + " carries no contacts, no joints and no pointer: found " + found,
                   "use " + names_where(integrators, [](const IntegratorInfo& i) { return i.carries_constraints; }));
     return true;
   }
@@ -402,7 +421,6 @@ class Checker {
   bool check_built() {
     const Settings& settings = scene_.settings;
     const Settings unset;
-    if (!scene_.joints.empty()) return refuse("joints", "not built yet: found some, expected none");
     if (!scene_.forces.empty()) return refuse("forces", "not built yet: found some, expected none");
     if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
     if (settings.events) return refuse("settings.events", "not built yet: found true, expected false");

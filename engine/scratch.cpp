@@ -48,6 +48,8 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.support_order);
   poison_rows(scratch.load);
   poison_rows(scratch.sag);
+  poison_rows(scratch.joints);
+  poison_rows(scratch.joint_ranges);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

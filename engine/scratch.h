@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/constraints/contact_batch.h"
+#include "engine/constraints/joint.h"
 #include "engine/constraints/pointer.h"
 #include "engine/input.h"
 #include "engine/state.h"
@@ -137,6 +138,8 @@ struct Scratch {
   std::vector<VelocityStep> velocity_steps;  // [body]
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
+  std::vector<JointWork> joints;         // of the group that is being solved
+  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`
 };
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge

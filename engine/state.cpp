@@ -25,6 +25,12 @@ Column whole(const char* name, ScalarType type, std::size_t lane_count, std::siz
           0,    max,  static_cast<std::int16_t>(target)};
 }
 
+Column optional_reference(const char* name, std::size_t offset, int target) {
+  Column column = whole(name, ScalarType::u32, 1, offset, id_max, target);
+  column.optional = true;
+  return column;
+}
+
 constexpr std::size_t body_table = 1;
 
 template <typename Row>
@@ -49,6 +55,24 @@ bool is_parallel(const std::vector<Row>& rows, const std::vector<BodyRow>& bodie
 
 Error image_error(const std::string& what) {
   return {ErrorCode::corrupt, "state image: " + what, ""};
+}
+
+/// There is a row for each joint of the scene whose bodies exist, and for no other.
+Status check_joints(const Model& model, const State& state) {
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const JointModel& joint = model.joints[i];
+    const bool has_a = joint.body_a == no_reference || state.find_body(joint.body_a) < state.bodies.size();
+    if (!has_a || state.find_body(joint.body_b) == state.bodies.size()) continue;
+    const bool same = row < state.joints.size() && state.joints[row].joint == i &&
+                      state.joints[row].kind == static_cast<std::uint32_t>(joint.kind) &&
+                      state.joints[row].body_a == joint.body_a && state.joints[row].body_b == joint.body_b;
+    if (!same) return image_error("joints[" + std::to_string(row) + "]: is not joint " + std::to_string(i));
+    ++row;
+  }
+  if (row != state.joints.size())
+    return image_error("joints: found " + std::to_string(state.joints.size()) + ", expected " + std::to_string(row));
+  return {};
 }
 
 }  // namespace
@@ -117,6 +141,25 @@ StateSchema make_schema(const Model& model, StateTables tables) {
          },
          sizeof(PointerRow),
          1});
+  if (tables.joints)
+    schema.tables.push_back({"joints",
+                             {
+                                 whole("joint", ScalarType::u32, 1, offsetof(JointRow, joint),
+                                       static_cast<double>(model.joints.empty() ? 0 : model.joints.size() - 1)),
+                                 whole("kind", ScalarType::u32, 1, offsetof(JointRow, kind), joint_kinds.size() - 1.0),
+                                 optional_reference("body_a", offsetof(JointRow, body_a), body_table),
+                                 whole("body_b", ScalarType::u32, 1, offsetof(JointRow, body_b), id_max, body_table),
+                                 real("motor_speed", 1, offsetof(JointRow, motor_speed)),
+                                 real("motor_force_max", 1, offsetof(JointRow, motor_force_max), 0),
+                                 real("linear_force", 2, offsetof(JointRow, linear_force)),
+                                 real("torque", 1, offsetof(JointRow, torque)),
+                                 real("spring_force", 1, offsetof(JointRow, spring_force)),
+                                 real("lower_force", 1, offsetof(JointRow, lower_force), 0),
+                                 real("upper_force", 1, offsetof(JointRow, upper_force), 0),
+                                 real("motor_force", 1, offsetof(JointRow, motor_force)),
+                             },
+                             sizeof(JointRow),
+                             1});
   if (tables.sleep)
     schema.tables.push_back({"sleep",
                              {
@@ -147,6 +190,7 @@ void update_view(const State& state, StateTables tables, StateView& view) {
   view.tables.push_back(rows_of(state.bodies));
   if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
   if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
+  if (tables.joints) view.tables.push_back(rows_of(state.joints));
   if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
   if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
 }
@@ -168,6 +212,10 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
   }
   if (tables.pointers) {
     load_rows(schema.tables[table], (*parts)[table], loaded.pointers);
+    ++table;
+  }
+  if (tables.joints) {
+    load_rows(schema.tables[table], (*parts)[table], loaded.joints);
     ++table;
   }
   if (tables.sleep) {
@@ -195,6 +243,8 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
   for (const PointerRow& pointer : loaded.pointers)
     if (model.bodies[loaded.bodies[loaded.find_body(pointer.body)].source].type != BodyType::dynamic_body)
       return image_error("pointers: player " + std::to_string(pointer.player) + " holds a body that is not dynamic");
+  if (tables.joints)
+    if (const Status joints = check_joints(model, loaded); !joints) return joints;
   if ((tables.sleep && !is_parallel(loaded.sleep, loaded.bodies)) ||
       (tables.substeps && !is_parallel(loaded.substeps, loaded.bodies)))
     return image_error("sleep, substeps: expected a row for each body, in order");
@@ -223,6 +273,17 @@ State initial_state(const Model& model) {
       row.angular_velocity = static_cast<Real>(body.angular_velocity);
     }
     add_body_row(model, state, row);
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const JointModel& joint = model.joints[i];
+    JointRow row{};
+    row.joint = static_cast<std::uint32_t>(i);
+    row.kind = static_cast<std::uint32_t>(joint.kind);
+    row.body_a = joint.body_a;
+    row.body_b = joint.body_b;
+    row.motor_speed = joint.motor_speed;
+    row.motor_force_max = joint.motor_force_max;
+    state.joints.push_back(row);
   }
   return state;
 }

@@ -48,6 +48,22 @@ struct PointerRow {
   Vec2 force;          // N, of the last substep, for warm starting
 };
 
+/// A joint of the scene, as long as its bodies exist.
+struct JointRow {
+  std::uint32_t joint;   // index in Scene::joints
+  std::uint32_t kind;    // JointKind
+  std::uint32_t body_a;  // id; no_reference: the world
+  std::uint32_t body_b;  // id
+  Real motor_speed;      // m/s or rad/s, of B relative to A
+  Real motor_force_max;  // N or N m
+  Vec2 linear_force;  // N, mean over the last substep, as the others; which ones a kind uses: constraints/joint_*.cpp
+  Real torque;        // N m
+  Real spring_force;  // N or N m
+  Real lower_force;
+  Real upper_force;
+  Real motor_force;
+};
+
 /// How long a body has been calm. Parallel to the bodies.
 struct SleepRow {
   std::uint32_t body;    // id
@@ -66,6 +82,7 @@ static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
 static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
 static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
+static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
 
@@ -73,6 +90,7 @@ static_assert(sizeof(SubstepRow) == 12);
 struct StateTables {
   bool contacts = false;
   bool pointers = false;
+  bool joints = false;
   bool sleep = false;
   bool substeps = false;
 };
@@ -81,6 +99,7 @@ struct State {
   std::vector<BodyRow> bodies;  // ascending by id
   std::vector<ContactRow> contacts;
   std::vector<PointerRow> pointers;  // ascending by player
+  std::vector<JointRow> joints;      // ascending by joint
   std::vector<SleepRow> sleep;       // [body], or empty
   std::vector<SubstepRow> substeps;  // [body], or empty
 

@@ -104,6 +104,7 @@ class World final : public Engine {
       return body_name(state_.contacts[row].body_a) + " / " + body_name(state_.contacts[row].body_b);
     if (name == "pointers" && row < state_.pointers.size())
       return "player " + std::to_string(state_.pointers[row].player) + " / " + body_name(state_.pointers[row].body);
+    if (name == "joints" && row < state_.joints.size()) return joint_name(state_.joints[row].joint);
     return "";
   }
 
@@ -193,6 +194,11 @@ class World final : public Engine {
   std::string body_name(std::uint32_t id) const {
     const std::size_t row = state_.find_body(id);
     return row < state_.bodies.size() ? body_name(state_.bodies[row]) : "body#" + std::to_string(id);
+  }
+
+  std::string joint_name(std::uint32_t joint) const {
+    const std::string& name = model_.scene.joints[joint].name;
+    return name.empty() ? "joint#" + std::to_string(joint) : name;
   }
 
   Model model_;

@@ -1,6 +1,7 @@
 // Separating axes while shapes overlap, nearest features while they are apart.
 // SPDX-License-Identifier: MIT
-// Source: Ericson, "Real-Time Collision Detection", 2004, sections 5.1.2 (point and segment) and 5.2.1 (separating axes).
+// Source: Ericson, "Real-Time Collision Detection", 2004, sections 5.1.2 (point and segment) and 5.2.1 (separating
+// axes).
 #include "engine/narrow_phase/distance.h"
 
 #include "base/limits.h"
@@ -48,8 +49,7 @@ Distance axis_of(const Placed& a, const Placed& b) {
         deepest = j;
       }
     }
-    if (i == 0 || least > best.separation)
-      best = {least, normal, b.vertices[deepest] - (Real(0.5) * least) * normal};
+    if (i == 0 || least > best.separation) best = {least, normal, b.vertices[deepest] - (Real(0.5) * least) * normal};
   }
   return best;
 }

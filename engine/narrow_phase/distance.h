@@ -19,7 +19,6 @@ struct Distance {
 };
 
 /// Exact where the shapes are apart, up to rounding; where they overlap, along the axis of least overlap.
-Distance distance(const Model& model, const ShapeModel& a, const Pose& pose_a, const ShapeModel& b,
-                  const Pose& pose_b);
+Distance distance(const Model& model, const ShapeModel& a, const Pose& pose_a, const ShapeModel& b, const Pose& pose_b);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

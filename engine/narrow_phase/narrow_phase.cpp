@@ -61,6 +61,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     const Proxy& proxy_b = scratch.proxies[pair.second];
     const BodyRow& body_a = state.bodies[proxy_a.body];
     const BodyRow& body_b = state.bodies[proxy_b.body];
+    if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];
     const ShapeModel& shape_b = model.shapes[proxy_b.shape];
     const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b);

@@ -18,18 +18,23 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
   for (SolveGroup& group : scratch.groups) {
     enter_group(model, state, scratch, group, dt);
     prepare_pulls(model, state, scratch, group);
+    prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, baumgarte_contacts(dt));
     scheme.begin(model, state, scratch, dt);
+    note_joint_velocities(scratch);
     scheme.predict(model, state, scratch, dt);
+    warm_start_joints(scratch);
     warm_start_pulls(scratch);
     warm_start_contacts(scratch, group);
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
+      solve_joints(scratch, dt, Bias::on);
       solve_pulls(scratch);
       solve_contacts(scratch, group, Bias::on);
     }
     scheme.drift(model, state, scratch, dt);
     store_contacts(scratch, group, state);
     store_pulls(scratch, state, dt);
+    store_joints(scratch, state, dt);
   }
   store_bodies(scratch, state);
 }

@@ -18,19 +18,25 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     const Real h = dt / static_cast<Real>(group.substeps);  // s
     enter_group(model, state, scratch, group, h);
     prepare_pulls(model, state, scratch, group);
+    prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
     scheme.begin(model, state, scratch, h);
     for (int substep = 0; substep < group.substeps; ++substep) {
+      note_joint_velocities(scratch);
       scheme.predict(model, state, scratch, h);
+      warm_start_joints(scratch);
       warm_start_pulls(scratch);
       warm_start_contacts(scratch, group);
+      solve_joints(scratch, h, Bias::on);
       solve_pulls(scratch);
       solve_contacts(scratch, group, Bias::on);
       scheme.drift(model, state, scratch, h);
+      solve_joints(scratch, h, Bias::off);
       solve_contacts(scratch, group, Bias::off);  // relax: takes out the velocity that the bias put in
     }
     store_contacts(scratch, group, state);  // forces, since the next tick may have another h
     store_pulls(scratch, state, h);
+    store_joints(scratch, state, h);
   }
   store_bodies(scratch, state);
 }

@@ -11,12 +11,22 @@ Vec2 to_vec2(double x, double y) {
   return {static_cast<Real>(x), static_cast<Real>(y)};
 }
 
+void wake_joint(State& state, const JointRow& joint) {
+  if (joint.body_a != no_reference) state.wake(state.find_body(joint.body_a));
+  state.wake(state.find_body(joint.body_b));
+}
+
 template <typename Vector, typename Predicate>
 void erase_where(Vector& rows, Predicate predicate) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!predicate(rows[i])) rows[kept++] = rows[i];
   rows.resize(kept);
+}
+
+/// Counts an input to something already removed.
+void ignore(State& state) {
+  if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
 }
 
 /// The row that an input means, awake, or nothing (counted) if that body was removed.
@@ -26,7 +36,7 @@ BodyRow* find(State& state, const Input& input) {
     state.wake(row);
     return &state.bodies[row];
   }
-  if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
+  ignore(state);
   return nullptr;
 }
 
@@ -151,7 +161,16 @@ void do_drag(const Model&, State& state, Scratch&, const Input& input) {
     if (row.player == input.player) row.target = to_vec2(input.values[0], input.values[1]);
 }
 
-void do_set_motor(const Model&, State&, Scratch&, const Input&) {}
+void do_set_motor(const Model&, State& state, Scratch&, const Input& input) {
+  for (JointRow& row : state.joints)
+    if (row.joint == input.joint) {
+      row.motor_speed = static_cast<Real>(input.values[0]);
+      row.motor_force_max = static_cast<Real>(input.values[1]);
+      wake_joint(state, row);
+      return;
+    }
+  ignore(state);
+}
 
 void do_end(const Model&, State&, Scratch&, const Input&) {}  // the recorder stops before this tick
 
@@ -182,6 +201,8 @@ void remove_body(State& state, Scratch& scratch, std::size_t row) {
     if (contact.body_a == id) state.wake(state.find_body(contact.body_b));
     if (contact.body_b == id) state.wake(state.find_body(contact.body_a));
   }
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a == id || joint.body_b == id) wake_joint(state, joint);
   erase_body_row(state, row);
   if (!scratch.force.empty()) {
     scratch.force.erase(scratch.force.begin() + static_cast<std::ptrdiff_t>(row));
@@ -189,6 +210,7 @@ void remove_body(State& state, Scratch& scratch, std::size_t row) {
   }
   erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
   erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
+  erase_where(state.joints, [id](const JointRow& joint) { return joint.body_a == id || joint.body_b == id; });
 }
 
 void apply_inputs(const Model& model, State& state, Scratch& scratch, Real) {

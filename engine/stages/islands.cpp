@@ -34,6 +34,10 @@ void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
   if (root_b < root_a) parent[root_a] = root_b;
 }
 
+std::uint32_t row_of(const State& state, std::uint32_t id) {
+  return static_cast<std::uint32_t>(state.find_body(id));
+}
+
 bool is_moving(const BodyRow& body) {
   return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
 }
@@ -48,6 +52,8 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
       unite(scratch.island_parent, a, b);
   };
   for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
 }
 
 // ---- Sleep ----
@@ -65,6 +71,11 @@ void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
   for (const TouchingPair& pair : scratch.touching) {
     touch_moving(pair.body_a, pair.body_b);
     touch_moving(pair.body_b, pair.body_a);
+  }
+  for (const JointRow& joint : state.joints) {
+    if (joint.body_a == no_reference) continue;
+    touch_moving(row_of(state, joint.body_a), row_of(state, joint.body_b));
+    touch_moving(row_of(state, joint.body_b), row_of(state, joint.body_a));
   }
   for (std::uint32_t row = 0; row < count; ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
@@ -106,6 +117,13 @@ Real contact_softness(const Model& model, const State& state, const TouchingPair
   return stiffness > 0 ? 1 / stiffness : Real(0);
 }
 
+/// m/N of a joint at the reference number of substeps. Chains whip: they get twice the substeps that their weight asks
+/// for, and so a softness four times theirs.
+Real joint_softness(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
+  const Real inv_mass = model.bodies[state.bodies[a].source].inv_mass + model.bodies[state.bodies[b].source].inv_mass;
+  return 4 * inv_mass / joint_stiffness(h);
+}
+
 /// Lists, for each body, what it touches or is joined to.
 void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
   std::vector<std::uint32_t>& start = scratch.support_start;
@@ -114,12 +132,25 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
     ++start[pair.body_a + 2];
     ++start[pair.body_b + 2];
   }
+  for (const JointRow& joint : state.joints) {
+    if (joint.body_a == no_reference) continue;
+    ++start[row_of(state, joint.body_a) + 2];
+    ++start[row_of(state, joint.body_b) + 2];
+  }
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   scratch.supports.resize(start.back());
   for (const TouchingPair& pair : scratch.touching) {
     const Real softness = contact_softness(model, state, pair, h);
     scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness};
     scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness};
+  }
+  for (const JointRow& joint : state.joints) {
+    if (joint.body_a == no_reference) continue;
+    const std::uint32_t a = row_of(state, joint.body_a);
+    const std::uint32_t b = row_of(state, joint.body_b);
+    const Real softness = joint_softness(model, state, a, b, h);
+    scratch.supports[start[a + 1]++] = {b, softness};
+    scratch.supports[start[b + 1]++] = {a, softness};
   }
 }
 

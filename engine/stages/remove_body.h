@@ -6,7 +6,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Removes the row, its contacts and the pointers that hold it; forces of this tick's inputs keep their bodies.
+/// Removes the row, its contacts, its joints and the pointers that hold it; forces of this tick's inputs keep their
+/// bodies.
 void remove_body(State& state, Scratch& scratch, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

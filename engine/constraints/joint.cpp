@@ -1,0 +1,186 @@
+// The table of joint kinds, and the passes over all joints.
+// SPDX-License-Identifier: MIT
+// Source: softness tied to the substep rate: Catto, "Solver2D", 2024; without its upper limit the error falls as the
+// square of the substep.
+#include "engine/constraints/joint.h"
+
+#include "engine/constraints/bodies.h"
+#include "engine/constraints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real hertz_times_h = Real(0.25);  // stiffness of rigid rows
+constexpr Real damping_ratio = 5;
+
+struct JointTableRow {
+  JointKind kind;
+  const JointFunctions* functions;
+};
+constexpr std::array<JointTableRow, joint_kinds.size()> table{{
+    {JointKind::revolute, &revolute_joint},    // joint_pin.cpp
+    {JointKind::prismatic, &prismatic_joint},  // joint_slider.cpp
+    {JointKind::distance, &distance_joint},    // joint_distance.cpp
+    {JointKind::weld, &weld_joint},            // joint_pin.cpp
+    {JointKind::wheel, &wheel_joint},          // joint_slider.cpp
+    {JointKind::motor, &motor_joint},          // joint_drive.cpp
+    {JointKind::friction, &friction_joint},    // joint_drive.cpp
+    {JointKind::target, &target_joint},        // joint_drive.cpp
+}};
+
+const JointFunctions& functions_of(JointKind kind) {
+  return *info_of(table, kind).functions;
+}
+
+/// The joint's body A, or what stands for it where the joint holds B to the world.
+void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
+                    const BodyRow& body_b) {
+  const JointModel& constants = *joint.model;
+  if (constants.body_a == no_reference) {
+    joint.read_a = resting_record(scratch);
+    joint.write_a = unread_record(scratch);
+    joint.inv_mass_a = 0;
+    joint.inv_inertia_a = 0;
+    joint.anchor_a = {0, 0};
+    joint.apart = body_b.position - constants.anchor_a;
+    joint.axis = constants.axis;
+    joint.turn = between(constants.reference, body_b.rotation);
+    return;
+  }
+  const auto row = static_cast<std::uint32_t>(state.find_body(constants.body_a));
+  const BodyRow& body = state.bodies[row];
+  const BodyModel& mass = model.bodies[body.source];
+  joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
+  joint.write_a = mass.type == BodyType::dynamic_body ? row : unread_record(scratch);
+  joint.inv_mass_a = mass.inv_mass;
+  joint.inv_inertia_a = mass.inv_inertia;
+  joint.anchor_a = rotate(body.rotation, constants.anchor_a);
+  joint.apart = body_b.position - body.position;
+  joint.axis = rotate(body.rotation, constants.axis);
+  joint.turn = between(body.rotation * constants.reference, body_b.rotation);
+}
+
+template <typename Pass>
+void for_each_run(Scratch& scratch, Pass pass) {
+  JointWork* joints = scratch.joints.data();
+  for (const JointRange& range : scratch.joint_ranges)
+    pass(functions_of(range.kind), JointRun{joints + range.first, joints + range.last, scratch.bodies.data()});
+}
+
+}  // namespace
+
+Real joint_stiffness(Real h) {
+  const Real omega = Real(2 * pi) * hertz_times_h / h;
+  return omega * omega;
+}
+
+void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
+  const Real h = group.h;
+  const auto group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
+  scratch.joints.clear();
+  scratch.joint_ranges.clear();
+  const Softness soft = make_soft(hertz_times_h / h, damping_ratio, h);
+  for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
+    const JointRow& row = state.joints[i];
+    JointWork joint{};
+    joint.row = i;
+    joint.model = &model.joints[row.joint];
+    const auto row_b = static_cast<std::uint32_t>(state.find_body(row.body_b));
+    const BodyRow& body = state.bodies[row_b];
+    const BodyModel& mass = model.bodies[body.source];
+    joint.read_b = mass.type == BodyType::static_body ? resting_record(scratch) : row_b;
+    joint.write_b = mass.type == BodyType::dynamic_body ? row_b : unread_record(scratch);
+    joint.inv_mass_b = mass.inv_mass;
+    joint.inv_inertia_b = mass.inv_inertia;
+    joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
+    prepare_body_a(model, state, scratch, joint, body);
+    const std::uint32_t mover = joint.write_b == unread_record(scratch) ? joint.write_a : joint.write_b;
+    if (mover == unread_record(scratch) || scratch.body_group[mover] != group_index) continue;
+    joint.soft = soft;
+    joint.motor_speed = row.motor_speed;
+    joint.motor_impulse_max = h * row.motor_force_max;
+    joint.impulse_max = h * joint.model->force_max;
+    joint.angular_impulse_max = h * joint.model->torque_max;
+    joint.impulses = {h * row.linear_force, h * row.torque,      h * row.spring_force,
+                      h * row.lower_force,  h * row.upper_force, h * row.motor_force};
+    functions_of(joint.model->kind).prepare(joint, h);
+    const auto index = static_cast<std::uint32_t>(scratch.joints.size());
+    if (scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != joint.model->kind)
+      scratch.joint_ranges.push_back({joint.model->kind, index, index});
+    ++scratch.joint_ranges.back().last;
+    scratch.joints.push_back(joint);
+  }
+}
+
+void note_joint_velocities(Scratch& scratch) {
+  for_each_run(scratch, [](const JointFunctions& kind, JointRun run) { kind.note(run); });
+}
+
+void warm_start_joints(Scratch& scratch) {
+  for_each_run(scratch, [](const JointFunctions& kind, JointRun run) { kind.warm_start(run); });
+}
+
+void solve_joints(Scratch& scratch, Real h, Bias bias) {
+  for_each_run(scratch, [h, bias](const JointFunctions& kind, JointRun run) { kind.solve(run, h, bias); });
+}
+
+void store_joints(const Scratch& scratch, State& state, Real h) {
+  const Real inv_h = 1 / h;
+  for (const JointWork& joint : scratch.joints) {
+    const JointImpulses& impulses = joint.impulses;
+    JointRow& row = state.joints[joint.row];
+    row.linear_force = inv_h * impulses.linear;
+    row.torque = inv_h * impulses.angular;
+    row.spring_force = inv_h * impulses.spring;
+    row.lower_force = inv_h * impulses.lower;
+    row.upper_force = inv_h * impulses.upper;
+    row.motor_force = inv_h * impulses.motor;
+  }
+}
+
+// ---- Springs ----
+
+SpringStep spring_step(const SpringModel& spring, Real mobility, Real h) {
+  if (!spring.exists || mobility <= 0) return {};
+  const double per_mass = spring.absolute ? static_cast<double>(mobility) : 1;
+  return make_spring_step(spring.stiffness * per_mass, spring.damping * per_mass, static_cast<double>(h));
+}
+
+PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row) {
+  const Real mean = Real(0.5) * (row.k11 + row.k22);
+  const Real half = Real(0.5) * (row.k11 - row.k22);
+  const Real radius = square_root(half * half + row.k12 * row.k12);
+  Vec2 first{1, 0};
+  if (radius > 0) {
+    const Vec2 along = half >= 0 ? Vec2{half + radius, row.k12} : Vec2{row.k12, radius - half};
+    first = (1 / length(along)) * along;
+  }
+  // The lesser one is never below that of the masses alone; the difference could be, by rounding.
+  const Real least = joint.inv_mass_a + joint.inv_mass_b;
+  return {{first, cross(Real(1), first)}, {mean + radius, larger(mean - radius, least)}};
+}
+
+void prepare_point_spring(JointWork& joint, const SpringModel& spring, ActsAt place, Real h) {
+  const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
+  const PrincipalAxes axes = principal_axes(joint, point_row(joint, {at_start, at_start}, place));
+  for (std::size_t i = 0; i < 2; ++i) joint.linear_spring[i] = spring_step(spring, axes.mobility[i], h);
+}
+
+void solve_point_spring(JointWork& joint, const PointRow& row, JointBodies& pair, Real impulse_max) {
+  if (!moves_something(joint)) return;
+  const PrincipalAxes axes = principal_axes(joint, row);
+  const Vec2 velocity = row.velocity(pair);
+  Vec2 total;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec2 axis = axes.axis[i];
+    const Real impulse =
+        spring_impulse(joint.linear_spring[i], axes.mobility[i], dot(axis, row.error), dot(axis, joint.start_velocity),
+                       dot(axis, velocity), dot(axis, joint.impulses.linear));
+    total = total + impulse * axis;
+  }
+  total = clamped(total, impulse_max);
+  row.apply(joint, pair, total - joint.impulses.linear);
+  joint.impulses.linear = total;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
