@@ -18,6 +18,7 @@ inline constexpr std::size_t chain_vertex_count_max = 16'384;  // the outline of
 inline constexpr std::size_t joint_count_max = 200'000;        // one per body
 inline constexpr std::size_t force_count_max = 4'096;          // each is evaluated at every stage of every substep
 inline constexpr int iteration_count_max = 1'000;
+inline constexpr int ticks_per_frame_max = 1'000;
 inline constexpr std::size_t name_size_max = 256;     // bytes of UTF-8
 inline constexpr std::size_t player_count_max = 256;  // lockstep sessions have 2..16
 inline constexpr std::size_t inputs_per_tick_max =

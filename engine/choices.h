@@ -36,14 +36,14 @@ inline constexpr std::array<Choice<Precision>, 2> precisions{{
 
 struct SolverInfo : Choice<SolverKind> {
   bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
-  bool substeps;            // false: settings.substeps must be 1
   bool solves_joints;       // false: a scene with joints is refused
+  bool substeps;            // false: settings.substeps must be 1
 };
 inline constexpr std::array<SolverInfo, 4> solvers{{
-    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, true, false},
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true},
     {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false, false},
     {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true, true},
-    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, false, true},
+    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false},
 }};
 
 struct IntegratorInfo : Choice<IntegratorKind> {

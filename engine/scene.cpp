@@ -6,9 +6,11 @@
 #include <string_view>
 #include <utility>
 
+#include "base/bytes.h"
 #include "base/limits.h"
 #include "engine/geometry/hull.h"
 #include "engine/number_text.h"
+#include "engine/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {
@@ -19,6 +21,13 @@ constexpr double coefficient_max = 1e9;    // friction, damping ratios, hertz, s
 constexpr double inertia_min = 1e-30;      // kg m^2
 constexpr double inertia_max = 1e30;       // kg m^2
 constexpr double force_per_kg_max = 1e15;  // N/kg
+constexpr double force_max = limits::mass_max_kg * limits::speed_max;  // N, N m: as of inputs
+constexpr double stiffness_max = 1e18;                                 // N/m, N s/m, N m/rad, N m s/rad
+constexpr double error_target_min = 1e-6;                              // of automatic substeps
+constexpr double error_target_max = 0.1;
+constexpr double tolerance_min = 1e-12;  // m and rad, of the adaptive clock
+constexpr double tolerance_max = 1;
+constexpr double exponent_max = 3;  // of central forces, either sign
 
 bool is_finite(double value) {
   return value - value == 0;
@@ -77,9 +86,14 @@ class Checker {
 
   Status run() {
     const bool good = check_counts() && check_settings() && check_bodies(scene_.bodies, "bodies") &&
-                      check_bodies(scene_.prototypes, "prototypes") && check_inputs() && check_pointer() &&
-                      check_bounds() && check_joint_bodies() && check_choices() && check_built();
+                      check_bodies(scene_.prototypes, "prototypes") && check_joints() && check_forces() &&
+                      check_inputs() && check_pointer() && check_bounds() && check_choices();
     if (good) return {};
+    return error_;
+  }
+
+  Status run_built() {
+    if (check_built()) return {};
     return error_;
   }
 
@@ -87,7 +101,7 @@ class Checker {
   std::string place(const std::string& key) const {
     std::string text = source_ + ": ";
     if (list_ != nullptr) {
-      text += std::string(list_) + "[" + std::to_string(body_index_) + "]";
+      text += std::string(list_) + "[" + std::to_string(item_index_) + "]";
       if (shape_index_ != no_shape) text += ".shapes[" + std::to_string(shape_index_) + "]";
       if (!key.empty()) text += ".";
     }
@@ -136,50 +150,109 @@ class Checker {
                   "too many: found " + std::to_string(found) + ", expected at most " + std::to_string(max));
     };
     if (!count("bodies", scene_.bodies.size(), limits::body_count_max) ||
-        !count("prototypes", scene_.prototypes.size(), limits::prototype_count_max))
+        !count("prototypes", scene_.prototypes.size(), limits::prototype_count_max) ||
+        !count("joints", scene_.joints.size(), limits::joint_count_max) ||
+        !count("forces", scene_.forces.size(), limits::force_count_max))
       return false;
     if (scene_.bodies.empty() && scene_.prototypes.empty())
       return refuse("bodies", "nothing to simulate: found no body and no prototype, expected at least one");
     return true;
   }
 
+  template <typename Table, typename Kind>
+  bool row(const char* key, const Table& table, Kind kind) {
+    return is_row(table, kind) || refuse(key, "unknown: found number " + std::to_string(static_cast<unsigned>(kind)) +
+                                                  ", expected " + choice_names(table));
+  }
+
   bool check_settings() {
     const Settings& settings = scene_.settings;
-    const auto row = [&](const char* key, const auto& table, auto kind) {
-      return is_row(table, kind) || refuse(key, "unknown: found number " + std::to_string(static_cast<unsigned>(kind)) +
-                                                    ", expected " + choice_names(table));
-    };
     return row("settings.precision", precisions, settings.precision) &&
            row("settings.solver", solvers, settings.solver) &&
            row("settings.integrator", integrators, settings.integrator) &&
            row("settings.broad_phase", broad_phases, settings.broad_phase) &&
            row("settings.friction_mix", mix_rules, settings.friction_mix) &&
            row("settings.restitution_mix", mix_rules, settings.restitution_mix) &&
+           row("settings.clock", clock_kinds, settings.clock.kind) &&
            number("settings.dt", settings.dt, limits::dt_min_s, limits::dt_max_s, -1,
                   "seconds per tick, such as 1/60") &&
-           number("settings.substeps", settings.substeps, 1, limits::substep_count_max) &&
+           check_substeps() && number("settings.iterations", settings.iterations, 1, limits::iteration_count_max) &&
            number("settings.restitution_threshold", settings.restitution_threshold, 0, limits::speed_max) &&
-           point("gravity", scene_.gravity, limits::speed_max);
+           check_sleep() && check_clock() && point("gravity", scene_.gravity, limits::speed_max);
+  }
+
+  bool check_substeps() {
+    const int least = scene_.settings.substeps;
+    if (!scene_.settings.auto_substeps) return number("settings.substeps", least, 1, limits::substep_count_max);
+    const AutoSubsteps& automatic = *scene_.settings.auto_substeps;
+    const int most = automatic.substeps_max;
+    if (!number("settings.substeps.least", least, 1, limits::substep_count_max) ||
+        !number("settings.substeps.target_error", automatic.target_error, error_target_min, error_target_max) ||
+        !number("settings.substeps.most", most, 1, limits::substep_count_max))
+      return false;
+    if ((most & (most - 1)) != 0)
+      return refuse("settings.substeps.most", "must be a power of two: found " + std::to_string(most) +
+                                                  ", expected 1, 2, 4, 8, ... or " +
+                                                  std::to_string(limits::substep_count_max));
+    return least <= most || refuse("settings.substeps.least", "must not be above most: found " + std::to_string(least) +
+                                                                  ", expected at most " + std::to_string(most));
+  }
+
+  bool check_sleep() {
+    if (!scene_.settings.sleep) return true;
+    const SleepSettings& sleep = *scene_.settings.sleep;
+    return number("settings.sleep.after", sleep.after_s, 0, coefficient_max) &&
+           number("settings.sleep.speed_max", sleep.speed_max, 0, limits::speed_max);
+  }
+
+  bool check_clock() {
+    const ClockSettings& clock = scene_.settings.clock;
+    const ClockSettings unset;
+    const auto& fields = info_of(clock_fields, clock.kind);
+    const auto has_no = [&](ClockField field, const char* key, double value, double default_value) {
+      return !key_of(fields, field).empty() || bits_of(value) == bits_of(default_value) ||
+             refuse(std::string("settings.clock.") + key,
+                    "a clock of kind " + std::string(info_of(clock_kinds, clock.kind).name) + " has none: found one");
+    };
+    if (!has_no(ClockField::ticks_per_frame_max, "ticks_per_frame_max", clock.ticks_per_frame_max,
+                unset.ticks_per_frame_max) ||
+        !has_no(ClockField::tolerance, "tolerance", clock.tolerance, unset.tolerance) ||
+        !has_no(ClockField::dt_min, "dt_min", clock.dt_min, unset.dt_min) ||
+        !has_no(ClockField::dt_max, "dt_max", clock.dt_max, unset.dt_max) ||
+        !number("settings.clock.ticks_per_frame_max", clock.ticks_per_frame_max, 1, limits::ticks_per_frame_max) ||
+        !number("settings.clock.tolerance", clock.tolerance, tolerance_min, tolerance_max) ||
+        !number("settings.clock.dt_min", clock.dt_min, limits::dt_min_s, limits::dt_max_s) ||
+        !number("settings.clock.dt_max", clock.dt_max, limits::dt_min_s, limits::dt_max_s))
+      return false;
+    return clock.kind != ClockKind::adaptive || clock.dt_min <= clock.dt_max ||
+           refuse("settings.clock.dt_min", "must not be above dt_max: found " + number_text(clock.dt_min) +
+                                               ", expected at most " + number_text(clock.dt_max));
   }
 
   bool check_bodies(const std::vector<Body>& bodies, const char* list) {
     const bool is_prototype = &bodies == &scene_.prototypes;
-    std::map<std::string_view, std::size_t> names;
+    Names names;
     list_ = list;
-    for (body_index_ = 0; body_index_ < bodies.size(); ++body_index_) {
-      const Body& body = bodies[body_index_];
+    for (item_index_ = 0; item_index_ < bodies.size(); ++item_index_) {
+      const Body& body = bodies[item_index_];
       if (!check_body(body)) return false;
       if (is_prototype && !check_prototype(body)) return false;
-      if (body.name.empty()) continue;
-      const auto [at, is_new] = names.emplace(body.name, body_index_);
-      if (!is_new)
-        return refuse("name",
-                      "must be unique: found \"" + body.name + "\", which " + list + "[" + std::to_string(at->second) +
-                          "] has already",
-                      "leave a name out where none is needed");
+      if (!unique(body.name, names)) return false;
     }
     list_ = nullptr;
     return true;
+  }
+
+  using Names = std::map<std::string_view, std::size_t>;
+
+  /// Among those of the list before it.
+  bool unique(const std::string& text, Names& names) {
+    if (text.empty()) return true;
+    const auto [at, is_new] = names.emplace(text, item_index_);
+    return is_new || refuse("name",
+                            "must be unique: found \"" + text + "\", which " + list_ + "[" +
+                                std::to_string(at->second) + "] has already",
+                            "leave a name out where none is needed");
   }
 
   bool check_prototype(const Body& body) {
@@ -195,9 +268,7 @@ class Checker {
 
   bool check_body(const Body& body) {
     if (!name("name", body.name)) return false;
-    if (!is_row(body_types, body.type))
-      return refuse("type", "unknown: found number " + std::to_string(static_cast<unsigned>(body.type)) +
-                                ", expected " + choice_names(body_types));
+    if (!row("type", body_types, body.type)) return false;
     if (!point("position", body.position, limits::coordinate_max_m) ||
         !number("angle", body.angle, -angle_max_rad, angle_max_rad) ||
         !point("velocity", body.velocity, limits::speed_max) ||
@@ -237,7 +308,31 @@ class Checker {
     return !body.mass->center || point("center_of_mass", *body.mass->center, limits::size_max_m);
   }
 
+  static bool has_area(ShapeKind kind) {
+    switch (kind) {
+      case ShapeKind::circle:
+      case ShapeKind::box:
+      case ShapeKind::polygon:
+      case ShapeKind::capsule:
+        return true;
+      case ShapeKind::segment:
+      case ShapeKind::chain:
+        return false;
+    }
+    return false;
+  }
+
   bool check_resulting_mass(const Body& body) {
+    bool some_area = false;
+    for (const Shape& shape : body.shapes) some_area = some_area || has_area(shape.kind);
+    if (!some_area) {
+      constexpr const char* hint =
+          "segments and chains bring no mass: state \"mass\" and \"inertia\", or make the body static";
+      if (!body.mass) return refuse("mass", "missing: found shapes without area only, expected a stated mass", hint);
+      if (!body.mass->inertia && !body.fixed_rotation)
+        return refuse("inertia", "missing: found shapes without area only, expected a stated inertia", hint);
+      return true;
+    }
     const MassProperties mass = body_mass(body);
     if (!(mass.mass >= limits::mass_min_kg && mass.mass <= limits::mass_max_kg))
       return refuse("",
@@ -253,9 +348,7 @@ class Checker {
   }
 
   bool check_shape(const Shape& shape) {
-    if (!is_row(shape_kinds, shape.kind))
-      return refuse("type", "unknown: found number " + std::to_string(static_cast<unsigned>(shape.kind)) +
-                                ", expected " + choice_names(shape_kinds));
+    if (!row("type", shape_kinds, shape.kind)) return false;
     const std::string kind(info_of(shape_kinds, shape.kind).name);
     const auto has_no = [&](const char* key, bool is_unset) {
       return is_unset || refuse(key, "a " + kind + " has none: found one");
@@ -263,13 +356,17 @@ class Checker {
     const bool is_circle = shape.kind == ShapeKind::circle;
     const bool is_box = shape.kind == ShapeKind::box;
     const bool is_polygon = shape.kind == ShapeKind::polygon;
-    if (!has_no("radius", is_circle || shape.radius == 0) ||
+    const bool is_capsule = shape.kind == ShapeKind::capsule;
+    const bool is_chain = shape.kind == ShapeKind::chain;
+    if (!has_no("radius", is_circle || is_box || is_polygon || is_capsule || shape.radius == 0) ||
         !has_no("half_size", is_box || shape.half_size == Point{}) || !has_no("angle", is_box || shape.angle == 0) ||
-        !has_no("center", !is_polygon || shape.center == Point{}) ||
-        !has_no("vertices", is_polygon || shape.vertices.empty()))
+        !has_no("center", is_circle || is_box || shape.center == Point{}) ||
+        !has_no("vertices", !(is_circle || is_box) || shape.vertices.empty()) ||
+        !has_no("loop", is_chain || !shape.loop))
       return false;
 
-    if (is_circle && !number("radius", shape.radius, limits::size_min_m, limits::size_max_m)) return false;
+    const double radius_min = is_circle || is_capsule ? limits::size_min_m : 0;
+    if (!number("radius", shape.radius, radius_min, limits::size_max_m)) return false;
     if (is_box && (!number("half_size", shape.half_size.x, limits::size_min_m, limits::size_max_m, 0) ||
                    !number("half_size", shape.half_size.y, limits::size_min_m, limits::size_max_m, 1)))
       return false;
@@ -277,11 +374,46 @@ class Checker {
         !number("angle", shape.angle, -angle_max_rad, angle_max_rad))
       return false;
     if (is_polygon && !check_polygon(shape)) return false;
+    if (!is_circle && !is_box && !is_polygon && !check_points(shape)) return false;
     return number("density", shape.density, limits::mass_min_kg, limits::mass_max_kg, -1,
                   "kg/m^2; a body that states its mass needs no density") &&
            number("friction", shape.material.friction, 0, coefficient_max) &&
-           number("restitution", shape.material.restitution, 0, 1);
+           number("restitution", shape.material.restitution, 0, 1) &&
+           number("tangent_speed", shape.material.tangent_speed, -limits::speed_max, limits::speed_max) &&
+           number("rolling_resistance", shape.material.rolling_resistance, 0, coefficient_max);
   }
+
+  /// Of capsules, segments and chains.
+  bool check_points(const Shape& shape) {
+    const std::size_t count = shape.vertices.size();
+    const std::string found = "wrong number of points: found " + std::to_string(count) + ", expected ";
+    if (shape.kind != ShapeKind::chain && count != 2) return refuse("points", found + "2");
+    if (count > limits::chain_vertex_count_max)
+      return fail(ErrorCode::limit, "points", found + "at most " + std::to_string(limits::chain_vertex_count_max),
+                  "make several chains of it");
+    const std::size_t min = shape.loop ? 3 : 2;
+    if (count < min)
+      return refuse("points", found + "at least " + std::to_string(min) + (shape.loop ? " of a loop" : ""));
+    for (std::size_t i = 0; i < count; ++i)
+      if (const Point& p = shape.vertices[i]; !is_within(p, limits::size_max_m)) {
+        const std::string key = "points[" + std::to_string(i) + "]";
+        return point(key.c_str(), p, limits::size_max_m);
+      }
+    const std::size_t edge_count = shape.loop ? count : count - 1;
+    for (std::size_t i = 0; i < edge_count; ++i) {
+      const std::size_t next = i + 1 == count ? 0 : i + 1;
+      const double x = shape.vertices[next].x - shape.vertices[i].x;
+      const double y = shape.vertices[next].y - shape.vertices[i].y;
+      if (x * x + y * y >= limits::size_min_m * limits::size_min_m) continue;
+      return refuse("points",
+                    "points " + std::to_string(i) + " and " + std::to_string(next) + " coincide: found less than " +
+                        number_text(limits::size_min_m) + " m between them",
+                    shape.loop && next == 0 ? "a loop closes itself: leave the repeated point out" : "");
+    }
+    return true;
+  }
+
+  static bool is_within(const Point& p, double max) { return p.x >= -max && p.x <= max && p.y >= -max && p.y <= max; }
 
   bool check_polygon(const Shape& shape) {
     for (std::size_t i = 0; i < shape.vertices.size() && i < limits::polygon_vertex_count_max; ++i) {
@@ -302,6 +434,203 @@ class Checker {
                                   number_text(limits::size_min_m));
   }
 
+  // ---- Joints and forces ----
+
+  bool check_joints() {
+    Names names;
+    list_ = "joints";
+    for (item_index_ = 0; item_index_ < scene_.joints.size(); ++item_index_) {
+      const Joint& joint = scene_.joints[item_index_];
+      if (!name("name", joint.name) || !unique(joint.name, names) || !row("type", joint_kinds, joint.kind) ||
+          !check_joint(joint))
+        return false;
+    }
+    list_ = nullptr;
+    return true;
+  }
+
+  /// Of a joint or force: that the kind has no such field, where it keeps the value that it has when unset.
+  template <typename Row, typename Field>
+  bool unused(const Row& fields, Field field, const char* key, bool is_unset, std::string_view kind) {
+    return !key_of(fields, field).empty() || is_unset || refuse(key, "a " + std::string(kind) + " has none: found one");
+  }
+  static bool same(double a, double b) { return bits_of(a) == bits_of(b); }
+  static bool same(const Point& a, const Point& b) { return same(a.x, b.x) && same(a.y, b.y); }
+
+  bool check_joint(const Joint& joint) {
+    const Joint unset;
+    const auto& fields = info_of(joint_fields, joint.kind);
+    const auto has_no = [&](JointField field, const char* key, bool is_unset) {
+      return unused(fields, field, key, is_unset, std::string(info_of(joint_kinds, joint.kind).name) + " joint");
+    };
+    if (!has_no(JointField::body_a, "body_a", joint.body_a == unset.body_a) ||
+        !has_no(JointField::anchor_a, "anchor_a", same(joint.anchor_a, unset.anchor_a)) ||
+        !has_no(JointField::anchor_b, "anchor_b", same(joint.anchor_b, unset.anchor_b)) ||
+        !has_no(JointField::axis, "axis", same(joint.axis, unset.axis)) ||
+        !has_no(JointField::reference_angle, "reference_angle", same(joint.reference_angle, unset.reference_angle)) ||
+        !has_no(JointField::length, "length", same(joint.length, unset.length)) ||
+        !has_no(JointField::limits, "limits", !joint.limits) || !has_no(JointField::motor, "motor", !joint.motor) ||
+        !has_no(JointField::spring, "spring", !joint.spring) ||
+        !has_no(JointField::linear_spring, "linear_spring", !joint.linear_spring) ||
+        !has_no(JointField::offset, "offset", same(joint.offset, unset.offset)) ||
+        !has_no(JointField::angle_offset, "angle_offset", same(joint.angle_offset, unset.angle_offset)) ||
+        !has_no(JointField::force_max, "force_max", same(joint.force_max, unset.force_max)) ||
+        !has_no(JointField::torque_max, "torque_max", same(joint.torque_max, unset.torque_max)) ||
+        !has_no(JointField::collide_connected, "collide_connected", !joint.collide_connected))
+      return false;
+
+    const bool has_a = !key_of(fields, JointField::body_a).empty();
+    const std::string_view offset_key = key_of(fields, JointField::offset);
+    return (!has_a || check_body_index("body_a", joint.body_a)) && check_body_index("body_b", joint.body_b) &&
+           check_pair(joint, has_a) && point("anchor_a", joint.anchor_a, limits::size_max_m) &&
+           point("anchor_b", joint.anchor_b, limits::size_max_m) && check_axis(joint) &&
+           number("reference_angle", joint.reference_angle, -angle_max_rad, angle_max_rad) && check_length(joint) &&
+           (!joint.limits || check_limits(joint)) && (!joint.motor || check_motor(*joint.motor)) &&
+           (!joint.spring || check_spring("spring", *joint.spring)) &&
+           (!joint.linear_spring || check_spring("linear_spring", *joint.linear_spring)) &&
+           (offset_key.empty() || point(std::string(offset_key).c_str(), joint.offset, limits::coordinate_max_m)) &&
+           number("angle_offset", joint.angle_offset, -angle_max_rad, angle_max_rad) &&
+           number("force_max", joint.force_max, 0, force_max) && number("torque_max", joint.torque_max, 0, force_max);
+  }
+
+  bool check_body_index(const char* key, std::uint32_t index) {
+    if (index < scene_.bodies.size()) return true;
+    return refuse(key, "no body has this index: found " + std::to_string(index) + ", expected " +
+                           (scene_.bodies.empty() ? "none: the scene has no bodies"
+                                                  : "0.." + std::to_string(scene_.bodies.size() - 1)));
+  }
+
+  bool check_pair(const Joint& joint, bool has_a) {
+    const BodyType type_b = scene_.bodies[joint.body_b].type;
+    if (!has_a)
+      return type_b == BodyType::dynamic_body ||
+             refuse("body_b", "must be dynamic: found a " + std::string(info_of(body_types, type_b).name) + " body");
+    if (joint.body_a == joint.body_b)
+      return refuse("body_b", "joins a body with itself: found body " + std::to_string(joint.body_b) + " twice");
+    const BodyType type_a = scene_.bodies[joint.body_a].type;
+    return type_a == BodyType::dynamic_body || type_b == BodyType::dynamic_body ||
+           refuse("body_b", "one of the two bodies must be dynamic: found a " +
+                                std::string(info_of(body_types, type_a).name) + " and a " +
+                                std::string(info_of(body_types, type_b).name) + " body");
+  }
+
+  bool check_axis(const Joint& joint) {
+    if (!point("axis", joint.axis, limits::coordinate_max_m)) return false;
+    const double x = joint.axis.x < 0 ? -joint.axis.x : joint.axis.x;
+    const double y = joint.axis.y < 0 ? -joint.axis.y : joint.axis.y;
+    return (x > y ? x : y) >= limits::size_min_m ||
+           refuse("axis", "has no direction: found (" + number_text(joint.axis.x) + ", " + number_text(joint.axis.y) +
+                              "), expected a length of at least " + number_text(limits::size_min_m));
+  }
+
+  bool check_length(const Joint& joint) {
+    const bool is_rigid = joint.kind == JointKind::distance && !joint.spring;
+    return number("length", joint.length, is_rigid ? limits::size_min_m : 0, limits::coordinate_max_m, -1,
+                  is_rigid ? "a revolute joint keeps two anchors together; a spring may have no length" : "");
+  }
+
+  bool check_limits(const Joint& joint) {
+    const bool is_angle = joint.kind == JointKind::revolute;
+    const double max = is_angle ? angle_max_rad : limits::coordinate_max_m;
+    const double min = joint.kind == JointKind::distance ? 0 : -max;
+    const Range& range = *joint.limits;
+    if (!number("limits", range.lower, min, max, 0) || !number("limits", range.upper, min, max, 1)) return false;
+    return range.lower <= range.upper ||
+           refuse("limits", "lower is above upper: found [" + number_text(range.lower) + ", " +
+                                number_text(range.upper) + "], expected [lower, upper]");
+  }
+
+  bool check_motor(const JointMotor& motor) {
+    return number("motor.speed", motor.speed, -limits::speed_max, limits::speed_max) &&
+           number("motor.force_max", motor.force_max, 0, force_max);
+  }
+
+  bool check_spring(const std::string& key, const JointSpring& spring) {
+    const bool mixed =
+        spring.absolute ? spring.hertz != 0 || spring.damping_ratio != 0 : spring.stiffness != 0 || spring.damping != 0;
+    if (mixed)
+      return refuse(key,
+                    "must be one of two forms: found keys of both, expected hertz and damping_ratio, or stiffness "
+                    "and damping");
+    return number((key + ".hertz").c_str(), spring.hertz, 0, coefficient_max) &&
+           number((key + ".damping_ratio").c_str(), spring.damping_ratio, 0, coefficient_max) &&
+           number((key + ".stiffness").c_str(), spring.stiffness, 0, stiffness_max) &&
+           number((key + ".damping").c_str(), spring.damping, 0, stiffness_max);
+  }
+
+  bool check_forces() {
+    Names names;
+    list_ = "forces";
+    for (item_index_ = 0; item_index_ < scene_.forces.size(); ++item_index_) {
+      const Force& force = scene_.forces[item_index_];
+      if (!name("name", force.name) || !unique(force.name, names) || !row("type", force_kinds, force.kind) ||
+          !check_force(force))
+        return false;
+    }
+    list_ = nullptr;
+    return true;
+  }
+
+  bool check_force(const Force& force) {
+    const Force unset;
+    const auto& fields = info_of(force_fields, force.kind);
+    const auto has_no = [&](ForceField field, const char* key, bool is_unset) {
+      return unused(fields, field, key, is_unset, std::string(info_of(force_kinds, force.kind).name) + " force");
+    };
+    if (!has_no(ForceField::body, "body", !force.body) || !has_no(ForceField::other, "other", !force.other) ||
+        !has_no(ForceField::anchor, "anchor", same(force.anchor, unset.anchor)) ||
+        !has_no(ForceField::point, "point", same(force.point, unset.point)) ||
+        !has_no(ForceField::vector, "vector", same(force.vector, unset.vector)) ||
+        !has_no(ForceField::torque, "torque", same(force.torque, unset.torque)) ||
+        !has_no(ForceField::coefficient, "coefficient", same(force.coefficient, unset.coefficient)) ||
+        !has_no(ForceField::angular_coefficient, "angular_coefficient",
+                same(force.angular_coefficient, unset.angular_coefficient)) ||
+        !has_no(ForceField::exponent, "exponent", same(force.exponent, unset.exponent)) ||
+        !has_no(ForceField::stiffness, "stiffness", same(force.stiffness, unset.stiffness)) ||
+        !has_no(ForceField::damping, "damping", same(force.damping, unset.damping)) ||
+        !has_no(ForceField::rest_length, "rest_length", same(force.rest_length, unset.rest_length)))
+      return false;
+
+    // Drags slow down; what a central force does depends on its sign.
+    const double coefficient_min = force.kind == ForceKind::central ? -stiffness_max : 0;
+    const double vector_max = force.kind == ForceKind::wind ? limits::speed_max : force_max;
+    const std::string vector_key(key_of(fields, ForceField::vector));
+    const std::string point_key(key_of(fields, ForceField::point));
+    return check_force_bodies(force) && point("anchor", force.anchor, limits::size_max_m) &&
+           point(point_key.c_str(), force.point, limits::coordinate_max_m) &&
+           point(vector_key.c_str(), force.vector, vector_max) &&
+           number("torque", force.torque, -force_max, force_max) &&
+           number("coefficient", force.coefficient, coefficient_min, stiffness_max) &&
+           number("angular_coefficient", force.angular_coefficient, 0, stiffness_max) && check_exponent(force) &&
+           number("stiffness", force.stiffness, 0, stiffness_max) &&
+           number("damping", force.damping, 0, stiffness_max) &&
+           number("rest_length", force.rest_length, 0, limits::coordinate_max_m);
+  }
+
+  bool check_force_bodies(const Force& force) {
+    if (force.kind == ForceKind::spring && !force.body)
+      return refuse("body", "missing: a spring needs a body: found none, expected one");
+    if (force.body && !check_body_index("body", *force.body)) return false;
+    if (force.other && !check_body_index("other", *force.other)) return false;
+    if (!force.body) return true;
+    if (force.other && *force.other == *force.body)
+      return refuse("other", "joins a body with itself: found body " + std::to_string(*force.other) + " twice");
+    const bool moves = scene_.bodies[*force.body].type == BodyType::dynamic_body ||
+                       (force.other && scene_.bodies[*force.other].type == BodyType::dynamic_body);
+    return moves || refuse("body",
+                           "must be dynamic: found a " +
+                               std::string(info_of(body_types, scene_.bodies[*force.body].type).name) + " body",
+                           "forces move dynamic bodies only");
+  }
+
+  bool check_exponent(const Force& force) {
+    if (!number("exponent", force.exponent, -exponent_max, exponent_max)) return false;
+    return static_cast<double>(static_cast<int>(force.exponent)) == force.exponent ||
+           refuse("exponent", "must be whole: found " + number_text(force.exponent) + ", expected -3, -2, ... or 3");
+  }
+
+  // ---- What comes from outside, and choices ----
+
   bool check_inputs() {
     for (std::size_t i = 0; i < scene_.inputs.size(); ++i) {
       const std::string key = "inputs[" + std::to_string(i) + "]";
@@ -321,6 +650,13 @@ class Checker {
     }
     if (declares(scene_, InputKind::spawn) && scene_.prototypes.empty())
       return refuse("inputs", "spawn is declared, but there is nothing to spawn: found no prototypes");
+    if (declares(scene_, InputKind::set_motor)) {
+      bool some_motor = false;
+      for (const Joint& joint : scene_.joints) some_motor = some_motor || joint.motor;
+      if (!some_motor)
+        return refuse("inputs", "set_motor is declared, but there is no motor to set: found no joint with one",
+                      "give a joint a \"motor\"; its force_max may be 0");
+    }
     for (const InputKind kind : {InputKind::press, InputKind::drag, InputKind::release}) {
       if (declares(scene_, kind) == scene_.pointer.has_value()) continue;
       const std::string kind_name(info_of(input_kinds, kind).name);
@@ -375,44 +711,38 @@ class Checker {
     return !scene_.spawned_max || number("spawned_max", *scene_.spawned_max, 1, limits::body_count_max);
   }
 
-  bool check_joint_bodies() {
-    for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
-      const Joint& joint = scene_.joints[i];
-      const std::string key = "joints[" + std::to_string(i) + "]";
-      if (!is_row(joint_kinds, joint.kind)) return refuse(key + ".kind", "unknown");
-      const bool has_a = joint.kind == JointKind::target || joint.body_a < scene_.bodies.size();
-      if (!has_a || joint.body_b >= scene_.bodies.size())
-        return refuse(key, "joins a body that the scene has not: found number " +
-                               std::to_string(has_a ? joint.body_b : joint.body_a) + ", expected less than " +
-                               std::to_string(scene_.bodies.size()));
-      if (joint.kind != JointKind::target && joint.body_a == joint.body_b)
-        return refuse(key, "joins a body to itself: found number " + std::to_string(joint.body_a));
-    }
-    return true;
-  }
-
   bool check_choices() {
     const SolverInfo& solver = info_of(solvers, scene_.settings.solver);
     const IntegratorInfo& integrator = info_of(integrators, scene_.settings.integrator);
     const std::string name_of_solver(solver.name);
-    if (!solver.substeps && scene_.settings.substeps != 1)
+    const auto substeps = [](const SolverInfo& s) { return s.substeps; };
+    if (!solver.substeps && (scene_.settings.substeps != 1 || scene_.settings.auto_substeps))
+      return fail(ErrorCode::incompatible, "settings.substeps",
+                  name_of_solver + " does not substep: found " +
+                      (scene_.settings.auto_substeps ? "auto" : std::to_string(scene_.settings.substeps)) +
+                      ", expected 1",
+                  "set substeps to 1, or use " + names_where(solvers, substeps));
+    if (scene_.settings.sleep && !solver.solves_joints)
       return fail(
-          ErrorCode::incompatible, "settings.substeps",
-          name_of_solver + " does not substep: found " + std::to_string(scene_.settings.substeps) + ", expected 1",
-          "set substeps to 1, or use " + names_where(solvers, [](const SolverInfo& s) { return s.substeps; }));
+          ErrorCode::incompatible, "settings.sleep", name_of_solver + " has no islands: found sleep",
+          "leave sleep out, or use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
     const bool collide = can_collide(scene_);
-    if (!scene_.joints.empty() && !solver.solves_joints)
-      return fail(ErrorCode::incompatible, "settings.solver", name_of_solver + " solves no joints: found joints",
-                  "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
-    if (!collide && !scene_.pointer && scene_.joints.empty()) return true;
-    const std::string found = collide ? "bodies that may collide" : scene_.pointer ? "a pointer" : "joints";
-    if (!solver.solves_constraints)
+    const std::size_t joint_count = scene_.joints.size();
+    const std::string joints = std::to_string(joint_count) + (joint_count == 1 ? " joint" : " joints");
+    if (!solver.solves_constraints && (collide || scene_.pointer))
       return fail(ErrorCode::incompatible, "settings.solver",
-                  name_of_solver + " solves no contacts and moves nothing by a pointer: found " + found,
+                  name_of_solver + " solves no contacts and moves nothing by a pointer: found " +
+                      (collide ? "bodies that may collide" : "a pointer"),
                   "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_constraints; }));
-    if (!integrator.carries_constraints)
+    if (!solver.solves_joints && joint_count > 0)
+      return fail(ErrorCode::incompatible, "settings.solver", name_of_solver + " solves no joints: found " + joints,
+                  "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
+    if (!integrator.carries_constraints && (collide || joint_count > 0 || scene_.pointer))
       return fail(ErrorCode::incompatible, "settings.integrator",
-                  std::string(integrator.name) + " carries no contacts, no joints and no pointer: found " + found,
+                  std::string(integrator.name) + " carries no contacts, no joints and no pointer: found " +
+                      (joint_count > 0 ? joints
+                       : collide       ? "bodies that may collide"
+                                       : "a pointer"),
                   "use " + names_where(integrators, [](const IntegratorInfo& i) { return i.carries_constraints; }));
     return true;
   }
@@ -440,7 +770,7 @@ class Checker {
   const Scene& scene_;
   const std::string& source_;
   const char* list_ = nullptr;
-  std::size_t body_index_ = 0;
+  std::size_t item_index_ = 0;
   std::size_t shape_index_ = no_shape;
   Error error_{};
 };
@@ -464,6 +794,10 @@ bool can_collide(const Scene& scene) {
 
 Status check_scene(const Scene& scene, const std::string& source) {
   return Checker(scene, source).run();
+}
+
+Status check_built(const Scene& scene, const std::string& source) {
+  return Checker(scene, source).run_built();
 }
 
 }  // namespace ticktrue::engine

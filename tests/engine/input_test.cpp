@@ -21,6 +21,8 @@ Scene open_scene() {
   Scene scene = *make_builtin_scene("thesis");
   scene.inputs.clear();
   for (const InputInfo& info : input_kinds) scene.inputs.push_back(info.kind);
+  scene.joints.resize(3);
+  scene.joints[2].motor.emplace();
   return scene;
 }
 
@@ -35,6 +37,7 @@ std::vector<Input> one_of_each() {
     input.kind = info.kind;
     if (info.has_body) input.body = 0x01020304;
     if (info.has_prototype) input.prototype = 2;
+    if (info.has_joint) input.joint = 2;
     for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = 0.1 * static_cast<double>(i + 1);
     inputs.push_back(input);
   }
@@ -125,9 +128,33 @@ TEST_CASE("inputs that break a rule are refused with their place", "[engine][inp
   CHECK(refusal(scene, {second, spawn}).message == "accepted");
 
   std::vector<Input> back;
-  const Bytes unknown{0, 0, 0, 0, 0, 11};
+  const Bytes unknown{0, 0, 0, 0, 0, 12};
   CHECK_THAT(decode_inputs(scene, unknown, back).error().message,
-             StartsWith("input 0: kind: unknown: found number 11"));
+             StartsWith("input 0: kind: unknown: found number 12"));
+}
+
+TEST_CASE("a motor is set only where a joint has one, and to a force that is not negative",
+          "[engine][input][corruption]") {
+  const Scene scene = open_scene();
+  Input input;
+  input.kind = InputKind::set_motor;
+  input.joint = 2;
+  input.values = {-3, 10};
+  CHECK(refusal(scene, {input}).message == "accepted");
+  Input bad = input;
+  bad.joint = 3;
+  CHECK(refusal(scene, {bad}).message == "input 0: joint: unknown: found number 3, expected less than 3");
+  bad.joint = 1;
+  CHECK(refusal(scene, {bad}).message == "input 0: joint: has no motor: found number 1");
+  CHECK_THAT(refusal(scene, {bad}).hint, Contains("force_max may be 0"));
+  bad = input;
+  bad.values[1] = -1;
+  CHECK_THAT(refusal(scene, {bad}).message, StartsWith("input 0: force_max: out of range: found -1, expected 0.."));
+  bad.values = {2e9, 0};
+  CHECK_THAT(refusal(scene, {bad}).message, StartsWith("input 0: speed: out of range: found 2e+09"));
+  Bytes bytes;
+  encode_inputs({input}, bytes);
+  CHECK(bytes == Bytes{0, 0, 0, 0, 0, 11, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0xc0, 0, 0, 0, 0, 0, 0, 0x24, 0x40});
 }
 
 TEST_CASE("an input of a kind that the scene did not declare is refused, but a session may always end",

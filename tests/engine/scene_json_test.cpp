@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/scene_json.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -13,6 +14,7 @@
 #include "engine/builtin_scenes.h"
 #include "engine/scene_binary.h"
 #include "tests/support/catch.h"
+#include "tests/support/scenes.h"
 
 using namespace ticktrue;
 using namespace ticktrue::engine;
@@ -46,6 +48,19 @@ std::string shape_refusal(const std::string& shape) {
   return body_refusal("{\"shapes\": [" + shape + "]}");
 }
 
+/// A scene of two dynamic bodies, "a" at (1, 2) turned by 0.5 rad and one without name, and a list of one element.
+std::string with_two_bodies(const std::string& list, const std::string& element) {
+  const std::string disc = "\"shapes\":[{\"type\":\"circle\",\"radius\":1}]}";
+  return "{\"" + list + "\":[" + element + "],\"bodies\":[{\"name\":\"a\",\"position\":[1,2],\"angle\":0.5," + disc +
+         ",{" + disc + "]}";
+}
+std::string joint_refusal(const std::string& joint) {
+  return refusal(with_two_bodies("joints", joint));
+}
+std::string force_refusal(const std::string& force) {
+  return refusal(with_two_bodies("forces", force));
+}
+
 std::string input_refusal(const std::string& line) {
   static const Scene scene = *make_builtin_scene("thesis");
   const auto input = parse_input(scene, line, "f.jsonl:7");
@@ -69,35 +84,116 @@ TEST_CASE("every built-in scene comes back from its JSON with the same bits", "[
 
 TEST_CASE("a scene with everything in it comes back from its JSON with the same bits",
           "[engine][scene_json][equivalence]") {
-  Scene scene = *make_builtin_scene("thesis");
-  scene.name = "all \"quoted\" \\ \xc3\xa4";
-  scene.settings.dt = 1.0 / 3;
-  scene.settings.restitution_threshold = 0.1 + 0.2;
-  Body& body = scene.bodies.emplace_back();
-  body.type = BodyType::dynamic_body;
-  body.name = "odd";
-  body.position = {-0.0, 5e-324};
-  body.angle = -0.0;
-  body.velocity = {1e-300, -1.2345678901234567};
-  body.angular_velocity = 1.0 / 7;
-  body.linear_damping = 0.25;
-  body.angular_damping = 0.125;
-  body.gravity_scale = -2;
-  body.fixed_rotation = true;
-  body.mass = ExplicitMass{2.5, 3.5, Point{0, -0.0}};
-  Shape circle;
-  circle.radius = 0.3;
-  circle.center = {0, -0.0};
-  circle.density = 7;
-  Shape box;
-  box.kind = ShapeKind::box;
-  box.half_size = {1, 2};
-  box.angle = 0.7;
-  box.material = {0, 1};
-  body.shapes = {circle, box};
+  const Scene scene = test::everything_scene();
   const auto back = parse_scene(print_scene(scene), "s.json");
   if (!back) FAIL(back.error().message);
+  CHECK(*back == scene);
   CHECK(encode_scene(*back) == encode_scene(scene));
+  // Without names, bodies are referred to by their indices.
+  Scene nameless = scene;
+  for (Body& body : nameless.bodies) body.name = "";
+  const auto again = parse_scene(print_scene(nameless), "s.json");
+  if (!again) FAIL(again.error().message);
+  CHECK(encode_scene(*again) == encode_scene(nameless));
+}
+
+TEST_CASE("joints and forces refer to bodies by index or name, wherever these stand in the text",
+          "[engine][scene_json][analytic]") {
+  const auto scene = parse_scene(
+      with_two_bodies("joints", R"({"type":"friction","body_a":1,"body_b":"a","force_max":1,"torque_max":0})"), "s");
+  if (!scene) FAIL(scene.error().message);
+  CHECK(scene->joints[0].body_a == 1);
+  CHECK(scene->joints[0].body_b == 0);
+  const auto spring =
+      parse_scene(with_two_bodies("forces", R"({"type":"spring","body":1,"other":"a","stiffness":3})"), "s");
+  if (!spring) FAIL(spring.error().message);
+  CHECK(spring->forces[0].body == 1u);
+  CHECK(spring->forces[0].other == 0u);
+
+  CHECK(joint_refusal(R"({"type":"revolute","body_a":"b","body_b":1})") ==
+        "s.json: joints[0].body_a: no body of the scene has this name: found \"b\", expected a");
+  CHECK(joint_refusal(R"({"type":"revolute","body_a":0,"body_b":""})") ==
+        "s.json: joints[0].body_b: no body of the scene has this name: found \"\", expected a");
+  CHECK(force_refusal(R"({"type":"spring","body":0,"other":"b","stiffness":3})") ==
+        "s.json: forces[0].other: no body of the scene has this name: found \"b\", expected a");
+  CHECK(joint_refusal(R"({"type":"revolute","body_a":true,"body_b":1})") ==
+        "s.json: joints[0].body_a: wrong type: found true, expected the index or the name of a body");
+  CHECK(joint_refusal(R"({"type":"revolute","body_a":0,"body_b":2})") ==
+        "s.json: joints[0].body_b: no body has this index: found 2, expected 0..1");
+  CHECK_THAT(joint_refusal(R"({"type":"revolute","body_a":-1,"body_b":2})"),
+             StartsWith("s.json: joints[0].body_a: must be a whole number in range: found -1"));
+}
+
+TEST_CASE("an anchor in world coordinates becomes one in each body's frame", "[engine][scene_json][analytic]") {
+  // Body a stands at (1, 2) and is turned by 0.5 rad: (2, 2) is 1 m along its frame turned back.
+  const auto scene =
+      parse_scene(with_two_bodies("joints", R"({"type":"revolute","body_a":"a","body_b":1,"anchor":[2,2]})"), "s");
+  if (!scene) FAIL(scene.error().message);
+  const Joint& joint = scene->joints[0];
+  CHECK(joint.anchor_a.x == Approx(std::cos(0.5)).epsilon(1e-14));
+  CHECK(joint.anchor_a.y == Approx(-std::sin(0.5)).epsilon(1e-14));
+  CHECK(joint.anchor_b == Point{2, 2});
+  const auto pull = parse_scene(
+      with_two_bodies("joints", R"({"type":"target","body_b":"a","anchor":[1,2],"point":[5,6],"force_max":9})"), "s");
+  if (!pull) FAIL(pull.error().message);
+  CHECK(pull->joints[0].anchor_a == Point{});
+  CHECK(pull->joints[0].anchor_b == Point{});
+  CHECK(pull->joints[0].offset == Point{5, 6});
+  CHECK_THAT(
+      joint_refusal(R"({"type":"weld","body_a":0,"body_b":1,"anchor":[2,2],"anchor_b":[0,0]})"),
+      StartsWith("s.json: joints[0].anchor: replaces the anchors in the bodies' frames: found anchor_b as well"));
+  CHECK_THAT(joint_refusal(R"({"type":"distance","body_a":0,"body_b":1,"length":1,"anchor":[2,2]})"),
+             StartsWith("s.json: joints[0]: unknown key: found \"anchor\""));
+}
+
+TEST_CASE("springs, limits and motors are refused where their form is wrong", "[engine][scene_json][corruption]") {
+  const auto revolute = [](const std::string& keys) {
+    return joint_refusal(R"({"type":"revolute","body_a":0,"body_b":1,)" + keys + "}");
+  };
+  CHECK(revolute(R"("spring":{"hertz":2})") == "accepted");
+  CHECK(revolute(R"("spring":{"damping":2})") == "accepted");
+  CHECK(revolute(R"("spring":{})") ==
+        "s.json: joints[0].spring: must be one of two forms: found no key, expected hertz and damping_ratio, or "
+        "stiffness and damping");
+  CHECK_THAT(revolute(R"("spring":{"hertz":2,"damping":1})"),
+             StartsWith("s.json: joints[0].spring: must be one of two forms: found keys of both"));
+  CHECK(revolute(R"("limits":[1])") ==
+        "s.json: joints[0].limits: wrong type: found an array of 1, expected [lower, upper]");
+  CHECK(revolute(R"("limits":[1,"x"])") == "s.json: joints[0].limits[1]: wrong type: found \"x\", expected a number");
+  CHECK_THAT(revolute(R"("motor":{"speed":1})"), StartsWith("s.json: joints[0].motor.force_max: missing"));
+  CHECK_THAT(revolute(R"("axis":[1,0])"), StartsWith("s.json: joints[0]: unknown key: found \"axis\""));
+  CHECK_THAT(joint_refusal("{\"type\":\"hinge\"}"),
+             StartsWith("s.json: joints[0].type: unknown: found \"hinge\", expected revolute, prismatic, "));
+  CHECK_THAT(force_refusal("{}"), StartsWith("s.json: forces[0].type: missing"));
+  CHECK(force_refusal("3") == "s.json: forces[0]: wrong type: found 3, expected an object");
+  CHECK(refusal("{\"joints\":3}") == "s.json: joints: wrong type: found 3, expected an array");
+}
+
+TEST_CASE("substeps, sleep and clock have a short and a long form", "[engine][scene_json][analytic]") {
+  const auto settings = [](const std::string& keys) {
+    const auto scene = parse_scene(
+        "{\"settings\":{" + keys + "},\"bodies\":[{\"shapes\":[{\"type\":\"circle\",\"radius\":1}]}]}", "s");
+    if (!scene) FAIL(scene.error().message);
+    return scene->settings;
+  };
+  CHECK(settings(R"("substeps":"auto")").auto_substeps == AutoSubsteps{});
+  CHECK(settings(R"("substeps":"auto")").substeps == 4);
+  CHECK(settings(R"("substeps":{"least":2,"target_error":0.01,"most":64})").auto_substeps == AutoSubsteps{0.01, 64});
+  CHECK(settings(R"("substeps":{"least":2})").substeps == 2);
+  CHECK(settings(R"("sleep":true)").sleep == SleepSettings{});
+  CHECK_FALSE(settings(R"("sleep":false)").sleep);
+  CHECK(settings(R"("sleep":{"after":2})").sleep == SleepSettings{2, 0.05});
+  CHECK(settings(R"("clock":"adaptive")").clock.kind == ClockKind::adaptive);
+  CHECK(settings(R"("clock":{"type":"variable","dt_max":0.5})").clock.dt_max == 0.5);
+  CHECK(
+      refusal(R"({"settings":{"substeps":true}})") ==
+      R"(s.json: settings.substeps: wrong type: found true, expected a number, "auto" or {"least", "target_error", "most"})");
+  CHECK(refusal(R"({"settings":{"sleep":1}})") ==
+        R"(s.json: settings.sleep: wrong type: found 1, expected true, false or {"after", "speed_max"})");
+  CHECK_THAT(refusal(R"({"settings":{"clock":"fast"}})"),
+             StartsWith("s.json: settings.clock: unknown: found \"fast\", expected fixed, semi_fixed, "));
+  CHECK_THAT(refusal(R"({"settings":{"clock":{"type":"fixed","dt_max":1}}})"),
+             StartsWith("s.json: settings.clock: unknown key: found \"dt_max\", expected type"));
 }
 
 TEST_CASE("dt may be a quotient, divided once", "[engine][scene_json][analytic]") {
@@ -154,14 +250,14 @@ TEST_CASE("a scene cut anywhere is refused, never a crash", "[engine][scene_json
 TEST_CASE("unknown keys are refused with those that are known and the nearest of them",
           "[engine][scene_json][corruption]") {
   CHECK(refusal("{\"gravty\": [0, 1]}") ==
-        "s.json: unknown key: found \"gravty\", expected $schema, name, gravity, settings, bodies, prototypes, inputs, "
-        "pointer, bounds or spawned_max\ndid you mean gravity?");
+        "s.json: unknown key: found \"gravty\", expected $schema, name, gravity, settings, bodies, joints, forces, "
+        "prototypes, inputs, pointer, bounds or spawned_max\ndid you mean gravity?");
   CHECK_THAT(body_refusal("{\"shape\": []}"),
              StartsWith("s.json: bodies[0]: unknown key: found \"shape\"") && Contains("did you mean shapes?"));
   CHECK_THAT(
-      shape_refusal("{\"type\":\"box\",\"half_size\":[1,1],\"radius\":2}"),
+      shape_refusal("{\"type\":\"box\",\"half_size\":[1,1],\"points\":2}"),
       StartsWith(
-          "s.json: bodies[0].shapes[0]: unknown key: found \"radius\", expected type, half_size, center, angle"));
+          "s.json: bodies[0].shapes[0]: unknown key: found \"points\", expected type, half_size, center, angle"));
   CHECK_THAT(refusal("{\"settings\":{\"sub_steps\":2}}"), Contains("did you mean substeps?"));
   CHECK_THAT(refusal("{\"completely_different\":2}"), !Contains("did you mean"));
 }
@@ -201,9 +297,9 @@ TEST_CASE("wrong types and missing keys are refused with their place", "[engine]
              StartsWith("s.json: bodies[0].inertia: needs a stated mass"));
   CHECK_THAT(body_refusal("{\"center_of_mass\":[0,1],\"shapes\":[]}"),
              StartsWith("s.json: bodies[0].center_of_mass: needs a stated mass"));
-  CHECK_THAT(
-      shape_refusal("{\"radius\":1}"),
-      StartsWith("s.json: bodies[0].shapes[0].type: missing: found no such key, expected circle, box or polygon"));
+  CHECK_THAT(shape_refusal("{\"radius\":1}"),
+             StartsWith("s.json: bodies[0].shapes[0].type: missing: found no such key, expected circle, box, polygon, "
+                        "capsule, segment or chain"));
   CHECK_THAT(shape_refusal("{\"type\":\"ball\",\"radius\":1}"),
              StartsWith("s.json: bodies[0].shapes[0].type: unknown: found \"ball\""));
   CHECK_THAT(shape_refusal("{\"type\":\"circle\"}"), StartsWith("s.json: bodies[0].shapes[0].radius: missing"));
@@ -224,6 +320,11 @@ TEST_CASE("a million bodies, deep nesting and huge objects are refused in bounde
   CHECK(scene.error().code == ErrorCode::limit);
   CHECK_THAT(scene.error().message, StartsWith("s.json: bodies: too many: found more than 200000"));
 
+  text = "{\"forces\":[";
+  for (std::size_t i = 0; i < limits::force_count_max + 1; ++i)
+    text += std::string(i == 0 ? "" : ",") + "{\"type\":\"linear_drag\",\"coefficient\":1}";
+  CHECK_THAT(refusal(text + "]}"), StartsWith("s.json: forces: too many: found more than 4096"));
+
   CHECK_THAT(refusal("{\"gravity\":" + std::string(100'000, '[')), Contains("nested too deeply"));
   std::string numbers = "{\"gravity\":[0";
   for (int i = 0; i < 300'000; ++i) numbers += ",0";
@@ -237,6 +338,8 @@ TEST_CASE("an input comes back from its line", "[engine][scene_json][equivalence
   Scene scene = *make_builtin_scene("thesis");
   scene.inputs.clear();
   for (const InputInfo& info : input_kinds) scene.inputs.push_back(info.kind);
+  scene.joints.resize(2);
+  for (Joint& joint : scene.joints) joint.motor.emplace();
   for (const InputInfo& info : input_kinds) {
     Input input;
     input.kind = info.kind;
@@ -244,6 +347,7 @@ TEST_CASE("an input comes back from its line", "[engine][scene_json][equivalence
     input.player = 255;
     if (info.has_body) input.body = 4'000'000'000u;
     if (info.has_prototype) input.prototype = 1;
+    if (info.has_joint) input.joint = 1;
     for (std::size_t i = 0; i < info.value_count; ++i)
       input.values[i] = i == 0 ? -0.0 : 1.0 / (3.0 + static_cast<double>(i));
     const std::string line = print_input(scene, input);
@@ -259,6 +363,18 @@ TEST_CASE("an input comes back from its line", "[engine][scene_json][equivalence
   spawn.values = {1, 2.5, 0, 0, 0, 0};
   CHECK(print_input(scene, spawn) ==
         R"({"tick":5,"kind":"spawn","prototype":"circle","x":1,"y":2.5,"angle":0,"vx":0,"vy":0,"angular_velocity":0})");
+  Input set_motor;
+  set_motor.kind = InputKind::set_motor;
+  set_motor.joint = 1;
+  set_motor.values = {-3, 10, 0, 0, 0, 0};
+  CHECK(print_input(scene, set_motor) == R"({"tick":0,"kind":"set_motor","joint":1,"speed":-3,"force_max":10})");
+  scene.joints[1].name = "axle";
+  CHECK(print_input(scene, set_motor) == R"({"tick":0,"kind":"set_motor","joint":"axle","speed":-3,"force_max":10})");
+  CHECK(*parse_input(scene, print_input(scene, set_motor), "f:1") == set_motor);
+  CHECK(parse_input(scene, R"({"kind":"set_motor","tick":5,"joint":"axel"})", "f:1").error().message ==
+        "f:1: joint: no joint of the scene has this name: found \"axel\", expected axle");
+  CHECK(parse_input(scene, R"({"kind":"set_motor","tick":5,"joint":true})", "f:1").error().message ==
+        "f:1: joint: wrong type: found true, expected the index or the name of a joint");
   // What is zero may be left out.
   CHECK(*parse_input(scene, R"({"kind":"spawn","tick":5,"prototype":"circle","x":1,"y":2.5})", "f:1") == spawn);
 }
@@ -314,19 +430,73 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   CHECK(parser_keys(refusal("{\"pointer\":{\"?\":0}}")) == keys_of(defs["pointer"]));
   CHECK(parser_keys(refusal("{\"bounds\":{\"?\":0}}")) == keys_of(defs["bounds"]));
   CHECK(parser_keys(body_refusal("{\"?\":0}")) == keys_of(defs["body"]));
-  std::set<std::string> shapes_in_schema;
-  for (const json& option : defs["shape"]["oneOf"])
-    shapes_in_schema.insert(std::string(option["$ref"]).substr(std::string("#/$defs/").size()));
+  CHECK(parser_keys(refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) == keys_of(defs["auto_substeps"]));
+  CHECK(parser_keys(refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]));
+  CHECK(parser_keys(shape_refusal("{\"type\":\"circle\",\"filter\":{\"?\":0}}")) == keys_of(defs["filter"]));
+  // One valid value for each key that some kind needs.
+  const std::map<std::string, std::string> samples{{"radius", "1"},
+                                                   {"half_size", "[1,1]"},
+                                                   {"vertices", "[[0,0],[1,0],[0,1]]"},
+                                                   {"points", "[[0,0],[1,0]]"},
+                                                   {"body_a", "0"},
+                                                   {"body_b", "1"},
+                                                   {"axis", "[1,0]"},
+                                                   {"length", "1"},
+                                                   {"force_max", "1"},
+                                                   {"torque_max", "1"},
+                                                   {"point", "[0,0]"},
+                                                   {"body", "0"},
+                                                   {"stiffness", "1"},
+                                                   {"velocity", "[0,0]"},
+                                                   {"coefficient", "1"}};
+  // Without any one of the keys that the schema requires, an object is refused for just that.
+  const auto check_required = [&](const json& rule, const std::string& kind, const std::string& place,
+                                  const std::function<std::string(std::string)>& refusal_of) {
+    for (const json& missing : rule["required"]) {
+      std::string text = "{";
+      for (const json& key : rule["required"]) {
+        const std::string value = key == "type" ? "\"" + kind + "\"" : samples.at(key);
+        if (key != missing) text += std::string(text.size() > 1 ? "," : "") + "\"" + std::string(key) + "\":" + value;
+      }
+      CHECK_THAT(refusal_of(text + "}"), Contains(place + std::string(missing) + ": missing"));
+    }
+  };
+  const auto options_of = [&](const char* definition) {
+    std::set<std::string> options;
+    for (const json& option : defs[definition]["oneOf"])
+      options.insert(std::string(option["$ref"]).substr(std::string("#/$defs/").size()));
+    return options;
+  };
+  const auto same_kinds = [&](const char* definition, const char* suffix, const auto& table,
+                              const std::function<std::string(std::string)>& refusal_of) {
+    std::set<std::string> kinds;
+    for (const auto& row : table) {
+      const std::string kind(row.name);
+      const std::string key = kind + suffix;
+      CAPTURE(key);
+      kinds.insert(key);
+      CHECK(defs[key]["properties"]["type"]["const"] == kind);
+      CHECK(parser_keys(refusal_of("{\"type\":\"" + kind + "\",\"?\":0}")) == keys_of(defs[key]));
+      if (defs[key].contains("required")) check_required(defs[key], kind, "[0].", refusal_of);
+    }
+    CHECK(kinds == options_of(definition));
+  };
+  same_kinds("joint", "_joint", joint_kinds, joint_refusal);
+  same_kinds("force", "_force", force_kinds, force_refusal);
+  same_kinds("clock", "_clock", clock_kinds,
+             [](const std::string& clock) { return refusal("{\"settings\":{\"clock\":" + clock + "}}"); });
+  CHECK(parser_keys(joint_refusal("{\"type\":\"revolute\",\"motor\":{\"?\":0}}")) == keys_of(defs["motor"]));
+  std::set<std::string> spring = keys_of(defs["relative_spring"]);
+  spring.merge(keys_of(defs["absolute_spring"]));
+  CHECK(parser_keys(joint_refusal("{\"type\":\"revolute\",\"spring\":{\"?\":0}}")) == spring);
+  const std::set<std::string> shapes_in_schema = options_of("shape");
   std::set<std::string> shapes;
   for (const auto& row : shape_kinds) {
     const std::string name(row.name);
     shapes.insert(name);
     CHECK(defs[name]["properties"]["type"]["const"] == name);
     CHECK(parser_keys(shape_refusal("{\"type\":\"" + name + "\",\"?\":0}")) == keys_of(defs[name]));
-    for (const json& key : defs[name]["required"]) {
-      if (key == "type") continue;
-      CHECK_THAT(shape_refusal("{\"type\":\"" + name + "\"}"), Contains("shapes[0]." + std::string(key) + ": missing"));
-    }
+    check_required(defs[name], name, "shapes[0].", shape_refusal);
   }
   CHECK(shapes == shapes_in_schema);
 
@@ -341,6 +511,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   same_names("broad_phase", broad_phases);
   same_names("mix_rule", mix_rules);
   same_names("body_type", body_types);
+  same_names("clock_kind", clock_kinds);
   same_names("input_kind", input_kinds);
 }
 
@@ -364,7 +535,7 @@ TEST_CASE("the JSON Schema states the defaults and limits that hold", "[engine][
     }
   };
   for (const auto& item : defs["settings"]["properties"].items()) {
-    if (item.key() == "substeps") continue;  // whole
+    if (item.key() == "substeps" || item.key() == "iterations") continue;  // whole
     check_limits(item.value(), item.key(), [&](const std::string& v) {
       return scene_with("", "\"radius\":1", ",\"settings\":{\"" + item.key() + "\":" + v + "}");
     });

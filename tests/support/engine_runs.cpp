@@ -42,7 +42,8 @@ engine::Scene playground(engine::SolverKind solver, engine::Precision precision)
   scene.prototypes[0].name = "disc";
   scene.prototypes[1].name = "brick";
   scene.prototypes[2].name = "gem";
-  for (const engine::InputInfo& info : engine::input_kinds) scene.inputs.push_back(info.kind);
+  for (const engine::InputInfo& info : engine::input_kinds)
+    if (!info.has_joint) scene.inputs.push_back(info.kind);  // it has no joints
   scene.pointer.emplace().spawns = {"disc", "brick", "gem"};
   scene.bounds = engine::Bounds{{-12, -4}, {12, 14}};
   scene.spawned_max = 12;

@@ -104,4 +104,132 @@ inline Scene slide_scene(double speed, double friction, Precision precision = Pr
   return scene;
 }
 
+/// Every field of the description set to something else than its default, as far as the rules let it be.
+inline Scene everything_scene() {
+  using namespace engine;
+  Scene scene;
+  scene.name = "all \"quoted\" \\ \xc3\xa4";
+  Settings& settings = scene.settings;
+  settings.dt = 1.0 / 3;
+  settings.substeps = 2;
+  settings.auto_substeps = AutoSubsteps{0.01, 64};
+  settings.iterations = 7;
+  settings.broad_phase = BroadPhaseKind::brute_force;
+  settings.friction_mix = MixRule::minimum;
+  settings.restitution_mix = MixRule::average;
+  settings.restitution_threshold = 0.1 + 0.2;
+  settings.locate_impacts = true;
+  settings.continuous = false;
+  settings.sleep = SleepSettings{0.25, 0.1};
+  settings.events = true;
+  settings.clock = ClockSettings{ClockKind::adaptive, 5, 1e-5, 1e-7, 0.2};
+  scene.gravity = {1, -9.81};
+
+  Body odd;
+  odd.name = "odd";
+  odd.position = {-0.0, 5e-324};
+  odd.angle = -0.0;
+  odd.velocity = {1e-300, -1.2345678901234567};
+  odd.angular_velocity = 1.0 / 7;
+  odd.linear_damping = 0.25;
+  odd.angular_damping = 0.125;
+  odd.gravity_scale = -2;
+  odd.fixed_rotation = true;
+  odd.bullet = true;
+  odd.can_sleep = false;
+  odd.mass = ExplicitMass{2.5, 3.5, Point{0, -0.0}};
+  Shape circle = disc_shape(0.3);
+  circle.center = {0, -0.0};
+  circle.density = 7;
+  Shape box = box_shape(1, 2);
+  box.angle = 0.7;
+  box.radius = 0.125;
+  box.material = {0, 1, -2.5, 0.01};
+  Shape polygon = polygon_shape({{0, 0}, {1, 0}, {0, 1}});
+  polygon.radius = 0.0625;
+  polygon.filter = {0x80000000u, 0x7fffffffu, -2147483647 - 1};
+  Shape capsule;
+  capsule.kind = ShapeKind::capsule;
+  capsule.vertices = {{-1, 0}, {1, 0.5}};
+  capsule.radius = 0.25;
+  capsule.sensor = true;
+  Shape segment;
+  segment.kind = ShapeKind::segment;
+  segment.vertices = {{-1, 0}, {1, -0.0}};
+  Shape chain;
+  chain.kind = ShapeKind::chain;
+  chain.vertices = {{-9, 0}, {9, 0}, {0, 5}};
+  chain.loop = true;
+  odd.shapes = {circle, box, polygon, capsule, segment, chain};
+  scene.bodies = {odd, ground(), unit_box({3, 0}), unit_box({0, 3})};
+  scene.bodies[1].name = "ground";
+  scene.bodies[3].name = "cart";
+
+  for (const auto& row : joint_kinds) {
+    Joint& joint = scene.joints.emplace_back();
+    joint.kind = row.kind;
+    joint.name = "the " + std::string(row.name);
+    if (row.kind != JointKind::target) {
+      joint.body_a = 1;
+      joint.collide_connected = true;
+    }
+    joint.body_b = 2;
+  }
+  const auto joint = [&](JointKind kind) -> Joint& { return scene.joints[static_cast<std::size_t>(kind)]; };
+  for (const JointKind kind :
+       {JointKind::revolute, JointKind::prismatic, JointKind::distance, JointKind::weld, JointKind::wheel}) {
+    joint(kind).anchor_a = {0.1, -0.0};
+    joint(kind).anchor_b = {-0.0, 0.3};
+    joint(kind).spring = JointSpring{false, 3, 0.7, 0, 0};
+    if (kind == JointKind::weld) continue;
+    joint(kind).limits = Range{0, 0.75};
+    joint(kind).motor = JointMotor{-4, 5};
+  }
+  for (const JointKind kind : {JointKind::revolute, JointKind::prismatic, JointKind::weld})
+    joint(kind).reference_angle = 0.1;
+  for (const JointKind kind : {JointKind::prismatic, JointKind::wheel}) joint(kind).axis = {-0.0, 3};
+  for (const JointKind kind : {JointKind::motor, JointKind::friction, JointKind::target}) joint(kind).force_max = 8;
+  for (const JointKind kind : {JointKind::motor, JointKind::friction}) joint(kind).torque_max = 9;
+  for (const JointKind kind : {JointKind::motor, JointKind::target}) {
+    joint(kind).offset = {6, 7};
+    joint(kind).spring = JointSpring{false, 0, 1, 0, 0};
+  }
+  joint(JointKind::distance).length = 0.5;
+  joint(JointKind::weld).linear_spring = JointSpring{true, 0, 0, 20, 0.5};
+  joint(JointKind::motor).angle_offset = 0.2;
+  joint(JointKind::target).anchor_b = {0.25, 0};
+
+  for (const auto& row : force_kinds) {
+    Force& force = scene.forces.emplace_back();
+    force.kind = row.kind;
+    force.name = row.name;
+    if (row.kind != ForceKind::wind) force.body = 3;
+  }
+  const auto force = [&](ForceKind kind) -> Force& { return scene.forces[static_cast<std::size_t>(kind)]; };
+  force(ForceKind::constant).vector = {1, -0.0};
+  force(ForceKind::constant).torque = -2;
+  force(ForceKind::central).point = {3, 4};
+  force(ForceKind::central).coefficient = -5;
+  force(ForceKind::central).exponent = 1;
+  force(ForceKind::spring).other = 1;
+  force(ForceKind::spring).anchor = {0.5, 0.5};
+  force(ForceKind::spring).point = {-3, 1};
+  force(ForceKind::spring).stiffness = 40;
+  force(ForceKind::spring).damping = 0.5;
+  force(ForceKind::spring).rest_length = 2;
+  force(ForceKind::wind).vector = {4, 0};
+  for (const ForceKind kind : {ForceKind::linear_drag, ForceKind::quadratic_drag}) {
+    force(kind).coefficient = 0.5;
+    force(kind).angular_coefficient = 0.25;
+  }
+
+  scene.prototypes = {unit_box({0, 0})};
+  scene.prototypes[0].name = "brick";
+  for (const InputInfo& info : input_kinds) scene.inputs.push_back(info.kind);
+  scene.pointer = PointerSettings{{"brick"}, 4, 0.5, 500, Bounds{{-1, -2}, {3, 4}}};
+  scene.bounds = Bounds{{-100, -200}, {300, 400}};
+  scene.spawned_max = 12;
+  return scene;
+}
+
 }  // namespace ticktrue::test
