@@ -48,31 +48,17 @@ double thesis_inertia(const Body& body, double mass) {
   return sum;
 }
 
-/// Corners of a box or vertices of a polygon as a hull, in the body's frame.
-std::vector<Point> outline(const Shape& shape) {
-  if (shape.kind == ShapeKind::polygon) {
-    Result<std::vector<Point>> hull = build_hull(shape.vertices);
-    TICKTRUE_ASSERT(hull.has_value());
-    return *std::move(hull);
-  }
-  const SinCos turn = sin_cos(shape.angle);
-  const Point signs[4] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  std::vector<Point> corners;
-  for (const Point sign : signs) {
-    const double x = sign.x * shape.half_size.x;
-    const double y = sign.y * shape.half_size.y;
-    corners.push_back({shape.center.x + turn.cos * x - turn.sin * y, shape.center.y + turn.sin * x + turn.cos * y});
-  }
-  return corners;
+Vec2 from(Point center, Point p) {
+  return to_vec2({p.x - center.x, p.y - center.y});
 }
 
-void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_center) {
-  const std::vector<Point> hull = outline(shape);
-  Shape unit = shape;
-  unit.density = 1;
-  const Point middle = shape_mass(unit).center;
-  out.kind = ShapeKind::polygon;
-  out.center = to_vec2({middle.x - body_center.x, middle.y - body_center.y});
+double distance(Point a, Point b) {
+  return __builtin_sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+}
+
+/// Vertices, normals and reach of a hull of two or more vertices around `middle`.
+void add_hull(Model& model, ShapeModel& out, const std::vector<Point>& hull, Point middle, Point body_center) {
+  out.center = from(body_center, middle);
   out.first_vertex = static_cast<std::uint32_t>(model.vertices.size());
   out.vertex_count = static_cast<std::uint32_t>(hull.size());
   double farthest = 0;
@@ -82,9 +68,9 @@ void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_c
     const Point b = hull[(i + 1) % hull.size()];
     const double edge_length = __builtin_sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
     const Point normal{(b.y - a.y) / edge_length, (a.x - b.x) / edge_length};
-    model.vertices.push_back(to_vec2({a.x - body_center.x, a.y - body_center.y}));
+    model.vertices.push_back(from(body_center, a));
     model.normals.push_back(to_vec2(normal));
-    const double reach = __builtin_sqrt((a.x - middle.x) * (a.x - middle.x) + (a.y - middle.y) * (a.y - middle.y));
+    const double reach = distance(a, middle);
     const double depth = (a.x - middle.x) * normal.x + (a.y - middle.y) * normal.y;
     if (reach > farthest) farthest = reach;
     if (i == 0 || depth < nearest) nearest = depth;
@@ -93,27 +79,77 @@ void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_c
   out.size = static_cast<Real>(2 * nearest);
 }
 
-ShapeModel make_shape(Model& model, const Shape& shape, Point body_center) {
+void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_center) {
+  Shape unit = shape;
+  unit.density = 1;
+  unit.radius = 0;
+  out.family = shape.radius > 0 ? ShapeFamily::round : ShapeFamily::polygon;
+  add_hull(model, out, core_of(shape), shape_mass(unit).center, body_center);
+}
+
+void add_line(Model& model, ShapeModel& out, Point a, Point b, Point body_center) {
+  out.family = ShapeFamily::round;
+  add_hull(model, out, {a, b}, {(a.x + b.x) / 2, (a.y + b.y) / 2}, body_center);
+  out.size = 0;
+}
+
+/// One shape for each edge. The end of a chain that is no loop has no neighbour.
+void add_chain(Model& model, const ShapeModel& common, const Shape& shape, Point body_center) {
+  const std::vector<Point>& points = shape.vertices;
+  const std::size_t count = points.size();
+  const std::size_t edge_count = shape.loop ? count : count - 1;
+  for (std::size_t i = 0; i < edge_count; ++i) {
+    ShapeModel edge = common;
+    add_line(model, edge, points[i], points[(i + 1) % count], body_center);
+    edge.family = ShapeFamily::chain_edge;
+    edge.has_before = shape.loop || i > 0;
+    edge.has_after = shape.loop || i + 2 < count;
+    if (edge.has_before) edge.before = from(body_center, points[(i + count - 1) % count]);
+    if (edge.has_after) edge.after = from(body_center, points[(i + 2) % count]);
+    model.shapes.push_back(edge);
+  }
+}
+
+/// Adds the children of a shape to model.shapes.
+void add_shape(Model& model, const Shape& shape, Point body_center) {
   ShapeModel out;
   out.friction = static_cast<Real>(shape.material.friction);
   out.restitution = static_cast<Real>(shape.material.restitution);
-  if (shape.kind == ShapeKind::circle) {
-    out.kind = ShapeKind::circle;
-    out.center = to_vec2({shape.center.x - body_center.x, shape.center.y - body_center.y});
-    out.radius = static_cast<Real>(shape.radius);
-    out.bounding_radius = out.radius;
-    out.size = 2 * out.radius;
-  } else {
-    add_polygon(model, out, shape, body_center);
+  out.tangent_speed = static_cast<Real>(shape.material.tangent_speed);
+  out.filter = shape.filter;
+  out.is_sensor = shape.sensor;
+  switch (shape.kind) {
+    case ShapeKind::circle:
+      out.family = ShapeFamily::circle;
+      out.center = from(body_center, shape.center);
+      break;
+    case ShapeKind::box:
+    case ShapeKind::polygon:
+      add_polygon(model, out, shape, body_center);
+      break;
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+      add_line(model, out, shape.vertices[0], shape.vertices[1], body_center);
+      break;
+    case ShapeKind::chain:
+      add_chain(model, out, shape, body_center);
+      return;
   }
-  return out;
+  if (shape.radius > 0) {
+    out.radius = static_cast<Real>(shape.radius);
+    out.bounding_radius = out.bounding_radius + out.radius;
+    out.size = out.size + 2 * out.radius;
+    out.rolling_resistance = static_cast<Real>(shape.material.rolling_resistance * shape.radius);
+  }
+  model.shapes.push_back(out);
 }
 
 /// Shapes that were already made, so that equal ones are shared. Looked up by a hash of the description.
 struct KnownShape {
   Shape shape;
   Point center;
-  std::uint32_t index;
+  std::uint32_t index;  // of its first child
+  std::uint32_t child_count;
 };
 
 std::uint64_t shape_key(const Shape& shape, Point center) {
@@ -143,7 +179,6 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
   out.angular_damping = static_cast<Real>(body.angular_damping);
   out.gravity_scale = static_cast<Real>(body.gravity_scale);
   out.first_shape = static_cast<std::uint32_t>(model.body_shapes.size());
-  out.shape_count = static_cast<std::uint32_t>(body.shapes.size());
   for (Shape shape : body.shapes) {
     shape.density = 1;  // counts for the mass only, which is known by now
     std::vector<KnownShape>& bucket = known[shape_key(shape, mass.center) % known.size()];
@@ -151,12 +186,15 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
     for (const KnownShape& candidate : bucket)
       if (candidate.shape == shape && candidate.center == mass.center) same = &candidate;
     if (same == nullptr) {
-      model.shapes.push_back(make_shape(model, shape, mass.center));
-      bucket.push_back({shape, mass.center, static_cast<std::uint32_t>(model.shapes.size() - 1)});
+      const auto first = static_cast<std::uint32_t>(model.shapes.size());
+      add_shape(model, shape, mass.center);
+      bucket.push_back({shape, mass.center, first, static_cast<std::uint32_t>(model.shapes.size()) - first});
       same = &bucket.back();
     }
-    model.body_shapes.push_back(same->index);
+    for (std::uint32_t child = 0; child < same->child_count; ++child) model.body_shapes.push_back(same->index + child);
   }
+  out.shape_count = static_cast<std::uint32_t>(model.body_shapes.size()) - out.first_shape;
+  if (out.shape_count > model.child_count_max) model.child_count_max = out.shape_count;
   out.can_sleep = body.can_sleep;
   for (std::uint32_t child = 0; child < out.shape_count; ++child) {
     const ShapeModel& shape = model.shape(out, child);
@@ -203,9 +241,11 @@ Model make_model(const Scene& scene) {
         if (scene.prototypes[i].name == name) model.pointer_spawns.push_back(i);
   model.has_bounds = scene.bounds.has_value();
   if (scene.bounds) model.bounds = {to_vec2(scene.bounds->lower), to_vec2(scene.bounds->upper)};
-  for (const ShapeModel& a : model.shapes)
-    for (const ShapeModel& b : model.shapes)
-      model.bounces |= mix(scene.settings.restitution_mix, a.restitution, b.restitution) > 0;
+  for (const ShapeModel& shape : model.shapes) {
+    model.bounces |= shape.restitution > 0;  // under every rule, at least against its equal
+    model.has_surfaces |= shape.tangent_speed != 0 || shape.rolling_resistance > 0;
+    model.has_sensors |= shape.is_sensor;
+  }
   return model;
 }
 

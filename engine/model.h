@@ -12,18 +12,45 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// A convex shape. Boxes are polygons of four vertices. Equal shapes of different bodies share one ShapeModel.
+/// What the narrow phase tells apart.
+enum class ShapeFamily : std::uint8_t {
+  circle,
+  polygon,     // a hull with sharp corners; boxes too
+  round,       // a hull of 2..16 vertices and a radius: rounded polygons, capsules, and segments with radius 0
+  chain_edge,  // one edge of a chain: seen from its right side only
+};
+inline constexpr std::size_t shape_family_count = 4;
+
+/// A convex shape, or one edge of a chain. Equal shapes of different bodies share one ShapeModel.
 struct ShapeModel {
-  ShapeKind kind = ShapeKind::circle;  // circle or polygon
-  Vec2 center;                         // of the circle; of the polygon's area; from the body's centre of mass, m
-  Real radius = 0;                     // of the circle, m; 0 for polygons
-  Real bounding_radius = 0;            // of the circle around `center` that holds the shape, m
-  Real size = 0;                       // twice the radius of the largest circle around `center` inside the shape, m
-  std::uint32_t first_vertex = 0;      // in Model::vertices and Model::normals
+  ShapeFamily family = ShapeFamily::circle;
+  Vec2 center;                     // of the circle; of the core's area; from the body's centre of mass, m
+  Real radius = 0;                 // of the circle, or around the core, m; 0 for sharp corners
+  Real bounding_radius = 0;        // of the circle around `center` that holds the shape, m
+  Real size = 0;                   // twice the radius of the largest circle around `center` inside, m; of lines 0
+  std::uint32_t first_vertex = 0;  // in Model::vertices and Model::normals
   std::uint32_t vertex_count = 0;
   Real friction = 0;
   Real restitution = 0;
+  Real tangent_speed = 0;       // m/s
+  Real rolling_resistance = 0;  // m: coefficient times radius
+  Filter filter;
+  bool is_sensor = false;
+  bool has_before = false;  // chain edge: another one ends where it begins
+  bool has_after = false;   // chain edge: another one begins where it ends
+  Vec2 before;              // where that one begins, m
+  Vec2 after;               // where that one ends, m
 };
+/// Segments and chains: no area, no mass, and no contact with each other.
+inline bool is_line(const ShapeModel& shape) {
+  return shape.size == 0;
+}
+/// Lengths that do not matter are relative to this size of a pair: that of the smaller one; lines do not count.
+inline Real pair_size(const ShapeModel& a, const ShapeModel& b) {
+  if (a.size == 0) return b.size;
+  if (b.size == 0) return a.size;
+  return smaller(a.size, b.size);
+}
 
 /// What all bodies made from one description share.
 struct BodyModel {
@@ -41,7 +68,7 @@ struct BodyModel {
   Real reach = 0;  // of the farthest point from the centre of mass, m
   bool can_sleep = true;
   std::uint32_t first_shape = 0;  // in Model::body_shapes
-  std::uint32_t shape_count = 0;
+  std::uint32_t shape_count = 0;  // children: one for each shape, for a chain one for each edge
 };
 
 struct Model {
@@ -65,6 +92,9 @@ struct Model {
   bool has_bounds = false;
   bool finds_islands = false;  // some may sleep, or get substeps of their own
   bool bounces = false;        // some pair of materials may have restitution > 0
+  bool has_surfaces = false;   // some material drives what touches it, or resists rolling
+  bool has_sensors = false;
+  std::uint32_t child_count_max = 0;  // of a body
   Box bounds;
 
   const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {

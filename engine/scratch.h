@@ -22,6 +22,10 @@ struct Proxy {
   std::uint32_t shape;  // in Model::shapes
   std::uint32_t child;  // index in the body
   bool is_dynamic;
+  bool is_static;
+  bool is_sensor;
+  bool is_line;
+  Filter filter;
 };
 
 /// Two proxies that may touch, first < second.

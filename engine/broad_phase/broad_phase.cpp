@@ -36,13 +36,17 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch) {
       proxy.shape = shape_index;
       proxy.child = child;
       proxy.is_dynamic = constants.type == BodyType::dynamic_body;
+      proxy.is_static = constants.type == BodyType::static_body;
+      proxy.is_sensor = shape.is_sensor;
+      proxy.is_line = is_line(shape);
+      proxy.filter = shape.filter;
       proxy.center = body.position + rotate(body.rotation, shape.center);
       // The margin covers what the narrow phase calls near, plus the rounding of coordinates this far out, so that no
       // algorithm can miss a pair that another one finds.
       const Real reach = larger(absolute(proxy.center.x), absolute(proxy.center.y)) + shape.bounding_radius;
       const Real margin = speculative_margin(shape.size) + 16 * epsilon * reach;
       proxy.radius = shape.bounding_radius + margin;
-      if (shape.kind == ShapeKind::circle) {
+      if (shape.family == ShapeFamily::circle) {
         const Vec2 extent{proxy.radius, proxy.radius};
         proxy.box = {proxy.center - extent, proxy.center + extent};
       } else {
@@ -54,7 +58,7 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch) {
           lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
           upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
         }
-        const Vec2 extent{margin, margin};
+        const Vec2 extent{shape.radius + margin, shape.radius + margin};
         proxy.box = {(body.position + lower) - extent, (body.position + upper) + extent};
       }
       scratch.proxies.push_back(proxy);

@@ -13,9 +13,18 @@ StageFunction broad_phase_function(BroadPhaseKind kind);
 /// Fills scratch.proxies from the present poses.
 void make_proxies(const Model& model, const State& state, Scratch& scratch);
 
-/// Whether two proxies may touch at all, wherever they are: different bodies, one of them dynamic.
+/// The rule of scene.h: one non-zero group decides; else each category must be in the other's mask.
+inline bool pass(const Filter& a, const Filter& b) {
+  if (a.group == b.group && a.group != 0) return a.group > 0;
+  return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
+}
+
+/// Whether two proxies may touch at all, wherever they are: different bodies that their filters let meet, not both
+/// lines. Contacts need a dynamic one, overlaps with a sensor one that is not static; sensors do not see sensors.
 inline bool may_touch(const Proxy& a, const Proxy& b) {
-  return a.body != b.body && (a.is_dynamic || b.is_dynamic);
+  if (a.body == b.body || !pass(a.filter, b.filter) || (a.is_line && b.is_line)) return false;
+  if (a.is_sensor || b.is_sensor) return a.is_sensor != b.is_sensor && !(a.is_static && b.is_static);
+  return a.is_dynamic || b.is_dynamic;
 }
 
 /// Sorts scratch.unsorted_pairs (each pair once, any order) into scratch.pairs.

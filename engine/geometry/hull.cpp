@@ -1,12 +1,14 @@
 // Convex hulls of few points and exact mass properties.
 // SPDX-License-Identifier: MIT
 // Source: Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979 (monotone chain);
-// Steger, "On the calculation of arbitrary moments of polygons", 1996 (area, centroid, inertia by edges).
+// Steger, "On the calculation of arbitrary moments of polygons", 1996 (area, centroid, inertia by edges). A rounded
+// hull is the hull, a rectangle on each edge and a sector at each corner (Steiner, 1840).
 #include "engine/geometry/hull.h"
 
 #include <cstddef>
 #include <cstdint>
 
+#include "base/assert.h"
 #include "base/limits.h"
 #include "engine/math/trig.h"
 #include "engine/number_text.h"
@@ -110,7 +112,95 @@ Moments polygon_moments(const std::vector<Point>& hull) {
   return moments;
 }
 
+Point unit_normal(const Point& a, const Point& b) {
+  const Point edge = minus(b, a);
+  const double size = length(edge);
+  return {edge.y / size, -edge.x / size};
+}
+
+/// Of everything within `radius` of a hull of 2 (a capsule) or more vertices. With r the radius, a sector of angle t
+/// between normals n and m has area r^2 t / 2, first moment r^3 / 3 right_turn(m - n) and second moment r^4 t / 4 about
+/// its corner.
+Moments rounded_moments(const std::vector<Point>& hull, double radius) {
+  struct Part {
+    double area;
+    Point first;   // about `at`, m^3
+    double polar;  // about `at`, m^4
+    Point at;
+  };
+  const std::size_t count = hull.size();
+  std::vector<Part> parts;
+  if (count > 2) {
+    const Moments core = polygon_moments(hull);
+    parts.push_back({core.area, {}, core.polar, core.center});
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point& a = hull[i];
+    const Point& b = hull[i + 1 == count ? 0 : i + 1];
+    const Point& c = hull[(i + 2) % count];
+    const Point n = unit_normal(a, b);
+    const Point m = unit_normal(b, c);
+    const double edge = length(minus(b, a));
+    const double strip = edge * radius;
+    const Point middle{(a.x + b.x) / 2 + n.x * radius / 2, (a.y + b.y) / 2 + n.y * radius / 2};
+    parts.push_back({strip, {}, strip * (edge * edge + radius * radius) / 12, middle});
+    const double angle = count == 2 ? pi : arc_tangent(cross(n, m), dot(n, m));
+    const double r2 = radius * radius;
+    const double third = r2 * radius / 3;
+    parts.push_back({r2 * angle / 2, {third * (m.y - n.y), -third * (m.x - n.x)}, r2 * r2 * angle / 4, b});
+  }
+  Moments total;
+  Point first;  // about hull[0]: a shape far from its body's origin loses no digits
+  for (const Part& part : parts) {
+    const Point offset = minus(part.at, hull[0]);
+    total.area += part.area;
+    first = {first.x + part.first.x + part.area * offset.x, first.y + part.first.y + part.area * offset.y};
+  }
+  const Point center{first.x / total.area, first.y / total.area};
+  for (const Part& part : parts) {
+    const Point offset = minus(minus(part.at, hull[0]), center);
+    total.polar += part.polar + 2 * dot(offset, part.first) + part.area * dot(offset, offset);
+  }
+  total.center = {hull[0].x + center.x, hull[0].y + center.y};
+  return total;
+}
+
+std::vector<Point> box_corners(const Shape& shape) {
+  const SinCos turn = sin_cos(shape.angle);
+  const Point signs[4] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  std::vector<Point> corners;
+  for (const Point sign : signs) {
+    const double x = sign.x * shape.half_size.x;
+    const double y = sign.y * shape.half_size.y;
+    corners.push_back({shape.center.x + turn.cos * x - turn.sin * y, shape.center.y + turn.sin * x + turn.cos * y});
+  }
+  return corners;
+}
+
+MassProperties at_density(const Moments& moments, double density) {
+  return {density * moments.area, moments.center, density * moments.polar};
+}
+
 }  // namespace
+
+std::vector<Point> core_of(const Shape& shape) {
+  switch (shape.kind) {
+    case ShapeKind::circle:
+      return {shape.center};
+    case ShapeKind::box:
+      return box_corners(shape);
+    case ShapeKind::polygon: {
+      Result<std::vector<Point>> hull = build_hull(shape.vertices);
+      TICKTRUE_ASSERT(hull.has_value());
+      return *std::move(hull);
+    }
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+    case ShapeKind::chain:
+      break;
+  }
+  return shape.vertices;
+}
 
 Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
   const std::size_t count = points.size();
@@ -181,19 +271,16 @@ MassProperties shape_mass(const Shape& shape) {
       result.inertia = result.mass * shape.radius * shape.radius / 2;
       break;
     case ShapeKind::box:
+      if (shape.radius > 0) return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
       result.mass = shape.density * 4 * shape.half_size.x * shape.half_size.y;
       result.center = shape.center;
       result.inertia = result.mass * dot(shape.half_size, shape.half_size) / 3;
       break;
-    case ShapeKind::polygon: {
-      const Result<std::vector<Point>> hull = build_hull(shape.vertices);
-      const Moments moments = polygon_moments(*hull);
-      result.mass = shape.density * moments.area;
-      result.center = moments.center;
-      result.inertia = shape.density * moments.polar;
-      break;
-    }
+    case ShapeKind::polygon:
+      if (shape.radius > 0) return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+      return at_density(polygon_moments(core_of(shape)), shape.density);
     case ShapeKind::capsule:
+      return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
     case ShapeKind::segment:
     case ShapeKind::chain:
       break;
@@ -214,13 +301,16 @@ MassProperties body_mass(const Body& body) {
     first.y += part.mass * part.center.y;
   }
   // One shape's centre is taken as it is: a product and a quotient would round it.
-  total.center = parts.size() == 1 ? parts[0].center : Point{first.x / total.mass, first.y / total.mass};
+  if (parts.size() == 1)
+    total.center = parts[0].center;
+  else if (total.mass > 0)
+    total.center = {first.x / total.mass, first.y / total.mass};
   for (const MassProperties& part : parts) {
     const Point offset = minus(part.center, total.center);
     total.inertia += part.inertia + part.mass * dot(offset, offset);
   }
   if (body.mass) {
-    const double scale = body.mass->mass / total.mass;
+    const double scale = total.mass > 0 ? body.mass->mass / total.mass : 0;
     total.mass = body.mass->mass;
     total.inertia = body.mass->inertia ? *body.mass->inertia : total.inertia * scale;
     if (body.mass->center) total.center = *body.mass->center;

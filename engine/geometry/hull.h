@@ -15,6 +15,10 @@ namespace ticktrue::engine {
 /// extent), a point inside the hull of the others or on one of its edges (concave or collinear), no area.
 Result<std::vector<Point>> build_hull(const std::vector<Point>& points);
 
+/// What a shape is without its radius, in the body's frame: the hull of a box or polygon, the two centres of a capsule,
+/// the points of a segment or chain in their order; the centre of a circle. Requires: a valid shape.
+std::vector<Point> core_of(const Shape& shape);
+
 /// Mass, centre of mass and inertia about that centre.
 struct MassProperties {
   double mass = 0;     // kg
@@ -22,11 +26,12 @@ struct MassProperties {
   double inertia = 0;  // kg m^2
 };
 
-/// Of one shape at its density. Exact for circle, box and polygon. Requires: a valid shape.
+/// Of one shape at its density, exact. Segments and chains have none. Requires: a valid shape.
 MassProperties shape_mass(const Shape& shape);
 
 /// Of a body: its shapes together, or what it states itself. Zero mass and inertia for static and kinematic bodies,
-/// zero inertia for fixed rotation; the centre is that of the shapes in any case.
+/// zero inertia for fixed rotation; the centre is that of the shapes in any case, the body's origin where they have no
+/// mass and none is stated.
 MassProperties body_mass(const Body& body);
 
 }  // namespace ticktrue::engine

@@ -1,56 +1,10 @@
 // Contacts of two convex polygons: separating axes of both, then the edges of deepest overlap clipped.
 // SPDX-License-Identifier: MIT
 // Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland and Hodgman, 1974.
-#include "base/limits.h"
-#include "engine/narrow_phase/narrow_phase.h"
+#include "engine/narrow_phase/convex_hulls.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
-
-struct Hull {
-  const Vec2* vertices;
-  const Vec2* normals;
-  std::uint32_t count;
-
-  std::uint32_t next(std::uint32_t i) const { return i + 1 < count ? i + 1 : 0; }
-};
-
-struct Axis {
-  std::uint32_t edge = 0;
-  Real separation = 0;  // of the other hull beyond the edge, m
-};
-
-/// The edge of `a` beyond which `b` lies farthest out (or overlaps least).
-Axis best_axis(const Hull& a, const Hull& b) {
-  Axis best;
-  for (std::uint32_t i = 0; i < a.count; ++i) {
-    const Vec2 normal = a.normals[i];
-    Real deepest = dot(normal, b.vertices[0]);
-    for (std::uint32_t j = 1; j < b.count; ++j) deepest = smaller(deepest, dot(normal, b.vertices[j]));
-    const Real separation = deepest - dot(normal, a.vertices[i]);
-    if (i == 0 || separation > best.separation) best = {i, separation};
-  }
-  return best;
-}
-
-/// The edge whose outward normal points most against `normal`.
-std::uint32_t opposite_edge(const Hull& hull, Vec2 normal) {
-  std::uint32_t edge = 0;
-  Real least = dot(normal, hull.normals[0]);
-  for (std::uint32_t i = 1; i < hull.count; ++i) {
-    const Real along = dot(normal, hull.normals[i]);
-    if (along < least) {
-      least = along;
-      edge = i;
-    }
-  }
-  return edge;
-}
-
-/// Feature of a point: the vertex on A's side and the vertex on B's side that bound it.
-std::uint32_t feature_of(std::uint32_t vertex_a, std::uint32_t vertex_b) {
-  return vertex_a << 8 | vertex_b;
-}
 
 /// Clips the incident edge of `other` to the width of the reference edge of `reference`. The normal of the result
 /// points away from `reference`; features name the vertices of A first, whichever hull that is.
@@ -99,14 +53,9 @@ Manifold clip(const Hull& reference, std::uint32_t edge, const Hull& other, Real
 
 Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                           Real margin) {
-  Vec2 vertices[limits::polygon_vertex_count_max];
-  Vec2 normals[limits::polygon_vertex_count_max];
-  for (std::uint32_t i = 0; i < b.vertex_count; ++i) {
-    vertices[i] = b_in_a.position + rotate(b_in_a.rotation, model.vertices[b.first_vertex + i]);
-    normals[i] = rotate(b_in_a.rotation, model.normals[b.first_vertex + i]);
-  }
-  const Hull hull_a{&model.vertices[a.first_vertex], &model.normals[a.first_vertex], a.vertex_count};
-  const Hull hull_b{vertices, normals, b.vertex_count};
+  HullBuffer buffer;
+  const Hull hull_a = hull_of(model, a);
+  const Hull hull_b = hull_of(model, b, b_in_a, buffer);
 
   const Axis axis_a = best_axis(hull_a, hull_b);
   if (!(axis_a.separation <= margin)) return {};
@@ -114,7 +63,7 @@ Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeMo
   if (!(axis_b.separation <= margin)) return {};
 
   // A is preferred by a tenth of the slop, so that equal overlaps do not make the reference edge flicker.
-  const Real preference = Real(0.1) * linear_slop(smaller(a.size, b.size));
+  const Real preference = Real(0.1) * linear_slop(pair_size(a, b));
   if (axis_b.separation > axis_a.separation + preference) {
     Manifold manifold = clip(hull_b, axis_b.edge, hull_a, margin, false);
     manifold.normal = -manifold.normal;

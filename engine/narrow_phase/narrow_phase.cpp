@@ -2,18 +2,27 @@
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/narrow_phase.h"
 
+#include "engine/narrow_phase/convex_hulls.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr CollideFunction collide_functions[2][2] = {
-    {collide_circles, collide_circle_polygon},
-    {collide_polygon_circle, collide_polygons},
+/// Lines do not meet lines.
+Manifold no_contact(const Model&, const ShapeModel&, const ShapeModel&, const Placement&, Real) {
+  return {};
+}
+
+/// [family of A][family of B], in the order of ShapeFamily.
+constexpr CollideFunction collide_functions[shape_family_count][shape_family_count] = {
+    {collide_circles, collide_circle_polygon, swapped<collide_round_circle>, swapped<collide_chain_circle>},
+    {collide_polygon_circle, collide_polygons, collide_rounds, swapped<collide_chain_hull>},
+    {collide_round_circle, collide_rounds, collide_rounds, swapped<collide_chain_hull>},
+    {collide_chain_circle, collide_chain_hull, collide_chain_hull, no_contact},
 };
 
-std::size_t row_of(ShapeKind kind) {
-  return kind == ShapeKind::circle ? 0 : 1;
+std::size_t row_of(ShapeFamily family) {
+  return static_cast<std::size_t>(family);
 }
 
 bool comes_before(const ContactRow& a, const ContactRow& b) {
@@ -39,8 +48,8 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
                  const BodyRow& body_b) {
   const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
                          between(body_a.rotation, body_b.rotation)};
-  const Real margin = speculative_margin(smaller(a.size, b.size));
-  Manifold manifold = collide_functions[row_of(a.kind)][row_of(b.kind)](model, a, b, b_in_a, margin);
+  const Real margin = speculative_margin(pair_size(a, b));
+  Manifold manifold = collide_functions[row_of(a.family)][row_of(b.family)](model, a, b, b_in_a, margin);
   manifold.normal = rotate(body_a.rotation, manifold.normal);
   const Vec2 a_from_b = body_a.position - body_b.position;
   for (int i = 0; i < manifold.point_count; ++i) {
@@ -83,10 +92,15 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {
   const Vec2 local = rotate_back(row.rotation, point - row.position);
-  if (shape.kind == ShapeKind::circle) return length_squared(local - shape.center) <= shape.radius * shape.radius;
-  for (std::uint32_t i = shape.first_vertex; i < shape.first_vertex + shape.vertex_count; ++i)
-    if (dot(model.normals[i], local - model.vertices[i]) > 0) return false;
-  return true;
+  if (shape.family == ShapeFamily::circle) return length_squared(local - shape.center) <= shape.radius * shape.radius;
+  if (is_line(shape)) return false;
+  bool inside = shape.vertex_count > 2;
+  for (std::uint32_t i = shape.first_vertex; inside && i < shape.first_vertex + shape.vertex_count; ++i)
+    inside = dot(model.normals[i], local - model.vertices[i]) <= 0;
+  if (inside || shape.family == ShapeFamily::polygon) return inside;
+  const Vec2 no_normals[1] = {};
+  const ClosestPoints closest = closest_points(hull_of(model, shape), {&local, no_normals, 1});
+  return closest.distance_squared <= shape.radius * shape.radius;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -35,11 +35,23 @@ Manifold collide_circle_polygon(const Model& model, const ShapeModel& a, const S
 Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                           Real margin);
 
+/// A: a hull with a radius; B: a circle.
+Manifold collide_round_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                              Real margin);
+/// Two hulls, with or without radius.
+Manifold collide_rounds(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                        Real margin);
+/// A: an edge of a chain. B: a circle, or a hull with or without radius.
+Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                              Real margin);
+Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                            Real margin);
+
 /// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b);
 
-/// Whether the shape of a body at `row` holds the world point.
+/// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

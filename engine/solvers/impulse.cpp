@@ -117,8 +117,8 @@ Hit polygon_polygon(const Model& model, const Placed& a, const Placed& b) {
 }
 
 Hit detect(const Model& model, const Placed& a, const Placed& b) {
-  const bool a_round = a.shape.kind == ShapeKind::circle;
-  const bool b_round = b.shape.kind == ShapeKind::circle;
+  const bool a_round = a.shape.family == ShapeFamily::circle;
+  const bool b_round = b.shape.family == ShapeFamily::circle;
   if (a_round && b_round) return circle_circle(a, b);
   const Real reach = a.shape.bounding_radius + b.shape.bounding_radius;
   if (length_squared(b.center() - a.center()) > reach * reach) return {};

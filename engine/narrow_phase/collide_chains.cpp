@@ -1,0 +1,156 @@
+// Contacts with an edge of a chain: from its right side only, and with no normal that its neighbours forbid, so that
+// what slides or rolls over a joint of two edges does not feel it.
+// SPDX-License-Identifier: MIT
+// Source: van den Bergen, "Game Physics Pearls", 2010, chapter 4 (Voronoi regions of a mesh decide which normals are
+// real). Corner by corner: a convex one owns the normals between those of its edges, and belongs to the edge that ends
+// there; a straight or concave one owns none. A point is in the same region seen from either edge, bit for bit.
+#include "engine/narrow_phase/convex_hulls.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// Corners that turn by less (sine) count as straight: a hull lies flat on both edges.
+constexpr Real straight_sine = Real(0.01);
+/// Share by which a region is wider than it is, where losing a contact would be worse than having it twice.
+constexpr Real region_tolerance = Real(1e-3);
+
+struct Edge {
+  Vec2 begin, end;
+  Vec2 along;   // end - begin
+  Vec2 normal;  // to the right
+  bool has_before, has_after;
+  Vec2 along_before;  // of the edge before
+  Vec2 along_after;   // of the edge after
+  bool convex_before, convex_after;
+};
+
+bool is_convex(Vec2 first, Vec2 second) {
+  return cross(first, second) > straight_sine * square_root(length_squared(first) * length_squared(second));
+}
+
+Edge edge_of(const Model& model, const ShapeModel& shape) {
+  Edge edge;
+  edge.begin = model.vertices[shape.first_vertex];
+  edge.end = model.vertices[shape.first_vertex + 1];
+  edge.along = edge.end - edge.begin;
+  edge.normal = model.normals[shape.first_vertex];
+  edge.has_before = shape.has_before;
+  edge.has_after = shape.has_after;
+  edge.along_before = edge.begin - shape.before;
+  edge.along_after = shape.after - edge.end;
+  edge.convex_before = shape.has_before && is_convex(edge.along_before, edge.along);
+  edge.convex_after = shape.has_after && is_convex(edge.along, edge.along_after);
+  return edge;
+}
+
+/// Whether a normal is one of the corners at the ends of the edge.
+bool belongs_to_corner(const Edge& edge, Vec2 normal) {
+  const Real lean = dot(edge.along, normal);
+  if (lean > 0) {
+    if (!edge.has_after) return dot(edge.normal, normal) >= 0;
+    return edge.convex_after && dot(edge.along_after, normal) <= 0;
+  }
+  if (!edge.has_before) return dot(edge.normal, normal) >= 0;
+  return edge.convex_before && dot(edge.along_before, normal) >= 0;
+}
+
+enum class Region : std::uint8_t { none, face, corner };
+
+/// Which normals the closest point of an edge to something apart from it has.
+Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) {
+  const Region face = in_front ? Region::face : Region::none;
+  if (closest.vertex_a == no_vertex) return face;
+  const Vec2 apart = closest.on_b - closest.on_a;
+  const bool at_end = closest.vertex_a == 1;
+  if (at_end ? !edge.has_after : !edge.has_before) return dot(edge.normal, apart) >= 0 ? Region::corner : Region::none;
+  if (at_end ? !edge.convex_after : !edge.convex_before) return face;
+  if (!at_end) return Region::none;  // the edge before has it
+  const Real limit = region_tolerance * square_root(length_squared(edge.along_after) * closest.distance_squared);
+  return dot(edge.along_after, apart) <= limit ? Region::corner : Region::none;
+}
+
+/// The normal where the cores overlap: the edge's own, or one of the hull's that belongs to a corner, if less deep.
+Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real preference) {
+  const Hull face{line.vertices, line.normals, 2};
+  Real deepest = dot(edge.normal, hull.vertices[0] - edge.begin);
+  for (std::uint32_t i = 1; i < hull.count; ++i)
+    deepest = smaller(deepest, dot(edge.normal, hull.vertices[i] - edge.begin));
+  Vec2 best = edge.normal;
+  Real best_separation = deepest + preference;
+  for (std::uint32_t i = 0; i < hull.count; ++i) {
+    const Vec2 normal = -hull.normals[i];
+    const Real separation = smaller(dot(hull.normals[i], face.vertices[0] - hull.vertices[i]),
+                                    dot(hull.normals[i], face.vertices[1] - hull.vertices[i]));
+    if (separation <= best_separation || !belongs_to_corner(edge, normal)) continue;
+    best = normal;
+    best_separation = separation;
+  }
+  return best;
+}
+
+}  // namespace
+
+Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                              Real margin) {
+  const Edge edge = edge_of(model, a);
+  const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
+  const Vec2 from_begin = center - edge.begin;
+  const Vec2 from_end = center - edge.end;
+  const Real height = dot(edge.normal, from_begin);
+  const Real reach = b.radius + margin;
+  if (!(height <= reach)) return {};
+  ClosestPoints closest;
+  closest.on_b = center;
+  closest.vertex_b = 0;
+  if (dot(edge.along, from_begin) <= 0) {
+    if (edge.has_before) return {};
+    closest.on_a = edge.begin;
+    closest.vertex_a = 0;
+  } else if (dot(edge.along, from_end) >= 0) {
+    if (edge.has_after && dot(edge.along_after, from_end) > 0) return {};
+    closest.on_a = edge.end;
+    closest.vertex_a = 1;
+  }
+  if (closest.vertex_a == no_vertex) {
+    if (height < 0) return {};
+    closest.on_a = center - height * edge.normal;
+    return between_points(closest, 0, b.radius, edge.normal, margin);
+  }
+  const Vec2 apart = closest.on_b - closest.on_a;
+  const Real distance = length(apart);
+  const bool at_joint = closest.vertex_a == 1 && edge.has_after;
+  const bool in_front = height >= 0 || (at_joint && dot(right_turn(edge.along_after), apart) >= 0);
+  if (!in_front || !(distance <= reach)) return {};
+  return between_points(closest, 0, b.radius, distance > 0 ? (1 / distance) * apart : edge.normal, margin);
+}
+
+Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
+                            Real margin) {
+  HullBuffer buffer;
+  const Hull line = hull_of(model, a);
+  const Hull hull = hull_of(model, b, b_in_a, buffer);
+  const Real reach = b.radius + margin;
+  const Overlap overlap = find_overlap(line, hull);
+  if (!(overlap.axis_a.separation <= reach) || !(overlap.axis_b.separation <= reach)) return {};
+  const Edge edge = edge_of(model, a);
+  const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
+  const bool in_front = dot(edge.normal, center - edge.begin) >= 0;
+
+  if (!overlap.found) {
+    const ClosestPoints closest = closest_points(line, hull);
+    if (!(closest.distance_squared <= reach * reach)) return {};
+    if (closest.distance_squared > 0) {
+      const Region region = region_of(edge, closest, in_front);
+      if (region == Region::none) return {};
+      if (region == Region::face) return between_edges(line, 0, hull, b.radius, edge.normal, margin);
+      const Vec2 normal = closest_normal(line, hull, closest);
+      const Manifold manifold = between_edges(line, 0, hull, b.radius, normal, margin);
+      return manifold.point_count > 0 ? manifold : between_points(closest, 0, b.radius, normal, margin);
+    }
+  }
+  if (!in_front) return {};
+  const Real preference = Real(0.1) * linear_slop(b.size);
+  return between_edges(line, 0, hull, b.radius, overlap_normal(edge, line, hull, preference), margin);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
