@@ -38,12 +38,13 @@ struct SolverInfo : Choice<SolverKind> {
   bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
   bool solves_joints;       // false: a scene with joints is refused
   bool substeps;            // false: settings.substeps must be 1
+  bool reads_contacts;      // false: every shape but circle and sharp polygon, filters, sensors, events are refused
 };
 inline constexpr std::array<SolverInfo, 4> solvers{{
-    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true},
-    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false, false},
-    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true, true},
-    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false},
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false},
+    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false, false, false},
+    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true, true, true},
+    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false, true},
 }};
 
 struct IntegratorInfo : Choice<IntegratorKind> {

@@ -20,7 +20,8 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
 
   const SolverInfo& solver = info_of(solvers, model.scene.settings.solver);
   const bool finds_pairs_itself = model.scene.settings.solver == SolverKind::impulse;
-  const bool finds_contacts = model.can_collide && !finds_pairs_itself;
+  const bool finds_contacts = (model.can_collide || model.has_sensors) && !finds_pairs_itself;
+  const bool tells_contacts = model.scene.settings.events;
   const std::string_view no_pairs =
       finds_pairs_itself ? "the solver tests every pair itself" : "no two shapes can meet";
 
@@ -33,10 +34,16 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
              "two shapes can meet", no_pairs);
     consider("narrow_phase", find_contacts, finds_contacts, "two shapes can meet", no_pairs);
     pipeline.tables.contacts = true;
+    consider("events", find_events, tells_contacts || model.has_sensors,
+             tells_contacts ? "the scene asks for events" : "a shape is a sensor", "no events asked for, no sensor");
+    pipeline.tables.touching = tells_contacts || full;
+    pipeline.tables.sensors = model.has_sensors || full;
+    pipeline.tables.events = tells_contacts || model.has_sensors || full;
   } else {
     pipeline.description.push_back(
         {std::string(info_of(broad_phases, broad_phase).name), false, std::string(no_pairs)});
     pipeline.description.push_back({"narrow_phase", false, std::string(no_pairs)});
+    pipeline.description.push_back({"events", false, std::string(no_pairs)});
   }
   // Islands own columns, so that nothing but the scene's wish brings them in.
   if (model.finds_islands)

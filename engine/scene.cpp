@@ -726,6 +726,7 @@ class Checker {
       return fail(
           ErrorCode::incompatible, "settings.sleep", name_of_solver + " has no islands: found sleep",
           "leave sleep out, or use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
+    if (!check_contact_needs(solver)) return false;
     const bool collide = can_collide(scene_);
     const std::size_t joint_count = scene_.joints.size();
     const std::string joints = std::to_string(joint_count) + (joint_count == 1 ? " joint" : " joints");
@@ -747,22 +748,37 @@ class Checker {
     return true;
   }
 
+  /// What only solvers that read the narrow phase's contacts can do.
+  bool check_contact_needs(const SolverInfo& solver) {
+    if (solver.reads_contacts) return true;
+    const std::string able = names_where(solvers, [](const SolverInfo& s) { return s.reads_contacts; });
+    const auto cannot = [&](const char* key, const std::string& what) {
+      return fail(ErrorCode::incompatible, key, std::string(solver.name) + " " + what, "use " + able);
+    };
+    if (scene_.settings.events) return cannot("settings.events", "reports no contacts: found true, expected false");
+    for (const std::vector<Body>* list : {&scene_.bodies, &scene_.prototypes})
+      for (const Body& body : *list)
+        for (const Shape& shape : body.shapes) {
+          if (shape.sensor) return cannot("settings.solver", "has no sensors: found one");
+          if (!solver.solves_constraints) continue;
+          const bool is_plain =
+              shape.kind == ShapeKind::circle ||
+              ((shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon) && shape.radius == 0);
+          if (!is_plain) return cannot("settings.solver", "knows circles and sharp polygons only: found another shape");
+          if (shape.filter != Filter{}) return cannot("settings.solver", "tests every pair: found a filter");
+          if (shape.material.tangent_speed != 0 || shape.material.rolling_resistance != 0)
+            return cannot("settings.solver", "knows friction and restitution only: found another material");
+        }
+    return true;
+  }
+
   /// What a scene can say and the engine cannot do yet.
   bool check_built() {
     const Settings& settings = scene_.settings;
     const Settings unset;
     if (!scene_.forces.empty()) return refuse("forces", "not built yet: found some, expected none");
     if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
-    if (settings.events) return refuse("settings.events", "not built yet: found true, expected false");
     if (settings.clock != unset.clock) return refuse("settings.clock", "not built yet: expected fixed");
-    for (const std::vector<Body>* list : {&scene_.bodies, &scene_.prototypes})
-      for (const Body& body : *list)
-        for (const Shape& shape : body.shapes) {
-          const Material plain{shape.material.friction, shape.material.restitution};
-          if (shape.kind > ShapeKind::polygon || shape.sensor || shape.filter != Filter{} || shape.material != plain ||
-              (shape.kind != ShapeKind::circle && shape.radius != 0))
-            return refuse("bodies", "not built yet: a capsule, segment, chain, rounding, sensor, filter or conveyor");
-        }
     return true;
   }
 

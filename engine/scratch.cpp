@@ -27,9 +27,14 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.counts);
   poison_rows(scratch.touching);
   poison_rows(scratch.contacts);
+  poison_rows(scratch.now_touching);
+  poison_rows(scratch.removed_touching);
+  poison_rows(scratch.removed_sensors);
+  poison_rows(scratch.touch_buffer);
   poison_rows(scratch.bodies);
   poison_rows(scratch.velocity_steps);
   poison_rows(scratch.contact_batches.batches);
+  poison_rows(scratch.contact_batches.surfaces);
   poison_rows(scratch.contact_batches.colors);
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.sorted);

@@ -56,6 +56,8 @@ struct TouchingPair {
   Real size;      // of the smaller shape, m
   Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
   Real radius_b;
+  Real tangent_speed;       // m/s, of B's surface seen from A's where the bodies rest, along right_turn(normal)
+  Real rolling_resistance;  // m: torque per normal force
   Manifold manifold;
 };
 
@@ -134,6 +136,12 @@ struct Scratch {
   std::vector<std::uint32_t> support_order;  // bodies by depth
   std::vector<Real> load;                    // [body] N
   std::vector<Real> sag;                     // [body] m, expected at four substeps
+
+  // events
+  std::vector<TouchRow> now_touching;      // the rows that replace State::touching, then State::sensors
+  std::vector<TouchRow> removed_touching;  // rows of bodies that were removed in this tick
+  std::vector<TouchRow> removed_sensors;
+  std::vector<TouchRow> touch_buffer;
 
   // solver
   std::vector<MovingBody> bodies;

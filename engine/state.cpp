@@ -75,6 +75,45 @@ Status check_joints(const Model& model, const State& state) {
   return {};
 }
 
+/// Largest child index of the model; at least that of every scene without chains, so that their schemas are equal.
+double child_max(const Model& model) {
+  const std::size_t count = model.child_count_max;
+  return static_cast<double>(count > limits::shape_count_per_body_max ? count : limits::shape_count_per_body_max) - 1;
+}
+
+TableSchema touch_table(const Model& model, const char* name, const char* const (&columns)[4]) {
+  return {name,
+          {
+              whole(columns[0], ScalarType::u32, 1, offsetof(TouchRow, body_a), id_max, body_table),
+              whole(columns[1], ScalarType::u32, 1, offsetof(TouchRow, child_a), child_max(model)),
+              whole(columns[2], ScalarType::u32, 1, offsetof(TouchRow, body_b), id_max, body_table),
+              whole(columns[3], ScalarType::u32, 1, offsetof(TouchRow, child_b), child_max(model)),
+          },
+          sizeof(TouchRow),
+          4};
+}
+
+TableSchema event_table(const Model& model) {
+  constexpr std::size_t touch = offsetof(EventRow, touch);
+  return {"events",
+          {
+              whole("kind", ScalarType::u32, 1, offsetof(EventRow, kind), event_kind_count - 1),
+              whole("body_a", ScalarType::u32, 1, touch + offsetof(TouchRow, body_a), id_max),
+              whole("child_a", ScalarType::u32, 1, touch + offsetof(TouchRow, child_a), child_max(model)),
+              whole("body_b", ScalarType::u32, 1, touch + offsetof(TouchRow, body_b), id_max),
+              whole("child_b", ScalarType::u32, 1, touch + offsetof(TouchRow, child_b), child_max(model)),
+          },
+          sizeof(EventRow),
+          5};
+}
+
+/// Whether the bodies of a row, which exist, have the children it names.
+bool has_children(const Model& model, const State& state, const TouchRow& row) {
+  const BodyModel& a = model.bodies[state.bodies[state.find_body(row.body_a)].source];
+  const BodyModel& b = model.bodies[state.bodies[state.find_body(row.body_b)].source];
+  return row.child_a < a.shape_count && row.child_b < b.shape_count;
+}
+
 }  // namespace
 
 std::size_t State::find_body(std::uint32_t id) const {
@@ -116,19 +155,18 @@ StateSchema make_schema(const Model& model, StateTables tables) {
                            sizeof(BodyRow),
                            1});
   if (tables.contacts)
-    schema.tables.push_back(
-        {"contacts",
-         {
-             whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
-             whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), limits::shape_count_per_body_max - 1),
-             whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
-             whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), limits::shape_count_per_body_max - 1),
-             whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
-             real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
-             real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
-         },
-         sizeof(ContactRow),
-         4});
+    schema.tables.push_back({"contacts",
+                             {
+                                 whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
+                                 whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), child_max(model)),
+                                 whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
+                                 whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), child_max(model)),
+                                 whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
+                                 real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
+                                 real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
+                             },
+                             sizeof(ContactRow),
+                             4});
   if (tables.pointers)
     schema.tables.push_back(
         {"pointers",
@@ -141,6 +179,11 @@ StateSchema make_schema(const Model& model, StateTables tables) {
          },
          sizeof(PointerRow),
          1});
+  if (tables.touching)
+    schema.tables.push_back(touch_table(model, "touching", {"body_a", "child_a", "body_b", "child_b"}));
+  if (tables.sensors)
+    schema.tables.push_back(touch_table(model, "sensors", {"sensor", "sensor_child", "visitor", "visitor_child"}));
+  if (tables.events) schema.tables.push_back(event_table(model));
   if (tables.joints)
     schema.tables.push_back({"joints",
                              {
@@ -190,6 +233,9 @@ void update_view(const State& state, StateTables tables, StateView& view) {
   view.tables.push_back(rows_of(state.bodies));
   if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
   if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
+  if (tables.touching) view.tables.push_back(rows_of(state.touching));
+  if (tables.sensors) view.tables.push_back(rows_of(state.sensors));
+  if (tables.events) view.tables.push_back(rows_of(state.events));
   if (tables.joints) view.tables.push_back(rows_of(state.joints));
   if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
   if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
@@ -210,19 +256,18 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
     load_rows(schema.tables[table], (*parts)[table], loaded.contacts);
     ++table;
   }
-  if (tables.pointers) {
-    load_rows(schema.tables[table], (*parts)[table], loaded.pointers);
+  const auto load_next = [&](bool owned, auto& rows) {
+    if (!owned) return;
+    load_rows(schema.tables[table], (*parts)[table], rows);
     ++table;
-  }
-  if (tables.joints) {
-    load_rows(schema.tables[table], (*parts)[table], loaded.joints);
-    ++table;
-  }
-  if (tables.sleep) {
-    load_rows(schema.tables[table], (*parts)[table], loaded.sleep);
-    ++table;
-  }
-  if (tables.substeps) load_rows(schema.tables[table], (*parts)[table], loaded.substeps);
+  };
+  load_next(tables.pointers, loaded.pointers);
+  load_next(tables.touching, loaded.touching);
+  load_next(tables.sensors, loaded.sensors);
+  load_next(tables.events, loaded.events);
+  load_next(tables.joints, loaded.joints);
+  load_next(tables.sleep, loaded.sleep);
+  load_next(tables.substeps, loaded.substeps);
 
   if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
   if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)
@@ -240,6 +285,15 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
     if (contact.body_a >= contact.body_b || contact.child_a >= a.shape_count || contact.child_b >= b.shape_count)
       return image_error("contacts[" + std::to_string(row) + "]: names a shape that its body has not");
   }
+  for (const TouchRow& row : loaded.touching)
+    if (row.body_a >= row.body_b || !has_children(model, loaded, row))
+      return image_error("touching: names a shape that its body has not");
+  for (const TouchRow& row : loaded.sensors)
+    if (row.body_a == row.body_b || !has_children(model, loaded, row))
+      return image_error("sensors: names a shape that its body has not");
+  for (const EventRow& row : loaded.events)
+    if (row.touch.body_a >= loaded.world.next_id || row.touch.body_b >= loaded.world.next_id)
+      return image_error("events: names a body that never was");
   for (const PointerRow& pointer : loaded.pointers)
     if (model.bodies[loaded.bodies[loaded.find_body(pointer.body)].source].type != BodyType::dynamic_body)
       return image_error("pointers: player " + std::to_string(pointer.player) + " holds a body that is not dynamic");

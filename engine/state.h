@@ -39,6 +39,23 @@ struct ContactRow {
 };
 inline constexpr std::uint32_t no_feature = 0xffffffff;
 
+/// Two children that touch. Rows ascend by all four.
+struct TouchRow {
+  std::uint32_t body_a;   // id; of a contact the smaller one, else the sensor's
+  std::uint32_t child_a;  // index of the shape in its body
+  std::uint32_t body_b;   // id; of the visitor
+  std::uint32_t child_b;
+};
+
+enum class EventKind : std::uint32_t { contact_begin, contact_end, sensor_begin, sensor_end };
+inline constexpr std::uint32_t event_kind_count = 4;
+
+/// What began or ended in this tick. Rows ascend by (kind, touch); the bodies may be gone.
+struct EventRow {
+  std::uint32_t kind;  // EventKind
+  TouchRow touch;
+};
+
 /// A pointer that holds a body.
 struct PointerRow {
   std::uint32_t player;
@@ -81,6 +98,8 @@ struct SubstepRow {
 static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
 static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
+static_assert(sizeof(TouchRow) == 16);
+static_assert(sizeof(EventRow) == 20);
 static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
 static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
@@ -90,6 +109,9 @@ static_assert(sizeof(SubstepRow) == 12);
 struct StateTables {
   bool contacts = false;
   bool pointers = false;
+  bool touching = false;
+  bool sensors = false;
+  bool events = false;
   bool joints = false;
   bool sleep = false;
   bool substeps = false;
@@ -99,6 +121,9 @@ struct State {
   std::vector<BodyRow> bodies;  // ascending by id
   std::vector<ContactRow> contacts;
   std::vector<PointerRow> pointers;  // ascending by player
+  std::vector<TouchRow> touching;    // contacts with a point of no or negative separation
+  std::vector<TouchRow> sensors;     // overlaps with sensors
+  std::vector<EventRow> events;      // of this tick
   std::vector<JointRow> joints;      // ascending by joint
   std::vector<SleepRow> sleep;       // [body], or empty
   std::vector<SubstepRow> substeps;  // [body], or empty

@@ -105,6 +105,9 @@ class World final : public Engine {
     if (name == "pointers" && row < state_.pointers.size())
       return "player " + std::to_string(state_.pointers[row].player) + " / " + body_name(state_.pointers[row].body);
     if (name == "joints" && row < state_.joints.size()) return joint_name(state_.joints[row].joint);
+    if (name == "touching" && row < state_.touching.size()) return touch_name(state_.touching[row]);
+    if (name == "sensors" && row < state_.sensors.size()) return touch_name(state_.sensors[row]);
+    if (name == "events" && row < state_.events.size()) return touch_name(state_.events[row].touch);
     return "";
   }
 
@@ -199,6 +202,9 @@ class World final : public Engine {
   std::string joint_name(std::uint32_t joint) const {
     const std::string& name = model_.scene.joints[joint].name;
     return name.empty() ? "joint#" + std::to_string(joint) : name;
+  }
+  std::string touch_name(const TouchRow& row) const {
+    return body_name(row.body_a) + " / " + body_name(row.body_b);
   }
 
   Model model_;

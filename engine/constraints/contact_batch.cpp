@@ -80,6 +80,12 @@ void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& p
   out.approach.at[lane] = dot(velocity_b - velocity_a, normal);
 }
 
+void fill_surface(SurfaceLanes& out, int lane, const TouchingPair& pair, Real inv_inertia) {
+  out.tangent_speed.at[lane] = pair.tangent_speed;
+  out.rolling_resistance.at[lane] = pair.rolling_resistance;
+  out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
+}
+
 }  // namespace
 
 Real soft_contact_stiffness(Real h) {
@@ -95,6 +101,11 @@ ContactStiffness soft_contacts(Real h) {
 ContactStiffness baumgarte_contacts(Real h) {
   const Softness rigid{baumgarte / h, 1, 0};
   return {rigid, rigid, Real(0.005)};
+}
+
+void clear_contacts(Scratch& scratch) {
+  scratch.contact_batches.batches.clear();
+  scratch.contact_batches.surfaces.clear();
 }
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
@@ -126,6 +137,7 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
   group.first_batch = static_cast<std::uint32_t>(next);
   group.batch_end = static_cast<std::uint32_t>(next + batch_count);
   out.batches.resize(next + batch_count);
+  out.surfaces.resize(model.has_surfaces ? next + batch_count : 0);
   for (int color = 0; color < color_total; ++color) {
     const std::uint32_t per_batch = color % group_color_count == overflow_color ? 1 : lane_count;
     for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += per_batch) {
@@ -163,6 +175,7 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
         batch.bias_rate.at[lane] = softness.bias_rate;
         batch.mass_scale.at[lane] = softness.mass_scale;
         batch.impulse_scale.at[lane] = softness.impulse_scale;
+        if (model.has_surfaces) fill_surface(out.surfaces[next - 1], lane, pair, a.inv_inertia + b.inv_inertia);
         const Real slop = stiffness.slop * pair.size;
         for (int i = 0; i < pair.manifold.point_count; ++i)
           fill_point(batch, lane, i, pair.manifold.points[i], state.contacts[contact],

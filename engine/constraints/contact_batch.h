@@ -53,8 +53,17 @@ struct ContactBatch {
   ContactPointLanes points[2];
 };
 
+/// What conveyors and rolling resistance add to a batch.
+struct SurfaceLanes {
+  Lanes tangent_speed;       // m/s, of B's surface seen from A's, along right_turn(normal)
+  Lanes rolling_resistance;  // m, torque per normal force
+  Lanes rolling_mass;        // effective mass of the relative turn, kg m^2
+  Lanes rolling_impulse;     // N m s, accumulated in this substep
+};
+
 struct ContactBatches {
   std::vector<ContactBatch> batches;       // in solving order
+  std::vector<SurfaceLanes> surfaces;      // [batch]; empty where no material of the scene has either
   std::vector<std::uint8_t> colors;        // [contact]
   std::vector<std::uint32_t> body_colors;  // [body] bit set
   std::vector<std::uint32_t> sorted;       // contacts by colour
@@ -75,6 +84,9 @@ ContactStiffness soft_contacts(Real h);
 ContactStiffness baumgarte_contacts(Real h);
 /// N/m of a soft contact point per kg of effective mass, for substeps of length h.
 Real soft_contact_stiffness(Real h);
+
+/// Forgets the batches of the last tick.
+void clear_contacts(Scratch& scratch);
 
 /// Colours and packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h.
 /// Appends to the batches and notes the range in `group`. Requires: scratch.bodies filled (prepare_bodies).

@@ -3,6 +3,7 @@
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
 #include <span>
+#include <type_traits>
 
 #include "engine/constraints/contact_batch.h"
 #include "engine/math/wide.h"
@@ -142,12 +143,15 @@ void solve_normal(const Group& group, const Masses& masses, ContactPointLanes& p
   apply(masses, r, change * nx, change * ny, a, b);
 }
 
-void solve_friction(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny, Velocities& a,
-                    Velocities& b) {
+/// `surface`: null, or what the surfaces do by themselves.
+template <typename Surface>
+void solve_friction(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny,
+                    Surface* surface, Velocities& a, Velocities& b) {
   const Anchors r = load_anchors(group, point);
   const Wide tx = ny;
   const Wide ty = -nx;
-  const Wide vt = relative_velocity(r, a, b, tx, ty);
+  Wide vt = relative_velocity(r, a, b, tx, ty);
+  if constexpr (!std::is_same_v<Surface, void>) vt += group.load(surface->tangent_speed);
   const Wide old_impulse = group.load(point.tangent_impulse);
   const Wide limit = group.load(group.batch.friction) * group.load(point.normal_impulse);
   const Wide wanted = old_impulse - group.load(point.tangent_mass) * vt;
@@ -157,11 +161,26 @@ void solve_friction(const Group& group, const Masses& masses, ContactPointLanes&
   apply(masses, r, change * tx, change * ty, a, b);
 }
 
-template <Bias bias>
-void solve_batches(Scratch& scratch, const SolveGroup& group_of_batches) {
+/// A torque against the relative turn, at most rolling resistance times normal force.
+void solve_rolling(const Group& group, const Masses& masses, SurfaceLanes& surface, Velocities& a, Velocities& b) {
+  const Wide pressed =
+      group.load(group.batch.points[0].normal_impulse) + group.load(group.batch.points[1].normal_impulse);
+  const Wide limit = group.load(surface.rolling_resistance) * pressed;
+  const Wide old_impulse = group.load(surface.rolling_impulse);
+  const Wide wanted = old_impulse - group.load(surface.rolling_mass) * (b.w - a.w);
+  const Wide impulse = larger(smaller(wanted, limit), -limit);
+  group.store(surface.rolling_impulse, impulse);
+  const Wide change = impulse - old_impulse;
+  a.w -= masses.inv_inertia_a * change;
+  b.w += masses.inv_inertia_b * change;
+}
+
+/// Surface: void, or SurfaceLanes where materials of the scene need them.
+template <Bias bias, typename Surface>
+void solve_batches(Scratch& scratch, Surface* surface, const SolveGroup& group_of_batches) {
   MovingBody* bodies = scratch.bodies.data();
   const Wide inv_h = spread(1 / group_of_batches.h);
-  for (ContactBatch& batch : batches_of(scratch, group_of_batches))
+  for (ContactBatch& batch : batches_of(scratch, group_of_batches)) {
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Velocities a = gather_velocities(bodies, batch.read_a + first);
@@ -173,15 +192,28 @@ void solve_batches(Scratch& scratch, const SolveGroup& group_of_batches) {
       const Wide ny = group.load(batch.normal_y);
       for (ContactPointLanes& point : batch.points)
         solve_normal<bias>(group, masses, point, nx, ny, ma, mb, inv_h, a, b);
-      for (ContactPointLanes& point : batch.points) solve_friction(group, masses, point, nx, ny, a, b);
+      for (ContactPointLanes& point : batch.points) solve_friction(group, masses, point, nx, ny, surface, a, b);
+      if constexpr (!std::is_same_v<Surface, void>) solve_rolling(group, masses, *surface, a, b);
       scatter(bodies, batch.write_a + first, a);
       scatter(bodies, batch.write_b + first, b);
     }
+    if constexpr (!std::is_same_v<Surface, void>) ++surface;
+  }
+}
+
+template <Bias bias>
+void solve_all(Scratch& scratch, const SolveGroup& group) {
+  std::vector<SurfaceLanes>& surfaces = scratch.contact_batches.surfaces;
+  if (surfaces.empty())
+    solve_batches<bias>(scratch, static_cast<void*>(nullptr), group);
+  else
+    solve_batches<bias>(scratch, surfaces.data() + group.first_batch, group);
 }
 
 }  // namespace
 
 void warm_start_contacts(Scratch& scratch, const SolveGroup& group_of_batches) {
+  for (SurfaceLanes& surface : scratch.contact_batches.surfaces) surface.rolling_impulse = {};
   MovingBody* bodies = scratch.bodies.data();
   for (ContactBatch& batch : batches_of(scratch, group_of_batches))
     for (int first = 0; first < batch.count; first += wide_count) {
@@ -203,9 +235,9 @@ void warm_start_contacts(Scratch& scratch, const SolveGroup& group_of_batches) {
 
 void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
   if (bias == Bias::on)
-    solve_batches<Bias::on>(scratch, group);
+    solve_all<Bias::on>(scratch, group);
   else
-    solve_batches<Bias::off>(scratch, group);
+    solve_all<Bias::off>(scratch, group);
 }
 
 bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {

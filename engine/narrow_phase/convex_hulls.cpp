@@ -6,6 +6,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+constexpr Real degenerate_share = Real(1e-4);
+
 std::uint32_t edge_count(const Hull& hull) {
   return hull.count == 2 ? 1 : hull.count;
 }
@@ -84,10 +86,8 @@ Manifold between_points(const ClosestPoints& closest, Real radius_a, Real radius
   // Vertices count from 0, edges from 16.
   const std::uint32_t feature_a = closest.vertex_a == no_vertex ? 16 + closest.edge_a : closest.vertex_a;
   const std::uint32_t feature_b = closest.vertex_b == no_vertex ? 16 + closest.edge_b : closest.vertex_b;
-  manifold.points[0] = {closest.on_a + (radius_a + Real(0.5) * separation) * normal,
-                        {},
-                        separation,
-                        feature_of(feature_a, feature_b)};
+  manifold.points[0] = {
+      closest.on_a + (radius_a + Real(0.5) * separation) * normal, {}, separation, feature_of(feature_a, feature_b)};
   return manifold;
 }
 
@@ -106,7 +106,9 @@ Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_
   const Real lower_b = dot(begin_b - begin_a, tangent);
   const Real upper_b = dot(b.vertices[b1] - begin_a, tangent);
   Manifold manifold;
-  if (upper_b < 0 || lower_b > end_a) return manifold;
+  const Real common = smaller(end_a, upper_b) - larger(0, lower_b);
+  // Edges that run apart from one point have a common width of nothing but rounding.
+  if (!(common >= degenerate_share * smaller(end_a, upper_b - lower_b))) return manifold;
 
   manifold.normal = normal;
   const auto add = [&](Vec2 on_a, Vec2 on_b, std::uint32_t vertex_a, std::uint32_t vertex_b) {

@@ -68,6 +68,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
   for (const Pair& pair : scratch.pairs) {
     const Proxy& proxy_a = scratch.proxies[pair.first];
     const Proxy& proxy_b = scratch.proxies[pair.second];
+    if (proxy_a.is_sensor || proxy_b.is_sensor) continue;  // the events stage has those
     const BodyRow& body_a = state.bodies[proxy_a.body];
     const BodyRow& body_b = state.bodies[proxy_b.body];
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
@@ -76,10 +77,11 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b);
     if (manifold.point_count == 0) continue;
 
-    scratch.touching.push_back({proxy_a.body, proxy_b.body,
-                                mix(settings.friction_mix, shape_a.friction, shape_b.friction),
-                                mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution),
-                                smaller(shape_a.size, shape_b.size), shape_a.radius, shape_b.radius, manifold});
+    scratch.touching.push_back(
+        {proxy_a.body, proxy_b.body, mix(settings.friction_mix, shape_a.friction, shape_b.friction),
+         mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution), smaller(shape_a.size, shape_b.size),
+         shape_a.radius, shape_b.radius, shape_a.tangent_speed + shape_b.tangent_speed,
+         larger(shape_a.rolling_resistance, shape_b.rolling_resistance), manifold});
     ContactRow row{body_a.id, proxy_a.child, body_b.id, proxy_b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
     for (int i = 0; i < manifold.point_count; ++i) row.feature[i] = manifold.points[i].feature;
     while (old_index < state.contacts.size() && comes_before(state.contacts[old_index], row)) ++old_index;

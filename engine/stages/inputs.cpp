@@ -211,6 +211,15 @@ void remove_body(State& state, Scratch& scratch, std::size_t row) {
   erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
   erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
   erase_where(state.joints, [id](const JointRow& joint) { return joint.body_a == id || joint.body_b == id; });
+  // Their ends are events of this tick.
+  const auto move_touches = [id](std::vector<TouchRow>& rows, std::vector<TouchRow>& removed) {
+    const auto has_body = [id](const TouchRow& touch) { return touch.body_a == id || touch.body_b == id; };
+    for (const TouchRow& touch : rows)
+      if (has_body(touch)) removed.push_back(touch);
+    erase_where(rows, has_body);
+  };
+  move_touches(state.touching, scratch.removed_touching);
+  move_touches(state.sensors, scratch.removed_sensors);
 }
 
 void apply_inputs(const Model& model, State& state, Scratch& scratch, Real) {

@@ -39,6 +39,28 @@ inline Shape polygon_shape(std::vector<Point> vertices) {
   return shape;
 }
 
+inline Shape capsule_shape(Point a, Point b, double radius) {
+  Shape shape;
+  shape.kind = ShapeKind::capsule;
+  shape.vertices = {a, b};
+  shape.radius = radius;
+  return shape;
+}
+
+inline Shape segment_shape(Point a, Point b) {
+  Shape shape;
+  shape.kind = ShapeKind::segment;
+  shape.vertices = {a, b};
+  return shape;
+}
+
+inline Shape chain_shape(std::vector<Point> points) {
+  Shape shape;
+  shape.kind = ShapeKind::chain;
+  shape.vertices = std::move(points);
+  return shape;
+}
+
 inline Body body_of(Shape shape, Point position, BodyType type = BodyType::dynamic_body) {
   Body body;
   body.type = type;

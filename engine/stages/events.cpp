@@ -1,0 +1,101 @@
+// Begin and end of contacts, and of overlaps with sensors, as rows of this tick.
+// SPDX-License-Identifier: MIT
+//
+// What touches is compared with what touched in the tick before; both are sorted by ids, so one walk over both finds
+// every difference, in an order that no broad phase can change.
+#include "engine/narrow_phase/narrow_phase.h"
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+bool comes_before(const TouchRow& a, const TouchRow& b) {
+  if (a.body_a != b.body_a) return a.body_a < b.body_a;
+  if (a.child_a != b.child_a) return a.child_a < b.child_a;
+  if (a.body_b != b.body_b) return a.body_b < b.body_b;
+  return a.child_b < b.child_b;
+}
+
+/// Merge sort, bottom up.
+void sort_rows(std::vector<TouchRow>& rows, std::vector<TouchRow>& buffer) {
+  buffer.resize(rows.size());
+  for (std::size_t width = 1; width < rows.size(); width *= 2) {
+    for (std::size_t begin = 0; begin < rows.size(); begin += 2 * width) {
+      const std::size_t middle = begin + width < rows.size() ? begin + width : rows.size();
+      const std::size_t end = begin + 2 * width < rows.size() ? begin + 2 * width : rows.size();
+      std::size_t left = begin, right = middle;
+      for (std::size_t i = begin; i < end; ++i) {
+        const bool take_left = left < middle && (right == end || !comes_before(rows[right], rows[left]));
+        buffer[i] = take_left ? rows[left++] : rows[right++];
+      }
+    }
+    rows.swap(buffer);
+  }
+}
+
+bool touches(const Manifold& manifold) {
+  bool any = false;
+  for (int i = 0; i < manifold.point_count; ++i) any = any || manifold.points[i].separation <= 0;
+  return any;
+}
+
+/// Adds a row of `kind` for each row of `present` that `past` has not. Both are sorted.
+void add_events(EventKind kind, const std::vector<TouchRow>& present, const std::vector<TouchRow>& past,
+                std::vector<EventRow>& events) {
+  std::size_t at = 0;
+  for (const TouchRow& row : present) {
+    while (at < past.size() && comes_before(past[at], row)) ++at;
+    if (at < past.size() && !comes_before(row, past[at])) continue;
+    events.push_back({static_cast<std::uint32_t>(kind), row});
+  }
+}
+
+/// Replaces `past` by `present` and tells what changed. `removed`: rows of `past` whose bodies went in this tick.
+void compare(EventKind begin, EventKind end, std::vector<TouchRow>& past, std::vector<TouchRow>& present,
+             std::vector<TouchRow>& removed, std::vector<TouchRow>& buffer, std::vector<EventRow>& events) {
+  sort_rows(present, buffer);
+  past.insert(past.end(), removed.begin(), removed.end());
+  sort_rows(past, buffer);
+  add_events(begin, present, past, events);
+  add_events(end, past, present, events);
+  past.swap(present);
+}
+
+void find_contact_events(State& state, Scratch& scratch) {
+  scratch.now_touching.clear();
+  for (std::size_t i = 0; i < scratch.touching.size(); ++i) {
+    if (!touches(scratch.touching[i].manifold)) continue;
+    const ContactRow& row = state.contacts[i];
+    scratch.now_touching.push_back({row.body_a, row.child_a, row.body_b, row.child_b});
+  }
+  compare(EventKind::contact_begin, EventKind::contact_end, state.touching, scratch.now_touching,
+          scratch.removed_touching, scratch.touch_buffer, state.events);
+  scratch.removed_touching.clear();
+}
+
+void find_sensor_events(const Model& model, State& state, Scratch& scratch) {
+  scratch.now_touching.clear();
+  for (const Pair& pair : scratch.pairs) {
+    const Proxy& a = scratch.proxies[pair.first];
+    const Proxy& b = scratch.proxies[pair.second];
+    if (!a.is_sensor && !b.is_sensor) continue;
+    const BodyRow& body_a = state.bodies[a.body];
+    const BodyRow& body_b = state.bodies[b.body];
+    if (!touches(collide(model, model.shapes[a.shape], model.shapes[b.shape], body_a, body_b))) continue;
+    scratch.now_touching.push_back(a.is_sensor ? TouchRow{body_a.id, a.child, body_b.id, b.child}
+                                               : TouchRow{body_b.id, b.child, body_a.id, a.child});
+  }
+  compare(EventKind::sensor_begin, EventKind::sensor_end, state.sensors, scratch.now_touching, scratch.removed_sensors,
+          scratch.touch_buffer, state.events);
+  scratch.removed_sensors.clear();
+}
+
+}  // namespace
+
+void find_events(const Model& model, State& state, Scratch& scratch, Real) {
+  state.events.clear();
+  if (model.scene.settings.events) find_contact_events(state, scratch);
+  if (model.has_sensors) find_sensor_events(model, state, scratch);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
