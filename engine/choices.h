@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,7 +14,17 @@ namespace ticktrue::engine {
 
 enum class Precision : std::uint8_t { f32, f64 };
 enum class SolverKind : std::uint8_t { free_flight, impulse, tgs_soft, pgs };
-enum class IntegratorKind : std::uint8_t { semi_implicit_euler };
+enum class IntegratorKind : std::uint8_t {
+  semi_implicit_euler,
+  explicit_euler,
+  velocity_verlet,
+  position_verlet,
+  rk4,
+  yoshida4,
+  implicit_midpoint,
+  thesis_verlet,
+  thesis_rk4
+};
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
@@ -47,12 +58,32 @@ inline constexpr std::array<SolverInfo, 4> solvers{{
     {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false, true},
 }};
 
+inline constexpr double always_stable = std::numeric_limits<double>::infinity();
+
 struct IntegratorInfo : Choice<IntegratorKind> {
   int order;
-  bool carries_constraints;  // false: a scene with contacts or joints is refused
+  double stability_limit;     // largest w h at which an undamped oscillation does not grow; 0: it always grows
+  bool carries_constraints;   // false: a scene with contacts or joints is refused
+  std::string_view why_free;  // why it carries none
 };
-inline constexpr std::array<IntegratorInfo, 1> integrators{{
-    {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, true},
+inline constexpr std::array<IntegratorInfo, 9> integrators{{
+    {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, 2, true, ""},
+    {{IntegratorKind::explicit_euler, "explicit_euler", "oscillations grow at every step"}, 1, 0, true, ""},
+    {{IntegratorKind::velocity_verlet, "velocity_verlet", "kick, drift, kick; symplectic"}, 2, 2, true, ""},
+    {{IntegratorKind::position_verlet, "position_verlet", "drift, kick, drift; symplectic"}, 2, 2, true, ""},
+    {{IntegratorKind::rk4, "rk4", "the classical Runge-Kutta scheme"}, 4, 2.8284271247461903, true, ""},
+    {{IntegratorKind::yoshida4, "yoshida4", "three Verlet steps; symplectic"},
+     4,
+     1.5734,
+     false,
+     "its middle stage runs backwards in time"},
+    {{IntegratorKind::implicit_midpoint, "implicit_midpoint", "implicit, symplectic, stable for every step"},
+     2,
+     always_stable,
+     false,
+     "its Newton iteration knows no contact impulses"},
+    {{IntegratorKind::thesis_verlet, "thesis_verlet", "as printed in the thesis"}, 1, 0, true, ""},
+    {{IntegratorKind::thesis_rk4, "thesis_rk4", "as printed in the thesis"}, 1, 0, true, ""},
 }};
 
 inline constexpr std::array<Choice<BroadPhaseKind>, 3> broad_phases{{

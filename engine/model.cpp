@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/model.h"
 
+#include "engine/forces/forces.h"
 #include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
 
@@ -229,6 +230,7 @@ Model make_model(const Scene& scene) {
   for (const Body& body : scene.prototypes) add_body(model, body, known);
 
   make_joints(model);
+  add_forces(model);
 
   model.restitution_threshold = static_cast<Real>(scene.settings.restitution_threshold);
   model.can_collide = info_of(solvers, scene.settings.solver).solves_constraints && engine::can_collide(scene);

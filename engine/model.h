@@ -12,6 +12,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+struct Model;
+
 /// What the narrow phase tells apart.
 enum class ShapeFamily : std::uint8_t {
   circle,
@@ -61,8 +63,8 @@ struct BodyModel {
   Real inv_inertia = 0;          // 1/(kg m^2)
   Real impulse_inv_inertia = 0;  // what the thesis' formulas give; used by the `impulse` solver alone
   Vec2 center;                   // of mass, from the body's origin in its frame, m
-  Real linear_damping = 0;       // 1/s
-  Real angular_damping = 0;      // 1/s
+  Real linear_damping = 0;       // 1/s, with linear drags
+  Real angular_damping = 0;      // 1/s, with linear drags
   Real gravity_scale = 1;
   Real size = 0;   // of the smallest shape, m
   Real reach = 0;  // of the farthest point from the centre of mass, m
@@ -70,6 +72,39 @@ struct BodyModel {
   std::uint32_t first_shape = 0;  // in Model::body_shapes
   std::uint32_t shape_count = 0;  // children: one for each shape, for a chain one for each edge
 };
+
+/// Force element: an acceleration of strength * |r|^exponent towards a centre.
+struct CentralForce {
+  bool every = true;       // acts on every dynamic body; else on one
+  std::uint32_t body = 0;  // id of that body
+  Vec2 center;             // m
+  Real strength = 0;       // 1/(s^2 m^(exponent - 1)); > 0 attracts
+  int exponent = 0;
+};
+
+/// Force element: spring and damper along the line between two points.
+struct SpringForce {
+  std::uint32_t body = 0;   // id
+  std::uint32_t other = 0;  // id; no_reference: the second point is fixed in the world
+  Vec2 anchor;              // from the body's centre of mass, in its frame, m
+  Vec2 point;               // from the other's centre of mass, in its frame, or of the world, m
+  Real stiffness = 0;       // N/m
+  Real damping = 0;         // N s/m
+  Real rest_length = 0;     // m
+};
+
+/// What the force elements of a scene add to a body, per source.
+struct BodyForces {
+  Vec2 acceleration;                // m/s^2: constant forces, and linear drag in the wind
+  Real angular_acceleration = 0;    // rad/s^2
+  Real quadratic_drag = 0;          // 1/m
+  Real angular_quadratic_drag = 0;  // 1/rad
+};
+
+struct State;
+struct Scratch;
+/// Adds the accelerations of forces that depend on positions, at the poses of scratch.bodies, to scratch.accelerations.
+using PositionForces = void (*)(const Model& model, const State& state, Scratch& scratch);
 
 struct Model {
   Scene scene;
@@ -84,6 +119,13 @@ struct Model {
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
 
   std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn
+
+  std::vector<BodyForces> body_forces;  // [source]; empty where the scene has no force elements
+  std::vector<CentralForce> centrals;
+  std::vector<SpringForce> springs;
+  Vec2 wind;                                 // m/s, the air's velocity
+  PositionForces position_forces = nullptr;  // null where no force depends on positions
+  bool has_velocity_forces = false;          // quadratic drags or dampers; linear drags are part of the damping
 
   Real restitution_threshold = 1;  // m/s
   bool can_collide = false;

@@ -66,6 +66,8 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   pipeline.tables.substeps = settings.auto_substeps.has_value();
   pipeline.tables.pointers = model.has_pointer;
   pipeline.tables.joints = !model.joints.empty();
+  pipeline.tables.accelerations = keeps_accelerations(model);
+  pipeline.tables.integrator = model.scene.settings.integrator == IntegratorKind::implicit_midpoint;
   return pipeline;
 }
 

@@ -29,6 +29,13 @@ constexpr double tolerance_min = 1e-12;  // m and rad, of the adaptive clock
 constexpr double tolerance_max = 1;
 constexpr double exponent_max = 3;  // of central forces, either sign
 
+/// Whether the filter of some shape lets it meet anything: an empty mask does not.
+bool touches_something(const Body& body) {
+  for (const Shape& shape : body.shapes)
+    if (shape.filter.mask != 0 || shape.filter.group > 0) return true;
+  return false;
+}
+
 bool is_finite(double value) {
   return value - value == 0;
 }
@@ -740,7 +747,8 @@ class Checker {
                   "use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
     if (!integrator.carries_constraints && (collide || joint_count > 0 || scene_.pointer))
       return fail(ErrorCode::incompatible, "settings.integrator",
-                  std::string(integrator.name) + " carries no contacts, no joints and no pointer: found " +
+                  std::string(integrator.name) + " carries no contacts, no joints and no pointer (" +
+                      std::string(integrator.why_free) + "): found " +
                       (joint_count > 0 ? joints
                        : collide       ? "bodies that may collide"
                                        : "a pointer"),
@@ -776,7 +784,6 @@ class Checker {
   bool check_built() {
     const Settings& settings = scene_.settings;
     const Settings unset;
-    if (!scene_.forces.empty()) return refuse("forces", "not built yet: found some, expected none");
     if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
     if (settings.clock != unset.clock) return refuse("settings.clock", "not built yet: expected fixed");
     return true;
@@ -796,14 +803,16 @@ class Checker {
 bool can_collide(const Scene& scene) {
   // What can exist: the bodies, and any number of each prototype that inputs may spawn.
   std::size_t dynamic_count = 0, fixed_count = 0;
-  for (const Body& body : scene.bodies) ++(body.type == BodyType::dynamic_body ? dynamic_count : fixed_count);
+  for (const Body& body : scene.bodies)
+    if (touches_something(body)) ++(body.type == BodyType::dynamic_body ? dynamic_count : fixed_count);
   const bool spawns = declares(scene, InputKind::spawn);
   const bool presses = scene.pointer && declares(scene, InputKind::press);
   for (const Body& prototype : scene.prototypes) {
     bool can_come = spawns;
     if (presses)
       for (const std::string& name : scene.pointer->spawns) can_come = can_come || name == prototype.name;
-    if (can_come) (prototype.type == BodyType::dynamic_body ? dynamic_count : fixed_count) += 2;
+    if (can_come && touches_something(prototype))
+      (prototype.type == BodyType::dynamic_body ? dynamic_count : fixed_count) += 2;
   }
   return dynamic_count >= 1 && dynamic_count + fixed_count >= 2;
 }

@@ -33,6 +33,15 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.touch_buffer);
   poison_rows(scratch.bodies);
   poison_rows(scratch.velocity_steps);
+  poison_rows(scratch.constant_accelerations);
+  poison_rows(scratch.accelerations);
+  poison_rows(scratch.velocity_offsets);
+  poison_rows(scratch.previous_accelerations);
+  poison_rows(scratch.stages);
+  poison_rows(scratch.springs);
+  poison_rows(scratch.central_rows);
+  poison_rows(scratch.spring_blocks);
+  for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
   poison_rows(scratch.contact_batches.batches);
   poison_rows(scratch.contact_batches.surfaces);
   poison_rows(scratch.contact_batches.colors);

@@ -78,6 +78,43 @@ struct FreeMotion {
   Real angular_gain;  // s
 };
 
+/// A linear and an angular part: of an acceleration, or of a change of velocity.
+struct Twist {
+  Vec2 linear;       // m/s^2 or m/s
+  Real angular = 0;  // rad/s^2 or rad/s
+};
+
+/// What a scheme with several stages keeps of a body during a substep.
+struct StageRow {
+  MovingBody start;
+  Twist velocities;     // sum over the stages so far, with their weights
+  Twist accelerations;  // likewise
+};
+
+/// A spring of this tick, with the rows of its bodies. Records at rest stand for the world.
+struct SpringRow {
+  std::uint32_t body_a;   // record of scratch.bodies
+  std::uint32_t body_b;   // record, read
+  std::uint32_t write_b;  // record, written
+  Vec2 offset;            // from A's centre of mass to B's (or the point of the world) when the tick began, m
+  Vec2 arm_a;             // from A's centre of mass when the tick began, world axes, m
+  Vec2 arm_b;
+  Real inv_mass_a, inv_mass_b;        // 1/kg
+  Real inv_inertia_a, inv_inertia_b;  // 1/(kg m^2)
+  Real stiffness, damping, rest_length;
+};
+
+/// One spring in the linearised equations of implicit_midpoint.
+struct SpringBlock {
+  std::uint32_t body_a;
+  std::uint32_t body_b;
+  Vec2 along;
+  Vec2 arm_a, arm_b;    // m
+  Real stiff_along;     // kg
+  Real stiff_across;    // kg
+  Real turn_a, turn_b;  // kg m^2
+};
+
 /// FreeMotion with the accelerations of one body put in, for one substep.
 struct VelocityStep {
   Vec2 velocity;          // m/s
@@ -124,6 +161,7 @@ struct Scratch {
   // islands
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
   std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
+  std::uint32_t group_index = 0;               // of that group
   std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
   std::vector<std::uint32_t> group_contacts;   // in `touching`
   std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
@@ -145,9 +183,19 @@ struct Scratch {
 
   // solver
   std::vector<MovingBody> bodies;
-  std::vector<FreeMotion> free_motion;       // [source], for steps of free_motion_step
-  Real free_motion_step = 0;                 // s; 0: not computed yet
-  std::vector<VelocityStep> velocity_steps;  // [body]
+  std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
+  Real free_motion_step = 0;                  // s; 0: not computed yet
+  std::vector<VelocityStep> velocity_steps;   // [body]
+  std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
+  std::vector<Twist> accelerations;           // [record] at the present stage
+  std::vector<Twist> velocity_offsets;        // [body] velocity at the end of the substep, less the drift velocity
+  std::vector<Twist> previous_accelerations;  // [body] of the substep before; empty unless the integrator needs them
+  std::vector<StageRow> stages;               // [body]
+  std::vector<SpringRow> springs;             // [spring whose bodies are there]
+  std::vector<std::uint32_t> central_rows;    // [central force] row of its one body, or no_reference
+  std::vector<SpringBlock> spring_blocks;
+  std::vector<Twist> newton[5];   // [record] diagonal, solution, residual, direction, product
+  std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
   std::vector<JointWork> joints;         // of the group that is being solved

@@ -222,6 +222,20 @@ StateSchema make_schema(const Model& model, StateTables tables) {
          },
          sizeof(SubstepRow),
          1});
+  if (tables.accelerations)
+    schema.tables.push_back({"accelerations",
+                             {
+                                 real("linear", 2, offsetof(AccelerationRow, linear)),
+                                 real("angular", 1, offsetof(AccelerationRow, angular)),
+                             },
+                             sizeof(AccelerationRow),
+                             0});
+  if (tables.integrator)
+    schema.tables.push_back(
+        {"integrator",
+         {whole("unconverged", ScalarType::u32, 1, offsetof(IntegratorRow, unconverged), no_reference)},
+         sizeof(IntegratorRow),
+         0});
   const Status status = check_schema(schema);
   TICKTRUE_ASSERT(status.has_value());
   return schema;
@@ -239,6 +253,8 @@ void update_view(const State& state, StateTables tables, StateView& view) {
   if (tables.joints) view.tables.push_back(rows_of(state.joints));
   if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
   if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
+  if (tables.accelerations) view.tables.push_back(rows_of(state.accelerations));
+  if (tables.integrator) view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.integrator), 1});
 }
 
 Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state) {
@@ -268,6 +284,16 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
   load_next(tables.joints, loaded.joints);
   load_next(tables.sleep, loaded.sleep);
   load_next(tables.substeps, loaded.substeps);
+  load_next(tables.accelerations, loaded.accelerations);
+  if (tables.accelerations && loaded.accelerations.size() != loaded.bodies.size())
+    return image_error("table accelerations: rows: found " + std::to_string(loaded.accelerations.size()) +
+                       ", expected one for each of the " + std::to_string(loaded.bodies.size()) + " bodies");
+  if (tables.integrator) {
+    if ((*parts)[table].row_count != 1)
+      return image_error("table integrator: rows: found " + std::to_string((*parts)[table].row_count) + ", expected 1");
+    decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.integrator));
+    ++table;
+  }
 
   if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
   if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)
@@ -346,12 +372,14 @@ void add_body_row(const Model& model, State& state, const BodyRow& body) {
   state.bodies.push_back(body);
   const Settings& settings = model.scene.settings;
   if (settings.sleep) state.sleep.push_back({body.id, 0, 0});
+  if (keeps_accelerations(model)) state.accelerations.push_back({});
   if (settings.auto_substeps) state.substeps.push_back({body.id, static_cast<std::uint32_t>(settings.substeps), 0});
 }
 
 void erase_body_row(State& state, std::size_t row) {
   const auto at = static_cast<std::ptrdiff_t>(row);
   state.bodies.erase(state.bodies.begin() + at);
+  if (!state.accelerations.empty()) state.accelerations.erase(state.accelerations.begin() + at);
   if (!state.sleep.empty()) state.sleep.erase(state.sleep.begin() + at);
   if (!state.substeps.empty()) state.substeps.erase(state.substeps.begin() + at);
 }

@@ -95,6 +95,17 @@ struct SubstepRow {
   std::uint32_t calm_ticks;  // that fewer would have done for
 };
 
+/// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.
+struct AccelerationRow {
+  Vec2 linear;   // m/s^2
+  Real angular;  // rad/s^2
+};
+
+/// How implicit integrators fared.
+struct IntegratorRow {
+  std::uint32_t unconverged;  // substeps whose equations were not solved to the tolerance
+};
+
 static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
 static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
@@ -104,6 +115,8 @@ static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
 static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
+static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
+static_assert(sizeof(IntegratorRow) == 4);
 
 /// Which tables a pipeline owns.
 struct StateTables {
@@ -115,18 +128,22 @@ struct StateTables {
   bool joints = false;
   bool sleep = false;
   bool substeps = false;
+  bool accelerations = false;
+  bool integrator = false;
 };
 struct State {
   WorldRow world{};
   std::vector<BodyRow> bodies;  // ascending by id
   std::vector<ContactRow> contacts;
-  std::vector<PointerRow> pointers;  // ascending by player
-  std::vector<TouchRow> touching;    // contacts with a point of no or negative separation
-  std::vector<TouchRow> sensors;     // overlaps with sensors
-  std::vector<EventRow> events;      // of this tick
-  std::vector<JointRow> joints;      // ascending by joint
-  std::vector<SleepRow> sleep;       // [body], or empty
-  std::vector<SubstepRow> substeps;  // [body], or empty
+  std::vector<PointerRow> pointers;            // ascending by player
+  std::vector<TouchRow> touching;              // contacts with a point of no or negative separation
+  std::vector<TouchRow> sensors;               // overlaps with sensors
+  std::vector<EventRow> events;                // of this tick
+  std::vector<JointRow> joints;                // ascending by joint
+  std::vector<SleepRow> sleep;                 // [body], or empty
+  std::vector<SubstepRow> substeps;            // [body], or empty
+  std::vector<AccelerationRow> accelerations;  // [body], or empty
+  IntegratorRow integrator{};
 
   /// Index of the body's row, or bodies.size().
   std::size_t find_body(std::uint32_t id) const;
@@ -137,6 +154,10 @@ struct State {
   }
 };
 
+/// Whether the model's integrator remembers accelerations.
+inline bool keeps_accelerations(const Model& model) {
+  return model.scene.settings.integrator == IntegratorKind::thesis_verlet;
+}
 StateSchema make_schema(const Model& model, StateTables tables);
 
 /// Points `view` at the rows of `state`. `view.schema` must be set.

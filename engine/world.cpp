@@ -100,6 +100,7 @@ class World final : public Engine {
   std::string row_name(std::size_t table, std::size_t row) const override {
     const std::string& name = schema_.tables[table].name;
     if (name == "bodies" && row < state_.bodies.size()) return body_name(state_.bodies[row]);
+    if (name == "accelerations" && row < state_.bodies.size()) return body_name(state_.bodies[row]);
     if (name == "contacts" && row < state_.contacts.size())
       return body_name(state_.contacts[row].body_a) + " / " + body_name(state_.contacts[row].body_b);
     if (name == "pointers" && row < state_.pointers.size())

@@ -15,6 +15,10 @@ void prepare_bodies(const State& state, Scratch& scratch) {
     const BodyRow& body = state.bodies[row];
     scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
   }
+  scratch.previous_accelerations.clear();
+  for (const AccelerationRow& row : state.accelerations)
+    scratch.previous_accelerations.push_back({row.linear, row.angular});
+  scratch.unconverged = 0;
   scratch.bodies[state.bodies.size()] = at_rest;
   scratch.bodies[state.bodies.size() + 1] = at_rest;
 }
@@ -29,6 +33,11 @@ void store_bodies(const Scratch& scratch, State& state) {
     body.velocity = moving.velocity;
     body.angular_velocity = moving.angular_velocity;
   }
+  for (std::size_t row = 0; row < state.accelerations.size(); ++row)
+    state.accelerations[row] = {scratch.previous_accelerations[row].linear,
+                                scratch.previous_accelerations[row].angular};
+  const std::uint32_t room = no_reference - state.integrator.unconverged;
+  state.integrator.unconverged += scratch.unconverged < room ? scratch.unconverged : room;
 }
 
 void store_velocities(const Scratch& scratch, State& state) {

@@ -25,6 +25,7 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
 
 void enter_group(const Model& model, const State& state, Scratch& scratch, SolveGroup& group, Real h) {
   group.h = h;
+  scratch.group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
   scratch.moving_rows = {scratch.group_rows.data() + group.first_row, group.row_end - group.first_row};
   for (const std::uint32_t row : scratch.moving_rows) {
     const BodyRow& body = state.bodies[row];

@@ -76,7 +76,6 @@ Real joint_stiffness(Real h) {
 
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   const Real h = group.h;
-  const auto group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
   scratch.joints.clear();
   scratch.joint_ranges.clear();
   const Softness soft = make_soft(hertz_times_h / h, damping_ratio, h);
@@ -95,7 +94,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
     joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
     prepare_body_a(model, state, scratch, joint, body);
     const std::uint32_t mover = joint.write_b == unread_record(scratch) ? joint.write_a : joint.write_b;
-    if (mover == unread_record(scratch) || scratch.body_group[mover] != group_index) continue;
+    if (mover == unread_record(scratch) || scratch.body_group[mover] != scratch.group_index) continue;
     joint.soft = soft;
     joint.motor_speed = row.motor_speed;
     joint.motor_impulse_max = h * row.motor_force_max;

@@ -17,7 +17,6 @@ void apply(MovingBody& body, const PointerPull& pull, Vec2 arm, Vec2 impulse) {
 
 void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   const Real h = group.h;
-  const auto group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
   scratch.pulls.clear();
   for (std::uint32_t index = 0; index < state.pointers.size(); ++index) {
     const PointerRow& row = state.pointers[index];
@@ -25,7 +24,7 @@ void prepare_pulls(const Model& model, const State& state, Scratch& scratch, con
     PointerPull pull;
     pull.pointer = index;
     pull.body = static_cast<std::uint32_t>(state.find_body(row.body));
-    if (scratch.body_group[pull.body] != group_index) continue;
+    if (scratch.body_group[pull.body] != scratch.group_index) continue;
     const BodyRow& body = state.bodies[pull.body];
     const BodyModel& constants = model.bodies[body.source];
     pull.inv_mass = constants.inv_mass;

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // A solver calls begin once per tick, then predict and drift once per substep: predict gives the velocity with which
-// bodies drift, constraints correct it, drift moves them by it.
+// bodies drift, constraints correct it, drift moves them by it and then makes it the velocity of the end of the substep
+// (which most schemes tell from the drift velocity), on which the closing pass of the solver works.
 #pragma once
 
 #include "engine/scratch.h"
@@ -21,5 +22,23 @@ const Integrator& integrator(IntegratorKind kind);
 void begin_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
 void predict_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
 void drift_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void drift_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
+void drift_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
+void predict_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

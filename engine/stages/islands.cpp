@@ -54,6 +54,12 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
   for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for (const SpringForce& spring : model.springs) {
+    if (spring.other == no_reference) continue;
+    const std::uint32_t a = row_of(state, spring.body);
+    const std::uint32_t b = row_of(state, spring.other);
+    if (a < count && b < count) meet(a, b);
+  }
 }
 
 // ---- Sleep ----

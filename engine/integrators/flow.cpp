@@ -1,0 +1,126 @@
+// The bricks that schemes are made of.
+// SPDX-License-Identifier: MIT
+#include "engine/integrators/flow.h"
+
+#include "engine/math/exponential.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
+  if (scratch.free_motion_step == h) return;
+  scratch.free_motion.clear();
+  const double step = static_cast<double>(h < 0 ? -h : h);
+  for (const BodyModel& body : model.bodies) {
+    Decay linear = decay_over(step * static_cast<double>(body.linear_damping));
+    Decay angular = decay_over(step * static_cast<double>(body.angular_damping));
+    if (h < 0) {  // backwards in time damping is growth
+      linear = {1 / linear.factor, linear.mean / linear.factor};
+      angular = {1 / angular.factor, angular.mean / angular.factor};
+    }
+    scratch.free_motion.push_back(
+        {static_cast<Real>(linear.factor), static_cast<Real>(linear.mean * static_cast<double>(h)),
+         static_cast<Real>(angular.factor), static_cast<Real>(angular.mean * static_cast<double>(h))});
+  }
+  scratch.free_motion_step = h;
+}
+
+/// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
+Twist constant_acceleration(const Model& model, const State& state, const Scratch& scratch, std::size_t row) {
+  const std::uint32_t source = state.bodies[row].source;
+  const BodyModel& body = model.bodies[source];
+  Twist acceleration{body.gravity_scale * state.world.gravity, 0};
+  if (!scratch.force.empty()) {
+    acceleration.linear = acceleration.linear + body.inv_mass * scratch.force[row];
+    acceleration.angular = body.inv_inertia * scratch.torque[row];
+  }
+  if (!model.body_forces.empty()) {
+    acceleration.linear = acceleration.linear + model.body_forces[source].acceleration;
+    acceleration.angular += model.body_forces[source].angular_acceleration;
+  }
+  return acceleration;
+}
+
+}  // namespace
+
+void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
+  prepare_free_motion(model, scratch, h);
+  scratch.velocity_steps.resize(state.bodies.size());
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
+    if (body.type != BodyType::dynamic_body) {
+      scratch.velocity_steps[row] = {{0, 0}, 0, 1, 1};
+      continue;
+    }
+    const Twist acceleration = constant_acceleration(model, state, scratch, row);
+    scratch.velocity_steps[row] = {motion.linear_gain * acceleration.linear, motion.angular_gain * acceleration.angular,
+                                   motion.linear_decay, motion.angular_decay};
+  }
+}
+
+void step_velocities(const Model& model, const State& state, Scratch& scratch) {
+  for (const std::uint32_t row : scratch.moving_rows) {
+    MovingBody& body = scratch.bodies[row];
+    const VelocityStep& step = scratch.velocity_steps[row];
+    body.velocity = step.linear_decay * body.velocity + step.velocity;
+    body.angular_velocity = step.angular_decay * body.angular_velocity + step.angular_velocity;
+  }
+  if (model.position_forces == nullptr) return;
+  for (Twist& acceleration : scratch.accelerations) acceleration = {};
+  model.position_forces(model, state, scratch);
+  for (const std::uint32_t row : scratch.moving_rows) {
+    MovingBody& body = scratch.bodies[row];
+    const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
+    const Twist& acceleration = scratch.accelerations[row];
+    body.velocity = body.velocity + motion.linear_gain * acceleration.linear;
+    body.angular_velocity += motion.angular_gain * acceleration.angular;
+  }
+}
+
+void move_bodies(Scratch& scratch, Real h) {
+  for (const std::uint32_t row : scratch.moving_rows) {
+    MovingBody& body = scratch.bodies[row];
+    body.moved = body.moved + h * body.velocity;
+    body.turned = rotation_by(h * body.angular_velocity) * body.turned;
+  }
+}
+
+void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch) {
+  scratch.constant_accelerations.resize(state.bodies.size());
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const bool moves = model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
+    scratch.constant_accelerations[row] = moves ? constant_acceleration(model, state, scratch, row) : Twist{};
+  }
+}
+
+void total_accelerations(const Model& model, const State& state, Scratch& scratch) {
+  for (Twist& acceleration : scratch.accelerations) acceleration = {};
+  for (const std::uint32_t row : scratch.moving_rows) {
+    const BodyModel& constants = model.bodies[state.bodies[row].source];
+    if (constants.type != BodyType::dynamic_body) continue;
+    const MovingBody& body = scratch.bodies[row];
+    const Twist& constant = scratch.constant_accelerations[row];
+    scratch.accelerations[row] = {constant.linear - constants.linear_damping * body.velocity,
+                                  constant.angular - constants.angular_damping * body.angular_velocity};
+  }
+  if (model.position_forces != nullptr) model.position_forces(model, state, scratch);
+  add_velocity_forces(model, state, scratch);
+}
+
+void keep_start(const State& state, Scratch& scratch) {
+  scratch.stages.resize(state.bodies.size());
+  scratch.velocity_offsets.resize(state.bodies.size());
+  for (const std::uint32_t row : scratch.moving_rows) scratch.stages[row] = {scratch.bodies[row], {}, {}};
+}
+
+void move_and_end(const Model&, const State&, Scratch& scratch, Real h) {
+  move_bodies(scratch, h);
+  for (const std::uint32_t row : scratch.moving_rows) {
+    MovingBody& body = scratch.bodies[row];
+    body.velocity = body.velocity + scratch.velocity_offsets[row].linear;
+    body.angular_velocity += scratch.velocity_offsets[row].angular;
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

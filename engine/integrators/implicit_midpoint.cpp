@@ -1,0 +1,244 @@
+// Implicit midpoint: v' = v + h a(m), x' = x + h v_m with m = (x + x', v + v') / 2. Order 2, symplectic, stable for
+// every w h.
+// SPDX-License-Identifier: MIT
+// Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section VIII.6 (Newton iteration); Hestenes
+// and Stiefel, "Methods of conjugate gradients for solving linear systems", 1952.
+//
+// The unknown is v_m: M (v_m - v) = h / 2 F(x + h / 2 v_m, v_m). Newton's matrix
+// A = M - h / 2 dF/dv - h^2 / 4 dF/dx is kept positive definite by leaving out what makes forces fall off (a compressed
+// spring's push aside, an attraction that weakens with distance); what is left out only slows the iteration. The linear
+// equations are solved by conjugate gradients to 1e-3, the iteration ends when positions change by less than
+// 64 epsilon of their size, after 60 rounds at the latest; the substep is then counted as unconverged.
+#include "engine/constraints/bodies.h"
+#include "engine/integrators/flow.h"
+#include "engine/integrators/integrator.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr int newton_round_max = 60;
+constexpr Real newton_tolerance = 64 * epsilon;
+constexpr Real gradient_tolerance_squared = Real(1e-6);
+constexpr std::size_t gradient_round_max = 2000;
+
+enum Rows : std::size_t { diagonal, solution, residual, direction, product };
+
+Real positive(Real value) {
+  return larger(value, 0);
+}
+
+Twist zero_if_fixed(Twist value, const BodyModel* body) {
+  if (body == nullptr || body->type != BodyType::dynamic_body) return {};
+  return {value.linear, body->inv_inertia > 0 ? value.angular : Real(0)};
+}
+
+/// Model of the record's body; null for the records at rest.
+const BodyModel* body_of(const Model& model, const State& state, std::size_t record) {
+  return record < state.bodies.size() ? &model.bodies[state.bodies[record].source] : nullptr;
+}
+
+/// Stiffness of central forces on a body, times h^2 / 4, in kg: the same in every direction, an upper bound.
+Real central_stiffness(const Model& model, const State& state, const Scratch& scratch, std::size_t row, Real h) {
+  Real sum = 0;
+  for (std::size_t i = 0; i < model.centrals.size(); ++i) {
+    const CentralForce& central = model.centrals[i];
+    if (!central.every && scratch.central_rows[i] != row) continue;
+    const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].moved;
+    const Real distance = length(r);
+    if (!(distance > 0)) continue;
+    const Real across = central.strength * power(distance, central.exponent - 1);
+    sum += positive(larger(across, across * static_cast<Real>(central.exponent)));
+  }
+  return Real(0.25) * h * h * sum * model.bodies[state.bodies[row].source].mass;
+}
+
+/// The matrix A at the present poses: its part for single bodies and a block for each spring.
+void linearise(const Model& model, const State& state, Scratch& scratch, Real h) {
+  std::vector<Twist>& diagonals = scratch.newton[diagonal];
+  const Real half = Real(0.5) * h;
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const BodyModel& body = model.bodies[state.bodies[row].source];
+    Real linear = body.linear_damping;
+    Real angular = body.angular_damping;
+    if (!model.body_forces.empty()) {
+      const BodyForces& forces = model.body_forces[state.bodies[row].source];
+      linear += 2 * forces.quadratic_drag * length(scratch.bodies[row].velocity - model.wind);
+      angular += 2 * forces.angular_quadratic_drag * absolute(scratch.bodies[row].angular_velocity);
+    }
+    const Real mass = body.mass * (1 + half * linear) + central_stiffness(model, state, scratch, row, h);
+    diagonals[row] = {{mass, mass}, body.inertia * (1 + half * angular)};
+  }
+  scratch.spring_blocks.clear();
+  for (const SpringRow& spring : scratch.springs) {
+    const SpringLine line = line_of(spring, scratch);
+    if (!line.exists) continue;
+    SpringBlock block;
+    block.body_a = spring.body_a;
+    block.body_b = spring.body_b;
+    block.along = line.along;
+    block.arm_a = line.arm_a;
+    block.arm_b = line.arm_b;
+    const Real quarter = half * half;
+    block.stiff_along = half * spring.damping + quarter * spring.stiffness;
+    block.stiff_across = quarter * positive(line.tension) / line.length;
+    block.turn_a = quarter * positive(line.tension * dot(line.along, line.arm_a));
+    block.turn_b = quarter * positive(-(line.tension * dot(line.along, line.arm_b)));
+    scratch.spring_blocks.push_back(block);
+  }
+}
+
+/// out = A in, on free coordinates.
+void multiply(const Model& model, const State& state, Scratch& scratch, const std::vector<Twist>& in,
+              std::vector<Twist>& out) {
+  const std::vector<Twist>& diagonals = scratch.newton[diagonal];
+  for (std::size_t row = 0; row < state.bodies.size(); ++row)
+    out[row] = {diagonals[row].linear.x * in[row].linear, diagonals[row].angular * in[row].angular};
+  for (const SpringBlock& block : scratch.spring_blocks) {
+    const Twist& a = in[block.body_a];
+    const Twist& b = in[block.body_b];
+    const Vec2 relative = (b.linear + cross(b.angular, block.arm_b)) - (a.linear + cross(a.angular, block.arm_a));
+    const Real along = dot(relative, block.along);
+    const Vec2 force =
+        (block.stiff_along * along) * block.along + block.stiff_across * (relative - along * block.along);
+    Twist& to_a = out[block.body_a];
+    to_a = {to_a.linear - force, to_a.angular - cross(block.arm_a, force) + block.turn_a * a.angular};
+    Twist& to_b = out[block.body_b];
+    to_b = {to_b.linear + force, to_b.angular + cross(block.arm_b, force) + block.turn_b * b.angular};
+  }
+  for (std::size_t record = 0; record < out.size(); ++record)
+    out[record] = zero_if_fixed(out[record], body_of(model, state, record));
+}
+
+Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::size_t count) {
+  Real sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += dot(a[i].linear, b[i].linear) + a[i].angular * b[i].angular;
+  return sum;
+}
+
+/// Solves A solution = residual by conjugate gradients, preconditioned with the single bodies' part.
+void solve_linear(const Model& model, const State& state, Scratch& scratch) {
+  auto& [scale, x, r, p, q] = scratch.newton;
+  const std::size_t count = state.bodies.size();
+  const auto precondition = [&](std::size_t i) {
+    return Twist{{r[i].linear.x == 0 ? Real(0) : r[i].linear.x / scale[i].linear.x,
+                  r[i].linear.y == 0 ? Real(0) : r[i].linear.y / scale[i].linear.y},
+                 r[i].angular == 0 ? Real(0) : r[i].angular / scale[i].angular};
+  };
+  const auto weighted = [&] {
+    Real sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Twist z = precondition(i);
+      sum += dot(z.linear, r[i].linear) + z.angular * r[i].angular;
+    }
+    return sum;
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    x[i] = {};
+    p[i] = i < count ? precondition(i) : Twist{};
+  }
+  Real error = weighted();
+  const Real wanted = gradient_tolerance_squared * error;
+  const std::size_t round_max = 3 * count + 50 < gradient_round_max ? 3 * count + 50 : gradient_round_max;
+  for (std::size_t round = 0; round < round_max && error > wanted; ++round) {
+    multiply(model, state, scratch, p, q);
+    const Real curvature = product_of(p, q, count);
+    if (!(curvature > 0)) return;
+    const Real step = error / curvature;
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = {x[i].linear + step * p[i].linear, x[i].angular + step * p[i].angular};
+      r[i] = {r[i].linear - step * q[i].linear, r[i].angular - step * q[i].angular};
+    }
+    const Real next = weighted();
+    const Real keep = next / error;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Twist z = precondition(i);
+      p[i] = {z.linear + keep * p[i].linear, z.angular + keep * p[i].angular};
+    }
+    error = next;
+  }
+}
+
+/// Poses of the middle of the substep for the present velocities, which are those of the middle.
+void move_to_middle(const State& state, Scratch& scratch, Real h) {
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    MovingBody& body = scratch.bodies[row];
+    const MovingBody& start = scratch.stages[row].start;
+    body.moved = start.moved + (Real(0.5) * h) * body.velocity;
+    body.turned = rotation_by(Real(0.5) * h * body.angular_velocity) * start.turned;
+  }
+}
+
+/// What rounding of positions is measured against, m: lengths of springs, distances to centres, at least 1.
+Real size_of_system(const Model& model, const State& state, const Scratch& scratch) {
+  Real size = 1;
+  for (const SpringRow& spring : scratch.springs) {
+    const Vec2 apart = spring.offset + (spring.arm_b - spring.arm_a);
+    size = larger(size, absolute(apart.x) + absolute(apart.y));
+  }
+  for (const CentralForce& central : model.centrals)
+    for (const BodyRow& body : state.bodies)
+      size = larger(size, absolute(body.position.x - central.center.x) + absolute(body.position.y - central.center.y));
+  return size;
+}
+
+/// One round of Newton's iteration; the largest change of a position, relative to what is allowed.
+Real newton_round(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
+  move_to_middle(state, scratch, h);
+  total_accelerations(model, state, scratch);
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    const MovingBody& body = scratch.bodies[row];
+    const MovingBody& start = scratch.stages[row].start;
+    const BodyModel& constants = model.bodies[state.bodies[row].source];
+    const Twist& slope = scratch.accelerations[row];
+    const Real half = Real(0.5) * h;
+    scratch.newton[residual][row] =
+        zero_if_fixed({constants.mass * ((start.velocity - body.velocity) + half * slope.linear),
+                       constants.inertia * ((start.angular_velocity - body.angular_velocity) + half * slope.angular)},
+                      &constants);
+  }
+  linearise(model, state, scratch, h);
+  solve_linear(model, state, scratch);
+  Real worst = 0;
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    MovingBody& body = scratch.bodies[row];
+    const Twist& change = scratch.newton[solution][row];
+    body.velocity = body.velocity + change.linear;
+    body.angular_velocity += change.angular;
+    const Real allowed = newton_tolerance * (size + h * (absolute(body.velocity.x) + absolute(body.velocity.y)));
+    const Real allowed_turn = newton_tolerance * (1 + h * absolute(body.angular_velocity));
+    const Real ratio = h * (absolute(change.linear.x) + absolute(change.linear.y)) / allowed;
+    const Real turn_ratio = h * absolute(change.angular) / allowed_turn;
+    worst = ratio <= worst ? worst : ratio;  // NaN stays
+    worst = turn_ratio <= worst ? worst : turn_ratio;
+  }
+  return worst;
+}
+
+}  // namespace
+
+void begin_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real) {
+  prepare_constant_accelerations(model, state, scratch);
+  prepare_forces(model, state, scratch);
+  for (std::vector<Twist>& rows : scratch.newton) rows.assign(scratch.bodies.size(), Twist{});
+}
+
+void predict_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h) {
+  keep_start(state, scratch);
+  const Real size = size_of_system(model, state, scratch);
+  bool converged = false;
+  for (int round = 0; round < newton_round_max && !converged; ++round)
+    converged = newton_round(model, state, scratch, h, size) <= 1;
+  if (!converged) ++scratch.unconverged;
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    MovingBody& body = scratch.bodies[row];
+    const MovingBody& start = scratch.stages[row].start;
+    const Twist middle{body.velocity, body.angular_velocity};
+    body.moved = start.moved;
+    body.turned = start.turned;
+    body.velocity = (middle.linear - start.velocity) + middle.linear;
+    body.angular_velocity = (middle.angular - start.angular_velocity) + middle.angular;
+    drift_with(scratch, row, middle);
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

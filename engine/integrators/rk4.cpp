@@ -1,0 +1,55 @@
+// The classical Runge-Kutta scheme. Order 4, stable for w h < 2 sqrt(2) and for dampers with c h < 2.785.
+// SPDX-License-Identifier: MIT
+// Source: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", 1993, section II.1. Every force,
+// damping included, is evaluated at each of the four stages.
+#include "engine/integrators/flow.h"
+#include "engine/integrators/integrator.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+struct RungeKuttaStage {
+  Real reach;   // of the stage after this one, in steps
+  Real weight;  // of this stage
+};
+constexpr RungeKuttaStage rk4_stages[4] = {
+    {Real(1.0 / 2), Real(1.0 / 6)}, {Real(1.0 / 2), Real(1.0 / 3)}, {Real(1), Real(1.0 / 3)}, {Real(0), Real(1.0 / 6)}};
+
+}  // namespace
+
+void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real) {
+  prepare_constant_accelerations(model, state, scratch);
+  prepare_forces(model, state, scratch);
+}
+
+void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
+  keep_start(state, scratch);
+  for (const RungeKuttaStage& stage : rk4_stages) {
+    total_accelerations(model, state, scratch);
+    for (const std::uint32_t row : scratch.moving_rows) {
+      MovingBody& body = scratch.bodies[row];
+      StageRow& sums = scratch.stages[row];
+      const MovingBody& start = sums.start;
+      const Twist& slope = scratch.accelerations[row];
+      sums.velocities.linear = sums.velocities.linear + stage.weight * body.velocity;
+      sums.velocities.angular += stage.weight * body.angular_velocity;
+      sums.accelerations.linear = sums.accelerations.linear + stage.weight * slope.linear;
+      sums.accelerations.angular += stage.weight * slope.angular;
+      const Real step = stage.reach * h;
+      body.moved = start.moved + step * body.velocity;
+      body.turned = rotation_by(step * body.angular_velocity) * start.turned;
+      body.velocity = start.velocity + step * slope.linear;
+      body.angular_velocity = start.angular_velocity + step * slope.angular;
+    }
+  }
+  for (const std::uint32_t row : scratch.moving_rows) {
+    const StageRow& sums = scratch.stages[row];
+    MovingBody& body = scratch.bodies[row];
+    body = sums.start;
+    body.velocity = body.velocity + h * sums.accelerations.linear;
+    body.angular_velocity += h * sums.accelerations.angular;
+    drift_with(scratch, row, sums.velocities);
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,293 @@
+// Force elements against closed forms, under every integrator where the form does not depend on it.
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/scenes.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Force;
+using engine::ForceKind;
+using engine::InputKind;
+using engine::IntegratorInfo;
+using engine::IntegratorKind;
+
+namespace {
+
+Force force_of(ForceKind kind) {
+  Force force;
+  force.kind = kind;
+  return force;
+}
+
+Body disc_of_1_kg(Point position) {
+  Body body = body_of(disc_shape(0.5), position);
+  body.shapes[0].filter.mask = 0;  // it touches nothing
+  body.mass = engine::ExplicitMass{1, {}, {}};
+  return body;
+}
+
+Scene weightless(Precision precision, Body body) {
+  Scene scene = flight_scene(precision, std::move(body));
+  scene.gravity = {0, 0};
+  return scene;
+}
+
+std::unique_ptr<engine::Engine> run(const Scene& scene, int tick_count) {
+  auto engine = make_engine_or_fail(scene);
+  for (int i = 0; i < tick_count; ++i) engine->step({scene.settings.dt, {}}, nullptr);
+  return engine;
+}
+
+/// Two discs of 1 kg and 3 kg, 2 m apart, at rest and with a spring of 1 m between anchors off their centres.
+Scene sprung_pair(double stiffness, double damping) {
+  Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
+  scene.bodies.push_back(disc_of_1_kg({2, 0}));
+  scene.bodies[1].mass->mass = 3;
+  Force spring = force_of(ForceKind::spring);
+  spring.body = 0;
+  spring.other = 1;
+  spring.anchor = {0, 0.3};
+  spring.point = {0, -0.2};
+  spring.rest_length = 1;
+  spring.stiffness = stiffness;
+  spring.damping = damping;
+  scene.forces.push_back(spring);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a drag takes a body to the speed of the sum of the winds", "[engine][forces][analytic]") {
+  for (const ForceKind drag : {ForceKind::linear_drag, ForceKind::quadratic_drag}) {
+    for (const IntegratorInfo& info : engine::integrators) {
+      CAPTURE(drag, info.name);
+      Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
+      scene.settings.integrator = info.kind;
+      scene.forces = {force_of(drag), force_of(ForceKind::wind), force_of(ForceKind::wind)};
+      scene.forces[0].coefficient = 2;
+      scene.forces[1].vector = {3, 1};
+      scene.forces[2].vector = {1, -4};
+      // Linear: e^(-2 t); quadratic: |u| = 5 / (1 + 10 t), 5e-3 after 100 s.
+      const BodyReport body = run(scene, 6000)->bodies()[0];
+      CHECK(std::fabs(body.velocity.x - 4) < 0.005);
+      CHECK(std::fabs(body.velocity.y + 3) < 0.005);
+    }
+  }
+}
+
+TEST_CASE("a drag of any strength slows a body without turning it round", "[engine][forces][stiff]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    for (const ForceKind drag : {ForceKind::linear_drag, ForceKind::quadratic_drag}) {
+      for (const IntegratorKind kind :
+           {IntegratorKind::semi_implicit_euler, IntegratorKind::velocity_verlet, IntegratorKind::position_verlet}) {
+        for (const double coefficient : {1e-3, 1.0, 1e3, 1e6, 1e9}) {
+          CAPTURE(precision, drag, kind, coefficient);
+          Scene scene = weightless(precision, disc_of_1_kg({0, 0}));
+          scene.settings.integrator = kind;
+          scene.bodies[0].velocity = {10, 0};
+          scene.bodies[0].angular_velocity = 5;
+          scene.forces = {force_of(drag)};
+          scene.forces[0].coefficient = coefficient;
+          scene.forces[0].angular_coefficient = coefficient;
+          const auto engine = make_engine_or_fail(scene);
+          double speed = 10, spin = 5;
+          for (int tick = 0; tick < 60; ++tick) {
+            engine->step({scene.settings.dt, {}}, nullptr);
+            const BodyReport body = engine->bodies()[0];
+            REQUIRE(body.velocity.x >= 0);
+            REQUIRE(body.velocity.x <= speed);
+            REQUIRE(body.angular_velocity >= 0);
+            REQUIRE(body.angular_velocity <= spin);
+            speed = body.velocity.x;
+            spin = body.angular_velocity;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("quadratic drag alone is exact: v = v0 / (1 + c v0 t / m)", "[engine][forces][analytic]") {
+  for (const IntegratorKind kind : {IntegratorKind::semi_implicit_euler, IntegratorKind::explicit_euler,
+                                    IntegratorKind::velocity_verlet, IntegratorKind::position_verlet}) {
+    Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
+    scene.settings.integrator = kind;
+    scene.bodies[0].velocity = {6, 8};
+    scene.forces = {force_of(ForceKind::quadratic_drag)};
+    scene.forces[0].coefficient = 0.3;
+    const BodyReport body = run(scene, 120)->bodies()[0];
+    CHECK(body.velocity.x == Approx(6 / (1 + 0.3 * 10 * 2)).epsilon(1e-12));
+    CHECK(body.velocity.y == Approx(8 / (1 + 0.3 * 10 * 2)).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("constant forces and torques accelerate by F / m and torque / inertia", "[engine][forces][analytic]") {
+  for (const IntegratorInfo& info : engine::integrators) {
+    if (info.kind == IntegratorKind::thesis_verlet || info.kind == IntegratorKind::thesis_rk4) continue;
+    CAPTURE(info.name);
+    Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
+    scene.settings.integrator = info.kind;
+    scene.bodies[0].mass->inertia = 0.5;
+    scene.forces = {force_of(ForceKind::constant)};
+    scene.forces[0].vector = {2, -1};
+    scene.forces[0].torque = 0.25;
+    const BodyReport body = run(scene, 60)->bodies()[0];
+    CHECK(body.velocity.x == Approx(2).epsilon(1e-12));
+    CHECK(body.velocity.y == Approx(-1).epsilon(1e-12));
+    CHECK(body.angular_velocity == Approx(0.5).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("springs keep momentum and angular momentum", "[engine][forces][conservation]") {
+  for (const IntegratorInfo& info : engine::integrators) {
+    CAPTURE(info.name);
+    Scene scene = sprung_pair(40, 0.5);
+    scene.settings.integrator = info.kind;
+    scene.bodies[0].velocity = {0, 3};
+    scene.bodies[1].velocity = {0, -1};
+    const auto engine = run(scene, 120);
+    double x = 0, y = 0;
+    for (const BodyReport& body : engine->bodies()) {
+      x += body.mass * body.velocity.x;
+      y += body.mass * body.velocity.y;
+    }
+    CHECK(std::fabs(x) < 1e-11);
+    CHECK(std::fabs(y) < 1e-11);
+    CHECK(engine->bodies()[0].angular_velocity != 0);
+  }
+}
+
+TEST_CASE("implicit_midpoint keeps angular momentum of a sprung pair exactly", "[engine][forces][conservation]") {
+  Scene scene = sprung_pair(40, 2);
+  scene.settings.integrator = IntegratorKind::implicit_midpoint;
+  scene.bodies[0].velocity = {0, 3};
+  scene.bodies[1].velocity = {0, -1};
+  const auto momentum = [](const engine::Engine& engine) {
+    double sum = 0;
+    for (const BodyReport& body : engine.bodies())
+      sum += body.inertia * body.angular_velocity +
+             body.mass * (body.center.x * body.velocity.y - body.center.y * body.velocity.x);
+    return sum;
+  };
+  // A quadratic invariant: kept by the scheme, up to the tolerance of its equations (about 1e-14 m in each of 120).
+  CHECK(std::fabs(momentum(*run(scene, 120)) - momentum(*run(scene, 0))) < 1e-9);
+}
+
+TEST_CASE("a damper of any strength stops the relative motion along its line and nothing more",
+          "[engine][forces][stiff]") {
+  for (const IntegratorKind kind :
+       {IntegratorKind::semi_implicit_euler, IntegratorKind::velocity_verlet, IntegratorKind::position_verlet}) {
+    for (const double damping : {1e3, 1e6, 1e9}) {
+      CAPTURE(kind, damping);
+      Scene scene = sprung_pair(0, damping);
+      scene.settings.integrator = kind;
+      scene.forces[0].anchor = scene.forces[0].point = {0, 0};
+      scene.bodies[0].velocity = {4, 0};
+      const auto engine = run(scene, 600);
+      for (const BodyReport& body : engine->bodies()) CHECK(body.velocity.x == Approx(1).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("implicit_midpoint keeps stiff spring chains bounded and counts no unsolved substep",
+          "[engine][forces][stiff]") {
+  Scene scene = weightless(Precision::f64, disc_of_1_kg({0, 0}));
+  scene.gravity = {0, -10};
+  scene.settings.integrator = IntegratorKind::implicit_midpoint;
+  for (int i = 0; i < 8; ++i) {
+    if (i > 0) scene.bodies.push_back(disc_of_1_kg({1.0 * i, 0}));
+    Force spring = force_of(ForceKind::spring);
+    spring.body = static_cast<std::uint32_t>(i);
+    if (i > 0) spring.other = static_cast<std::uint32_t>(i - 1);
+    spring.point = i > 0 ? Point{} : Point{-1, 0};
+    spring.stiffness = i % 2 == 0 ? 1e3 : 1e6;
+    spring.damping = 1;
+    spring.rest_length = 1;
+    scene.forces.push_back(spring);
+  }
+  const auto engine = run(scene, 600);
+  for (const BodyReport& body : engine->bodies()) {
+    CHECK(std::fabs(body.center.x) < 10);
+    CHECK(std::fabs(body.center.y) < 10);
+  }
+  const StateView& state = engine->state();
+  const auto table = state.schema->find_table("integrator");
+  REQUIRE(table.has_value());
+  std::uint32_t unconverged = 0;
+  for (int i = 0; i < 4; ++i) unconverged |= static_cast<std::uint32_t>(state.tables[*table].data[i]) << (8 * i);
+  CHECK(unconverged == 0);
+}
+
+TEST_CASE("elements of removed bodies vanish, and every integrator restores at any tick", "[engine][forces][restore]") {
+  for (const IntegratorInfo& info : engine::integrators) {
+    CAPTURE(info.name);
+    Scene scene = sprung_pair(40, 0.5);
+    scene.settings.integrator = info.kind;
+    scene.bodies.push_back(disc_of_1_kg({5, 5}));
+    scene.forces.push_back(force_of(ForceKind::central));
+    scene.forces[1].coefficient = 2;
+    scene.forces[1].exponent = 1;
+    scene.forces.push_back(force_of(ForceKind::quadratic_drag));
+    scene.forces[2].coefficient = 0.1;
+    scene.prototypes = {disc_of_1_kg({0, 0})};
+    scene.prototypes[0].name = "disc";
+    scene.inputs = {InputKind::spawn, InputKind::remove};
+    const auto input_of_tick = [](int tick) {
+      engine::Input input;
+      Bytes bytes;
+      if (tick == 10) input.kind = InputKind::spawn, input.values[0] = 3;
+      if (tick == 20) input.kind = InputKind::remove, input.body = 0;
+      if (tick == 10 || tick == 20) engine::encode_inputs({input}, bytes);
+      return bytes;
+    };
+    const auto whole = make_engine_or_fail(scene);
+    for (int tick = 0; tick < 60; ++tick) {
+      const auto restored = make_engine_or_fail(scene);
+      const Status loaded = restored->load(image_of(*whole));
+      INFO((loaded ? "" : loaded.error().message));
+      REQUIRE(loaded.has_value());
+      const Bytes bytes = input_of_tick(tick);
+      whole->step({scene.settings.dt, bytes}, nullptr);
+      restored->step({scene.settings.dt, bytes}, nullptr);
+      REQUIRE(image_of(*whole) == image_of(*restored));
+    }
+    CHECK(whole->bodies().size() == 3);
+  }
+}
+
+TEST_CASE("force elements that mean nothing are refused with their place", "[engine][forces][scene]") {
+  const auto refusal = [](const Force& force) {
+    Scene scene = flight_scene(Precision::f64, disc_of_1_kg({0, 0}));
+    scene.bodies.push_back(disc_of_1_kg({0, 0}));
+    scene.bodies[1].type = BodyType::static_body;
+    scene.bodies[1].mass.reset();
+    scene.forces = {force};
+    const Status status = engine::check_scene(scene, "s");
+    return status ? std::string() : status.error().message;
+  };
+  Force spring = force_of(ForceKind::spring);
+  CHECK(refusal(spring).find("s: forces[0].body: missing") == 0);
+  spring.body = 7;
+  CHECK(refusal(spring).find("s: forces[0].body: no such body") == 0);
+  spring.body = 0;
+  CHECK(refusal(spring).empty());
+  spring.other = 0;
+  CHECK(refusal(spring).find("s: forces[0].other: is the same body") == 0);
+  Force constant = force_of(ForceKind::constant);
+  constant.body = 1;
+  CHECK(refusal(constant).find("s: forces[0].body: forces move dynamic bodies only") == 0);
+  Force central = force_of(ForceKind::central);
+  central.exponent = -1.5;
+  CHECK(refusal(central).find("s: forces[0].exponent: must be whole") == 0);
+  Force drag = force_of(ForceKind::linear_drag);
+  drag.coefficient = -1;
+  CHECK(refusal(drag).find("s: forces[0].coefficient: must be >= 0") == 0);
+  drag.coefficient = NAN;
+  CHECK(refusal(drag).find("s: forces[0].coefficient: must be finite") == 0);
+}
