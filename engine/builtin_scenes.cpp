@@ -27,6 +27,7 @@ struct SceneArguments {
   std::optional<SolverKind> solver;
   std::optional<IntegratorKind> integrator;
   std::optional<BroadPhaseKind> broad_phase;
+  std::optional<ClockKind> clock;
   std::optional<double> gravity;
 
   double real(std::string_view name) const {
@@ -380,8 +381,8 @@ const std::array<BuiltinScene, 10> scenes{{
 
 // ---- Reading `name?key=value` ----
 
-constexpr std::array<std::string_view, 7> setting_names{"precision",  "dt",          "substeps", "solver",
-                                                        "integrator", "broad_phase", "gravity"};
+constexpr std::array<std::string_view, 8> setting_names{"precision",  "dt",          "substeps", "solver",
+                                                        "integrator", "broad_phase", "gravity",  "clock"};
 
 Error usage(std::string_view text, const std::string& what, std::string hint = {}) {
   return Error{ErrorCode::usage, std::string(text) + ": " + what, std::move(hint)};
@@ -430,6 +431,7 @@ Status read_argument(std::string_view text, std::string_view key, std::string_vi
   if (key == "solver") return read_choice(text, key, value, solvers, out.solver);
   if (key == "integrator") return read_choice(text, key, value, integrators, out.integrator);
   if (key == "broad_phase") return read_choice(text, key, value, broad_phases, out.broad_phase);
+  if (key == "clock") return read_choice(text, key, value, clock_kinds, out.clock);
   if (key == "gravity") return number(-limits::speed_max, limits::speed_max, false, out.gravity);
   std::string known;
   for (std::size_t i = 0; i < out.parameters.size(); ++i) {
@@ -456,6 +458,7 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
   if (arguments.substeps) settings.substeps = *arguments.substeps;
   if (arguments.integrator) settings.integrator = *arguments.integrator;
   if (arguments.broad_phase) settings.broad_phase = *arguments.broad_phase;
+  if (arguments.clock) settings.clock.kind = *arguments.clock;
   if (arguments.gravity) scene.gravity = {0, 0 - *arguments.gravity};  // 0 - 0 is 0, not -0
 }
 

@@ -21,6 +21,7 @@ struct RecordCommand {
   std::string scene;
   std::string inputs;
   std::optional<std::uint64_t> tick_count;
+  HostOptions host;
   std::string detail = "root";
   std::uint64_t checkpoint_interval = 600;  // 10 s at 60 Hz: seeking re-simulates less than a second's work
   bool no_compress = false;
@@ -62,8 +63,9 @@ int run_record(const RecordCommand& options) {
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
     return fail_usage(status.error());
   catch_stop_signals();
-  const auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
+  auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());
+  if (const Status status = use_clock(*inputs, options.host, engine); !status) return fail_usage(status.error());
   if (stop_requested()) {
     print_note("stopped before the first tick: nothing was written");
     return exit_ok;
@@ -93,7 +95,8 @@ int run_record(const RecordCommand& options) {
   if (!result) return fail_usage(with_input_place(result.error(), *inputs, engine));
 
   const std::uint64_t input_count = inputs->lines == nullptr ? 0 : inputs->lines->count();
-  const double time_s = static_cast<double>(result->tick_count) * scene->settings.dt;
+  const double time_s =
+      inputs->clock != nullptr ? engine.time_s() : static_cast<double>(result->tick_count) * scene->settings.dt;
   const double tick_ms =
       result->tick_count == 0 ? 0 : result->simulate_s * 1e3 / static_cast<double>(result->tick_count);
   if (options.json) {
@@ -112,12 +115,14 @@ int run_record(const RecordCommand& options) {
     object["ignored_inputs"] = engine.ignored_inputs();
     object["ms_per_tick"] = tick_ms;
     object["hash"] = hex64(result->root_hash);
+    if (inputs->clock != nullptr) object["clock"] = clock_json(*scene, inputs->clock->report());
     print_json(object);
   } else {
     print(fmt::format("recorded  {}  {} ticks ({:.3f} s), {} bytes\n", options.output, result->tick_count, time_s,
                       result->size));
     if (inputs->lines != nullptr)
       print(fmt::format("  inputs  {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
+    if (inputs->clock != nullptr) print(fmt::format("  clock   {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
     print(fmt::format("  hash    {}\n", hex64(result->root_hash)));
     if (result->reason != replay::EndReason::complete)
@@ -144,6 +149,7 @@ void add_record(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count,
              "How many ticks at most; without it: up to the `end` input. An earlier `end` wins",
              {1, limits::tick_count_max});
+  add_host_options(*command, options->host);
   command
       ->add_option("--detail", options->detail,
                    "root: a hash per tick (default). full[:A..B]: also the state and a hash after each stage, of ticks "

@@ -19,6 +19,7 @@ struct RunOptions {
   std::string scene;
   std::string inputs;
   std::optional<std::uint64_t> tick_count;
+  HostOptions host;
   bool json = false;
 };
 
@@ -56,8 +57,9 @@ int run_run(const RunOptions& options) {
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
   catch_stop_signals();
-  const auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
+  auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());
+  if (const Status status = use_clock(*inputs, options.host, engine); !status) return fail_usage(status.error());
 
   Progress progress("run " + scene->name, inputs->ticks_expected);
   const auto result = verifier::run_session(engine, *inputs->source, options.tick_count, [&](std::uint64_t ticks_done) {
@@ -72,7 +74,9 @@ int run_run(const RunOptions& options) {
   const std::size_t body_count = engine.bodies().size();
   const std::uint64_t input_count = inputs->lines == nullptr ? 0 : inputs->lines->count();
   if (options.json) {
-    print_json(run_json(engine, *result, body_count, contact_count, input_count));
+    Json object = run_json(engine, *result, body_count, contact_count, input_count);
+    if (inputs->clock != nullptr) object["clock"] = clock_json(*scene, inputs->clock->report());
+    print_json(object);
   } else {
     print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", result->non_finite ? "not finite" : "ran", scene->name,
                       result->tick_count, engine.time_s()));
@@ -81,6 +85,7 @@ int run_run(const RunOptions& options) {
     if (inputs->lines != nullptr)
       print(
           fmt::format("  inputs    {}, of which {} to bodies already removed\n", input_count, engine.ignored_inputs()));
+    if (inputs->clock != nullptr) print(fmt::format("  clock     {}\n", clock_text(*scene, inputs->clock->report())));
     print(fmt::format("  time      {:.4g} ms/tick (median), {:.3f} s in all\n", result->times.median_s() * 1e3,
                       result->times.sum_s()));
     print(fmt::format("  hash      {}\n", hex64(result->root_hash)));
@@ -99,6 +104,7 @@ void add_run(CLI::App& app, CliContext& context) {
   command->add_option("--inputs", options->inputs, "Inputs as JSON Lines, - for standard input")->type_name("FILE");
   add_number(*command, "--ticks", options->tick_count, "How many ticks; without it: up to the `end` input",
              {1, limits::tick_count_max});
+  add_host_options(*command, options->host);
   command->add_flag("--json", options->json, "One JSON object");
   set_examples(*command,
                "ticktrue run 'pyramid?base=20' --ticks 600\n"

@@ -75,7 +75,7 @@ int run_scenes(const ScenesOptions& options) {
   if (options.json)
     print_json({{"schema", "ticktrue.scenes/1"}, {"scenes", std::move(scenes)}});
   else
-    print("Each also takes precision, dt, substeps, solver, integrator, broad_phase and gravity.\n");
+    print("Each also takes precision, dt, substeps, solver, integrator, broad_phase, gravity and clock.\n");
   return exit_ok;
 }
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/cli/session_inputs.h"
 
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "verifier/cli/cli.h"
@@ -46,8 +49,60 @@ Result<SessionInputs> open_session_inputs(const engine::Scene& scene, const std:
   return session;
 }
 
+void add_host_options(CLI::App& command, HostOptions& options) {
+  std::string names;
+  for (const verifier::HostInfo& info : verifier::hosts) names += std::string(info.name) + ", ";
+  command
+      .add_option("--host", options.host,
+                  "Frames that the scene's clock makes ticks of: " + names +
+                      "or a file of one frame time a line, in seconds. Without it: frames of the scene's dt")
+      ->type_name("H");
+  add_number(command, "--host-seed", options.seed, "Of jitter_60 and stutter (default 1)",
+             {0, std::numeric_limits<std::uint64_t>::max()});
+}
+
+Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engine& engine) {
+  const engine::Settings& settings = engine.scene().settings;
+  if (options.host.empty() && settings.clock.kind != engine::ClockKind::adaptive) return {};
+  std::unique_ptr<verifier::HostFrames> frames = verifier::steady_frames(settings.dt);
+  if (!options.host.empty()) {
+    auto opened = verifier::open_host(options.host, options.seed);
+    if (!opened) return opened.error();
+    frames = *std::move(opened);
+  }
+  auto clock = std::make_unique<verifier::ClockedInputs>(engine, std::move(inputs.source), std::move(frames));
+  inputs.clock = clock.get();
+  inputs.source = std::move(clock);
+  return {};
+}
+
+Json clock_json(const engine::Scene& scene, const engine::ClockReport& report) {
+  Json object;
+  object["kind"] = info_of(engine::clock_kinds, scene.settings.clock.kind).name;
+  object["frames"] = report.frame_count;
+  object["frame_time_s"] = report.frame_time_s;
+  object["ticks"] = report.tick_count;
+  object["tick_time_s"] = report.tick_time_s;
+  object["dropped_s"] = report.dropped_s;
+  object["cut_s"] = report.cut_s;
+  object["trials"] = report.trial_count;
+  object["inaccurate_ticks"] = report.inaccurate_count;
+  return object;
+}
+
+std::string clock_text(const engine::Scene& scene, const engine::ClockReport& report) {
+  std::string text = fmt::format("{}: {} frames ({:.3f} s) gave {} ticks ({:.3f} s)",
+                                 info_of(engine::clock_kinds, scene.settings.clock.kind).name, report.frame_count,
+                                 report.frame_time_s, report.tick_count, report.tick_time_s);
+  if (report.dropped_s > 0) text += fmt::format("; {:.3f} s dropped", report.dropped_s);
+  if (report.cut_s > 0) text += fmt::format("; {:.3f} s cut", report.cut_s);
+  if (report.inaccurate_count > 0) text += fmt::format("; {} ticks above the tolerance", report.inaccurate_count);
+  return text;
+}
+
 Error with_input_place(const Error& error, const SessionInputs& inputs, const Simulation& simulation) {
   // The source's own errors begin with the place.
+  if (inputs.clock != nullptr && inputs.clock->frames_failed()) return error;
   if (error.code != ErrorCode::invalid_input || inputs.lines == nullptr || inputs.lines->gave_error()) return error;
   return Error{error.code, inputs.lines->place_of_refused(simulation) + ": " + error.message, error.hint};
 }

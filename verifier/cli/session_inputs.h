@@ -11,6 +11,8 @@
 #include "base/simulation.h"
 #include "engine/scene.h"
 #include "replay/recorder.h"
+#include "verifier/cli/json_output.h"
+#include "verifier/clocked_inputs.h"
 #include "verifier/input_source.h"
 
 namespace ticktrue::cli {
@@ -18,8 +20,24 @@ namespace ticktrue::cli {
 struct SessionInputs {
   std::unique_ptr<replay::InputSource> source;
   const verifier::JsonLinesInputs* lines = nullptr;  // the same, where there are any
+  const verifier::ClockedInputs* clock = nullptr;    // where a clock gives the ticks their length
   std::uint64_t ticks_expected = 0;                  // for the progress bar; 0: not known
 };
+
+/// What the command line says of the host's frames.
+struct HostOptions {
+  std::string host;        // --host; empty: frames of the scene's dt
+  std::uint64_t seed = 1;  // --host-seed
+};
+void add_host_options(CLI::App& command, HostOptions& options);
+
+/// Lets the scene's clock make the ticks, if a host is given or the clock makes others than one of dt a frame.
+/// Errors: io.
+Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engine& engine);
+
+/// What became of the host's time, for --json and for people.
+Json clock_json(const engine::Scene& scene, const engine::ClockReport& report);
+std::string clock_text(const engine::Scene& scene, const engine::ClockReport& report);
 
 /// `path` empty: no inputs; "-": standard input. A file is read and checked as a whole first. Without `tick_count`
 /// the inputs must say when the session ends. `scene` must outlive the source.
