@@ -36,6 +36,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.constant_accelerations);
   poison_rows(scratch.accelerations);
   poison_rows(scratch.velocity_offsets);
+  poison_rows(scratch.predicted);
   poison_rows(scratch.previous_accelerations);
   poison_rows(scratch.stages);
   poison_rows(scratch.springs);

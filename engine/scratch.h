@@ -189,6 +189,7 @@ struct Scratch {
   std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
   std::vector<Twist> accelerations;           // [record] at the present stage
   std::vector<Twist> velocity_offsets;        // [body] velocity at the end of the substep, less the drift velocity
+  std::vector<Twist> predicted;               // [body] velocity at the end of the substep, without constraints
   std::vector<Twist> previous_accelerations;  // [body] of the substep before; empty unless the integrator needs them
   std::vector<StageRow> stages;               // [body]
   std::vector<SpringRow> springs;             // [spring whose bodies are there]

@@ -7,6 +7,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+// How many times larger than the change of velocity by forces one by impulses may be and still count as a force: enough
+// for the friction of a sliding body, and an impact then moves a body at most this times g h^2 / 2 too far.
+constexpr Real force_like = 4;
+
 void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
   if (scratch.free_motion_step == h) return;
   scratch.free_motion.clear();
@@ -111,16 +115,33 @@ void total_accelerations(const Model& model, const State& state, Scratch& scratc
 void keep_start(const State& state, Scratch& scratch) {
   scratch.stages.resize(state.bodies.size());
   scratch.velocity_offsets.resize(state.bodies.size());
+  scratch.predicted.resize(state.bodies.size());
   for (const std::uint32_t row : scratch.moving_rows) scratch.stages[row] = {scratch.bodies[row], {}, {}};
 }
 
-void move_and_end(const Model&, const State&, Scratch& scratch, Real h) {
-  move_bodies(scratch, h);
+void move_bodies_by_drift(Scratch& scratch, Real h, Real share) {
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
-    body.velocity = body.velocity + scratch.velocity_offsets[row].linear;
-    body.angular_velocity += scratch.velocity_offsets[row].angular;
+    const Twist& predicted = scratch.predicted[row];
+    const Twist& offset = scratch.velocity_offsets[row];
+    Vec2 changed = share * (body.velocity - predicted.linear);
+    Real spun = share * (body.angular_velocity - predicted.angular);
+    const Real size = length(changed);
+    const Real limit = force_like * length(offset.linear);
+    if (size > limit) changed = (limit / size) * changed;
+    const Real spin_limit = force_like * absolute(offset.angular);
+    spun = smaller(larger(spun, -spin_limit), spin_limit);
+    body.moved = body.moved + h * ((body.velocity - offset.linear) - changed);
+    body.turned = rotation_by(h * ((body.angular_velocity - offset.angular) - spun)) * body.turned;
   }
+}
+
+void drift_on_mean(const Model&, const State&, Scratch& scratch, Real h) {
+  move_bodies_by_drift(scratch, h, Real(0.5));
+}
+
+void drift_on_start(const Model&, const State&, Scratch& scratch, Real h) {
+  move_bodies_by_drift(scratch, h, Real(1));
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

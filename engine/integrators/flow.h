@@ -25,15 +25,21 @@ void total_accelerations(const Model& model, const State& state, Scratch& scratc
 /// Keeps the present records in scratch.stages, where the substep begins.
 void keep_start(const State& state, Scratch& scratch);
 
-/// Keeps what the present velocities exceed `drift` by, and makes `drift` the present velocity.
+/// The present velocity is that of the end of the substep without constraints, and bodies drift with `drift`. Keeps
+/// both, for move_bodies_by_drift.
 inline void drift_with(Scratch& scratch, std::size_t row, Twist drift) {
-  MovingBody& body = scratch.bodies[row];
+  const MovingBody& body = scratch.bodies[row];
+  scratch.predicted[row] = {body.velocity, body.angular_velocity};
   scratch.velocity_offsets[row] = {body.velocity - drift.linear, body.angular_velocity - drift.angular};
-  body.velocity = drift.linear;
-  body.angular_velocity = drift.angular;
 }
 
-/// x' = x + h v with the drift velocity; then the velocity of the end of the substep.
-void move_and_end(const Model& model, const State& state, Scratch& scratch, Real h);
+/// x' = x + h d, where d is the drift velocity with what constraints have changed since predict. An impulse that acts
+/// like a force (a contact at rest) goes to the drift velocity as a force would: `share` of it less than to the end
+/// velocity. Where it is much larger than the forces (an impact), it goes there whole.
+void move_bodies_by_drift(Scratch& scratch, Real h, Real share);
+
+/// The drift of schemes whose drift velocity takes half of a constant acceleration, and of those where it takes none.
+void drift_on_mean(const Model& model, const State& state, Scratch& scratch, Real h);
+void drift_on_start(const Model& model, const State& state, Scratch& scratch, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,9 +1,9 @@
 // Integrators: how velocities and positions advance over one step of length h, apart from constraints.
 // SPDX-License-Identifier: MIT
 //
-// A solver calls begin once per tick, then predict and drift once per substep: predict gives the velocity with which
-// bodies drift, constraints correct it, drift moves them by it and then makes it the velocity of the end of the substep
-// (which most schemes tell from the drift velocity), on which the closing pass of the solver works.
+// A solver calls begin once per tick, then predict and drift once per substep: predict gives velocities of the end of
+// the substep, constraints correct them, drift moves bodies. Most schemes move them with another velocity than that of
+// the end; what constraints changed goes into it as a force would (flow.h).
 #pragma once
 
 #include "engine/scratch.h"

@@ -104,6 +104,23 @@ std::vector<Session> property_sessions() {
       sessions.push_back({"playground " + std::string(info_of(engine::solvers, solver).name) + " " + suffix, scene,
                           random_inputs(scene, 7, 400)});
     }
+    // Every force element, and an integrator with a table of its own.
+    engine::Scene forced = playground(engine::SolverKind::tgs_soft, precision.kind);
+    forced.settings.integrator = engine::IntegratorKind::thesis_verlet;
+    for (const auto& info : engine::force_kinds) {
+      engine::Force force;
+      force.kind = info.kind;
+      force.vector = {0.5, 1};
+      force.coefficient = 0.05;
+      force.angular_coefficient = 0.02;
+      force.stiffness = 20;
+      force.damping = 0.5;
+      force.exponent = 1;
+      force.point = {0, 3};
+      if (info.kind == engine::ForceKind::spring) force.body = 5;
+      forced.forces.push_back(force);
+    }
+    sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400)});
   }
   return sessions;
 }
