@@ -36,7 +36,8 @@ double root(double x, int n) {
   return y;
 }
 
-/// Largest difference of a position, m, or an angle, rad. Bodies that only one has count as nothing.
+/// Largest difference of a position, m, or an angle, rad; not finite where one of them is not. Bodies that only one has
+/// count as nothing.
 double distance(const std::vector<BodyReport>& a, const std::vector<BodyReport>& b) {
   double worst = 0;
   std::size_t j = 0;
@@ -48,8 +49,10 @@ double distance(const std::vector<BodyReport>& a, const std::vector<BodyReport>&
     double turn = body.angle - b[j].angle;
     if (turn > pi) turn -= 2 * pi;
     if (turn < -pi) turn += 2 * pi;
-    worst = larger(worst, __builtin_sqrt(dx * dx + dy * dy));
-    worst = larger(worst, turn < 0 ? -turn : turn);
+    const double apart = __builtin_sqrt(dx * dx + dy * dy);
+    const double turned = turn < 0 ? -turn : turn;
+    if (!(apart - apart == 0) || !(turned - turned == 0)) return apart - apart + (turned - turned);  // a NaN
+    worst = larger(worst, larger(apart, turned));
   }
   return worst;
 }

@@ -35,7 +35,8 @@ std::vector<ChoiceText> choices_of(const engine::Settings& settings) {
           row("integrator", engine::integrators, settings.integrator),
           row("broad_phase", engine::broad_phases, settings.broad_phase),
           row("friction_mix", engine::mix_rules, settings.friction_mix),
-          row("restitution_mix", engine::mix_rules, settings.restitution_mix)};
+          row("restitution_mix", engine::mix_rules, settings.restitution_mix),
+          row("clock", engine::clock_kinds, settings.clock.kind)};
 }
 
 std::string type_text(const Column& column) {
