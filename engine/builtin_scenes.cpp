@@ -362,7 +362,106 @@ Scene build_slide(const SceneArguments& arguments) {
   return scene;
 }
 
-const std::array<BuiltinScene, 10> scenes{{
+Shape line(ShapeKind kind, std::vector<Point> points, double radius = 0) {
+  Shape shape;
+  shape.kind = kind;
+  shape.vertices = std::move(points);
+  shape.radius = radius;
+  return shape;
+}
+
+constexpr std::array<SceneParameter, 2> shapes_parameters{{
+    {"bodies", 60, 1, 100'000, true, "circles, capsules, boxes and polygons, sharp and rounded"},
+    {"seed", 1, 0, seed_max, true, "of shapes, sizes and angles"},
+}};
+Scene build_shapes(const SceneArguments& arguments) {
+  const int count = arguments.whole("bodies");
+  const double pitch = 1.5;  // no shape reaches further than 0.75 m from its middle
+  int column_count = 1;
+  while (column_count * column_count < count) ++column_count;
+  const double half_width = pitch * column_count / 2 + 1;
+  const double top = pitch * column_count + 4;
+  Random random(arguments.seed());
+  Scene scene;
+  // A chain from the top right down, along a bumpy floor to the left and up: its right side is the inside.
+  std::vector<Point> tub{{half_width, top}};
+  const int step_count = 4 * column_count;
+  for (int i = 0; i <= step_count; ++i)
+    tub.push_back({half_width - 2 * half_width * i / step_count, random.real(-0.2, 0.2)});
+  tub.push_back({-half_width, top});
+  scene.bodies.push_back(static_body("tub", {}, line(ShapeKind::chain, std::move(tub))));
+  const double shelf = half_width / 2;
+  scene.bodies.push_back(static_body("shelf", {}, line(ShapeKind::segment, {{-shelf, 1.5}, {0, 1}})));
+  for (int i = 0; i < count; ++i) {
+    const double x = (i % column_count + 0.5) * pitch - half_width + 1;
+    const Point position{x, (i / column_count + 1.5) * pitch};
+    const std::size_t number = scene.bodies.size();
+    const double size = random.real(0.2, 0.5);
+    const double half = 0.7 * size;
+    Shape shape;
+    switch (i % 6) {
+      case 0:
+        scene.bodies.push_back(dynamic_body("circle", number, position, circle(size)));
+        break;
+      case 1:
+        shape = line(ShapeKind::capsule, {{-half, 0}, {half, 0}}, 0.25);
+        scene.bodies.push_back(dynamic_body("capsule", number, position, shape));
+        break;
+      case 2:
+        scene.bodies.push_back(dynamic_body("box", number, position, box(size, half)));
+        break;
+      case 3:
+        shape = box(half, 0.5 * half);
+        shape.radius = 0.1;
+        scene.bodies.push_back(dynamic_body("rounded_box", number, position, shape));
+        break;
+      default: {
+        const int vertex_count = 3 + static_cast<int>(random.below(6));
+        for (int k = 0; k < vertex_count; ++k) {
+          const SinCos direction = sin_cos(2 * pi * (k + random.real(-0.3, 0.3)) / vertex_count);
+          shape.vertices.push_back({size * direction.cos, size * direction.sin});
+        }
+        shape = polygon(std::move(shape.vertices));
+        if (i % 6 == 5) shape.radius = 0.1;
+        scene.bodies.push_back(dynamic_body(i % 6 == 5 ? "rounded_polygon" : "polygon", number, position, shape));
+        break;
+      }
+    }
+    scene.bodies.back().angle = random.real(-pi, pi);
+  }
+  return scene;
+}
+
+constexpr std::array<SceneParameter, 2> sensors_parameters{{
+    {"bodies", 12, 1, 1000, true, "balls that fall, every other one unseen by the upper sensor"},
+    {"conveyor", 2, -100, 100, false, "speed of the belt to the left, m/s"},
+}};
+Scene build_sensors(const SceneArguments& arguments) {
+  const int count = arguments.whole("bodies");
+  Scene scene;
+  scene.settings.events = true;
+  const double half_width = 0.75 * count + 2;
+  scene.bodies.push_back(static_body("belt", {0, -0.5}, box(half_width, 0.5)));
+  scene.bodies.back().shapes[0].material.tangent_speed = arguments.real("conveyor");
+  const auto sensor = [&](const char* name, double height) {
+    scene.bodies.push_back(static_body(name, {0, height}, box(half_width, 0.25)));
+    scene.bodies.back().shapes[0].sensor = true;
+  };
+  sensor("upper", 4);
+  scene.bodies.back().shapes[0].filter.mask = 1;
+  sensor("lower", 2);
+  for (int i = 0; i < count; ++i) {
+    const Point position{1.5 * i - 0.75 * (count - 1), 5.5 + 0.25 * (i % 4)};
+    scene.bodies.push_back(dynamic_body("ball", scene.bodies.size(), position, circle(0.4)));
+    Shape& ball = scene.bodies.back().shapes[0];
+    ball.material.rolling_resistance = 0.05;
+    ball.filter.category = i % 2 == 0 ? 1 : 2;
+  }
+  scene.bounds = Bounds{{-half_width - 5, -20}, {half_width + 5, 20}};
+  return scene;
+}
+
+const std::array<BuiltinScene, 12> scenes{{
     {"thesis",
      "the thesis' window: fixed disc, block, floor and walls; a mouse adds circles, boxes, polygons",
      {},
@@ -377,6 +476,8 @@ const std::array<BuiltinScene, 10> scenes{{
     {"projectile", "one ball in free flight", projectile_parameters, build_projectile},
     {"billiards", "a disc hits fifteen, elastic and without friction", billiards_parameters, build_billiards},
     {"slide", "a box slides to rest", slide_parameters, build_slide},
+    {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes},
+    {"sensors", "balls fall through two sensors onto a conveyor; events are told", sensors_parameters, build_sensors},
 }};
 
 // ---- Reading `name?key=value` ----

@@ -118,20 +118,29 @@ float mix(MixRule rule, float a, float b) {
   return 0;
 }
 
+double tangent_speed_of(const b2Fixture* fixture) {
+  const auto* shape = reinterpret_cast<const Shape*>(const_cast<b2Fixture*>(fixture)->GetUserData().pointer);
+  return shape == nullptr ? 0 : shape->material.tangent_speed;
+}
+
 // Mixes materials as the scene says; Box2D by itself knows sqrt and max only.
 class Mixer : public b2ContactListener {
  public:
-  Mixer(MixRule friction, MixRule restitution) : friction_(friction), restitution_(restitution) {}
+  Mixer(MixRule friction, MixRule restitution, double scale)
+      : friction_(friction), restitution_(restitution), scale_(scale) {}
   void BeginContact(b2Contact* contact) override {
     const b2Fixture* a = contact->GetFixtureA();
     const b2Fixture* b = contact->GetFixtureB();
     contact->SetFriction(mix(friction_, a->GetFriction(), b->GetFriction()));
     contact->SetRestitution(mix(restitution_, a->GetRestitution(), b->GetRestitution()));
+    // Box2D's tangent is ours; it drives towards plus this speed, we towards minus the sum.
+    contact->SetTangentSpeed(-static_cast<float>(scale_ * (tangent_speed_of(a) + tangent_speed_of(b))));
   }
 
  private:
   MixRule friction_;
   MixRule restitution_;
+  double scale_;
 };
 
 std::uint32_t id_of(b2Fixture* fixture) {
@@ -150,7 +159,7 @@ class Box2dWorld final : public Box2dPeer {
         options_(options),
         scale_(scale),
         dt_(static_cast<float>(scene.settings.dt / options.steps_per_tick)),
-        mixer_(scene.settings.friction_mix, scene.settings.restitution_mix),
+        mixer_(scene.settings.friction_mix, scene.settings.restitution_mix, scale),
         world_(scaled(scene.gravity)) {
     world_.SetContactListener(&mixer_);
     world_.SetAllowSleeping(false);
@@ -302,7 +311,15 @@ class Box2dWorld final : public Box2dPeer {
   Status add_shape(b2Body* body, const engine::Body& description, const Shape& shape, const std::string& place) {
     b2CircleShape circle;
     b2PolygonShape polygon;
+    b2EdgeShape edge;
+    b2ChainShape chain;
+    if (Status known = check_known(shape, place); !known) return known;
     b2FixtureDef definition;
+    definition.userData.pointer = reinterpret_cast<std::uintptr_t>(&shape);
+    definition.isSensor = shape.sensor;
+    definition.filter.categoryBits = static_cast<std::uint16_t>(shape.filter.category);
+    definition.filter.maskBits = static_cast<std::uint16_t>(shape.filter.mask);
+    definition.filter.groupIndex = static_cast<std::int16_t>(shape.filter.group);
     definition.friction = static_cast<float>(shape.material.friction);
     definition.restitution = static_cast<float>(shape.material.restitution);
     definition.restitutionThreshold = static_cast<float>(scene_.settings.restitution_threshold * scale_);
@@ -314,7 +331,8 @@ class Box2dWorld final : public Box2dPeer {
       hull = std::move(*built);
     }
     const double thickness = thickness_of(shape, hull) * scale_;
-    if (description.type == BodyType::dynamic_body && thickness < thickness_min_m)
+    const bool is_line = shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
+    if (description.type == BodyType::dynamic_body && !is_line && thickness < thickness_min_m)
       return Error{
           ErrorCode::unsupported,
           fmt::format("{}: too thin for Box2D's skin of {:g} m: found {:g} m, expected at least {:g} m", place,
@@ -360,11 +378,46 @@ class Box2dWorld final : public Box2dPeer {
         break;
       }
       case ShapeKind::capsule:
+        break;  // refused above
       case ShapeKind::segment:
-      case ShapeKind::chain:
+        edge.SetTwoSided(scaled(shape.vertices[0]), scaled(shape.vertices[1]));
+        definition.shape = &edge;
         break;
+      case ShapeKind::chain: {
+        std::vector<b2Vec2> points;
+        for (const Point& p : shape.vertices) points.push_back(scaled(p));
+        const auto count = static_cast<int32>(points.size());
+        const auto last = points.size() - 1;
+        if (shape.loop)
+          chain.CreateLoop(points.data(), count);
+        else  // its ends want a neighbour: one straight on
+          chain.CreateChain(points.data(), count, 2 * points[0] - points[1], 2 * points[last] - points[last - 1]);
+        definition.shape = &chain;
+        break;
+      }
     }
     body->CreateFixture(&definition);
+    return {};
+  }
+
+  // Errors: unsupported, for what Box2D 2.4.1 has no notion of.
+  Status check_known(const Shape& shape, const std::string& place) const {
+    const auto refuse = [&](const char* what) {
+      return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
+    };
+    if (shape.kind == ShapeKind::capsule) return refuse("Box2D 2.4.1 has no capsules");
+    if (shape.kind != ShapeKind::circle && shape.radius > 0) return refuse("Box2D 2.4.1 rounds nothing");
+    if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
+    const engine::Filter& filter = shape.filter;
+    const bool all = filter.mask == 0xffffffff;
+    if (filter.category > 0xffff || (!all && filter.mask > 0xffff) || filter.group < -0x8000 || filter.group > 0x7fff)
+      return refuse("Box2D 2.4.1 has filters of 16 bits");
+    for (std::size_t i = shape.kind == ShapeKind::chain && shape.loop ? 0 : 1;
+         shape.kind == ShapeKind::chain && i < shape.vertices.size(); ++i) {
+      const b2Vec2 a = scaled(shape.vertices[i]);
+      const b2Vec2 b = scaled(shape.vertices[(i + shape.vertices.size() - 1) % shape.vertices.size()]);
+      if (b2Distance(a, b) <= 1.01f * b2_linearSlop) return refuse("a chain's edge is too short for Box2D");
+    }
     return {};
   }
 

@@ -37,32 +37,25 @@ struct Outline {
   Point upper{-infinite, -infinite};
 };
 
-Outline outline_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
+bool is_line(const Shape& shape) {
+  return shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
+}
+
+// The outline of everything within the radius of a core: where it reaches farthest in each of many directions.
+std::vector<Point> rounded(const std::vector<Point>& core, double radius) {
   std::vector<Point> corners;
-  switch (shape.kind) {
-    case ShapeKind::circle:
-      for (int i = 0; i < circle_corner_count; ++i) {
-        const engine::SinCos turn = engine::sin_cos(2 * engine::pi * i / circle_corner_count);
-        corners.push_back({shape.center.x + shape.radius * turn.cos, shape.center.y + shape.radius * turn.sin});
-      }
-      break;
-    case ShapeKind::box: {
-      const engine::SinCos turn = engine::sin_cos(shape.angle);
-      for (const Point& sign : {Point{-1, -1}, Point{1, -1}, Point{1, 1}, Point{-1, 1}}) {
-        const Point p = turned({sign.x * shape.half_size.x, sign.y * shape.half_size.y}, turn);
-        corners.push_back({shape.center.x + p.x, shape.center.y + p.y});
-      }
-      break;
-    }
-    case ShapeKind::polygon:
-      if (Result<std::vector<Point>> hull = engine::build_hull(shape.vertices)) corners = std::move(*hull);
-      break;
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
-    case ShapeKind::chain:
-      corners = shape.vertices;
-      break;
+  for (int i = 0; i < circle_corner_count; ++i) {
+    const engine::SinCos turn = engine::sin_cos(2 * engine::pi * i / circle_corner_count);
+    const Point direction{turn.cos, turn.sin};
+    Point farthest = core[0];
+    for (const Point& p : core)
+      if (dot(p, direction) > dot(farthest, direction)) farthest = p;
+    corners.push_back({farthest.x + radius * direction.x, farthest.y + radius * direction.y});
   }
+  return corners;
+}
+
+Outline outline_of(const Body& body, const std::vector<Point>& corners, const CrosscheckLayout& layout) {
   const engine::SinCos turn = engine::sin_cos(body.angle);
   Outline outline;
   for (const Point& corner : corners) {
@@ -74,6 +67,17 @@ Outline outline_of(const Body& body, const Shape& shape, const CrosscheckLayout&
     outline.upper = {std::max(outline.upper.x, seen.x), std::max(outline.upper.y, seen.y)};
   }
   return outline;
+}
+
+// One outline; of a segment or chain one for each edge. Sensors have none: nothing lies on them.
+std::vector<Outline> outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
+  if (shape.sensor) return {};
+  const std::vector<Point> core = engine::core_of(shape);
+  if (!is_line(shape)) return {outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
+  std::vector<Outline> edges;
+  for (std::size_t i = 0; i + 1 < core.size(); ++i) edges.push_back(outline_of(body, {core[i], core[i + 1]}, layout));
+  if (shape.loop) edges.push_back(outline_of(body, {core.back(), core.front()}, layout));
+  return edges;
 }
 
 // Lowest and highest point of a convex outline at one place across.
@@ -234,11 +238,12 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
     body.angle = description.angle;
     for (const Shape& shape : description.shapes) {
       if (shape.kind != ShapeKind::circle) body.shows_tilt = true;
-      Outline outline = outline_of(description, shape, layout);
       Outlines& all = outlines[i];
-      all.lower = {std::min(all.lower.x, outline.lower.x), std::min(all.lower.y, outline.lower.y)};
-      all.upper = {std::max(all.upper.x, outline.upper.x), std::max(all.upper.y, outline.upper.y)};
-      all.shapes.push_back(std::move(outline));
+      for (Outline& outline : outlines_of(description, shape, layout)) {
+        all.lower = {std::min(all.lower.x, outline.lower.x), std::min(all.lower.y, outline.lower.y)};
+        all.upper = {std::max(all.upper.x, outline.upper.x), std::max(all.upper.y, outline.upper.y)};
+        all.shapes.push_back(std::move(outline));
+      }
     }
     body.width = outlines[i].upper.x - outlines[i].lower.x;
     body.height = outlines[i].upper.y - outlines[i].lower.y;

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
 
 namespace ticktrue::verifier {
@@ -32,6 +33,7 @@ constexpr std::string_view style =
     ".kinematic{fill:#a86fc0;fill-opacity:.4;stroke:#a86fc0}"
     ".dynamic{fill:#3f8fd0;fill-opacity:.35;stroke:#3f8fd0}"
     ".mark{fill:none}"
+    ".sensor{fill-opacity:.08}"
     ".contact{fill:#d9603b;stroke:none}"
     ".normal{stroke:#d9603b;fill:none}"
     "text{fill:#808080;font:14px sans-serif}"
@@ -92,7 +94,43 @@ std::string xml_text(std::string_view text) {
   return escaped;
 }
 
+Point beyond(const Point& corner, const Point& from, const Point& to, double radius) {
+  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  return {corner.x + radius * (to.y - from.y) / length, corner.y - radius * (to.x - from.x) / length};
+}
+
+/// The outline of everything within the radius of a hull: straight edges and an arc at each vertex.
+void draw_rounded(const Shape& shape, std::back_insert_iterator<std::string> out) {
+  const std::vector<Point> core = engine::core_of(shape);
+  const std::size_t count = core.size();
+  const Point start = beyond(core[0], core[0], core[1], shape.radius);
+  fmt::format_to(out, "<path d=\"M{:.6g} {:.6g}", start.x, start.y);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point &a = core[i], &b = core[(i + 1) % count], &c = core[(i + 2) % count];
+    const Point end = beyond(b, a, b, shape.radius), next = beyond(b, b, c, shape.radius);
+    fmt::format_to(out, "L{:.6g} {:.6g}A{:.6g} {:.6g} 0 0 1 {:.6g} {:.6g}", end.x, end.y, shape.radius, shape.radius,
+                   next.x, next.y);
+  }
+  fmt::format_to(out, "Z\"/>");
+}
+
+void draw_line(const Shape& shape, std::back_insert_iterator<std::string> out) {
+  const char* command = "M";
+  fmt::format_to(out, "<path class=\"mark\" d=\"");
+  for (const Point& point : shape.vertices) {
+    fmt::format_to(out, "{}{:.6g} {:.6g}", command, point.x, point.y);
+    command = "L";
+  }
+  fmt::format_to(out, "{}\"/>", shape.loop ? "Z" : "");
+}
+
+bool is_line(const Shape& shape) {
+  return shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
+}
+
 void draw_shape(const Shape& shape, std::back_insert_iterator<std::string> out) {
+  if (is_line(shape)) return draw_line(shape, out);
+  if (shape.kind != ShapeKind::circle && shape.radius > 0) return draw_rounded(shape, out);
   if (shape.kind == ShapeKind::circle) {
     // With a radius drawn in, so that turning is seen.
     fmt::format_to(out, "<circle cx=\"{:.6g}\" cy=\"{:.6g}\" r=\"{:.6g}\"/>", shape.center.x, shape.center.y,
@@ -115,7 +153,11 @@ void draw_body(const BodyReport& body, std::back_insert_iterator<std::string> ou
   fmt::format_to(out, "<g class=\"{}\" transform=\"translate({:.7g} {:.7g}) rotate({:.6g})\">", class_of(body.type),
                  body.origin.x, body.origin.y, body.angle * degrees_per_radian);
   fmt::format_to(out, "<title>{} (id {})</title>", body.name.empty() ? "body" : xml_text(body.name), body.id);
-  for (const Shape& shape : *body.shapes) draw_shape(shape, out);
+  for (const Shape& shape : *body.shapes) {
+    if (shape.sensor) fmt::format_to(out, "<g class=\"sensor\">");
+    draw_shape(shape, out);
+    if (shape.sensor) fmt::format_to(out, "</g>");
+  }
   fmt::format_to(out, "</g>\n");
 }
 
@@ -144,15 +186,10 @@ WorldBox box_of(const BodyReport& body) {
   WorldBox box;
   if (!is_finite(body) || body.shapes == nullptr) return box;
   for (const Shape& shape : *body.shapes) {
-    if (shape.kind == ShapeKind::circle) {
-      const Point center = to_world(body, shape.center);
-      box.add(center.x - shape.radius, center.y - shape.radius);
-      box.add(center.x + shape.radius, center.y + shape.radius);
-      continue;
-    }
-    for (const Point& corner : corners_of(shape)) {
+    for (const Point& corner : engine::core_of(shape)) {
       const Point world = to_world(body, corner);
-      box.add(world.x, world.y);
+      box.add(world.x - shape.radius, world.y - shape.radius);
+      box.add(world.x + shape.radius, world.y + shape.radius);
     }
   }
   return box;

@@ -271,7 +271,11 @@ MassProperties shape_mass(const Shape& shape) {
       result.inertia = result.mass * shape.radius * shape.radius / 2;
       break;
     case ShapeKind::box:
-      if (shape.radius > 0) return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+      if (shape.radius > 0) {
+        result = at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+        result.center = shape.center;  // by symmetry, without rounding
+        break;
+      }
       result.mass = shape.density * 4 * shape.half_size.x * shape.half_size.y;
       result.center = shape.center;
       result.inertia = result.mass * dot(shape.half_size, shape.half_size) / 3;
@@ -280,7 +284,10 @@ MassProperties shape_mass(const Shape& shape) {
       if (shape.radius > 0) return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
       return at_density(polygon_moments(core_of(shape)), shape.density);
     case ShapeKind::capsule:
-      return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+      result = at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+      result.center = {(shape.vertices[0].x + shape.vertices[1].x) / 2,
+                       (shape.vertices[0].y + shape.vertices[1].y) / 2};
+      break;
     case ShapeKind::segment:
     case ShapeKind::chain:
       break;

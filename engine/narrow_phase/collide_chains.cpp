@@ -24,8 +24,11 @@ struct Edge {
   bool convex_before, convex_after;
 };
 
+/// Also where the chain turns back on itself: the tip must be met from ahead.
 bool is_convex(Vec2 first, Vec2 second) {
-  return cross(first, second) > straight_sine * square_root(length_squared(first) * length_squared(second));
+  const Real limit = straight_sine * square_root(length_squared(first) * length_squared(second));
+  const Real turn = cross(first, second);
+  return turn > limit || (turn >= -limit && dot(first, second) < 0);
 }
 
 Edge edge_of(const Model& model, const ShapeModel& shape) {

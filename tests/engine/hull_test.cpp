@@ -239,7 +239,8 @@ TEST_CASE("masses of capsules and rounded hulls are those of a fine numerical su
   const double disc = pi * 0.25, strip = 2;
   CHECK(pill.mass == Approx(3 * (disc + strip)).epsilon(1e-14));
   CHECK(pill.center == Point{0, 0});
-  CHECK(pill.inertia == Approx(3 * (strip * (4 + 1) / 12 + disc * (0.125 + 1 + 2 * 4 * 0.5 / (3 * pi)))).epsilon(1e-13));
+  CHECK(pill.inertia ==
+        Approx(3 * (strip * (4 + 1) / 12 + disc * (0.125 + 1 + 2 * 4 * 0.5 / (3 * pi)))).epsilon(1e-13));
 }
 
 TEST_CASE("lines have no mass, and a body of them takes what it states", "[engine][mass][analytic]") {

@@ -50,6 +50,34 @@ engine::Scene playground(engine::SolverKind solver, engine::Precision precision)
   return scene;
 }
 
+/// The playground with every shape, a chain for its floor, filters, a conveyor, a sensor and events.
+engine::Scene shape_playground(engine::Precision precision) {
+  engine::Scene scene = playground(engine::SolverKind::tgs_soft, precision);
+  scene.name = "shapes";
+  scene.settings.events = true;
+  scene.bodies[0] =
+      body_of(chain_shape({{8, 1}, {5, 0}, {1, 0.2}, {-2, 0}, {-5, 0.3}, {-8, 1}}), {0, 0}, BodyType::static_body);
+  scene.bodies[0].shapes[0].material.tangent_speed = 0.5;
+  Shape zone = box_shape(3, 1);
+  zone.center = {2, 2};
+  zone.sensor = true;
+  scene.bodies[0].shapes.push_back(zone);
+  scene.bodies[0].shapes.push_back(segment_shape({-6, 3}, {-4, 2.5}));
+  Shape rounded = box_shape(0.3, 0.2);
+  rounded.radius = 0.1;
+  Shape gem = polygon_shape({{0.4, 0}, {0, 0.4}, {-0.4, -0.1}});
+  gem.radius = 0.15;
+  for (const Shape& shape : {capsule_shape({-0.3, 0}, {0.3, 0.1}, 0.25), rounded, gem}) {
+    scene.prototypes.push_back(body_of(shape, {}));
+    scene.prototypes.back().name = "shape_" + std::to_string(scene.prototypes.size());
+    scene.pointer->spawns.push_back(scene.prototypes.back().name);
+    scene.bodies.push_back(body_of(shape, {-3 + 2.0 * static_cast<double>(scene.prototypes.size() % 4), 6}));
+  }
+  scene.prototypes[3].shapes[0].material.rolling_resistance = 0.1;
+  scene.prototypes[4].shapes[0].filter = {2, 0xfffffffe, -1};
+  return scene;
+}
+
 std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count) {
   engine::Random random(seed);
   std::vector<Bytes> encoded;
@@ -92,13 +120,16 @@ std::vector<Session> property_sessions() {
   std::vector<Session> sessions;
   for (const engine::Choice<Precision>& precision : engine::precisions) {
     const std::string suffix = "precision=" + std::string(precision.name);
-    for (const char* text : {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&",
-                             "projectile?", "billiards?", "slide?", "stack?boxes=4&solver=impulse&"}) {
+    for (const char* text :
+         {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&", "projectile?",
+          "billiards?", "shapes?bodies=30&", "slide?", "stack?boxes=4&solver=impulse&"}) {
       const auto scene = engine::make_builtin_scene(text + suffix);
       INFO(text << suffix << ": " << (scene ? "" : scene.error().message));
       REQUIRE(scene.has_value());
       sessions.push_back({text + suffix, *scene, {}});
     }
+    const engine::Scene shapes = shape_playground(precision.kind);
+    sessions.push_back({"shape playground " + suffix, shapes, random_inputs(shapes, 8, 400)});
     for (const engine::SolverKind solver : {engine::SolverKind::tgs_soft, engine::SolverKind::impulse}) {
       const engine::Scene scene = playground(solver, precision.kind);
       sessions.push_back({"playground " + std::string(info_of(engine::solvers, solver).name) + " " + suffix, scene,
