@@ -118,8 +118,8 @@ float mix(MixRule rule, float a, float b) {
   return 0;
 }
 
-double tangent_speed_of(const b2Fixture* fixture) {
-  const auto* shape = reinterpret_cast<const Shape*>(const_cast<b2Fixture*>(fixture)->GetUserData().pointer);
+double tangent_speed_of(b2Fixture* fixture) {
+  const auto* shape = reinterpret_cast<const Shape*>(fixture->GetUserData().pointer);
   return shape == nullptr ? 0 : shape->material.tangent_speed;
 }
 
@@ -129,8 +129,8 @@ class Mixer : public b2ContactListener {
   Mixer(MixRule friction, MixRule restitution, double scale)
       : friction_(friction), restitution_(restitution), scale_(scale) {}
   void BeginContact(b2Contact* contact) override {
-    const b2Fixture* a = contact->GetFixtureA();
-    const b2Fixture* b = contact->GetFixtureB();
+    b2Fixture* a = contact->GetFixtureA();
+    b2Fixture* b = contact->GetFixtureB();
     contact->SetFriction(mix(friction_, a->GetFriction(), b->GetFriction()));
     contact->SetRestitution(mix(restitution_, a->GetRestitution(), b->GetRestitution()));
     // Box2D's tangent is ours; it drives towards plus this speed, we towards minus the sum.
