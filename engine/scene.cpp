@@ -301,6 +301,14 @@ class Checker {
     for (shape_index_ = 0; shape_index_ < body.shapes.size(); ++shape_index_)
       if (!check_shape(body.shapes[shape_index_])) return false;
     shape_index_ = no_shape;
+    std::size_t child_count = 0;
+    for (const Shape& shape : body.shapes)
+      child_count += shape.kind == ShapeKind::chain ? shape.vertices.size() - (shape.loop ? 0 : 1) : 1;
+    if (child_count > limits::child_count_per_body_max)
+      return fail(ErrorCode::limit, "shapes",
+                  "too many, with every edge of a chain: found " + std::to_string(child_count) + ", expected at most " +
+                      std::to_string(limits::child_count_per_body_max),
+                  "spread them over several bodies");
     return body.type != BodyType::dynamic_body || check_resulting_mass(body);
   }
 

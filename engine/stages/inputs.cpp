@@ -136,8 +136,10 @@ void do_press(const Model& model, State& state, Scratch& scratch, const Input& i
     const BodyRow& body = state.bodies[row];
     const BodyModel& constants = model.bodies[body.source];
     bool hit = false;
-    for (std::uint32_t child = 0; child < constants.shape_count && !hit; ++child)
-      hit = contains(model, model.shape(constants, child), body, at);
+    for (std::uint32_t child = 0; child < constants.shape_count && !hit; ++child) {
+      const ShapeModel& shape = model.shape(constants, child);
+      hit = !shape.is_sensor && contains(model, shape, body, at);
+    }
     if (!hit) continue;
     occupied = true;
     if (constants.type != BodyType::dynamic_body) continue;

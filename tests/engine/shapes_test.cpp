@@ -481,7 +481,8 @@ TEST_CASE("rolling resistance c brakes a rolling disc by 2/3 c g", "[engine][sha
   CHECK(engine->bodies()[1].center.x == Approx(6 * 6 / (2 * 1.0)).margin(6 * settle));
 }
 
-TEST_CASE("a press holds capsules and rounded boxes where they are, and lines nowhere", "[engine][shapes][analytic]") {
+TEST_CASE("a press holds capsules and rounded boxes where they are, lines and sensors nowhere",
+          "[engine][shapes][analytic]") {
   const auto is_held = [](const Shape& shape, Point at) {
     Scene scene = empty_scene();
     scene.bodies = {with_mass(body_of(shape, {0, 0}))};
@@ -510,6 +511,8 @@ TEST_CASE("a press holds capsules and rounded boxes where they are, and lines no
   CHECK(is_held(box, {1.35, 1.35}));
   CHECK_FALSE(is_held(box, {1.36, 1.36}));
   CHECK_FALSE(is_held(segment_shape({-1, 0}, {1, 0}), {0, 0}));
+  box.sensor = true;
+  CHECK_FALSE(is_held(box, {0.3, -0.2}));
 }
 
 TEST_CASE("solvers that read no contacts refuse what they cannot do", "[engine][shapes][analytic]") {
@@ -550,4 +553,28 @@ TEST_CASE("a pile of every shape comes to rest inside its tub of a chain", "[eng
       CHECK(std::hypot(body.velocity.x, body.velocity.y) < 0.01);
     }
   }
+}
+
+TEST_CASE("capsules, segments and chains with too few, too many or coinciding points are refused",
+          "[engine][shapes][analytic]") {
+  const auto refusal = [](Shape shape, std::size_t count = 1) {
+    Scene scene = empty_scene();
+    scene.bodies = {body_of(shape, {0, 0}, BodyType::static_body)};
+    for (std::size_t i = 1; i < count; ++i) scene.bodies[0].shapes.push_back(shape);
+    const Status status = engine::check_scene(scene, "s");
+    return status ? std::string("accepted") : status.error().message;
+  };
+  using Catch::Matchers::Contains;
+  CHECK(refusal(capsule_shape({0, 0}, {1, 0}, 0.5)) == "accepted");
+  CHECK_THAT(refusal(capsule_shape({0, 0}, {1, 0}, 0)), Contains("radius"));
+  CHECK_THAT(refusal(capsule_shape({1, 0}, {1, 0}, 0.5)), Contains("too close"));
+  CHECK_THAT(refusal(segment_shape({1, 0}, {1, 0})), Contains("too close"));
+  CHECK_THAT(refusal(chain_shape({{1, 0}})), Contains("found 1, expected 2..16384"));
+  CHECK_THAT(refusal(chain_shape({{0, 0}, {1, 0}, {1, 0}})), Contains("vertices[2]"));
+  Shape loop = chain_shape({{0, 0}, {1, 0}});
+  loop.loop = true;
+  CHECK_THAT(refusal(loop), Contains("found 2, expected 3..16384"));
+  loop.vertices = {{0, 0}, {1, 0}, {1, 1}, {0, 0}};
+  CHECK_THAT(refusal(loop), Contains("vertices[0]"));
+  CHECK_THAT(refusal(chain_shape(level_points(16383, 1)), 5), Contains("found 81915, expected at most 65536"));
 }
