@@ -10,9 +10,6 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real hertz_times_h = Real(0.25);  // stiffness of rigid rows
-constexpr Real damping_ratio = 5;
-
 struct JointTableRow {
   JointKind kind;
   const JointFunctions* functions;
@@ -70,7 +67,7 @@ void for_each_run(Scratch& scratch, Pass pass) {
 }  // namespace
 
 Real joint_stiffness(Real h) {
-  const Real omega = Real(2 * pi) * hertz_times_h / h;
+  const Real omega = Real(2 * pi) * joint_hertz_times_h / h;
   return omega * omega;
 }
 
@@ -78,7 +75,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   const Real h = group.h;
   scratch.joints.clear();
   scratch.joint_ranges.clear();
-  const Softness soft = make_soft(hertz_times_h / h, damping_ratio, h);
+  const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointRow& row = state.joints[i];
     JointWork joint{};

@@ -4,13 +4,22 @@
 // substep stays within h times the largest force. Rows: joint_rows.h.
 //
 // linear = the point's two rows, angular = the angle (motor, friction).
-// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; rigid, or by `spring` where there is one.
+// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid
+// rows where there is none.
 // Friction: at B's centre of mass, against the point of A that lies there.
 // Target: anchor_a is the point of the world, A the resting record.
 #include "engine/constraints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
+
+/// The scene's spring, or one as stiff as rigid rows. Springs rest in the relax pass, which would take a bounded pull
+/// back again.
+SpringModel drive_of(const JointModel& model, Real h) {
+  if (!model.rigid) return model.spring;
+  const double omega = 2 * pi * static_cast<double>(joint_hertz_times_h / h);
+  return {true, false, omega * omega, 2 * static_cast<double>(joint_damping_ratio) * omega};
+}
 
 void warm_start_drive(const JointWork& joint, JointBodies& pair) {
   angle_row(joint).apply(joint, pair, joint.impulses.angular);
@@ -22,37 +31,19 @@ void note_drive(JointWork& joint, const JointBodies& pair) {
   joint.start_velocity = point_row(joint, pair, ActsAt::anchor_b).velocity(pair);
 }
 
-void solve_point(JointWork& joint, JointBodies& pair, Bias bias) {
-  const PointRow point = point_row(joint, pair, ActsAt::anchor_b);
-  if (joint.model->rigid)
-    solve_rigid_point(joint, point, pair, softness(joint, bias), joint.impulse_max, joint.impulses.linear);
-  else if (bias == Bias::on)
-    solve_point_spring(joint, point, pair, joint.impulse_max);
-}
-
 // ---- Motor ----
 
 void prepare_motor(JointWork& joint, Real h) {
-  joint.spring = spring_step(joint.model->spring, angle_row(joint).mobility, h);
-  prepare_point_spring(joint, joint.model->spring, ActsAt::anchor_b, h);
+  const SpringModel spring = drive_of(*joint.model, h);
+  joint.spring = spring_step(spring, angle_row(joint).mobility, h);
+  prepare_point_spring(joint, spring, ActsAt::anchor_b, h);
 }
 
 void solve_motor_joint(JointWork& joint, JointBodies& pair, Real, Bias bias) {
-  const AngleRow row = angle_row(joint);
-  if (!joint.model->rigid) {
-    if (bias == Bias::on)
-      solve_spring(joint, row, pair, joint.spring, relative_angle(joint, pair), joint.start_speed,
-                   joint.angular_impulse_max, joint.impulses.angular);
-  } else if (row.mobility > 0) {
-    const Softness soft = softness(joint, bias);
-    const Real rate = row.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
-    const Real old_impulse = joint.impulses.angular;
-    const Real total = clamped((old_impulse - soft.mass_scale * rate / row.mobility) - soft.impulse_scale * old_impulse,
-                               joint.angular_impulse_max);
-    row.apply(joint, pair, total - old_impulse);
-    joint.impulses.angular = total;
-  }
-  solve_point(joint, pair, bias);
+  if (bias == Bias::off) return;
+  solve_spring(joint, angle_row(joint), pair, joint.spring, relative_angle(joint, pair), joint.start_speed,
+               joint.angular_impulse_max, joint.impulses.angular);
+  solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
 }
 
 // ---- Friction ----
@@ -68,11 +59,12 @@ void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
 // ---- Target ----
 
 void prepare_target(JointWork& joint, Real h) {
-  prepare_point_spring(joint, joint.model->spring, ActsAt::anchor_b, h);
+  prepare_point_spring(joint, drive_of(*joint.model, h), ActsAt::anchor_b, h);
 }
 
 void solve_target(JointWork& joint, JointBodies& pair, Real, Bias bias) {
-  solve_point(joint, pair, bias);
+  if (bias == Bias::off) return;
+  solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
 }
 
 }  // namespace

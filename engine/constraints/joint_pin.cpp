@@ -11,8 +11,10 @@ namespace {
 
 // ---- Revolute ----
 
-void prepare_revolute(JointWork& joint, Real h) {
-  joint.spring = spring_step(joint.model->spring, angle_row(joint).mobility, h);
+void prepare_spring_of_angle(JointWork& joint, Real h) {
+  const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
+  const PointRow pin = point_row(joint, {at_start, at_start}, ActsAt::middle);
+  joint.spring = spring_step(joint.model->spring, pinned_angle_row(joint, pin).mobility, h);
 }
 
 void note_revolute(JointWork& joint, const JointBodies& pair) {
@@ -26,8 +28,9 @@ void warm_start_revolute(const JointWork& joint, JointBodies& pair) {
 
 void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
+  const PointRow pin = point_row(joint, pair, ActsAt::middle);
   if (model.spring.exists || model.has_limits || model.has_motor) {
-    const AngleRow row = angle_row(joint);
+    const PinnedAngleRow row = pinned_angle_row(joint, pin);
     const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
     if (model.spring.exists && bias == Bias::on)
       solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
@@ -35,14 +38,16 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
       solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
     if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
   }
-  solve_rigid_point(joint, point_row(joint, pair, ActsAt::middle), pair, softness(joint, bias), no_impulse_limit,
-                    joint.impulses.linear);
+  solve_rigid_point(joint, pin, pair, softness(joint, bias), no_impulse_limit, joint.impulses.linear);
 }
 
 // ---- Weld ----
 
 void prepare_weld(JointWork& joint, Real h) {
-  joint.spring = spring_step(joint.model->spring, angle_row(joint).mobility, h);
+  if (joint.model->rigid)
+    prepare_spring_of_angle(joint, h);
+  else
+    joint.spring = spring_step(joint.model->spring, angle_row(joint).mobility, h);
   prepare_point_spring(joint, joint.model->linear_spring, ActsAt::middle, h);
 }
 
@@ -61,9 +66,7 @@ void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const S
   const AngleRow angle = angle_row(joint);
   const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
-  // Column that couples point and angle: what a unit of angular impulse does to the point.
-  const Vec2 coupling{-(joint.inv_inertia_a * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y),
-                      joint.inv_inertia_a * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x};
+  const Vec2 coupling = angle_coupling(joint, row);
   const Real inv = 1 / angle.mobility;
   row.k11 -= inv * coupling.x * coupling.x;
   row.k12 -= inv * coupling.x * coupling.y;
@@ -88,9 +91,15 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
     solve_rigid_weld(joint, point, pair, soft);
     return;
   }
-  if (!model.rigid_angle && bias == Bias::on)
-    solve_spring(joint, angle, pair, joint.spring, relative_angle(joint, pair), joint.start_speed, no_impulse_limit,
-                 joint.impulses.angular);
+  if (!model.rigid_angle && bias == Bias::on) {
+    const Real error = relative_angle(joint, pair);
+    if (model.rigid)
+      solve_spring(joint, pinned_angle_row(joint, point), pair, joint.spring, error, joint.start_speed,
+                   no_impulse_limit, joint.impulses.angular);
+    else
+      solve_spring(joint, angle, pair, joint.spring, error, joint.start_speed, no_impulse_limit,
+                   joint.impulses.angular);
+  }
   if (!model.rigid && bias == Bias::on) solve_point_spring(joint, point, pair, no_impulse_limit);
   if (model.rigid_angle && angle.mobility > 0)
     solve_rigid(joint, angle, pair, relative_angle(joint, pair), soft, joint.impulses.angular);
@@ -99,7 +108,7 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions revolute_joint{JointKind::revolute, prepare_revolute, note_each<note_revolute>,
+constexpr JointFunctions revolute_joint{JointKind::revolute, prepare_spring_of_angle, note_each<note_revolute>,
                                         warm_start_each<warm_start_revolute>, solve_each<solve_revolute>};
 constexpr JointFunctions weld_joint{JointKind::weld, prepare_weld, note_each<note_weld>,
                                     warm_start_each<warm_start_weld>, solve_each<solve_weld>};

@@ -12,6 +12,10 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+/// Stiffness of rigid rows.
+inline constexpr Real joint_hertz_times_h = Real(0.25);
+inline constexpr Real joint_damping_ratio = 5;
+
 /// The two bodies of a joint while it is worked on.
 struct JointBodies {
   MovingBody a;
@@ -94,8 +98,7 @@ inline LineRow line_row(const JointWork& joint, Vec2 axis, Vec2 arm_a, Vec2 arm_
 // ---- One row of either sort ----
 
 template <typename Row>
-void solve_rigid(const JointWork& joint, const Row& row, JointBodies& pair, Real error, const Softness& soft,
-                 Real& impulse) {
+void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error, const Softness& soft, Real& impulse) {
   if (row.mobility <= 0) return;
   const Real wanted = soft.mass_scale * (row.speed(pair) + soft.bias_rate * error) / row.mobility;
   const Real change = -wanted - soft.impulse_scale * impulse;
@@ -105,7 +108,7 @@ void solve_rigid(const JointWork& joint, const Row& row, JointBodies& pair, Real
 
 /// One-sided: `room` >= 0 may be used up within the substep, < 0 is pushed out. sign 1: pushes up from a lower limit.
 template <typename Row>
-void solve_limit(const JointWork& joint, const Row& row, JointBodies& pair, Real room, Real sign, Real h, Bias bias,
+void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real room, Real sign, Real h, Bias bias,
                  Real& impulse) {
   if (row.mobility <= 0) return;
   Softness soft;
@@ -135,7 +138,7 @@ void solve_motor(JointWork& joint, const Row& row, JointBodies& pair, Real speed
 }
 
 template <typename Row>
-void solve_spring(const JointWork& joint, const Row& row, JointBodies& pair, const SpringStep& spring, Real error,
+void solve_spring(JointWork& joint, const Row& row, JointBodies& pair, const SpringStep& spring, Real error,
                   Real start_speed, Real impulse_max, Real& impulse) {
   if (row.mobility <= 0) return;
   const Real total =
@@ -219,6 +222,42 @@ inline void solve_rigid_point(const JointWork& joint, const PointRow& row, Joint
   const Vec2 total = clamped((impulse - soft.mass_scale * wanted) - soft.impulse_scale * impulse, impulse_max);
   row.apply(joint, pair, total - impulse);
   impulse = total;
+}
+
+/// The angle of two bodies that are pinned at a point: an angular impulse draws the pin's reaction with it, so that the
+/// pin stays at rest and the angle's row is solved as if the pin were not there.
+struct PinnedAngleRow {
+  Real mobility;
+  Vec2 reaction;  // of the pin, per angular impulse, 1/m
+  PointRow pin;
+
+  Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
+  void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
+    angle_row(joint).apply(joint, pair, impulse);
+    const Vec2 p = impulse * reaction;
+    pin.apply(joint, pair, p);
+    joint.impulses.linear = joint.impulses.linear + p;
+  }
+};
+
+/// What a unit of angular impulse does to the point.
+inline Vec2 angle_coupling(const JointWork& joint, const PointRow& row) {
+  return {-(joint.inv_inertia_a * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y),
+          joint.inv_inertia_a * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x};
+}
+
+/// With m, a, b the inverse masses (summed) and inertias: the 3 x 3 determinant of point and angle over the 2 x 2 one
+/// of the point, both as sums of positive terms (Cauchy-Binet), divided by m: (m (a + b) + a b |r_a - r_b|^2) / (m + a
+/// |r_a|^2 + b |r_b|^2 + a b (r_a x r_b)^2 / m).
+inline PinnedAngleRow pinned_angle_row(const JointWork& joint, const PointRow& pin) {
+  const Real m = joint.inv_mass_a + joint.inv_mass_b;
+  const Real a = joint.inv_inertia_a;
+  const Real b = joint.inv_inertia_b;
+  if (m <= 0 || a + b <= 0) return {0, {0, 0}, pin};
+  const Real area = cross(pin.arm_a, pin.arm_b);
+  const Real above = m * (a + b) + a * b * length_squared(pin.arm_a - pin.arm_b);
+  const Real below = m + (a * length_squared(pin.arm_a) + b * length_squared(pin.arm_b)) + a * area * (b * area / m);
+  return {above / below, -pin.solved(angle_coupling(joint, pin)), pin};
 }
 
 /// The principal axes of a point's mobility: along each, the point moves as if it were alone.

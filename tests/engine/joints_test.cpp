@@ -1,0 +1,486 @@
+// Joints against closed forms: pendulums, chains, sliders, motors, ropes, beams, bounded forces, conservation.
+// SPDX-License-Identifier: MIT
+//
+// h is the substep. A rigid row gives way by C = F K / w^2, w = 2 pi 0.25 / h, under a force F, K its mobility
+// (docs/physics.md, "Joints"): the limits below follow from it, and from the order of semi-implicit Euler.
+#include "tests/support/joints.h"
+
+#include <cmath>
+#include <memory>
+
+#include "engine/math/trig.h"
+#include "tests/support/engine_runs.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+using engine::pi;
+
+namespace {
+
+constexpr double dt = 1.0 / 60;
+
+void run_ticks(Engine& engine, int tick_count) {
+  for (int i = 0; i < tick_count; ++i) engine.step({dt, {}}, nullptr);
+}
+
+double length_of(Point a, Point b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+// w^2 of rigid rows.
+double stiffness_rate(int substeps) {
+  const double omega = 2 * pi * 0.25 * substeps / dt;
+  return omega * omega;
+}
+
+// 60 degrees, equivalent length 1 m: a point on a rod, or a body (0.8 + 0.16 / 0.8 = 1) on a pin.
+Scene pendulum_scene(JointKind kind, int substeps, Precision precision) {
+  const bool pinned = kind == JointKind::revolute;
+  const double angle = pi / 3;
+  const double arm = pinned ? 0.8 : 1;
+  Scene scene = empty_scene(precision);
+  scene.settings.substeps = substeps;
+  scene.bodies = {peg({0, 0}), bob({arm * std::sin(angle), -arm * std::cos(angle)}, 1, 0.16)};
+  scene.bodies[1].angle = pinned ? angle : 0;
+  scene.joints = {joint_of(kind, 0, 1)};
+  if (pinned) scene.joints[0].anchor_b = {0, arm};
+  return scene;
+}
+
+double pendulum_energy(const BodyReport& bob, double arm) {
+  const double v2 = bob.velocity.x * bob.velocity.x + bob.velocity.y * bob.velocity.y;
+  return 0.5 * v2 + 0.5 * 0.16 * bob.angular_velocity * bob.angular_velocity + 10 * (bob.center.y + arm);
+}
+
+// Mean time between passages from right to left, in the first 10 s.
+double pendulum_period(const Scene& scene) {
+  const auto engine = make_engine_or_fail(scene);
+  double before = engine->bodies()[1].center.x;
+  double first = 0, last = 0;
+  int count = 0;
+  for (int tick = 0; tick < 600; ++tick) {
+    run_ticks(*engine, 1);
+    const double x = engine->bodies()[1].center.x;
+    if (before > 0 && x <= 0) {
+      last = (tick + before / (before - x)) * dt;
+      if (count++ == 0) first = last;
+    }
+    before = x;
+  }
+  return (last - first) / (count - 1);
+}
+
+Scene chain_scene(int links, int substeps) {
+  Scene scene = empty_scene();
+  scene.settings.substeps = substeps;
+  scene.bodies.push_back(peg({0, 0}));
+  for (int i = 0; i < links; ++i) {
+    scene.bodies.push_back(body_of(box_shape(0.1, 0.5), {0, -0.5 - i}));
+    scene.bodies.back().mass = engine::ExplicitMass{1, {}, {}};
+    scene.joints.push_back(
+        joint_of(JointKind::revolute, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i) + 1));
+    scene.joints.back().anchor_a = i == 0 ? Point{0, 0} : Point{0, -0.5};
+    scene.joints.back().anchor_b = {0, 0.5};
+  }
+  return scene;
+}
+
+// How far the end of a hanging chain is below its place.
+double chain_sag(int links, int substeps) {
+  const auto engine = make_engine_or_fail(chain_scene(links, substeps));
+  run_ticks(*engine, 600);
+  return (0.5 - links) - engine->bodies().back().center.y;
+}
+
+// A body of 2 kg on a horizontal rail, without gravity.
+Scene rail_scene(Precision precision) {
+  Scene scene = empty_scene(precision);
+  scene.gravity = {0, 0};
+  scene.bodies = {peg({0, 0}), bob({0, 0}, 2)};
+  scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a pendulum on a joint keeps its period and its energy", "[engine][joints][analytic]") {
+  const double exact = 2.13232427506 / std::sqrt(1.0);  // 60 degrees, L = 1, g = 10
+  for (const JointKind kind : {JointKind::revolute, JointKind::distance})
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      CAPTURE(kind, precision);
+      CHECK(std::fabs(pendulum_period(pendulum_scene(kind, 16, precision)) / exact - 1) < 0.0002);
+      CHECK(std::fabs(pendulum_period(pendulum_scene(kind, 4, precision)) / exact - 1) < 0.0005);
+      const auto engine = make_engine_or_fail(pendulum_scene(kind, 4, precision));
+      const double arm = kind == JointKind::revolute ? 0.8 : 1;
+      const double before = pendulum_energy(engine->bodies()[1], arm);
+      run_ticks(*engine, 600);
+      const double after = pendulum_energy(engine->bodies()[1], arm);
+      CHECK(after / before > 0.94);
+      CHECK(after / before < 1.01);
+    }
+}
+
+TEST_CASE("a double pendulum of rods follows its equations of motion", "[engine][joints][analytic]") {
+  // Two points of 1 kg, rods of 1 m, both released at 90 degrees: angles after 1 s. First order in h.
+  const auto error = [](int substeps) {
+    Scene scene = empty_scene();
+    scene.settings.substeps = substeps;
+    scene.bodies = {peg({0, 0}), bob({1, 0}), bob({2, 0})};
+    scene.joints = {joint_of(JointKind::distance, 0, 1), joint_of(JointKind::distance, 1, 2)};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    const auto bodies = engine->bodies();
+    const double first = std::atan2(bodies[1].center.x, -bodies[1].center.y);
+    const double second =
+        std::atan2(bodies[2].center.x - bodies[1].center.x, -(bodies[2].center.y - bodies[1].center.y));
+    return std::hypot(first + 0.6629799257481, second + 1.04638763323205);
+  };
+  const double coarse = error(32);
+  const double fine = error(64);
+  CHECK(coarse < 0.02);
+  CHECK(fine < 0.6 * coarse);
+}
+
+TEST_CASE("a hanging chain gives way by the sum of F K / w^2, a quarter for twice the substeps",
+          "[engine][joints][analytic]") {
+  // Joint i of n carries n - i + 1 links of 10 N; K = 2 / kg between links, 1 / kg at the peg.
+  const double load = 200 + 2 * 10 * (19 * 20 / 2);
+  double coarser = 0;
+  for (const int substeps : {4, 8, 16}) {
+    const double sag = chain_sag(20, substeps);
+    CAPTURE(substeps, sag);
+    CHECK(sag == Approx(load / stiffness_rate(substeps)).epsilon(0.01));
+    if (coarser > 0) CHECK(coarser / sag == Approx(4).epsilon(0.02));
+    coarser = sag;
+  }
+}
+
+TEST_CASE("the peg of a hanging chain carries its weight", "[engine][joints][analytic]") {
+  const auto engine = make_engine_or_fail(chain_scene(20, 4));
+  run_ticks(*engine, 600);
+  CHECK(joint_value(*engine, 0, "linear_force", 1) == Approx(200).epsilon(0.01));
+  CHECK(std::fabs(joint_value(*engine, 0, "linear_force", 0)) < 1e-6);
+  CHECK(joint_value(*engine, 19, "linear_force", 1) == Approx(10).epsilon(0.01));
+}
+
+TEST_CASE("a slider under a constant motor force has exactly its acceleration, and stops at its limit",
+          "[engine][joints][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = rail_scene(precision);
+    scene.joints[0].motor = engine::JointMotor{1000, 5};  // never reaches 1000 m/s: a force of 5 N
+    scene.joints[0].limits = engine::Range{-1, 3};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    const double rounding = precision == Precision::f32 ? 1e-5 : 1e-12;
+    const double h = dt / 4;
+    CHECK(engine->bodies()[1].velocity.x == Approx(2.5).epsilon(rounding));
+    CHECK(engine->bodies()[1].center.x == Approx(0.5 * 2.5 * 1 * (1 + h)).epsilon(rounding));
+    CHECK(joint_value(*engine, 0, "motor_force") == Approx(5).epsilon(rounding));
+    run_ticks(*engine, 240);
+    // At rest against the limit, which gives way by at most F K / w^2.
+    CHECK(engine->bodies()[1].center.x > 3 - 1e-6);
+    CHECK(engine->bodies()[1].center.x < 3 + 5 * 0.5 / stiffness_rate(4) * 1.01 + 1e-6);
+    CHECK(std::fabs(engine->bodies()[1].velocity.x) < 1e-5);
+    CHECK(joint_value(*engine, 0, "upper_force") == Approx(5).epsilon(1e-4));
+    CHECK(joint_value(*engine, 0, "lower_force") == 0);
+  }
+}
+
+TEST_CASE("a slider neither turns nor leaves its axis", "[engine][joints][analytic]") {
+  Scene scene = rail_scene(Precision::f64);
+  scene.joints[0].axis = {1, 1};
+  scene.gravity = {0, -10};
+  scene.bodies[1].angular_velocity = 5;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 60);
+  const BodyReport body = engine->bodies()[1];
+  // Slides down the slope of 45 degrees with g / sqrt(2); the first jolt of 5 rad/s is taken up by the angle row.
+  CHECK(std::fabs(body.center.x - body.center.y) < 1e-3);
+  CHECK(std::fabs(body.angle) < 1e-3);
+  const double along = -(body.velocity.x + body.velocity.y) / std::sqrt(2.0);
+  CHECK(along == Approx(10 / std::sqrt(2.0)).epsilon(0.001));
+}
+
+TEST_CASE("a revolute motor speeds up with its torque until it has its speed", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.gravity = {0, 0};
+  scene.bodies = {peg({0, 0}), bob({0, 0}, 1, 0.5)};
+  scene.joints = {joint_of(JointKind::revolute, 0, 1)};
+  scene.joints[0].motor = engine::JointMotor{3, 0.75};
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 60);
+  CHECK(engine->bodies()[1].angular_velocity == Approx(1.5).epsilon(1e-9));
+  run_ticks(*engine, 120);
+  CHECK(engine->bodies()[1].angular_velocity == Approx(3).epsilon(1e-9));
+  CHECK(std::fabs(joint_value(*engine, 0, "motor_force")) < 1e-9);
+}
+
+TEST_CASE("a revolute joint turns to its limits and no further", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), bob({0.5, 0})};
+  scene.joints = {joint_of(JointKind::revolute, 0, 1)};
+  scene.joints[0].anchor_b = {-0.5, 0};
+  scene.joints[0].limits = engine::Range{-0.5, 0.25};
+  const auto engine = make_engine_or_fail(scene);
+  for (int tick = 0; tick < 300; ++tick) {
+    run_ticks(*engine, 1);
+    CHECK(engine->bodies()[1].angle > -0.51);
+  }
+  CHECK(engine->bodies()[1].angle == Approx(-0.5).margin(0.01));
+}
+
+TEST_CASE("a rope is slack until it is stretched, and catches what falls", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), bob({0, -1}, 2)};
+  Scene free_fall = scene;
+  scene.joints = {joint_of(JointKind::distance, 0, 1)};
+  scene.joints[0].spring = absolute_spring(0);
+  scene.joints[0].limits = engine::Range{0, 2};
+  const auto engine = make_engine_or_fail(scene);
+  const auto falling = make_engine_or_fail(free_fall);
+  for (int tick = 0; tick < 24; ++tick) {  // 1 m takes 0.447 s = 26.8 ticks
+    run_ticks(*engine, 1);
+    run_ticks(*falling, 1);
+    CHECK(engine->bodies()[1].center == falling->bodies()[1].center);
+  }
+  const double give = 20 * 0.5 / stiffness_rate(4);
+  for (int tick = 0; tick < 300; ++tick) {
+    run_ticks(*engine, 1);
+    CHECK(engine->bodies()[1].center.y > -2 - 2 * give);
+  }
+  CHECK(engine->bodies()[1].center.y < -2 + 1e-9);
+  CHECK(joint_value(*engine, 0, "upper_force") == Approx(20).epsilon(1e-4));
+}
+
+TEST_CASE("a beam of welded boxes bends by K (F, T) / w^2 at each weld", "[engine][joints][analytic]") {
+  const int count = 6;
+  const auto tip_sag = [](int substeps) {
+    Scene scene = empty_scene();
+    scene.settings.substeps = substeps;
+    scene.bodies.push_back(peg({-0.5, 0}));
+    for (int i = 0; i < count; ++i) {
+      scene.bodies.push_back(body_of(box_shape(0.5, 0.1), {static_cast<double>(i), 0}));
+      scene.joints.push_back(
+          joint_of(JointKind::weld, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i) + 1));
+      scene.joints.back().anchor_a = {i == 0 ? 0 : 0.5, 0};
+      scene.joints.back().anchor_b = {-0.5, 0};
+    }
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 1200);
+    return -engine->bodies().back().center.y;
+  };
+  // 0.2 kg each; weld i carries the n boxes beyond it: F = n W, T = n^2 W / 2 about the weld. K couples gap and angle
+  // at the peg only, where one body moves.
+  const double mass = 0.2, inertia = mass * (1 + 0.04) / 12, weight = 10 * mass;
+  double sag = 0;
+  for (int i = 0; i < count; ++i) {
+    const int n = count - i;
+    const double force = n * weight, torque = n * n * weight / 2;
+    const double bodies = i == 0 ? 1 : 2;
+    const double coupling = i == 0 ? -0.5 / inertia : 0;
+    const double gap = (bodies / mass + bodies * 0.25 / inertia) * force + coupling * torque;
+    const double bend = bodies / inertia * torque + coupling * force;
+    sag += (gap + bend * (n - 0.5)) / stiffness_rate(1);
+  }
+  for (const int substeps : {4, 8, 16}) {
+    CAPTURE(substeps);
+    CHECK(tip_sag(substeps) == Approx(sag / (substeps * substeps)).epsilon(0.02));
+  }
+}
+
+TEST_CASE("a wheel hangs m g / k below its mount, and turns freely", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), bob({0, 0}, 2)};
+  scene.bodies[1].angular_velocity = 3;
+  scene.joints = {joint_of(JointKind::wheel, 0, 1)};
+  scene.joints[0].axis = {0, 1};
+  scene.joints[0].spring = engine::JointSpring{false, 2, 0.7, 0, 0};
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 600);
+  const double omega = 2 * pi * 2;
+  CHECK(engine->bodies()[1].center.y == Approx(-10 / (omega * omega)).epsilon(0.001));
+  CHECK(std::fabs(engine->bodies()[1].center.x) < 1e-9);
+  CHECK(engine->bodies()[1].angular_velocity == Approx(3).epsilon(1e-9));
+}
+
+TEST_CASE("a motor joint holds its offset and pulls with no more than its force", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.gravity = {0, 0};
+  scene.bodies = {peg({0, 0}), bob({0, 0}, 2, 0.5)};
+  scene.joints = {joint_of(JointKind::motor, 0, 1)};
+  scene.joints[0].offset = {3, 0};
+  scene.joints[0].angle_offset = 1;
+  scene.joints[0].force_max = 4;
+  scene.joints[0].torque_max = 0.25;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 30);
+  CHECK(engine->bodies()[1].velocity.x == Approx(1).epsilon(0.001));           // 4 N / 2 kg for 0.5 s
+  CHECK(engine->bodies()[1].angular_velocity == Approx(0.25).epsilon(0.001));  // 0.25 N m / 0.5 kg m^2 for 0.5 s
+  Scene strong = scene;
+  strong.joints[0].force_max = 1e5;
+  strong.joints[0].torque_max = 1e5;
+  const auto held = make_engine_or_fail(strong);
+  run_ticks(*held, 300);
+  CHECK(held->bodies()[1].center.x == Approx(3).epsilon(1e-6));
+  CHECK(held->bodies()[1].angle == Approx(1).epsilon(1e-6));
+}
+
+TEST_CASE("a friction joint brakes with exactly its force and torque, then holds", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.gravity = {0, 0};
+  scene.bodies = {peg({0, 0}), bob({1, 0}, 2, 0.5)};
+  scene.bodies[1].velocity = {3, 4};
+  scene.bodies[1].angular_velocity = 2;
+  scene.joints = {joint_of(JointKind::friction, 0, 1)};
+  scene.joints[0].force_max = 5;
+  scene.joints[0].torque_max = 0.5;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 60);
+  const BodyReport body = engine->bodies()[1];
+  CHECK(std::hypot(body.velocity.x, body.velocity.y) == Approx(5 - 2.5).epsilon(1e-9));
+  CHECK(body.velocity.x / body.velocity.y == Approx(0.75).epsilon(1e-9));
+  CHECK(body.angular_velocity == Approx(1).epsilon(1e-9));
+  run_ticks(*engine, 120);
+  CHECK(std::fabs(engine->bodies()[1].velocity.x) < 1e-12);
+  CHECK(std::fabs(engine->bodies()[1].angular_velocity) < 1e-12);
+}
+
+TEST_CASE("a friction joint holds a weight below its force and lets a heavier one slip", "[engine][joints][analytic]") {
+  for (const double force_max : {21.0, 15.0}) {
+    Scene scene = empty_scene();
+    scene.bodies = {peg({0, 0}), bob({1, 0}, 2)};
+    scene.joints = {joint_of(JointKind::friction, 0, 1)};
+    scene.joints[0].force_max = force_max;
+    scene.joints[0].torque_max = 100;
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 60);
+    const double slip = force_max > 20 ? 0 : (20 - force_max) / 2;
+    CHECK(-engine->bodies()[1].velocity.y == Approx(slip).margin(1e-9));
+  }
+}
+
+TEST_CASE("a target joint pulls its anchor to the point with no more than its force", "[engine][joints][analytic]") {
+  Scene scene = empty_scene();
+  scene.bodies = {bob({0, 0}, 2)};
+  scene.joints = {joint_of(JointKind::target, 0, 0)};
+  scene.joints[0].offset = {1, 2};
+  scene.joints[0].anchor_b = {0, 0.1};
+  scene.joints[0].force_max = 1e4;
+  scene.joints[0].spring = absolute_spring(400, 40);
+  scene.bodies[0].angular_damping = 2;  // else it swings about the anchor for long
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 600);
+  const BodyReport body = engine->bodies()[0];
+  CHECK(body.center.x + 0.1 * -std::sin(body.angle) == Approx(1).margin(1e-4));
+  CHECK(body.center.y + 0.1 * std::cos(body.angle) == Approx(2 - 20.0 / 400).epsilon(0.001));
+  scene.gravity = {0, 0};
+  scene.joints[0].force_max = 1;
+  scene.joints[0].anchor_b = {0, 0};
+  scene.joints[0].offset = {0, 100};
+  const auto weak = make_engine_or_fail(scene);
+  run_ticks(*weak, 60);
+  CHECK(weak->bodies()[0].velocity.y == Approx(0.5).epsilon(1e-9));
+}
+
+TEST_CASE("two joined bodies alone keep their momentum and angular momentum", "[engine][joints][conservation]") {
+  for (const auto& info : engine::joint_kinds) {
+    if (info.kind == JointKind::target) continue;  // holds its body to the world
+    CAPTURE(info.name);
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    scene.bodies = {bob({0, 0}, 1, 0.3), bob({1, 0.5}, 3, 0.7)};
+    scene.bodies[0].velocity = {1, 2};
+    scene.bodies[1].velocity = {-2, 1};
+    scene.bodies[0].angular_velocity = 3;
+    scene.bodies[1].angular_velocity = -1;
+    Joint joint = joint_of(info.kind, 0, 1);
+    if (info.kind != JointKind::motor && info.kind != JointKind::friction) {
+      joint.anchor_a = {0.5, 0.2};
+      joint.anchor_b = {-0.5, -0.3};
+    }
+    joint.limits = engine::Range{-0.1, 0.4};
+    joint.motor = engine::JointMotor{2, 1};
+    if (info.kind != JointKind::weld) joint.spring = absolute_spring(50, 0.5);
+    if (info.kind == JointKind::distance) joint.limits = engine::Range{0.5, 2};
+    joint.offset = {1, 1};
+    joint.force_max = 20;
+    joint.torque_max = 5;
+    scene.joints = {joint};
+    const auto engine = make_engine_or_fail(scene);
+    const auto momenta = [&] {
+      std::array<double, 3> sum{};
+      for (const BodyReport& b : engine->bodies()) {
+        sum[0] += b.mass * b.velocity.x;
+        sum[1] += b.mass * b.velocity.y;
+        sum[2] += b.inertia * b.angular_velocity + b.mass * (b.center.x * b.velocity.y - b.center.y * b.velocity.x);
+      }
+      return sum;
+    };
+    const auto before = momenta();
+    run_ticks(*engine, 600);
+    const auto after = momenta();
+    for (std::size_t i = 0; i < 3; ++i) CHECK(after[i] == Approx(before[i]).epsilon(1e-9).margin(1e-9));
+  }
+}
+
+TEST_CASE("anchors that coincide give a direction, not a NaN", "[engine][joints][analytic]") {
+  for (const double length : {0.0, 1.0}) {
+    for (int form = 0; form < 3; ++form) {
+      Scene scene = empty_scene();
+      scene.bodies = {peg({0, 0}), bob({0, 0})};
+      scene.joints = {joint_of(JointKind::distance, 0, 1)};
+      scene.joints[0].length = length;
+      if (form == 1) scene.joints[0].spring = absolute_spring(100, 1);
+      if (form == 2) scene.joints[0].limits = engine::Range{0, 1};
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 120);
+      CHECK_FALSE(find_non_finite(engine->state()).has_value());
+      if (form == 0) CHECK(length_of(engine->bodies()[1].center, {0, 0}) == Approx(length).margin(0.001));
+    }
+  }
+}
+
+TEST_CASE("a kinematic body moves what is joined to it, and what cannot move stays", "[engine][joints][analytic]") {
+  for (const auto& info : engine::joint_kinds) {
+    CAPTURE(info.name);
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    scene.bodies = {body_of(disc_shape(0.1), {0, 0}, BodyType::kinematic_body), bob({1, 0}), peg({5, 0}), peg({6, 0})};
+    scene.bodies[0].velocity = {0, 1};
+    for (const std::uint32_t first : {0u, 2u}) {
+      Joint joint = joint_of(info.kind, first, first + 1);
+      if (info.kind != JointKind::motor && info.kind != JointKind::friction) joint.anchor_a = {1, 0};
+      joint.offset = info.kind == JointKind::target ? Point{1, 2} : Point{1, 0};
+      joint.force_max = 1e6;
+      joint.torque_max = 1e6;
+      if (info.kind == JointKind::distance) joint.anchor_a = {0, 0};
+      scene.joints.push_back(joint);
+    }
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 120);
+    const auto bodies = engine->bodies();
+    CHECK_FALSE(find_non_finite(engine->state()).has_value());
+    CHECK(bodies[0].center.x == 0);
+    CHECK(bodies[0].center.y == Approx(2));
+    CHECK(bodies[2].center == Point{5, 0});
+    CHECK(bodies[3].center == Point{6, 0});
+    // A rod of 1 m and a wheel's axis leave freedom; all others take the body along.
+    if (info.kind != JointKind::distance) CHECK(bodies[1].center.y == Approx(2).epsilon(0.01));
+  }
+}
+
+TEST_CASE("joined bodies touch only where the joint says so", "[engine][joints][analytic]") {
+  for (const bool touch : {false, true}) {
+    Scene scene = empty_scene();
+    scene.bodies = {body_of(box_shape(1, 1), {0, 0}, BodyType::static_body), unit_box({0, 1.2})};
+    scene.joints = {joint_of(JointKind::distance, 1, 0)};
+    scene.joints[0].spring = absolute_spring(0);
+    scene.joints[0].collide_connected = touch;
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 120);
+    CHECK(engine->contacts().empty() != touch);
+    CHECK((engine->bodies()[1].center.y > 1.4) == touch);
+  }
+}
