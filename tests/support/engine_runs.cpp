@@ -4,6 +4,7 @@
 
 #include "engine/builtin_scenes.h"
 #include "engine/math/random.h"
+#include "engine/scene_fields.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -78,6 +79,37 @@ engine::Scene shape_playground(engine::Precision precision) {
   return scene;
 }
 
+/// The playground with a joint of every kind between its movable bodies, with limits, motors and springs.
+engine::Scene jointed_playground(engine::Precision precision) {
+  engine::Scene scene = playground(engine::SolverKind::tgs_soft, precision);
+  scene.name = "jointed playground";
+  scene.inputs.push_back(engine::InputKind::set_motor);
+  for (const engine::Choice<engine::JointKind>& info : engine::joint_kinds) {
+    const auto number = static_cast<std::uint32_t>(info.kind);
+    engine::Joint joint;
+    joint.name = number % 2 == 0 ? std::string(info.name) : "";
+    joint.kind = info.kind;
+    joint.body_a = 3 + number;  // the paddle is the first
+    joint.body_b = number == 7 ? 4 : 4 + number;
+    const auto& fields = info_of(engine::joint_fields, joint.kind);
+    const auto has = [&fields](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
+    if (!has(engine::JointField::body_a)) joint.body_a = 0;
+    if (has(engine::JointField::anchor_b)) joint.anchor_b = {-0.4, 0.1};
+    if (has(engine::JointField::anchor_a)) joint.anchor_a = {0.9, 0.1};
+    if (has(engine::JointField::limits))
+      joint.limits = engine::Range{joint.kind == engine::JointKind::distance ? 0.5 : -0.5, 1.7};
+    if (has(engine::JointField::motor)) joint.motor = engine::JointMotor{number - 3.0, 4};
+    if (has(engine::JointField::spring) && number % 2 == 0)
+      joint.spring = number == 4 ? engine::JointSpring{true, 0, 0, 40, 0.5} : engine::JointSpring{false, 2, 0.3, 0, 0};
+    if (has(engine::JointField::offset)) joint.offset = {1.5, 0.5};
+    if (has(engine::JointField::force_max)) joint.force_max = 30;
+    if (has(engine::JointField::torque_max)) joint.torque_max = 5;
+    if (has(engine::JointField::collide_connected)) joint.collide_connected = number == 2;
+    scene.joints.push_back(joint);
+  }
+  return scene;
+}
+
 std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count) {
   engine::Random random(seed);
   std::vector<Bytes> encoded;
@@ -87,11 +119,13 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
     input.player = player;
     const engine::InputInfo& info = info_of(engine::input_kinds, kind);
     if (info.has_body) input.body = static_cast<std::uint32_t>(4 + random.below(7));
+    if (info.has_joint) input.joint = static_cast<std::uint32_t>(random.below(scene.joints.size()));
     if (info.has_prototype) input.prototype = static_cast<std::uint16_t>(random.below(scene.prototypes.size()));
     for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = random.real(-3, 3);
     const bool is_place = kind == InputKind::spawn || kind == InputKind::press || kind == InputKind::drag;
     if (is_place) input.values[0] = random.real(-7, 7);
     if (is_place) input.values[1] = random.real(0.5, 9);
+    if (kind == InputKind::set_motor) input.values[1] = random.real(0, 20);
     if (kind == InputKind::set_gravity) input.values[1] = random.real(-12, -6);
     return input;
   };
@@ -104,7 +138,8 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
                                               InputKind::impulse, InputKind::torque};
         static constexpr InputKind seldom[] = {InputKind::remove, InputKind::set_velocity, InputKind::set_gravity};
         const InputKind kind = random.below(20) == 0 ? seldom[random.below(3)] : often[random.below(8)];
-        inputs.push_back(event(kind, player));
+        const bool drives = !scene.joints.empty() && random.below(4) == 0;
+        inputs.push_back(event(drives ? InputKind::set_motor : kind, player));
         inputs.back().sequence = sequence;
       }
     Bytes bytes;
@@ -141,17 +176,21 @@ std::vector<Session> property_sessions() {
     for (const auto& info : engine::force_kinds) {
       engine::Force force;
       force.kind = info.kind;
-      force.vector = {0.5, 1};
-      force.coefficient = 0.05;
-      force.angular_coefficient = 0.02;
-      force.stiffness = 20;
-      force.damping = 0.5;
-      force.exponent = 1;
-      force.point = {0, 3};
+      const auto& fields = info_of(engine::force_fields, info.kind);
+      const auto has = [&fields](engine::ForceField field) { return !engine::key_of(fields, field).empty(); };
+      if (has(engine::ForceField::vector)) force.vector = {0.5, 1};
+      if (has(engine::ForceField::coefficient)) force.coefficient = 0.05;
+      if (has(engine::ForceField::angular_coefficient)) force.angular_coefficient = 0.02;
+      if (has(engine::ForceField::stiffness)) force.stiffness = 20;
+      if (has(engine::ForceField::damping)) force.damping = 0.5;
+      if (has(engine::ForceField::exponent)) force.exponent = 1;
+      if (has(engine::ForceField::point)) force.point = {0, 3};
       if (info.kind == engine::ForceKind::spring) force.body = 5;
       forced.forces.push_back(force);
     }
     sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400)});
+    const engine::Scene jointed = jointed_playground(precision.kind);
+    sessions.push_back({"jointed playground " + suffix, jointed, random_inputs(jointed, 11, 400)});
   }
   return sessions;
 }

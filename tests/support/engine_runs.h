@@ -18,7 +18,8 @@ struct Session {
   std::vector<Bytes> inputs;  // shorter than the run: no inputs later
 };
 
-/// Built-in scenes in both precisions, and two worlds under random inputs of every kind they declare. Small and lively.
+/// Built-in scenes in both precisions, and three worlds under random inputs of every kind they
+/// declare, one with a joint of every kind. Small and lively.
 std::vector<Session> property_sessions();
 
 /// Requires: the scene is valid.
