@@ -29,6 +29,12 @@ const JointFunctions& functions_of(JointKind kind) {
   return *info_of(table, kind).functions;
 }
 
+/// Ids are rows as long as no body was removed. Requires: the body exists.
+std::uint32_t row_of(const State& state, std::uint32_t id) {
+  const bool is_row = id < state.bodies.size() && state.bodies[id].id == id;
+  return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
+}
+
 /// The joint's body A, or what stands for it where the joint holds B to the world.
 void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
                     const BodyRow& body_b) {
@@ -44,7 +50,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
     joint.turn = between(constants.reference, body_b.rotation);
     return;
   }
-  const auto row = static_cast<std::uint32_t>(state.find_body(constants.body_a));
+  const std::uint32_t row = row_of(state, constants.body_a);
   const BodyRow& body = state.bodies[row];
   const BodyModel& mass = model.bodies[body.source];
   joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
@@ -57,11 +63,14 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
   joint.turn = between(body.rotation * constants.reference, body_b.rotation);
 }
 
-template <typename Pass>
-void for_each_run(Scratch& scratch, Pass pass) {
+bool has_springs(const JointModel& joint) {
+  return joint.spring.exists || joint.linear_spring.exists || joint.kind == JointKind::motor ||
+         joint.kind == JointKind::target;
+}
+
+JointRun run_of(Scratch& scratch, const JointRange& range) {
   JointWork* joints = scratch.joints.data();
-  for (const JointRange& range : scratch.joint_ranges)
-    pass(functions_of(range.kind), JointRun{joints + range.first, joints + range.last, scratch.bodies.data()});
+  return {joints + range.first, joints + range.last, scratch.bodies.data()};
 }
 
 }  // namespace
@@ -81,7 +90,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
     JointWork joint{};
     joint.row = i;
     joint.model = &model.joints[row.joint];
-    const auto row_b = static_cast<std::uint32_t>(state.find_body(row.body_b));
+    const std::uint32_t row_b = row_of(state, row.body_b);
     const BodyRow& body = state.bodies[row_b];
     const BodyModel& mass = model.bodies[body.source];
     joint.read_b = mass.type == BodyType::static_body ? resting_record(scratch) : row_b;
@@ -102,22 +111,25 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
     functions_of(joint.model->kind).prepare(joint, h);
     const auto index = static_cast<std::uint32_t>(scratch.joints.size());
     if (scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != joint.model->kind)
-      scratch.joint_ranges.push_back({joint.model->kind, index, index});
-    ++scratch.joint_ranges.back().last;
+      scratch.joint_ranges.push_back({joint.model->kind, false, index, index});
+    JointRange& range = scratch.joint_ranges.back();
+    ++range.last;
+    range.springs |= has_springs(*joint.model);
     scratch.joints.push_back(joint);
   }
 }
 
 void note_joint_velocities(Scratch& scratch) {
-  for_each_run(scratch, [](const JointFunctions& kind, JointRun run) { kind.note(run); });
+  for (const JointRange& range : scratch.joint_ranges)
+    if (range.springs) functions_of(range.kind).note(run_of(scratch, range));
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for_each_run(scratch, [](const JointFunctions& kind, JointRun run) { kind.warm_start(run); });
+  for (const JointRange& range : scratch.joint_ranges) functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for_each_run(scratch, [h, bias](const JointFunctions& kind, JointRun run) { kind.solve(run, h, bias); });
+  for (const JointRange& range : scratch.joint_ranges) functions_of(range.kind).solve(run_of(scratch, range), h, bias);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {

@@ -73,6 +73,7 @@ struct JointFunctions {
 
 struct JointRange {
   JointKind kind;
+  bool springs;  // some joint of the run has one, or is driven like one
   std::uint32_t first;
   std::uint32_t last;  // one beyond
 };

@@ -52,8 +52,11 @@ void prepare_friction(JointWork&, Real) {}
 
 void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
   solve_motor(joint, angle_row(joint), pair, Real(0), joint.angular_impulse_max, joint.impulses.angular);
-  solve_rigid_point(joint, point_row(joint, pair, ActsAt::anchor_b), pair, Softness{}, joint.impulse_max,
-                    joint.impulses.linear);
+  if (!moves_something(joint)) return;
+  const PointRow point = point_row(joint, pair, ActsAt::anchor_b);
+  const Vec2 total = clamped(joint.impulses.linear - point.solved(point.velocity(pair)), joint.impulse_max);
+  point.apply(joint, pair, total - joint.impulses.linear);
+  joint.impulses.linear = total;
 }
 
 // ---- Target ----

@@ -12,6 +12,7 @@ namespace {
 // ---- Revolute ----
 
 void prepare_spring_of_angle(JointWork& joint, Real h) {
+  if (!joint.model->spring.exists) return;
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
   const PointRow pin = point_row(joint, {at_start, at_start}, ActsAt::middle);
   joint.spring = spring_step(joint.model->spring, pinned_angle_row(joint, pin).mobility, h);
@@ -38,7 +39,7 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
       solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
     if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
   }
-  solve_rigid_point(joint, pin, pair, softness(joint, bias), no_impulse_limit, joint.impulses.linear);
+  solve_rigid_point(joint, pin, pair, softness(joint, bias));
 }
 
 // ---- Weld ----
@@ -103,7 +104,7 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
   if (!model.rigid && bias == Bias::on) solve_point_spring(joint, point, pair, no_impulse_limit);
   if (model.rigid_angle && angle.mobility > 0)
     solve_rigid(joint, angle, pair, relative_angle(joint, pair), soft, joint.impulses.angular);
-  if (model.rigid) solve_rigid_point(joint, point, pair, soft, no_impulse_limit, joint.impulses.linear);
+  if (model.rigid) solve_rigid_point(joint, point, pair, soft);
 }
 
 }  // namespace

@@ -215,13 +215,12 @@ inline bool moves_something(const JointWork& joint) {
   return joint.inv_mass_a + joint.inv_mass_b > 0;
 }
 
-inline void solve_rigid_point(const JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft,
-                              Real impulse_max, Vec2& impulse) {
+inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft) {
   if (!moves_something(joint)) return;
   const Vec2 wanted = row.solved(row.velocity(pair) + soft.bias_rate * row.error);
-  const Vec2 total = clamped((impulse - soft.mass_scale * wanted) - soft.impulse_scale * impulse, impulse_max);
-  row.apply(joint, pair, total - impulse);
-  impulse = total;
+  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * joint.impulses.linear;
+  joint.impulses.linear = joint.impulses.linear + change;
+  row.apply(joint, pair, change);
 }
 
 /// The angle of two bodies that are pinned at a point: an angular impulse draws the pin's reaction with it, so that the
