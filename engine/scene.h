@@ -109,16 +109,16 @@ struct JointMotor {
 struct Joint {
   std::string name;  // may be empty; unique otherwise
   JointKind kind = JointKind::revolute;
-  std::uint32_t body_a = 0;     // index in Scene::bodies; target: not used
-  std::uint32_t body_b = 0;     // index in Scene::bodies
-  Point anchor_a;               // in A's frame, from its origin, m; all but motor, friction, target
-  Point anchor_b;               // in B's frame, from its origin, m; all but motor, friction
-  Point axis{1, 0};             // in A's frame, any length > 0; prismatic, wheel
-  double reference_angle = 0;   // of B relative to A at rest, rad; revolute, prismatic, weld
-  double length = 1;            // m, of the rod or the relaxed spring; distance
-  std::optional<Range> limits;  // rad: revolute; m: prismatic, wheel, distance (a rope: spring of 0 stiffness, upper)
-  std::optional<JointMotor> motor;           // revolute, prismatic, wheel, distance
-  std::optional<JointSpring> spring;         // revolute, prismatic, distance, wheel; weld: of the angle; target; motor
+  std::uint32_t body_a = 0;           // index in Scene::bodies; target: not used
+  std::uint32_t body_b = 0;           // index in Scene::bodies
+  Point anchor_a;                     // in A's frame, from its origin, m; all but motor, friction, target
+  Point anchor_b;                     // in B's frame, from its origin, m; all but motor, friction
+  Point axis{1, 0};                   // in A's frame, any length > 0; prismatic, wheel
+  double reference_angle = 0;         // of B relative to A at rest, rad; revolute, prismatic, weld
+  double length = 1;                  // m, of the rod or the relaxed spring; distance
+  std::optional<Range> limits;        // rad: revolute; m: prismatic, wheel, distance (limits and no spring: a rope)
+  std::optional<JointMotor> motor;    // revolute, prismatic, wheel, distance
+  std::optional<JointSpring> spring;  // revolute, prismatic, distance, wheel; weld: of the angle; target; motor
   std::optional<JointSpring> linear_spring;  // weld
   Point offset;                              // motor: of B's origin in A's frame, m; target: the point of the world, m
   double angle_offset = 0;                   // motor: of B relative to A, rad
