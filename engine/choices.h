@@ -25,7 +25,7 @@ enum class IntegratorKind : std::uint8_t {
   thesis_verlet,
   thesis_rk4
 };
-enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune };
+enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune, uniform_grid, aabb_tree };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
 enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
@@ -86,10 +86,12 @@ inline constexpr std::array<IntegratorInfo, 9> integrators{{
     {{IntegratorKind::thesis_rk4, "thesis_rk4", "as printed in the thesis"}, 1, 0, true, ""},
 }};
 
-inline constexpr std::array<Choice<BroadPhaseKind>, 3> broad_phases{{
+inline constexpr std::array<Choice<BroadPhaseKind>, 5> broad_phases{{
     {BroadPhaseKind::brute_force, "brute_force", "every pair of boxes"},
     {BroadPhaseKind::bounding_circle, "bounding_circle", "every pair of bounding circles, as in the thesis"},
     {BroadPhaseKind::sweep_and_prune, "sweep_and_prune", "boxes sorted along one axis"},
+    {BroadPhaseKind::uniform_grid, "uniform_grid", "boxes in equal square cells; large ones apart"},
+    {BroadPhaseKind::aabb_tree, "aabb_tree", "a tree of boxes over the shapes, sorted along a curve through space"},
 }};
 
 inline constexpr std::array<Choice<MixRule>, 4> mix_rules{{

@@ -25,6 +25,18 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.unsorted_pairs);
   poison_rows(scratch.order);
   poison_rows(scratch.counts);
+  poison_rows(scratch.sort_entries);
+  poison_rows(scratch.sort_buffer);
+  poison_rows(scratch.boxes);
+  poison_rows(scratch.cell_ranges);
+  poison_rows(scratch.cell_entries);
+  poison_rows(scratch.cell_starts);
+  poison_rows(scratch.large);
+  for (BoxTree* tree : {&scratch.moving_tree, &scratch.static_tree}) {
+    poison_rows(tree->boxes);
+    poison_rows(tree->proxies);
+    poison_rows(tree->level_start);
+  }
   poison_rows(scratch.touching);
   poison_rows(scratch.contacts);
   poison_rows(scratch.now_touching);

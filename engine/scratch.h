@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/broad_phase/sorting.h"
 #include "engine/constraints/contact_batch.h"
 #include "engine/constraints/joint.h"
 #include "engine/constraints/pointer.h"
@@ -141,6 +142,28 @@ struct SolveGroup {
   std::uint32_t first_batch = 0, batch_end = 0;
 };
 
+/// The cells of the uniform grid that a proxy's box overlaps, both ends included.
+struct CellRange {
+  std::int32_t first_x;
+  std::int32_t first_y;
+  std::int32_t last_x;
+  std::int32_t last_y;
+};
+
+/// A proxy in one cell.
+struct CellEntry {
+  std::int32_t x;
+  std::int32_t y;
+  std::uint32_t proxy;
+};
+
+/// Boxes over runs of sorted proxies, and boxes over runs of those, up to one. Level 0 is the proxies themselves.
+struct BoxTree {
+  std::vector<Box> boxes;                  // [level_start[level] + node]
+  std::vector<std::uint32_t> proxies;      // [node of level 0]
+  std::vector<std::uint32_t> level_start;  // [level]; one more at the end: the number of boxes
+};
+
 struct Scratch {
   // inputs
   std::vector<Input> inputs;
@@ -153,6 +176,15 @@ struct Scratch {
   std::vector<Pair> unsorted_pairs;
   std::vector<std::uint32_t> order;  // sweep order, counting sort
   std::vector<std::uint32_t> counts;
+  std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
+  std::vector<SortEntry> sort_buffer;
+  std::vector<Box> boxes;                  // sweep_and_prune: in sweep order
+  std::vector<CellRange> cell_ranges;      // uniform_grid, [proxy]
+  std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
+  std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]
+  std::vector<std::uint32_t> large;        // uniform_grid: proxies in no cell, ascending
+  BoxTree moving_tree;                    // aabb_tree
+  BoxTree static_tree;                      // aabb_tree: static and kinematic
 
   // narrow_phase
   std::vector<TouchingPair> touching;

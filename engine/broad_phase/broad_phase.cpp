@@ -15,6 +15,8 @@ constexpr std::array<BroadPhaseEntry, broad_phases.size()> functions{{
     {BroadPhaseKind::brute_force, brute_force},
     {BroadPhaseKind::bounding_circle, bounding_circle},
     {BroadPhaseKind::sweep_and_prune, sweep_and_prune},
+    {BroadPhaseKind::uniform_grid, uniform_grid},
+    {BroadPhaseKind::aabb_tree, aabb_tree},
 }};
 
 }  // namespace

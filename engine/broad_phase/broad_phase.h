@@ -33,5 +33,16 @@ void sort_pairs(Scratch& scratch);
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt);
 void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt);
 void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt);
+void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt);
+void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt);
+
+/// The largest integer not above `value`, at most `limit` away from 0; 0 for a NaN. Never decreases as `value` rises.
+/// Requires: limit is a power of two, at most 2^30.
+inline std::int32_t clamped_floor(Real value, Real limit) {
+  if (!(value > -limit)) return value == value ? -static_cast<std::int32_t>(limit) : 0;
+  if (value >= limit) return static_cast<std::int32_t>(limit);
+  const auto whole = static_cast<std::int32_t>(value);
+  return static_cast<Real>(whole) > value ? whole - 1 : whole;
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

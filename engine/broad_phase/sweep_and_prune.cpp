@@ -17,47 +17,20 @@ std::uint64_t sort_key(Real value) {
   }
 }
 
-struct Entry {
-  std::uint64_t key;
-  std::uint32_t proxy;
-};
-
-/// Least-significant-digit radix sort, 11 bits a pass; stable, so that equal keys stay in proxy order.
-void sort_entries(std::vector<Entry>& entries, std::vector<Entry>& buffer) {
-  constexpr int digit_bits = 11;
-  constexpr std::size_t digit_count = 1u << digit_bits;
-  constexpr int key_bits = sizeof(Real) == 4 ? 32 : 64;
-  buffer.resize(entries.size());
-  std::uint32_t start[digit_count];
-  for (int shift = 0; shift < key_bits; shift += digit_bits) {
-    for (std::uint32_t& s : start) s = 0;
-    for (const Entry& e : entries) ++start[(e.key >> shift) & (digit_count - 1)];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& s : start) {
-      const std::uint32_t count = s;
-      s = sum;
-      sum += count;
-    }
-    for (const Entry& e : entries) buffer[start[(e.key >> shift) & (digit_count - 1)]++] = e;
-    entries.swap(buffer);
-  }
-}
-
 }  // namespace
 
 void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real) {
   make_proxies(model, state, scratch);
   const std::vector<Proxy>& proxies = scratch.proxies;
-  std::vector<Entry> entries;
-  std::vector<Entry> buffer;
-  entries.reserve(proxies.size());
+  std::vector<SortEntry>& entries = scratch.sort_entries;
+  entries.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(proxies[i].box.lower.x), i});
-  sort_entries(entries, buffer);
+  sort_entries(entries, scratch.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
 
   // The sweep reads boxes in sorted order, packed: the inner loop touches nothing else.
-  std::vector<Box> boxes;
-  boxes.reserve(entries.size());
-  for (const Entry& e : entries) boxes.push_back(proxies[e.proxy].box);
+  std::vector<Box>& boxes = scratch.boxes;
+  boxes.clear();
+  for (const SortEntry& e : entries) boxes.push_back(proxies[e.proxy].box);
   scratch.unsorted_pairs.clear();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const Box box = boxes[i];

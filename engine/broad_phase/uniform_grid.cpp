@@ -1,0 +1,152 @@
+// Uniform grid: boxes are put in all square cells they overlap; those of a cell are compared with each other.
+// SPDX-License-Identifier: MIT
+// Source: Ericson, "Real-Time Collision Detection", 2005, sections 7.1.1 to 7.1.3 (cell size, hashed cells); Teschner
+// et al., "Optimized Spatial Hashing for Collision Detection of Deformable Objects", 2003.
+#include "engine/broad_phase/broad_phase.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr std::int64_t cells_max = 16;  // of one proxy; what would overlap more is compared with everything
+constexpr Real coordinate_limit = Real(1 << 30);
+
+/// Side of a cell, m: twice the median of the boxes' larger sides, or more where many boxes are much larger than that.
+/// Sides are counted in bins of an eighth of a power of two: the exponent of the float and three bits of its fraction.
+Real cell_size(const std::vector<Proxy>& proxies, std::vector<std::uint32_t>& counts) {
+  constexpr int fraction_bits_dropped = 20;
+  counts.assign(1u << 11, 0);
+  for (const Proxy& proxy : proxies) {
+    const Vec2 extent = proxy.box.upper - proxy.box.lower;
+    const Real side = smaller(larger(extent.x, extent.y), Real(1e38));
+    ++counts[bits_of(static_cast<float>(side)) >> fraction_bits_dropped & 0x7ffu];
+  }
+  const auto side_above = [&](std::size_t share_of_16) {
+    const std::size_t rank = proxies.size() * share_of_16 / 16;
+    std::uint32_t bin = 0;
+    for (std::size_t seen = counts[0]; seen <= rank && bin < 0x7efu; seen += counts[bin]) ++bin;
+    return static_cast<Real>(float_of_bits((bin + 1) << fraction_bits_dropped));
+  };
+  const Real size = larger(2 * side_above(8), side_above(15) / 2);
+  return smaller(larger(size, Real(1e-30)), Real(1e30));
+}
+
+CellRange cells_of(const Box& box, Real inv_size) {
+  return {
+      clamped_floor(box.lower.x * inv_size, coordinate_limit), clamped_floor(box.lower.y * inv_size, coordinate_limit),
+      clamped_floor(box.upper.x * inv_size, coordinate_limit), clamped_floor(box.upper.y * inv_size, coordinate_limit)};
+}
+
+bool is_large(const CellRange& range) {
+  const std::int64_t columns = std::int64_t{range.last_x} - range.first_x + 1;
+  const std::int64_t rows = std::int64_t{range.last_y} - range.first_y + 1;
+  return columns > cells_max || rows > cells_max || columns * rows > cells_max;
+}
+
+/// Neighbours in a row lie side by side; rows are spread.
+std::uint32_t bucket_of(std::int32_t x, std::int32_t y, std::uint32_t mask) {
+  return (static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(y) * 0x9e3779b1u) & mask;
+}
+
+template <typename Use>
+void for_each_cell(const CellRange& range, Use use) {
+  for (std::int32_t y = range.first_y; y <= range.last_y; ++y)
+    for (std::int32_t x = range.first_x; x <= range.last_x; ++x) use(x, y);
+}
+
+/// Counting sort of (cell, proxy) by bucket; within a bucket dynamic proxies come first. Returns the mask of buckets.
+std::uint32_t fill_cells(Scratch& scratch) {
+  const std::vector<Proxy>& proxies = scratch.proxies;
+  std::vector<std::uint32_t>& starts = scratch.cell_starts;
+  std::uint32_t bucket_count = 16;
+  while (bucket_count < 2 * proxies.size()) bucket_count *= 2;
+  const std::uint32_t mask = bucket_count - 1;
+  starts.assign(bucket_count + 1, 0);
+  for (std::size_t i = 0, next_large = 0; i < proxies.size(); ++i) {
+    if (next_large < scratch.large.size() && scratch.large[next_large] == i)
+      ++next_large;
+    else
+      for_each_cell(scratch.cell_ranges[i], [&](std::int32_t x, std::int32_t y) { ++starts[bucket_of(x, y, mask)]; });
+  }
+  std::uint32_t sum = 0;
+  for (std::uint32_t& start : starts) {
+    const std::uint32_t count = start;
+    start = sum;
+    sum += count;
+  }
+  scratch.cell_entries.resize(sum);
+  for (const bool is_static : {false, true})
+    for (std::uint32_t i = 0, next_large = 0; i < proxies.size(); ++i) {
+      if (next_large < scratch.large.size() && scratch.large[next_large] == i)
+        ++next_large;
+      else if (proxies[i].is_static == is_static)
+        for_each_cell(scratch.cell_ranges[i], [&](std::int32_t x, std::int32_t y) {
+          scratch.cell_entries[starts[bucket_of(x, y, mask)]++] = {x, y, i};
+        });
+    }
+  return mask;
+}
+
+void add_pair(Scratch& scratch, std::uint32_t a, std::uint32_t b) {
+  scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+}
+
+/// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone.
+void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
+  const std::vector<Proxy>& proxies = scratch.proxies;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const CellEntry entry = scratch.cell_entries[i];
+    const Proxy& a = proxies[entry.proxy];
+    if (a.is_static) return;  // as is what follows
+    const CellRange& cells = scratch.cell_ranges[entry.proxy];
+    for (std::uint32_t j = i + 1; j < end; ++j) {
+      const CellEntry other = scratch.cell_entries[j];
+      if (other.x != entry.x || other.y != entry.y) continue;
+      const Proxy& b = proxies[other.proxy];
+      if (!overlaps(a.box, b.box) || !may_touch(a, b)) continue;
+      const CellRange& other_cells = scratch.cell_ranges[other.proxy];
+      const bool is_lowest_x = entry.x == cells.first_x || entry.x == other_cells.first_x;
+      const bool is_lowest_y = entry.y == cells.first_y || entry.y == other_cells.first_y;
+      if (is_lowest_x && is_lowest_y) add_pair(scratch, entry.proxy, other.proxy);
+    }
+  }
+}
+
+void find_pairs_of_large(Scratch& scratch) {
+  const std::vector<Proxy>& proxies = scratch.proxies;
+  for (std::size_t k = 0; k < scratch.large.size(); ++k) {
+    const std::uint32_t a = scratch.large[k];
+    std::size_t next_large = 0;
+    for (std::uint32_t b = 0; b < proxies.size(); ++b) {
+      if (next_large < scratch.large.size() && scratch.large[next_large] == b) {
+        // Large ones meet each other once.
+        if (next_large++ <= k) continue;
+      }
+      if (may_touch(proxies[a], proxies[b]) && overlaps(proxies[a].box, proxies[b].box)) add_pair(scratch, a, b);
+    }
+  }
+}
+
+}  // namespace
+
+void uniform_grid(const Model& model, State& state, Scratch& scratch, Real) {
+  make_proxies(model, state, scratch);
+  const std::vector<Proxy>& proxies = scratch.proxies;
+  const Real inv_size = Real(1) / cell_size(proxies, scratch.counts);
+  scratch.cell_ranges.clear();
+  scratch.large.clear();
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) {
+    scratch.cell_ranges.push_back(cells_of(proxies[i].box, inv_size));
+    if (is_large(scratch.cell_ranges.back())) scratch.large.push_back(i);
+  }
+  const std::uint32_t mask = fill_cells(scratch);
+  scratch.unsorted_pairs.clear();
+  for (std::uint32_t bucket = 0, begin = 0; bucket <= mask; ++bucket) {
+    const std::uint32_t end = scratch.cell_starts[bucket];  // fill_cells moved it to the end of the bucket
+    find_pairs_in_bucket(scratch, begin, end);
+    begin = end;
+  }
+  find_pairs_of_large(scratch);
+  sort_pairs(scratch);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

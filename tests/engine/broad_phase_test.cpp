@@ -1,0 +1,176 @@
+// Broad phases against the definition: every pair that may touch, once, in order; and the same bits from all of them.
+// SPDX-License-Identifier: MIT
+#define TICKTRUE_PRECISION f64
+#include "engine/broad_phase/broad_phase.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "engine/math/random.h"
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/scenes.h"
+
+namespace ticktrue::test {
+namespace {
+
+namespace f64 = engine::f64;
+using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+Pairs pairs_of(const f64::Scratch& scratch) {
+  Pairs pairs;
+  for (const f64::Pair& pair : scratch.pairs) pairs.emplace_back(pair.first, pair.second);
+  return pairs;
+}
+
+struct Case {
+  std::string name;
+  Scene scene;
+};
+
+Scene scattered(std::uint64_t seed, int count, double half_width, double size_min, double size_max, Point origin) {
+  engine::Random random(seed);
+  Scene scene = empty_scene();
+  for (int i = 0; i < count; ++i) {
+    const double size = size_min * std::pow(size_max / size_min, random.real(0, 1));
+    const double x = origin.x + random.real(-half_width, half_width);
+    const double y = origin.y + random.real(-half_width, half_width);
+    const BodyType type = engine::body_types[random.below(3)].kind;
+    scene.bodies.push_back(body_of(i % 2 == 0 ? disc_shape(size) : box_shape(size, size / 3), {x, y}, type));
+    scene.bodies.back().angle = random.real(-3, 3);
+  }
+  scene.bodies.push_back(unit_box(origin));
+  scene.bodies.back().shapes.push_back(disc_shape(0.6));
+  return scene;
+}
+
+/// Boxes of one place: the dynamic ones first and last, the static ones between.
+Scene coincident(int static_count, int dynamic_count) {
+  Scene scene = empty_scene();
+  for (int i = 0; i < static_count + dynamic_count; ++i) {
+    const bool is_static = i >= dynamic_count / 2 && i < dynamic_count / 2 + static_count;
+    scene.bodies.push_back(
+        body_of(box_shape(0.5, 0.5), {3, 4}, is_static ? BodyType::static_body : BodyType::dynamic_body));
+  }
+  return scene;
+}
+
+Scene tiny_on_huge(int count) {
+  Scene scene = empty_scene();
+  scene.bodies.push_back(body_of(box_shape(1e5, 10), {0, -10}, BodyType::static_body));
+  for (int i = 0; i < count; ++i)
+    scene.bodies.push_back(body_of(disc_shape(0.01), {0.019 * (i % 40), 0.01 + 0.02 * (i / 40)}));
+  return scene;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  all.push_back({"nothing", empty_scene()});
+  all.push_back({"one body", stack_scene(0)});
+  all.push_back({"two bodies", stack_scene(1)});
+  all.push_back({"equal sizes", scattered(1, 800, 20, 0.4, 0.5, {})});
+  all.push_back({"very different sizes", scattered(2, 800, 100, 1e-3, 1e2, {})});
+  all.push_back({"mostly large", scattered(3, 300, 1, 10, 1e3, {})});
+  all.push_back({"far from the origin", scattered(4, 800, 20, 0.1, 2, {1e6, -1e6})});
+  Scene apart = scattered(5, 300, 20, 0.1, 2, {1e6, 0});
+  for (const Body& body : scattered(6, 300, 20, 0.1, 2, {-1e6, 1e6}).bodies) apart.bodies.push_back(body);
+  all.push_back({"two crowds far apart", apart});
+  Scene beyond = scattered(7, 100, 1e-3, 1e-4, 1e-3, {1e6, 1e6});
+  for (const Body& body : scattered(8, 100, 1e-3, 1e-4, 1e-3, {-1e6, 0}).bodies) beyond.bodies.push_back(body);
+  all.push_back({"more cells across than can be counted", beyond});
+  all.push_back({"coincident dynamic bodies", coincident(0, 700)});
+  all.push_back({"5,000 coincident bodies, most of them static", coincident(4998, 2)});
+  all.push_back({"tiny bodies on a huge ground", tiny_on_huge(1000)});
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order", "[engine][broad_phase]") {
+  for (const Case& c : cases()) {
+    const f64::Model model = f64::make_model(c.scene);
+    f64::State state = f64::initial_state(model);
+    f64::Scratch expected;
+    f64::brute_force(model, state, expected, 0);
+    const Pairs touching = pairs_of(expected);
+    for (const auto& info : engine::broad_phases) {
+      if (info.kind == engine::BroadPhaseKind::bounding_circle) continue;  // another superset of what touches
+      CAPTURE(c.name, info.name);
+      f64::Scratch scratch;
+      for (int again = 0; again < 2; ++again) {
+        f64::broad_phase_function(info.kind)(model, state, scratch, 0);
+        const bool same = pairs_of(scratch) == touching;
+        CHECK(same);
+        f64::poison(scratch);
+      }
+    }
+  }
+}
+
+TEST_CASE("grid and tree allocate nothing once they have seen a scene", "[engine][broad_phase]") {
+  const f64::Model model = f64::make_model(scattered(1, 800, 20, 0.4, 5, {}));
+  f64::State state = f64::initial_state(model);
+  for (const auto kind : {engine::BroadPhaseKind::sweep_and_prune, engine::BroadPhaseKind::uniform_grid,
+                          engine::BroadPhaseKind::aabb_tree}) {
+    f64::Scratch scratch;
+    const auto capacities = [&] {
+      return std::vector<std::size_t>{scratch.proxies.capacity(),
+                                      scratch.pairs.capacity(),
+                                      scratch.unsorted_pairs.capacity(),
+                                      scratch.order.capacity(),
+                                      scratch.counts.capacity(),
+                                      scratch.sort_entries.capacity(),
+                                      scratch.sort_buffer.capacity(),
+                                      scratch.boxes.capacity(),
+                                      scratch.cell_ranges.capacity(),
+                                      scratch.cell_entries.capacity(),
+                                      scratch.cell_starts.capacity(),
+                                      scratch.large.capacity(),
+                                      scratch.dynamic_tree.boxes.capacity(),
+                                      scratch.other_tree.boxes.capacity()};
+    };
+    f64::broad_phase_function(kind)(model, state, scratch, 0);
+    f64::broad_phase_function(kind)(model, state, scratch, 0);
+    const auto before = capacities();
+    for (int i = 0; i < 3; ++i) f64::broad_phase_function(kind)(model, state, scratch, 0);
+    CAPTURE(engine::info_of(engine::broad_phases, kind).name);
+    CHECK(capacities() == before);
+  }
+}
+
+TEST_CASE("every broad phase gives the same bits in crowded, huge and far scenes",
+          "[engine][broad_phase][equivalence]") {
+  std::vector<Session> sessions;
+  for (const engine::Choice<Precision>& precision : engine::precisions) {
+    const auto add = [&](const std::string& name, Scene scene) {
+      scene.settings.precision = precision.kind;
+      sessions.push_back({name + " " + std::string(precision.name), std::move(scene), {}});
+    };
+    add("different sizes", scattered(2, 300, 20, 0.02, 5, {}));
+    add("far away", scattered(4, 200, 8, 0.3, 1, {1e6, 1e6}));
+    add("coincident", coincident(4998, 2));
+    add("tiny on huge", tiny_on_huge(400));
+  }
+  for (const Session& session : sessions) {
+    const std::vector<std::uint64_t> expected = tick_hashes(session, 8, {false, engine::BroadPhaseKind::brute_force});
+    for (const auto& info : engine::broad_phases) {
+      CAPTURE(session.name, info.name);
+      CHECK(tick_hashes(session, 8, {false, info.kind}) == expected);
+    }
+  }
+}
+
+TEST_CASE("cells keep the order of coordinates and are bounded", "[engine][broad_phase]") {
+  const double limit = 1 << 30;
+  CHECK(f64::clamped_floor(-0.5, limit) == -1);
+  CHECK(f64::clamped_floor(-1.0, limit) == -1);
+  CHECK(f64::clamped_floor(0.0, limit) == 0);
+  CHECK(f64::clamped_floor(2.999, limit) == 2);
+  CHECK(f64::clamped_floor(1e300, limit) == 1 << 30);
+  CHECK(f64::clamped_floor(-HUGE_VAL, limit) == -(1 << 30));
+  CHECK(f64::clamped_floor(std::nan(""), limit) == 0);
+}
+
+}  // namespace ticktrue::test
