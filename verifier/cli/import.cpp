@@ -1,4 +1,4 @@
-// `ticktrue import`: turns recordings of other kinds into inputs.
+// `ticktrue import`: turns recordings of other kinds into inputs, and scenes of other editors into scenes.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "verifier/cli/commands.h"
 #include "verifier/data_file.h"
 #include "verifier/import_mouse.h"
+#include "verifier/import_rube.h"
 #include "verifier/mouse_model.h"
 
 namespace ticktrue::cli {
@@ -76,10 +77,70 @@ int run_import_mouse(const MouseOptions& options) {
   return exit_ok;
 }
 
+struct RubeOptions {
+  std::string file;
+  std::string output;
+  bool force = false;
+};
+
+/// `dir/car.json` is the scene "car".
+std::string scene_name(const std::string& path) {
+  const std::size_t begin = path.find_last_of('/') == std::string::npos ? 0 : path.find_last_of('/') + 1;
+  return path.substr(begin, path.find_last_of('.') > begin ? path.find_last_of('.') - begin : std::string::npos);
+}
+
+Status write_scene(const engine::Scene& scene, const RubeOptions& options) {
+  if (options.output == "-") {
+    print(engine::print_scene(scene));
+    return {};
+  }
+  auto file = verifier::DataFile::create(options.output, options.force);
+  if (!file) return file.error();
+  if (const Status status = file->write(engine::print_scene(scene)); !status) return status;
+  return file->close();
+}
+
+int run_import_rube(const RubeOptions& options) {
+  if (options.output != "-")
+    if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
+      return fail_usage(status.error());
+  if (const Status status = verifier::check_not_read(options.output, {options.file}); !status)
+    return fail_usage(status.error());
+  const Result<std::string> json = read_text_file(options.file, verifier::rube_file_size_max);
+  if (!json) return fail_usage(json.error());
+  const auto imported = verifier::import_rube(*json, options.file, scene_name(options.file));
+  if (!imported) return fail_usage(imported.error());
+  for (const std::string& note : imported->notes) print_note(options.file + ": " + note);
+  const engine::Scene& scene = imported->scene;
+  if (const Status status = engine::check_scene(scene, options.file); !status) return fail_usage(status.error());
+  if (const Status status = write_scene(scene, options); !status) return fail_usage(status.error());
+  std::size_t shape_count = 0;
+  for (const engine::Body& body : scene.bodies) shape_count += body.shapes.size();
+  print_note(fmt::format("{}: {} bodies, {} shapes, {} joints", options.output, scene.bodies.size(), shape_count,
+                         scene.joints.size()));
+  return exit_ok;
+}
+
+void add_import_rube(CLI::App& import, CliContext& context) {
+  auto options = std::make_shared<RubeOptions>();
+  CLI::App* rube = import.add_subcommand("rube", "A scene drawn in the R.U.B.E. Box2D editor, as a scene file");
+  rube->add_option("FILE", options->file, "\"Raw info\" JSON that the editor exported")->required();
+  rube->add_option("-o,--output", options->output, "The scene file to write, - for standard output")
+      ->type_name("F.json")
+      ->required();
+  rube->add_flag("--force", options->force, "Replace an existing file");
+  set_examples(*rube,
+               "ticktrue import rube car.json -o car_scene.json\n"
+               "ticktrue run car_scene.json --ticks 600",
+               "What is left out or changed (images, gears, ...) is listed on standard error: docs/scenes.md.");
+  rube->callback([options, &context] { context.exit_code = run_import_rube(*options); });
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, CliContext& context) {
-  CLI::App* import = app.add_subcommand("import", "Turn recordings of other kinds into inputs")->group(group_session);
+  CLI::App* import = app.add_subcommand("import", "Turn recordings of other kinds into inputs, drawings into scenes")
+                         ->group(group_session);
   import->require_subcommand(1);
   set_examples(*import, "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl");
 
@@ -102,6 +163,7 @@ void add_import(CLI::App& app, CliContext& context) {
                "ticktrue record thesis --inputs session.jsonl -o session.ttr",
                "A person's session: `ticktrue import mouse person.csv --scene thesis -o person.jsonl`.");
   mouse->callback([options, &context] { context.exit_code = run_import_mouse(*options); });
+  add_import_rube(*import, context);
 }
 
 }  // namespace ticktrue::cli
