@@ -381,7 +381,8 @@ class Importer {
     shape.sensor = flag(at, "sensor");
     // 16 bits each in the format; exporters that treat them as signed write -1 for all of them.
     shape.filter.category = static_cast<std::uint32_t>(whole(at, "filter-categoryBits", -32768, 65535, 1)) & 0xffffu;
-    shape.filter.mask = static_cast<std::uint32_t>(whole(at, "filter-maskBits", -32768, 65535, 65535)) & 0xffffu;
+    const auto mask = static_cast<std::uint32_t>(whole(at, "filter-maskBits", -32768, 65535, 65535)) & 0xffffu;
+    shape.filter.mask = mask == 0xffffu ? engine::Filter{}.mask : mask;  // all of them
     shape.filter.group = static_cast<std::int32_t>(whole(at, "filter-groupIndex", -32768, 32767, 0));
     for (const char* key : {"circle", "polygon", "chain"}) use(at, key);
     if (at.has("circle")) {

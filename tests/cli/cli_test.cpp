@@ -225,6 +225,9 @@ TEST_CASE("a session goes from scene to trace to states and back", "[cli][sessio
 TEST_CASE("live inputs are recorded as they arrive", "[cli][live][equivalence]") {
   run_cases("live.case");
 }
+TEST_CASE("scenes of another editor become scene files", "[cli][import][equivalence]") {
+  run_cases("import_rube.case");
+}
 TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep][equivalence]") {
   run_cases("upkeep.case");
 }

@@ -161,8 +161,10 @@ TEST_CASE("a fixture keeps material, filter and sensor; what is missing has the 
   CHECK(bare.density > 0);
   CHECK(bare.density < 1e-6);
   CHECK(bare.material.friction == 0);
-  CHECK(bare.filter == engine::Filter{1, 65535, 0});
+  CHECK(bare.filter == engine::Filter{});
   CHECK_FALSE(bare.sensor);
+  CHECK(shape_with(R"("filter-maskBits":-1,"circle":{"radius":1})").filter == engine::Filter{});
+  CHECK(shape_with(R"("filter-maskBits":65534,"circle":{"radius":1})").filter == engine::Filter{1, 65534, 0});
 }
 
 TEST_CASE("numbers may be the bits of a 32-bit float in hexadecimal", "[verifier][import_rube]") {

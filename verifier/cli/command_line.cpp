@@ -31,6 +31,7 @@ constexpr const char* footer =
   see what is in a trace, or take its inputs out                  show
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
+  turn a scene drawn in the R.U.B.E. editor into a scene file     import
   compare our physics with Box2D 2.4.1 on a scene                 crosscheck
   know which stages and columns a scene is made of, and why       describe
   list the built-in scenes, print one as JSON                     scenes

@@ -129,10 +129,9 @@ void add_import_rube(CLI::App& import, CliContext& context) {
       ->type_name("F.json")
       ->required();
   rube->add_flag("--force", options->force, "Replace an existing file");
-  set_examples(*rube,
-               "ticktrue import rube car.json -o car_scene.json\n"
-               "ticktrue run car_scene.json --ticks 600",
-               "What is left out or changed (images, gears, ...) is listed on standard error: docs/scenes.md.");
+  rube->footer(
+      "A drawing: `ticktrue import rube car.json -o scene.json && ticktrue run scene.json --ticks 600`.\n"
+      "What is left out or changed (images, gears, ...) is listed on standard error.");
   rube->callback([options, &context] { context.exit_code = run_import_rube(*options); });
 }
 
