@@ -128,8 +128,8 @@ TEST_CASE("grid and tree allocate nothing once they have seen a scene", "[engine
                                       scratch.cell_entries.capacity(),
                                       scratch.cell_starts.capacity(),
                                       scratch.large.capacity(),
-                                      scratch.dynamic_tree.boxes.capacity(),
-                                      scratch.other_tree.boxes.capacity()};
+                                      scratch.moving_tree.boxes.capacity(),
+                                      scratch.static_tree.boxes.capacity()};
     };
     f64::broad_phase_function(kind)(model, state, scratch, 0);
     f64::broad_phase_function(kind)(model, state, scratch, 0);

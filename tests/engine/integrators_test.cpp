@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/groups.h"
 #include "engine/engine.h"
 #include "engine/integrators/integrator.h"
 #include "engine/math/trig.h"
@@ -170,11 +171,13 @@ class Stepper {
     state_ = engine::f64::initial_state(model_);
   }
   void step(double h) {
+    engine::f64::group_everything(model_, state_, scratch_);
     engine::f64::prepare_bodies(state_, scratch_);
+    engine::f64::enter_group(model_, state_, scratch_, scratch_.groups[0], h);
     scheme_.begin(model_, state_, scratch_, h);
     scheme_.predict(model_, state_, scratch_, h);
     scheme_.drift(model_, state_, scratch_, h);
-    engine::f64::store_bodies(model_, scratch_, state_);
+    engine::f64::store_bodies(scratch_, state_);
   }
   const engine::f64::BodyRow& body() const { return state_.bodies[0]; }
   std::uint32_t unconverged() const { return state_.integrator.unconverged; }
