@@ -37,7 +37,6 @@ Result<std::unique_ptr<Simulation>> make_from_setup(ByteView setup) {
 
 Result<std::unique_ptr<Engine>> make_engine(const Scene& scene, const EngineOptions& options) {
   if (const Status status = check_scene(scene, scene.name); !status) return status.error();
-  if (const Status status = check_built(scene, scene.name); !status) return status.error();
   return info_of(makers, scene.settings.precision).make(scene, options);
 }
 

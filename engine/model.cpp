@@ -197,6 +197,7 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
   out.shape_count = static_cast<std::uint32_t>(model.body_shapes.size()) - out.first_shape;
   if (out.shape_count > model.child_count_max) model.child_count_max = out.shape_count;
   out.can_sleep = body.can_sleep;
+  out.is_bullet = body.bullet;
   for (std::uint32_t child = 0; child < out.shape_count; ++child) {
     const ShapeModel& shape = model.shape(out, child);
     out.reach = larger(out.reach, length(shape.center) + shape.bounding_radius);

@@ -69,6 +69,7 @@ struct BodyModel {
   Real size = 0;   // of the smallest shape, m
   Real reach = 0;  // of the farthest point from the centre of mass, m
   bool can_sleep = true;
+  bool is_bullet = false;
   std::uint32_t first_shape = 0;  // in Model::body_shapes
   std::uint32_t shape_count = 0;  // children: one for each shape, for a chain one for each edge
 };

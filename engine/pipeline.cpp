@@ -45,19 +45,29 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
     pipeline.description.push_back({"narrow_phase", false, std::string(no_pairs)});
     pipeline.description.push_back({"events", false, std::string(no_pairs)});
   }
+  const Settings& settings = model.scene.settings;
+  const bool can_pass = finds_contacts && (settings.continuous || settings.locate_impacts);
+  if (can_pass)
+    consider("impacts", find_impacts, true,
+             settings.locate_impacts ? "the scene asks for bounces at their moment" : "fast bodies must not pass walls",
+             "");
+  else
+    pipeline.description.push_back(
+        {"impacts", false, finds_contacts ? "the scene forgoes continuous collision" : std::string(no_pairs)});
   // Islands own columns, so that nothing but the scene's wish brings them in.
   if (model.finds_islands)
     consider("islands", find_islands, true, "bodies may sleep, or get substeps of their own", "");
   else
     pipeline.description.push_back({"islands", false, "nothing sleeps, every body gets the same substeps"});
   consider(solver.name, solver_function(solver.kind), true, "every scene moves", "");
-  if (finds_contacts || (full && contacts_possible))
+  if (can_pass && settings.locate_impacts)
+    pipeline.description.push_back({"restitution", false, "impacts are located in time"});
+  else if (finds_contacts || (full && contacts_possible))
     consider("restitution", apply_restitution, finds_contacts && model.bounces, "a material bounces",
              "no pair of materials bounces");
   else
     pipeline.description.push_back(
         {"restitution", false, finds_pairs_itself ? "part of the solver" : "no two shapes can meet"});
-  const Settings& settings = model.scene.settings;
   if (settings.sleep)
     consider("sleep", measure_calm, true, "the scene lets bodies sleep", "");
   else

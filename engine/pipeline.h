@@ -32,6 +32,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full);
 void apply_inputs(const Model& model, State& state, Scratch& scratch, Real dt);
 void cull(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt);
+void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_islands(const Model& model, State& state, Scratch& scratch, Real dt);
 void measure_calm(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_events(const Model& model, State& state, Scratch& scratch, Real dt);

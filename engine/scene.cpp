@@ -99,11 +99,6 @@ class Checker {
     return error_;
   }
 
-  Status run_built() {
-    if (check_built()) return {};
-    return error_;
-  }
-
  private:
   std::string place(const std::string& key) const {
     std::string text = source_ + ": ";
@@ -742,6 +737,11 @@ class Checker {
           ErrorCode::incompatible, "settings.sleep", name_of_solver + " has no islands: found sleep",
           "leave sleep out, or use " + names_where(solvers, [](const SolverInfo& s) { return s.solves_joints; }));
     if (!check_contact_needs(solver)) return false;
+    if (scene_.settings.locate_impacts && scene_.settings.integrator != IntegratorKind::semi_implicit_euler)
+      return fail(ErrorCode::incompatible, "settings.locate_impacts",
+                  "bounces are located under one integrator only: found " + std::string(integrator.name) +
+                      ", expected semi_implicit_euler",
+                  "between impacts it moves bodies along exact parabolas");
     const bool collide = can_collide(scene_);
     const std::size_t joint_count = scene_.joints.size();
     const std::string joints = std::to_string(joint_count) + (joint_count == 1 ? " joint" : " joints");
@@ -788,13 +788,6 @@ class Checker {
     return true;
   }
 
-  /// What a scene can say and the engine cannot do yet.
-  bool check_built() {
-    const Settings& settings = scene_.settings;
-    if (settings.locate_impacts) return refuse("settings.locate_impacts", "not built yet: found true, expected false");
-    return true;
-  }
-
   static constexpr std::size_t no_shape = static_cast<std::size_t>(-1);
   const Scene& scene_;
   const std::string& source_;
@@ -825,10 +818,6 @@ bool can_collide(const Scene& scene) {
 
 Status check_scene(const Scene& scene, const std::string& source) {
   return Checker(scene, source).run();
-}
-
-Status check_built(const Scene& scene, const std::string& source) {
-  return Checker(scene, source).run_built();
 }
 
 }  // namespace ticktrue::engine

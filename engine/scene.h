@@ -230,7 +230,4 @@ bool can_collide(const Scene& scene);
 /// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names what would work).
 Status check_scene(const Scene& scene, const std::string& source);
 
-/// What a scene can say and the engine cannot do yet. make_engine calls it after check_scene.
-Status check_built(const Scene& scene, const std::string& source);
-
 }  // namespace ticktrue::engine

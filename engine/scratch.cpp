@@ -61,6 +61,10 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.sorted);
   poison_rows(scratch.pulls);
+  poison_rows(scratch.impacts);
+  poison_rows(scratch.paths);
+  poison_rows(scratch.hit_rows);
+  poison_rows(scratch.active_impacts);
   poison_rows(scratch.groups);
   scratch.moving_rows = {};
   poison_rows(scratch.group_rows);

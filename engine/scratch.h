@@ -7,6 +7,7 @@
 
 #include "engine/broad_phase/sorting.h"
 #include "engine/constraints/contact_batch.h"
+#include "engine/constraints/impacts.h"
 #include "engine/constraints/joint.h"
 #include "engine/constraints/pointer.h"
 #include "engine/input.h"
@@ -183,12 +184,19 @@ struct Scratch {
   std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
   std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]
   std::vector<std::uint32_t> large;        // uniform_grid: proxies in no cell, ascending
-  BoxTree moving_tree;                    // aabb_tree
-  BoxTree static_tree;                      // aabb_tree: static and kinematic
+  BoxTree moving_tree;                     // aabb_tree
+  BoxTree static_tree;                     // aabb_tree: static and kinematic
 
   // narrow_phase
   std::vector<TouchingPair> touching;
   std::vector<ContactRow> contacts;  // the rows that replace State::contacts
+
+  // impacts
+  std::vector<ImpactPair> impacts;            // that may come in this tick
+  std::vector<ImpactPath> paths;              // [body], of those in `impacts`
+  std::vector<std::uint32_t> hit_rows;        // in the present substep
+  std::vector<std::uint32_t> active_impacts;  // those of the group that is being solved
+  bool offsets_in_use = false;                // the integrator fills velocity_offsets
 
   // islands
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none

@@ -163,8 +163,8 @@ void for_each_overlap_between(const BoxTree& tree_a, const BoxTree& tree_b, Use 
 
 }  // namespace
 
-void aabb_tree(const Model& model, State& state, Scratch& scratch, Real) {
-  make_proxies(model, state, scratch);
+void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
+  make_proxies(model, state, scratch, dt);
   build(scratch, true, scratch.static_tree);
   build(scratch, false, scratch.moving_tree);
   scratch.unsorted_pairs.clear();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
+#include "engine/constraints/impacts.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -25,11 +26,15 @@ StageFunction broad_phase_function(BroadPhaseKind kind) {
   return info_of(functions, kind).run;
 }
 
-void make_proxies(const Model& model, const State& state, Scratch& scratch) {
+void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
   scratch.proxies.clear();
+  const Settings& settings = model.scene.settings;
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
     const BodyModel& constants = model.bodies[body.source];
+    const auto index = static_cast<std::uint32_t>(row);
+    const bool sweeps = settings.locate_impacts || (settings.continuous && is_fast(model, state, index, dt));
+    const Real way = sweeps ? reach_in(model, state, index, dt) : Real(0);
     for (std::uint32_t child = 0; child < constants.shape_count; ++child) {
       const std::uint32_t shape_index = model.body_shapes[constants.first_shape + child];
       const ShapeModel& shape = model.shapes[shape_index];
@@ -47,7 +52,7 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch) {
       // algorithm can miss a pair that another one finds.
       const Real reach = larger(absolute(proxy.center.x), absolute(proxy.center.y)) + shape.bounding_radius;
       const Real margin = speculative_margin(shape.size) + 16 * epsilon * reach;
-      proxy.radius = shape.bounding_radius + margin;
+      proxy.radius = (shape.bounding_radius + margin) + way;
       if (shape.family == ShapeFamily::circle) {
         const Vec2 extent{proxy.radius, proxy.radius};
         proxy.box = {proxy.center - extent, proxy.center + extent};
@@ -60,7 +65,8 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch) {
           lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
           upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
         }
-        const Vec2 extent{shape.radius + margin, shape.radius + margin};
+        const Real around = (shape.radius + margin) + way;
+        const Vec2 extent{around, around};
         proxy.box = {(body.position + lower) - extent, (body.position + upper) + extent};
       }
       scratch.proxies.push_back(proxy);
@@ -101,8 +107,8 @@ void sort_pairs(Scratch& scratch) {
   }
 }
 
-void brute_force(const Model& model, State& state, Scratch& scratch, Real) {
-  make_proxies(model, state, scratch);
+void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
+  make_proxies(model, state, scratch, dt);
   const std::vector<Proxy>& proxies = scratch.proxies;
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i)
@@ -111,8 +117,8 @@ void brute_force(const Model& model, State& state, Scratch& scratch, Real) {
         scratch.pairs.push_back({i, j});
 }
 
-void bounding_circle(const Model& model, State& state, Scratch& scratch, Real) {
-  make_proxies(model, state, scratch);
+void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt) {
+  make_proxies(model, state, scratch, dt);
   const std::vector<Proxy>& proxies = scratch.proxies;
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i)

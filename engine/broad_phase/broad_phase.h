@@ -10,8 +10,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// The stage of this kind.
 StageFunction broad_phase_function(BroadPhaseKind kind);
 
-/// Fills scratch.proxies from the present poses.
-void make_proxies(const Model& model, const State& state, Scratch& scratch);
+/// Fills scratch.proxies from the present poses. Boxes of fast bodies, and of all where impacts are located, hold their
+/// way through a tick of length dt.
+void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt);
 
 /// The rule of scene.h: one non-zero group decides; else each category must be in the other's mask.
 inline bool pass(const Filter& a, const Filter& b) {

@@ -19,8 +19,8 @@ std::uint64_t sort_key(Real value) {
 
 }  // namespace
 
-void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real) {
-  make_proxies(model, state, scratch);
+void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt) {
+  make_proxies(model, state, scratch, dt);
   const std::vector<Proxy>& proxies = scratch.proxies;
   std::vector<SortEntry>& entries = scratch.sort_entries;
   entries.clear();

@@ -128,8 +128,8 @@ void find_pairs_of_large(Scratch& scratch) {
 
 }  // namespace
 
-void uniform_grid(const Model& model, State& state, Scratch& scratch, Real) {
-  make_proxies(model, state, scratch);
+void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
+  make_proxies(model, state, scratch, dt);
   const std::vector<Proxy>& proxies = scratch.proxies;
   const Real inv_size = Real(1) / cell_size(proxies, scratch.counts);
   scratch.cell_ranges.clear();

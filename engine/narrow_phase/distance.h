@@ -2,23 +2,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model.h"
+#include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Where a body is: its centre of mass and rotation.
-struct Pose {
-  Vec2 position;  // m
-  Rotation rotation;
-};
-
 struct Distance {
-  Real separation = 0;  // m; < 0: they overlap by at least this much
+  Real separation = 0;  // m; < 0: they overlap, along `normal` by that much
   Vec2 normal;          // from A to B, unit
   Vec2 point;           // between the two, world, m
 };
 
-/// Exact where the shapes are apart, up to rounding; where they overlap, along the axis of least overlap.
-Distance distance(const Model& model, const ShapeModel& a, const Pose& pose_a, const ShapeModel& b, const Pose& pose_b);
+/// Exact where the shapes are apart, up to rounding. Poses are those of the bodies' centres of mass.
+Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
+                  const Placement& pose_b);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -79,7 +79,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
 
     scratch.touching.push_back(
         {proxy_a.body, proxy_b.body, mix(settings.friction_mix, shape_a.friction, shape_b.friction),
-         mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution), smaller(shape_a.size, shape_b.size),
+         mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution), pair_size(shape_a, shape_b),
          shape_a.radius, shape_b.radius, shape_a.tangent_speed + shape_b.tangent_speed,
          larger(shape_a.rolling_resistance, shape_b.rolling_resistance), manifold});
     ContactRow row{body_a.id, proxy_a.child, body_b.id, proxy_b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};

@@ -22,7 +22,9 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
     prepare_contacts(model, state, scratch, group, baumgarte_contacts(dt));
     scheme.begin(model, state, scratch, dt);
     note_joint_velocities(scratch);
+    note_impact_velocities(state, scratch);
     scheme.predict(model, state, scratch, dt);
+    if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, dt);
     warm_start_joints(scratch);
     warm_start_pulls(scratch);
     warm_start_contacts(scratch, group);
@@ -32,6 +34,7 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
       solve_contacts(scratch, group, Bias::on);
     }
     scheme.drift(model, state, scratch, dt);
+    if (!scratch.impacts.empty()) finish_impacts(scratch);
     store_contacts(scratch, group, state);
     store_pulls(scratch, state, dt);
     store_joints(scratch, state, dt);

@@ -23,7 +23,9 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     scheme.begin(model, state, scratch, h);
     for (int substep = 0; substep < group.substeps; ++substep) {
       note_joint_velocities(scratch);
+      note_impact_velocities(state, scratch);
       scheme.predict(model, state, scratch, h);
+      if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, h);
       warm_start_joints(scratch);
       warm_start_pulls(scratch);
       warm_start_contacts(scratch, group);
@@ -31,6 +33,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       solve_pulls(scratch);
       solve_contacts(scratch, group, Bias::on);
       scheme.drift(model, state, scratch, h);
+      if (!scratch.impacts.empty()) finish_impacts(scratch);
       solve_joints(scratch, h, Bias::off);
       solve_contacts(scratch, group, Bias::off);  // relax: takes out the velocity that the bias put in
     }

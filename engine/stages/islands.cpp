@@ -52,6 +52,7 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
       unite(scratch.island_parent, a, b);
   };
   for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
+  for (const ImpactPair& pair : scratch.impacts) meet(pair.body_a, pair.body_b);
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
   for (const SpringForce& spring : model.springs) {

@@ -476,16 +476,6 @@ TEST_CASE("a spring of no length and limits that meet are accepted", "[engine][s
   CHECK(check_scene(scene, "x.json"));
 }
 
-TEST_CASE("what the engine cannot do yet is a valid scene, but gives no engine", "[engine][scene][analytic]") {
-  const Scene scene = test::everything_scene();
-  CHECK(check_scene(scene, "x.json"));
-  const Status status = check_built(scene, "x.json");
-  REQUIRE_FALSE(status);
-  CHECK_THAT(status.error().message, Contains("not built yet"));
-  CHECK_FALSE(make_engine(scene));
-  CHECK(check_built(whole_scene(), "x.json"));
-}
-
 TEST_CASE("a million bodies are over the limit", "[engine][scene][analytic]") {
   Scene scene;
   Body body;

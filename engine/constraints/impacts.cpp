@@ -1,0 +1,309 @@
+// Time of impact by conservative advancement; impulses by Newton's law of restitution and Coulomb's of friction.
+// SPDX-License-Identifier: MIT
+// Source: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, chapters 2 and 3 (conservative
+// advancement: no pair can close its gap sooner than gap / greatest closing speed; impacts in order of time).
+#include "engine/constraints/impacts.h"
+
+#include "engine/constraints/bodies.h"
+#include "engine/narrow_phase/distance.h"
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real no_impact = Real(1e30);
+constexpr int advance_count_max = 48;
+constexpr Real fast_share = Real(0.25);  // of its smallest shape's size in a tick: slower ones meet their contacts
+constexpr std::size_t impacts_per_pair_max = 8;  // in a substep; after so many, bodies stop where they are
+
+struct Ends {
+  const BodyModel& model_a;
+  const BodyModel& model_b;
+};
+
+Ends ends_of(const Model& model, const State& state, const ImpactPair& pair) {
+  return {model.bodies[state.bodies[pair.body_a].source], model.bodies[state.bodies[pair.body_b].source]};
+}
+
+Vec2 velocity_at(const ImpactPath& path, Real time) {
+  return path.velocity + (time - path.time) * path.acceleration;
+}
+
+Vec2 moved_at(const ImpactPath& path, Real time) {
+  const Real t = time - path.time;
+  return path.moved + t * (path.velocity + (Real(0.5) * t) * path.acceleration);
+}
+
+Rotation turned_at(const ImpactPath& path, Real time) {
+  return rotation_by((time - path.time) * path.angular_velocity) * path.turned;
+}
+
+Placement pose_at(const State& state, const ImpactPath& path, std::uint32_t row, Real time) {
+  return {state.bodies[row].position + moved_at(path, time), turned_at(path, time) * state.bodies[row].rotation};
+}
+
+/// Velocity of B's surface against A's at a point.
+Vec2 relative_velocity(const Placement& a, const Placement& b, const ImpactPath& path_a, const ImpactPath& path_b,
+                       Vec2 point, Real time) {
+  return (velocity_at(path_b, time) + cross(path_b.angular_velocity, point - b.position)) -
+         (velocity_at(path_a, time) + cross(path_a.angular_velocity, point - a.position));
+}
+
+/// What counts as touching: the rounding of coordinates, and a little of the shapes' size.
+Real touch_tolerance(const Model& model, const ImpactPair& pair, const Placement& a, const Placement& b) {
+  const Real far = larger(larger(absolute(a.position.x), absolute(a.position.y)),
+                          larger(absolute(b.position.x), absolute(b.position.y)));
+  return larger(Real(1e-6) * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]), 8 * epsilon * far);
+}
+
+/// Sets the pair's next impact at or after `start`.
+void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
+  pair.time = no_impact;
+  if (pair.is_done) return;
+  const ImpactPath& path_a = scratch.paths[pair.body_a];
+  const ImpactPath& path_b = scratch.paths[pair.body_b];
+  const ShapeModel& shape_a = model.shapes[pair.shape_a];
+  const ShapeModel& shape_b = model.shapes[pair.shape_b];
+  const auto [model_a, model_b] = ends_of(model, state, pair);
+  const Real spin =
+      absolute(path_a.angular_velocity) * model_a.reach + absolute(path_b.angular_velocity) * model_b.reach;
+  const Real quickening = length(path_b.acceleration - path_a.acceleration);
+  const Real threshold = static_cast<Real>(model.restitution_threshold);
+  Real time = start;
+  for (int i = 0; i < advance_count_max; ++i) {
+    const Placement a = pose_at(state, path_a, pair.body_a, time);
+    const Placement b = pose_at(state, path_b, pair.body_b, time);
+    const Distance gap = distance(model, shape_a, a, shape_b, b);
+    // An edge of a chain is felt from its right side only.
+    if (shape_a.family == ShapeFamily::chain_edge &&
+        dot(gap.normal, rotate(a.rotation, model.normals[shape_a.first_vertex])) <= 0)
+      return;
+    if (shape_b.family == ShapeFamily::chain_edge &&
+        dot(gap.normal, rotate(b.rotation, model.normals[shape_b.first_vertex])) >= 0)
+      return;
+    if (gap.separation <= touch_tolerance(model, pair, a, b)) {
+      const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
+      // Nor is there an impact where what is left of the substep is too short to get anywhere.
+      const Real tolerance = touch_tolerance(model, pair, a, b);
+      if (!(closing * (h - time) > tolerance)) {
+        // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
+        if (!(spin > 0) || !pair.is_fast) return;
+        time += Real(0.1) * pair_size(shape_a, shape_b) / spin;
+        if (!(time < h)) return;
+        if (i + 1 == advance_count_max) {
+          pair.time = time;
+          pair.normal = gap.normal;
+          pair.point = gap.point;
+          pair.is_settled = false;
+        }
+        continue;
+      }
+      // What touches from the start and does not bounce is a contact, and the solver's.
+      const bool bounces = pair.restitution > 0 && closing > threshold;
+      if (i == 0 && !bounces && !pair.is_fast) return;
+      pair.time = time;
+      pair.normal = gap.normal;
+      pair.point = gap.point;
+      pair.is_settled = true;
+      return;
+    }
+    const Real along = -dot(velocity_at(path_b, time) - velocity_at(path_a, time), gap.normal);
+    const Real closing_max = (along + quickening * (h - time)) + spin;
+    if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
+    time += gap.separation / closing_max;
+    if (i + 1 < advance_count_max || !pair.is_fast) continue;
+    // A grazing or spinning pair that is not settled: rather stopped than passed.
+    pair.time = time;
+    pair.normal = gap.normal;
+    pair.point = gap.point;
+    pair.is_settled = false;
+  }
+}
+
+/// Moves a body's reference to `time` and changes its velocity there.
+void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
+  path.is_hit = true;
+  if (path.is_stopped) {
+    path.kept_velocity = path.kept_velocity + change;
+    path.kept_spin += spin_change;
+    return;
+  }
+  path.moved = moved_at(path, time);
+  path.velocity = velocity_at(path, time) + change;
+  path.turned = turned_at(path, time);
+  path.angle += (time - path.time) * path.angular_velocity;
+  path.angular_velocity += spin_change;
+  path.time = time;
+}
+
+/// Keeps a body where it is at `time` for the rest of the substep.
+void stop(ImpactPath& path, Real time) {
+  if (path.is_stopped) return;
+  kick(path, time, {0, 0}, 0);
+  path.kept_velocity = path.velocity;
+  path.kept_spin = path.angular_velocity;
+  path.velocity = path.acceleration = {0, 0};
+  path.angular_velocity = 0;
+  path.is_stopped = true;
+}
+
+void resolve(const Model& model, const State& state, Scratch& scratch, const ImpactPair& pair) {
+  ImpactPath& path_a = scratch.paths[pair.body_a];
+  ImpactPath& path_b = scratch.paths[pair.body_b];
+  const auto [model_a, model_b] = ends_of(model, state, pair);
+  const Placement a = pose_at(state, path_a, pair.body_a, pair.time);
+  const Placement b = pose_at(state, path_b, pair.body_b, pair.time);
+  const Vec2 arm_a = pair.point - a.position;
+  const Vec2 arm_b = pair.point - b.position;
+  const Vec2 relative = relative_velocity(a, b, path_a, path_b, pair.point, pair.time);
+  const auto effective_mass = [&](Vec2 direction) {
+    const Real turn_a = cross(arm_a, direction);
+    const Real turn_b = cross(arm_b, direction);
+    const Real k = ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * turn_a * turn_a) +
+                   model_b.inv_inertia * turn_b * turn_b;
+    return k > 0 ? 1 / k : Real(0);
+  };
+  const Real closing = -dot(relative, pair.normal);
+  const Real e = closing > static_cast<Real>(model.restitution_threshold) ? pair.restitution : Real(0);
+  const Real push = closing > 0 ? (1 + e) * closing * effective_mass(pair.normal) : Real(0);
+  const Vec2 tangent = right_turn(pair.normal);
+  const Real limit = pair.friction * push;
+  const Real rub = smaller(larger(-dot(relative, tangent) * effective_mass(tangent), -limit), limit);
+  const Vec2 impulse = push * pair.normal + rub * tangent;
+  kick(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
+  kick(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
+}
+
+/// The way of a body without impacts, from the integrator's prediction.
+void begin_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
+  ImpactPath& path = scratch.paths[row];
+  const MovingBody& body = scratch.bodies[row];
+  const bool is_static = model.bodies[state.bodies[row].source].type == BodyType::static_body;
+  path.moved = body.moved;
+  path.turned = body.turned;
+  path.time = 0;
+  path.angle = 0;
+  path.is_hit = false;
+  path.is_stopped = false;
+  if (is_static) {
+    path.velocity = path.acceleration = {0, 0};
+    path.angular_velocity = 0;
+    return;
+  }
+  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
+  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  path.acceleration = (1 / h) * (body.velocity - path.start_velocity);
+  path.velocity = (body.velocity - offset) - (Real(0.5) * h) * path.acceleration;
+  path.angular_velocity = body.angular_velocity - spin_offset;
+}
+
+/// Gives a body that was hit what the integrator's drift needs to bring it to the end of its way.
+void end_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
+  ImpactPath& path = scratch.paths[row];
+  if (!path.is_hit) return;
+  MovingBody& body = scratch.bodies[row];
+  if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) return;
+  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
+  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  const Vec2 moved = moved_at(path, h);
+  const Real angle = path.angle + (h - path.time) * path.angular_velocity;
+  // Schemes keep a velocity that differs from the true one by `offset - h a / 2` at the end of a substep.
+  const Vec2 true_end = path.is_stopped ? path.kept_velocity : velocity_at(path, h);
+  const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * path.acceleration;
+  const Real spin = (path.is_stopped ? path.kept_spin : path.angular_velocity) + spin_offset;
+  if (scratch.offsets_in_use && model.position_forces == nullptr && !model.has_velocity_forces) {
+    scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
+    scratch.predicted[row].angular += spin - body.angular_velocity;
+  }
+  path.correction = (moved - body.moved) - h * (velocity - offset);
+  path.turn_correction = angle - h * (spin - spin_offset);
+  scratch.hit_rows.push_back(row);
+  body.velocity = velocity;
+  body.angular_velocity = spin;
+}
+
+}  // namespace
+
+Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt) {
+  const BodyRow& body = state.bodies[row];
+  const BodyModel& constants = model.bodies[body.source];
+  if (constants.type == BodyType::static_body) return 0;
+  const Real fall = constants.type == BodyType::dynamic_body
+                        ? absolute(constants.gravity_scale) * length(state.world.gravity) * dt
+                        : Real(0);
+  return dt * ((length(body.velocity) + fall) + absolute(body.angular_velocity) * constants.reach);
+}
+
+bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt) {
+  return reach_in(model, state, row, dt) > fast_share * model.bodies[state.bodies[row].source].size;
+}
+
+void note_impact_velocities(const State& state, Scratch& scratch) {
+  scratch.paths.resize(state.bodies.size());
+  for (const ImpactPair& pair : scratch.impacts) {
+    scratch.paths[pair.body_a].start_velocity = scratch.bodies[pair.body_a].velocity;
+    scratch.paths[pair.body_b].start_velocity = scratch.bodies[pair.body_b].velocity;
+  }
+}
+
+void finish_impacts(Scratch& scratch) {
+  for (const std::uint32_t row : scratch.hit_rows) {
+    MovingBody& body = scratch.bodies[row];
+    body.moved = body.moved + scratch.paths[row].correction;
+    body.turned = rotation_by(scratch.paths[row].turn_correction) * body.turned;
+  }
+}
+
+void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h) {
+  scratch.hit_rows.clear();
+  std::vector<std::uint32_t>& active = scratch.active_impacts;
+  active.clear();
+  for (std::uint32_t i = 0; i < scratch.impacts.size(); ++i) {
+    const ImpactPair& pair = scratch.impacts[i];
+    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
+    if (scratch.body_group[a_moves ? pair.body_a : pair.body_b] == scratch.group_index) active.push_back(i);
+  }
+  for (const std::uint32_t i : active) {
+    begin_path(model, state, scratch, scratch.impacts[i].body_a, h);
+    begin_path(model, state, scratch, scratch.impacts[i].body_b, h);
+  }
+  for (const std::uint32_t i : active) scratch.impacts[i].is_done = false;
+  for (const std::uint32_t i : active) find_impact(model, state, scratch, scratch.impacts[i], 0, h);
+
+  std::size_t left = impacts_per_pair_max * active.size();
+  for (;;) {
+    ImpactPair* first = nullptr;
+    for (const std::uint32_t i : active)
+      if (scratch.impacts[i].time < (first != nullptr ? first->time : h)) first = &scratch.impacts[i];
+    if (first == nullptr) break;
+    const ImpactPair hit = *first;
+    if (hit.is_settled) resolve(model, state, scratch, hit);
+    if (left > 0 && hit.is_settled) {
+      --left;
+    } else {
+      // Each round stops a body, or is the pair's last.
+      bool stopped = false;
+      for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
+        if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) continue;
+        stopped |= !scratch.paths[row].is_stopped;
+        stop(scratch.paths[row], hit.time);
+      }
+      first->is_done = !stopped;
+    }
+    for (const std::uint32_t i : active) {
+      ImpactPair& pair = scratch.impacts[i];
+      if (pair.body_a != hit.body_a && pair.body_a != hit.body_b && pair.body_b != hit.body_a &&
+          pair.body_b != hit.body_b)
+        continue;
+      find_impact(model, state, scratch, pair, hit.time, h);
+    }
+  }
+  for (const std::uint32_t i : active) {
+    for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b}) {
+      end_path(model, state, scratch, row, h);
+      scratch.paths[row].is_hit = false;  // a body is in several pairs
+    }
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,63 @@
+// Impacts located in time: fast bodies that would pass through others within a substep, and bounces at their moment.
+// SPDX-License-Identifier: MIT
+//
+// Within a substep bodies follow parabolas. The earliest impact gets its impulse, the two bodies go on from there, and
+// so on until no impact is left: chains of impacts within one substep come in their order. What bodies do otherwise
+// (resting, sliding) is the contact solver's.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+struct State;
+struct Scratch;
+
+/// Two shapes that may meet in this tick in a way that the contact solver would miss.
+struct ImpactPair {
+  std::uint32_t body_a, body_b;    // rows
+  std::uint32_t shape_a, shape_b;  // in Model::shapes
+  Real friction, restitution;
+  bool is_fast;     // may pass through within a substep
+  bool is_settled;  // the impact below is one; else the pair is only near it, and stops there
+  bool is_done;     // for this substep
+  Real time;        // s from the start of the substep; no_impact: none
+  Vec2 normal;      // from A to B, at that moment
+  Vec2 point;       // world, m
+};
+
+/// A body's way through a substep: x(t) = moved + velocity (t - time) + acceleration (t - time)^2 / 2.
+struct ImpactPath {
+  Vec2 moved;  // since the tick began, at `time`, m
+  Rotation turned;
+  Real time;      // s from the start of the substep
+  Vec2 velocity;  // at `time`, m/s
+  Vec2 acceleration;
+  Real angular_velocity;
+  Real angle;            // turned since the start of the substep, at `time`, rad
+  Vec2 start_velocity;   // before the integrator's prediction, m/s
+  Vec2 kept_velocity;    // of a body that is stopped for the rest of the substep: what it goes on with, m/s
+  Real kept_spin;        // rad/s
+  Vec2 correction;       // what the drift with the end velocity misses of the way, m
+  Real turn_correction;  // rad
+  bool is_hit;
+  bool is_stopped;
+};
+
+/// Whether a body moves so far in a tick that it might pass through something.
+bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt);
+/// How far any point of a body may get in a tick, m.
+Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt);
+
+/// Notes velocities before a substep. Call before the integrator predicts.
+void note_impact_velocities(const State& state, Scratch& scratch);
+/// Finds and applies the impacts of a substep of length h of the group that is being solved. Call after the
+/// integrator's prediction.
+void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h);
+/// Brings the bodies that were hit to the ends of their ways. Call after the integrator's drift.
+void finish_impacts(Scratch& scratch);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
