@@ -19,8 +19,9 @@ Hull core_of(const Model& model, const ShapeModel& shape, const Placement& pose,
 Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
                   const Placement& pose_b) {
   HullBuffer buffer_a, buffer_b;
-  const Hull a = core_of(model, shape_a, pose_a, buffer_a);
-  const Hull b = core_of(model, shape_b, pose_b, buffer_b);
+  // Seen from A's position: small numbers, whose differences are exact to more digits.
+  const Hull a = core_of(model, shape_a, {{0, 0}, pose_a.rotation}, buffer_a);
+  const Hull b = core_of(model, shape_b, {pose_b.position - pose_a.position, pose_b.rotation}, buffer_b);
   Distance best;
   bool has_axis = false;
   if (a.count > 2) {
@@ -40,9 +41,12 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   const ClosestPoints closest = closest_points(a, b);
   if (!has_axis || best.separation > 0) {
     const Real gap = square_root(closest.distance_squared);
-    if (gap > 0) {
+    // Two corners too close for a direction: an edge's normal will do.
+    const Real blur = 64 * epsilon * (shape_a.bounding_radius + shape_b.bounding_radius);
+    const bool corners = closest.vertex_a != no_vertex && closest.vertex_b != no_vertex;
+    if (gap > 0 && !(has_axis && corners && gap < blur)) {
       best.separation = gap;
-      best.normal = (1 / gap) * (closest.on_b - closest.on_a);
+      best.normal = closest_normal(a, b, closest);
     } else if (!has_axis) {
       best.separation = 0;
       best.normal = a.count > 1 ? a.normals[0] : Vec2{0, 1};
@@ -54,13 +58,13 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     const Manifold faces = between_edges(a, shape_a.radius, b, shape_b.radius, best.normal,
                                          (best.separation - (shape_a.radius + shape_b.radius)) + near);
     if (faces.point_count == 2) {
-      best.point = Real(0.5) * (faces.points[0].anchor_a + faces.points[1].anchor_a);
+      best.point = pose_a.position + Real(0.5) * (faces.points[0].anchor_a + faces.points[1].anchor_a);
       best.separation = best.separation - (shape_a.radius + shape_b.radius);
       return best;
     }
   }
-  best.point =
-      Real(0.5) * (closest.on_a + closest.on_b) + (Real(0.5) * (shape_a.radius - shape_b.radius)) * best.normal;
+  best.point = pose_a.position + Real(0.5) * (closest.on_a + closest.on_b) +
+               (Real(0.5) * (shape_a.radius - shape_b.radius)) * best.normal;
   best.separation = best.separation - (shape_a.radius + shape_b.radius);
   return best;
 }
