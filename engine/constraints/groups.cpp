@@ -15,7 +15,7 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
     scratch.body_group[row] = 0;
   }
   for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact)
-    scratch.group_contacts.push_back(contact);
+    if (!is_left_to_impacts(model, state, scratch, contact)) scratch.group_contacts.push_back(contact);
   SolveGroup group;
   group.substeps = model.scene.settings.substeps;
   group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());

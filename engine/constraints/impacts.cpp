@@ -238,6 +238,24 @@ bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt)
   return reach_in(model, state, row, dt) > fast_share * model.bodies[state.bodies[row].source].size;
 }
 
+bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact) {
+  const TouchingPair& pair = scratch.touching[contact];
+  const ContactRow& row = state.contacts[contact];
+  if (!model.scene.settings.locate_impacts || !(pair.restitution > 0)) return false;
+  if (row.normal_force[0] > 0 || row.normal_force[1] > 0) return false;
+  const BodyRow& a = state.bodies[pair.body_a];
+  const BodyRow& b = state.bodies[pair.body_b];
+  const Real threshold = static_cast<Real>(model.restitution_threshold);
+  for (int i = 0; i < pair.manifold.point_count; ++i) {
+    const ManifoldPoint& point = pair.manifold.points[i];
+    const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
+                          (a.velocity + cross(a.angular_velocity, point.anchor_a));
+    const Real closing = -dot(velocity, pair.manifold.normal);
+    if (closing >= 0 && closing <= threshold) return false;
+  }
+  return true;
+}
+
 void note_impact_velocities(const State& state, Scratch& scratch) {
   scratch.paths.resize(state.bodies.size());
   for (const ImpactPair& pair : scratch.impacts) {

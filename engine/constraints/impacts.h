@@ -52,6 +52,10 @@ bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt)
 /// How far any point of a body may get in a tick, m.
 Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt);
 
+/// Whether a contact is about to bounce, in a scene whose impacts are located: then it is none of the contact solver's,
+/// whose normal is that of the start of the tick. `contact`: in scratch.touching and state.contacts.
+bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact);
+
 /// Notes velocities before a substep. Call before the integrator predicts.
 void note_impact_velocities(const State& state, Scratch& scratch);
 /// Finds and applies the impacts of a substep of length h of the group that is being solved. Call after the

@@ -304,7 +304,8 @@ void make_groups(const Model& model, const State& state, Scratch& scratch) {
     for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
       const TouchingPair& pair = scratch.touching[contact];
       const bool a_moves = type_of(model, state, pair.body_a) == BodyType::dynamic_body;
-      if (level_of(a_moves ? pair.body_a : pair.body_b) == level) scratch.group_contacts.push_back(contact);
+      if (level_of(a_moves ? pair.body_a : pair.body_b) == level && !is_left_to_impacts(model, state, scratch, contact))
+        scratch.group_contacts.push_back(contact);
     }
     group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
     group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
