@@ -546,13 +546,15 @@ Scene build_joint_grid(const SceneArguments& arguments) {
   for (int column = 0; column < count; ++column)
     for (int row = 0; row < count; ++row) {
       const Point position{static_cast<double>(column), static_cast<double>(-row)};
-      const bool holds = row == 0 && 2 * column >= count - 6 && 2 * column <= count + 6;
+      const auto is_peg = [&](int at) { return row == 0 && 2 * at >= count - 6 && 2 * at <= count + 6; };
+      const bool holds = is_peg(column);
       const std::size_t number = scene.bodies.size();
       const std::string name = (holds ? "peg_" : "disc_") + std::to_string(number);
       scene.bodies.push_back(body(name, holds ? BodyType::static_body : BodyType::dynamic_body, position, circle(0.4)));
       scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};  // they touch nothing of their kind
       if (row > 0) pin(scene, number - 1, {0, -0.5}, number, {0, 0.5});
-      if (column > 0) pin(scene, number - static_cast<std::size_t>(count), {0.5, 0}, number, {-0.5, 0});
+      if (column > 0 && !(holds && is_peg(column - 1)))  // two pegs need no pin
+        pin(scene, number - static_cast<std::size_t>(count), {0.5, 0}, number, {-0.5, 0});
     }
   return scene;
 }

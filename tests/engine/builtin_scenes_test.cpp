@@ -74,7 +74,7 @@ TEST_CASE("every built-in scene takes the settings by name", "[engine][builtin_s
     CHECK(made(name + "?gravity=3.5").gravity == Point{0, -3.5});
     CHECK(made(name + "?solver=tgs_soft&substeps=2").settings.substeps == 2);
     if (!made(name).joints.empty() || name == "shapes" || name == "sensors") {
-      CHECK_THAT(refusal(name + "?solver=impulse"), Contains("settings.solver: impulse "));
+      CHECK_THAT(refusal(name + "?solver=impulse"), Contains(": impulse "));
       continue;
     }
     CHECK(made(name + "?solver=impulse").settings.substeps == 1);
@@ -231,7 +231,7 @@ TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scen
     CHECK(worst < 1e-24);
   }
   const Scene grid = made("joint_grid?columns=100");
-  CHECK(grid.joints.size() == 19800);
+  CHECK(grid.joints.size() == 19800 - 6);  // none between two pegs
   CHECK(dynamic_count(grid) == 10000 - 7);
   CHECK(grid.bodies[4700].type == BodyType::static_body);
   CHECK(grid.bodies[5300].type == BodyType::static_body);
@@ -250,15 +250,21 @@ TEST_CASE("built-in scenes have the pinned bits that every platform must build",
   std::string got;
   for (const BuiltinScene& builtin : builtin_scenes())
     got += std::string(builtin.name) + " " + hex64(hash64(encode_scene(made(std::string(builtin.name))))) + "\n";
-  CHECK(got == R"(thesis 897fee4758409cbc
-stack 742a46d62939d959
-pyramid 64072ed1c7a576d1
-large_pyramid 71c852d9d2383d76
-many_pyramids 8167896ba39d19ba
-circles 136c427fa50480ae
-mixed_pile 1295ec294a3df966
-projectile 3844f33533059d92
-billiards 78c9c4231c8ad850
-slide 942f6e58c6323344
+  CHECK(got == R"(thesis bcee37d43c195e7d
+stack 4597e9c00b52d59b
+pyramid ce425b4bc0c7b816
+large_pyramid 67a1169971bb5398
+many_pyramids d3e27ad9aa7c19f0
+circles 34ab3a564327081b
+mixed_pile b9a78e5f7a36d5ac
+projectile a20723120e29c1ea
+billiards 1ae005c070304dd7
+slide 437d1f2559a1fae2
+shapes d921f31cf1d354d1
+sensors d08b54aecb609fb9
+pendulum 9678df3a4f3ea931
+chain 4ffdde6a0a61764f
+bridge 61752e90a390a297
+joint_grid 6c572128d2c0a199
 )");
 }

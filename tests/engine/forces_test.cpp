@@ -295,14 +295,14 @@ TEST_CASE("force elements that mean nothing are refused with their place", "[eng
   Force spring = force_of(ForceKind::spring);
   CHECK(refusal(spring).find("s: forces[0].body: missing") == 0);
   spring.body = 7;
-  CHECK(refusal(spring).find("s: forces[0].body: no such body") == 0);
+  CHECK(refusal(spring).find("s: forces[0].body: no body has this index") == 0);
   spring.body = 0;
   CHECK(refusal(spring).empty());
   spring.other = 0;
-  CHECK(refusal(spring).find("s: forces[0].other: is the same body") == 0);
+  CHECK(refusal(spring).find("s: forces[0].other: joins a body with itself") == 0);
   Force constant = force_of(ForceKind::constant);
   constant.body = 1;
-  CHECK(refusal(constant).find("s: forces[0].body: forces move dynamic bodies only") == 0);
+  CHECK(refusal(constant).find("s: forces[0].body: must be dynamic") == 0);
   Force central = force_of(ForceKind::central);
   central.exponent = -1.5;
   CHECK(refusal(central).find("s: forces[0].exponent: must be whole") == 0);
