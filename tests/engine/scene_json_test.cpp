@@ -282,8 +282,9 @@ TEST_CASE("wrong types and missing keys are refused with their place", "[engine]
   CHECK(refusal("{\"name\": null}") == "s.json: name: wrong type: found null, expected a string");
   CHECK_THAT(refusal("{\"settings\":{\"substeps\":2.5}}"),
              StartsWith("s.json: settings.substeps: must be a whole number in range: found 2.5, expected 1..256"));
-  CHECK_THAT(refusal("{\"settings\":{\"solver\":\"tgs\"}}"),
-             StartsWith("s.json: settings.solver: unknown: found \"tgs\", expected free_flight, impulse or tgs_soft"));
+  CHECK_THAT(
+      refusal("{\"settings\":{\"solver\":\"tgs\"}}"),
+      StartsWith("s.json: settings.solver: unknown: found \"tgs\", expected free_flight, impulse, tgs_soft or pgs"));
   CHECK_THAT(refusal("{\"settings\":{\"solver\":\"tgs_sofd\"}}"), Contains("did you mean tgs_soft?"));
   CHECK_THAT(refusal("{\"inputs\":[\"jump\"]}"),
              StartsWith("s.json: inputs[0]: unknown: found \"jump\", expected spawn, remove, "));

@@ -171,7 +171,7 @@ TEST_CASE("scenes are refused for what no single number shows", "[engine][scene]
       {"x.json: settings.substeps: out of range: found 257, expected 1..256",
        [](Scene& s) { s.settings.substeps = 257; }},
       {"x.json: settings.substeps: must be > 0: found 0, expected 1..256", [](Scene& s) { s.settings.substeps = 0; }},
-      {"x.json: settings.solver: unknown: found number 9, expected free_flight, impulse or tgs_soft",
+      {"x.json: settings.solver: unknown: found number 9, expected free_flight, impulse, tgs_soft or pgs",
        [](Scene& s) { s.settings.solver = static_cast<SolverKind>(9); }},
       {"x.json: bodies[0].velocity: a static body never moves", [](Scene& s) { s.bodies[0].velocity.y = 1; }},
       {"x.json: bodies[0].angular_velocity: a static body never moves",
@@ -246,7 +246,7 @@ TEST_CASE("scenes are refused for what no single number shows", "[engine][scene]
     CHECK_THAT(error.message, StartsWith(c.message));
     CHECK(error.code == c.code);
   }
-  CHECK(refusal([](Scene& s) { s.settings.solver = SolverKind::free_flight; }).hint == "use impulse or tgs_soft");
+  CHECK(refusal([](Scene& s) { s.settings.solver = SolverKind::free_flight; }).hint == "use impulse, tgs_soft or pgs");
 }
 
 TEST_CASE("joints, forces, lines and clocks that break a rule are refused with their place",
@@ -440,8 +440,16 @@ TEST_CASE("joints, forces, lines and clocks that break a rule are refused with t
          s.settings.substeps = 1;
        },
        ErrorCode::incompatible},
-      {"x.json: settings.solver: impulse solves no joints: found 8 joints",
+      {"x.json: settings.sleep: impulse has no islands: found sleep",
        [](Scene& s) {
+         s.settings.solver = SolverKind::impulse;
+         s.settings.substeps = 1;
+         s.settings.auto_substeps.reset();
+       },
+       ErrorCode::incompatible},
+      {"x.json: settings.events: impulse reports no contacts: found true, expected false",
+       [](Scene& s) {
+         s.settings.sleep.reset();
          s.settings.solver = SolverKind::impulse;
          s.settings.substeps = 1;
          s.settings.auto_substeps.reset();

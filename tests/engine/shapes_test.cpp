@@ -592,14 +592,14 @@ TEST_CASE("capsules, segments and chains with too few, too many or coinciding po
   using Catch::Matchers::Contains;
   CHECK(refusal(capsule_shape({0, 0}, {1, 0}, 0.5)) == "accepted");
   CHECK_THAT(refusal(capsule_shape({0, 0}, {1, 0}, 0)), Contains("radius"));
-  CHECK_THAT(refusal(capsule_shape({1, 0}, {1, 0}, 0.5)), Contains("too close"));
-  CHECK_THAT(refusal(segment_shape({1, 0}, {1, 0})), Contains("too close"));
-  CHECK_THAT(refusal(chain_shape({{1, 0}})), Contains("found 1, expected 2..16384"));
-  CHECK_THAT(refusal(chain_shape({{0, 0}, {1, 0}, {1, 0}})), Contains("vertices[2]"));
+  CHECK_THAT(refusal(capsule_shape({1, 0}, {1, 0}, 0.5)), Contains("points 0 and 1 coincide"));
+  CHECK_THAT(refusal(segment_shape({1, 0}, {1, 0})), Contains("points 0 and 1 coincide"));
+  CHECK_THAT(refusal(chain_shape({{1, 0}})), Contains("found 1, expected at least 2"));
+  CHECK_THAT(refusal(chain_shape({{0, 0}, {1, 0}, {1, 0}})), Contains("points 1 and 2 coincide"));
   Shape loop = chain_shape({{0, 0}, {1, 0}});
   loop.loop = true;
-  CHECK_THAT(refusal(loop), Contains("found 2, expected 3..16384"));
+  CHECK_THAT(refusal(loop), Contains("found 2, expected at least 3 of a loop"));
   loop.vertices = {{0, 0}, {1, 0}, {1, 1}, {0, 0}};
-  CHECK_THAT(refusal(loop), Contains("vertices[0]"));
+  CHECK_THAT(refusal(loop), Contains("points 3 and 0 coincide"));
   CHECK_THAT(refusal(chain_shape(level_points(16383, 1)), 5), Contains("found 81915, expected at most 65536"));
 }

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/engine_runs.h"
 
+#include <fstream>
+#include <sstream>
+
 #include "engine/builtin_scenes.h"
+#include "engine/clock/step_control.h"
 #include "engine/math/random.h"
 #include "engine/scene_fields.h"
+#include "engine/scene_json.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -110,25 +115,110 @@ engine::Scene jointed_playground(engine::Precision precision) {
   return scene;
 }
 
+/// Small boxes and discs that grow into two heaps, the second falling onto the first, tied by a rope, with automatic
+/// substeps; what is thrown far away is removed.
+engine::Scene merging_heaps(engine::Precision precision) {
+  engine::Scene scene;
+  scene.name = "merging heaps";
+  scene.settings.precision = precision;
+  scene.settings.auto_substeps = engine::AutoSubsteps{0.005, 64};
+  scene.settings.events = true;
+  scene.bodies.push_back(body_of(box_shape(8, 0.5), {0, -0.5}, BodyType::static_body));
+  for (int i = 0; i < 7; ++i) scene.bodies.push_back(body_of(box_shape(0.5, 0.25), {-2, 0.25 + 0.5 * i}));
+  for (int i = 0; i < 5; ++i) scene.bodies.push_back(body_of(box_shape(0.4, 0.2), {-1.6 + 0.1 * i, 6 + 0.45 * i}));
+  for (int i = 0; i < 3; ++i) scene.bodies.push_back(body_of(disc_shape(0.3), {2.0 + 0.7 * i, 0.3}));
+  engine::Joint rope;
+  rope.kind = engine::JointKind::distance;
+  rope.body_a = 12;
+  rope.body_b = 13;
+  rope.limits = engine::Range{0, 5};
+  scene.joints.push_back(rope);
+  scene.prototypes = {body_of(disc_shape(0.3), {}), body_of(box_shape(0.35, 0.25), {})};
+  scene.prototypes[0].name = "disc";
+  scene.prototypes[1].name = "brick";
+  scene.inputs = {InputKind::spawn, InputKind::remove, InputKind::impulse};
+  scene.bounds = engine::Bounds{{-9, -3}, {9, 14}};
+  scene.spawned_max = 4;
+  return scene;
+}
+
+/// Bodies without contacts on springs and under forces, solved implicitly; they come and go.
+engine::Scene springs_alone(engine::Precision precision) {
+  engine::Scene scene;
+  scene.name = "springs";
+  scene.settings.precision = precision;
+  scene.settings.solver = engine::SolverKind::free_flight;
+  scene.settings.integrator = engine::IntegratorKind::implicit_midpoint;
+  scene.settings.substeps = 2;
+  for (int i = 0; i < 6; ++i) {
+    scene.bodies.push_back(body_of(box_shape(0.3, 0.2), {static_cast<double>(i), 0.2 * i}));
+    scene.bodies.back().shapes[0].filter.mask = 0;
+  }
+  scene.bodies[0].type = BodyType::kinematic_body;
+  scene.bodies[0].velocity = {0.2, -0.1};
+  for (std::uint32_t i = 0; i + 1 < scene.bodies.size(); ++i) {
+    engine::Force spring;
+    spring.kind = engine::ForceKind::spring;
+    spring.body = i + 1;
+    spring.other = i;
+    spring.anchor = {-0.2, 0.1};
+    spring.stiffness = 3000;
+    spring.damping = 0.4;
+    spring.rest_length = 0.9;
+    scene.forces.push_back(spring);
+  }
+  engine::Force drag;
+  drag.kind = engine::ForceKind::quadratic_drag;
+  drag.coefficient = 0.1;
+  scene.forces.push_back(drag);
+  scene.prototypes = {body_of(disc_shape(0.3), {})};
+  scene.prototypes[0].name = "disc";
+  scene.prototypes[0].shapes[0].filter.mask = 0;
+  scene.inputs = {InputKind::spawn, InputKind::remove, InputKind::impulse, InputKind::force, InputKind::torque};
+  scene.bounds = engine::Bounds{{-12, -20}, {16, 14}};
+  scene.spawned_max = 3;
+  return scene;
+}
+
+Input random_event(const engine::Scene& scene, engine::Random& random, InputKind kind, std::uint8_t player) {
+  Input input;
+  input.kind = kind;
+  input.player = player;
+  const engine::InputInfo& info = info_of(engine::input_kinds, kind);
+  // Bodies of the scene from the fifth on; all of them are dynamic.
+  if (info.has_body)
+    input.body = static_cast<std::uint32_t>(4 + random.below(scene.bodies.size() < 11 ? scene.bodies.size() - 4 : 7));
+  if (info.has_joint) {
+    std::vector<std::uint32_t> driven;
+    for (std::uint32_t joint = 0; joint < scene.joints.size(); ++joint)
+      if (scene.joints[joint].motor) driven.push_back(joint);
+    input.joint = driven[random.below(driven.size())];
+  }
+  if (info.has_prototype) input.prototype = static_cast<std::uint16_t>(random.below(scene.prototypes.size()));
+  for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = random.real(-3, 3);
+  const bool is_place = kind == InputKind::spawn || kind == InputKind::press || kind == InputKind::drag;
+  if (is_place) input.values[0] = random.real(-7, 7);
+  if (is_place) input.values[1] = random.real(0.5, 9);
+  if (kind == InputKind::set_motor) input.values[1] = random.real(0, 20);
+  if (kind == InputKind::set_gravity) input.values[1] = random.real(-12, -6);
+  return input;
+}
+
+/// One event of any declared kind in `gap` ticks, so that what sleeps may do so in between.
+std::vector<Bytes> sparse_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count,
+                                 std::uint64_t gap) {
+  engine::Random random(seed);
+  std::vector<Bytes> encoded(tick_count);
+  for (std::uint64_t tick = gap; tick < tick_count; tick += gap) {
+    const InputKind kind = scene.inputs[random.below(scene.inputs.size())];
+    if (kind != InputKind::end) engine::encode_inputs({random_event(scene, random, kind, 0)}, encoded[tick]);
+  }
+  return encoded;
+}
+
 std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count) {
   engine::Random random(seed);
   std::vector<Bytes> encoded;
-  const auto event = [&](InputKind kind, std::uint8_t player) {
-    Input input;
-    input.kind = kind;
-    input.player = player;
-    const engine::InputInfo& info = info_of(engine::input_kinds, kind);
-    if (info.has_body) input.body = static_cast<std::uint32_t>(4 + random.below(7));
-    if (info.has_joint) input.joint = static_cast<std::uint32_t>(random.below(scene.joints.size()));
-    if (info.has_prototype) input.prototype = static_cast<std::uint16_t>(random.below(scene.prototypes.size()));
-    for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = random.real(-3, 3);
-    const bool is_place = kind == InputKind::spawn || kind == InputKind::press || kind == InputKind::drag;
-    if (is_place) input.values[0] = random.real(-7, 7);
-    if (is_place) input.values[1] = random.real(0.5, 9);
-    if (kind == InputKind::set_motor) input.values[1] = random.real(0, 20);
-    if (kind == InputKind::set_gravity) input.values[1] = random.real(-12, -6);
-    return input;
-  };
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     std::vector<Input> inputs;
     for (std::uint8_t player = 0; player < 2; ++player)
@@ -139,7 +229,7 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
         static constexpr InputKind seldom[] = {InputKind::remove, InputKind::set_velocity, InputKind::set_gravity};
         const InputKind kind = random.below(20) == 0 ? seldom[random.below(3)] : often[random.below(8)];
         const bool drives = !scene.joints.empty() && random.below(4) == 0;
-        inputs.push_back(event(drives ? InputKind::set_motor : kind, player));
+        inputs.push_back(random_event(scene, random, drives ? InputKind::set_motor : kind, player));
         inputs.back().sequence = sequence;
       }
     Bytes bytes;
@@ -149,26 +239,107 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
   return encoded;
 }
 
+/// Lengths of ticks as the scene's clock makes them of frames that are now steady, now far too long.
+std::vector<double> clocked_dts(const Session& session, std::uint64_t tick_count) {
+  const auto engine = make_engine_or_fail(session.scene);
+  engine::Random random(17);
+  engine::TickClock clock(session.scene.settings.clock, session.scene.settings.dt);
+  engine::StepControl control(*engine);
+  const bool adapts = session.scene.settings.clock.kind == engine::ClockKind::adaptive;
+  std::vector<double> dts;
+  while (dts.size() < tick_count) {
+    clock.add_frame(random.below(9) == 0 ? 0.15 : random.real(0.012, 0.021));
+    while (dts.size() < tick_count) {
+      const auto wanted =
+          adapts && clock.due_s() > 1e-8 ? control.choose(*engine, clock.due_s(), clock.report) : Result<double>(0.0);
+      INFO((wanted ? "" : wanted.error().message));
+      REQUIRE(wanted.has_value());
+      const std::optional<double> dt = clock.next_tick(*wanted);
+      if (!dt) break;
+      engine->step({*dt, input_of(session, dts.size()).inputs}, nullptr);
+      dts.push_back(*dt);
+    }
+  }
+  return dts;
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream in(std::string(TICKTRUE_SOURCE_DIR) + "/" + path, std::ios::binary);
+  CAPTURE(path);
+  REQUIRE(in.good());
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
+}
+
 }  // namespace
+
+std::vector<GoldenSession> golden_sessions() {
+  std::vector<GoldenSession> sessions;
+  for (const std::string& row : split(read_text("traces/MANIFEST.tsv"), '\n')) {
+    const std::vector<std::string> fields = split(row, '\t');
+    if (row[0] == '#' || fields[0] == "file") continue;
+    CAPTURE(row);
+    REQUIRE(fields.size() == 8);
+    const std::string& place = fields[1];
+    auto scene = place.find(".json") != std::string::npos ? engine::parse_scene(read_text(place), place)
+                                                          : engine::make_builtin_scene(place);
+    INFO((scene ? "" : scene.error().message));
+    REQUIRE(scene.has_value());
+    GoldenSession golden{{fields[0], *std::move(scene), {}, {}}, 0};
+    std::vector<std::vector<Input>> ticks;
+    if (fields[2] != "-")
+      for (const std::string& line : split(read_text(fields[2]), '\n')) {
+        const auto input = engine::parse_input(golden.session.scene, line, fields[2]);
+        INFO((input ? "" : input.error().message));
+        REQUIRE(input.has_value());
+        if (input->kind == InputKind::end) golden.tick_count = input->tick;
+        if (input->kind == InputKind::end) break;
+        if (ticks.size() <= input->tick) ticks.resize(input->tick + 1);
+        // By player, each player's in the order of the lines.
+        std::vector<Input>& tick = ticks[input->tick];
+        auto at = tick.end();
+        while (at != tick.begin() && (at - 1)->player > input->player) --at;
+        const auto added = tick.insert(at, *input);
+        added->sequence = added != tick.begin() && (added - 1)->player == added->player ? (added - 1)->sequence + 1 : 0;
+      }
+    golden.session.inputs.resize(ticks.size());
+    for (std::size_t tick = 0; tick < ticks.size(); ++tick)
+      engine::encode_inputs(ticks[tick], golden.session.inputs[tick]);
+    if (fields[3] != "-") golden.tick_count = std::stoull(fields[3]);
+    REQUIRE(golden.tick_count > 0);
+    sessions.push_back(std::move(golden));
+  }
+  return sessions;
+}
 
 std::vector<Session> property_sessions() {
   std::vector<Session> sessions;
   for (const engine::Choice<Precision>& precision : engine::precisions) {
     const std::string suffix = "precision=" + std::string(precision.name);
     for (const char* text : {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&",
-                             "projectile?", "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&", "bridge?planks=8&",
-                             "joint_grid?columns=8&", "stack?boxes=4&solver=impulse&"}) {
+                             "projectile?", "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&",
+                             "bridge?planks=8&", "joint_grid?columns=8&", "stack?boxes=4&solver=impulse&"}) {
       const auto scene = engine::make_builtin_scene(text + suffix);
       INFO(text << suffix << ": " << (scene ? "" : scene.error().message));
       REQUIRE(scene.has_value());
-      sessions.push_back({text + suffix, *scene, {}});
+      sessions.push_back({text + suffix, *scene, {}, {}});
     }
     const engine::Scene shapes = shape_playground(precision.kind);
-    sessions.push_back({"shape playground " + suffix, shapes, random_inputs(shapes, 8, 400)});
+    sessions.push_back({"shape playground " + suffix, shapes, random_inputs(shapes, 8, 400), {}});
     for (const engine::SolverKind solver : {engine::SolverKind::tgs_soft, engine::SolverKind::impulse}) {
       const engine::Scene scene = playground(solver, precision.kind);
-      sessions.push_back({"playground " + std::string(info_of(engine::solvers, solver).name) + " " + suffix, scene,
-                          random_inputs(scene, 7, 400)});
+      sessions.push_back({"playground " + std::string(info_of(engine::solvers, solver).name) + " " + suffix,
+                          scene,
+                          random_inputs(scene, 7, 400),
+                          {}});
     }
     // Every force element, and an integrator with a table of its own.
     engine::Scene forced = playground(engine::SolverKind::tgs_soft, precision.kind);
@@ -188,9 +359,36 @@ std::vector<Session> property_sessions() {
       if (info.kind == engine::ForceKind::spring) force.body = 5;
       forced.forces.push_back(force);
     }
-    sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400)});
+    sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400), {}});
     const engine::Scene jointed = jointed_playground(precision.kind);
-    sessions.push_back({"jointed playground " + suffix, jointed, random_inputs(jointed, 11, 400)});
+    sessions.push_back({"jointed playground " + suffix, jointed, random_inputs(jointed, 11, 400), {}});
+    engine::Scene iterated = jointed;
+    iterated.settings.solver = engine::SolverKind::pgs;
+    iterated.settings.substeps = 1;
+    sessions.push_back({"jointed playground pgs " + suffix, iterated, random_inputs(iterated, 12, 400), {}});
+    engine::Scene sleepy = shapes;
+    sleepy.settings.sleep = engine::SleepSettings{0.1, 0.2};
+    sleepy.bodies[3].angular_velocity = 0;
+    sessions.push_back({"sleepy shapes " + suffix, sleepy, sparse_inputs(sleepy, 13, 400, 23), {}});
+    engine::Scene nodding = jointed;
+    nodding.settings.sleep = engine::SleepSettings{0.05, 0.5};
+    nodding.settings.auto_substeps = engine::AutoSubsteps{0.01, 32};
+    nodding.settings.substeps = 3;
+    nodding.settings.events = true;
+    nodding.bodies[3].angular_velocity = 0;
+    sessions.push_back({"nodding joints " + suffix, nodding, sparse_inputs(nodding, 14, 400, 31), {}});
+    const engine::Scene heaps = merging_heaps(precision.kind);
+    sessions.push_back({"merging heaps " + suffix, heaps, sparse_inputs(heaps, 15, 400, 17), {}});
+    for (const engine::Choice<engine::ClockKind>& clock : engine::clock_kinds) {
+      Session timed{"playground clock " + std::string(clock.name) + " " + suffix, shapes, {}, {}};
+      timed.scene.settings.clock.kind = clock.kind;
+      if (clock.kind == engine::ClockKind::adaptive) timed.scene.settings.clock.tolerance = 1e-3;
+      timed.inputs = random_inputs(timed.scene, 18, 400);
+      timed.dts = clocked_dts(timed, 240);
+      sessions.push_back(std::move(timed));
+    }
+    const engine::Scene springs = springs_alone(precision.kind);
+    sessions.push_back({"springs " + suffix, springs, sparse_inputs(springs, 16, 400, 7), {}});
   }
   return sessions;
 }
@@ -203,7 +401,8 @@ std::unique_ptr<engine::Engine> make_engine_or_fail(const engine::Scene& scene, 
 }
 
 TickInput input_of(const Session& session, std::uint64_t tick) {
-  return {session.scene.settings.dt, tick < session.inputs.size() ? ByteView(session.inputs[tick]) : ByteView()};
+  const double dt = tick < session.dts.size() ? session.dts[tick] : session.scene.settings.dt;
+  return {dt, tick < session.inputs.size() ? ByteView(session.inputs[tick]) : ByteView()};
 }
 
 std::vector<std::uint64_t> tick_hashes(const Session& session, std::uint64_t tick_count,

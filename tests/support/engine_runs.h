@@ -15,11 +15,19 @@ namespace ticktrue::test {
 struct Session {
   std::string name;
   engine::Scene scene;
-  std::vector<Bytes> inputs;  // shorter than the run: no inputs later
+  std::vector<Bytes> inputs;     // shorter than the run: no inputs later
+  std::vector<double> dts = {};  // s, of each tick; shorter than the run: the scene's dt later
 };
 
-/// Built-in scenes in both precisions, and three worlds under random inputs of every kind they
-/// declare, one with a joint of every kind. Small and lively.
+/// A scene of traces/MANIFEST.tsv with its inputs, and how many ticks its trace has.
+struct GoldenSession {
+  Session session;
+  std::uint64_t tick_count = 0;
+};
+std::vector<GoldenSession> golden_sessions();
+
+/// Built-in scenes in both precisions, and worlds under random inputs of every kind they declare: with a joint of every
+/// kind, every shape, force elements, sleep, automatic substeps, each solver, each clock. Small and lively.
 std::vector<Session> property_sessions();
 
 /// Requires: the scene is valid.
