@@ -1,8 +1,13 @@
 // What must hold for every scene, solver, precision and broad phase: same bits, whatever is not state.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstring>
+#include <limits>
+#include <set>
 
+#include "base/bytes.h"
 #include "base/hash.h"
+#include "engine/math/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 
@@ -21,6 +26,129 @@ class CountingObserver : public StageObserver {
   std::vector<std::uint64_t> hashes;
 };
 
+/// Restores fresh engines from images of 50 ticks and compares what they do next, the first one to the end.
+void check_restores(const Session& session, std::uint64_t end) {
+  constexpr std::uint64_t ticks_compared = 20;
+  const std::vector<std::uint64_t> expected = tick_hashes(session, end);
+  const auto original = make_engine_or_fail(session.scene);
+  engine::Random random(end);
+  bool is_first = true;
+  for (std::uint64_t tick = 0; tick < end; ++tick) {
+    if (tick == 0 || random.below(end) < 50) {
+      CAPTURE(session.name, tick);
+      const auto restored = make_engine_or_fail(session.scene);
+      // What the restored engine did before must leave no trace in what it does next.
+      for (std::uint64_t other = 0; other < 2; ++other) restored->step(input_of(session, other), nullptr);
+      const Bytes image = image_of(*original);
+      const Status loaded = restored->load(image);
+      INFO((loaded ? "" : loaded.error().message));
+      REQUIRE(loaded.has_value());
+      CHECK(image_of(*restored) == image);
+      std::vector<std::uint64_t> hashes;
+      for (std::uint64_t later = tick; later < end && (is_first || later < tick + ticks_compared); ++later) {
+        restored->step(input_of(session, later), nullptr);
+        hashes.push_back(root_hash(restored->state()));
+      }
+      CHECK(std::equal(hashes.begin(), hashes.end(), expected.begin() + static_cast<std::ptrdiff_t>(tick)));
+      is_first = false;
+    }
+    original->step(input_of(session, tick), nullptr);
+  }
+}
+
+void check_broad_phases(const Session& session, std::uint64_t end) {
+  const std::vector<std::uint64_t> expected = tick_hashes(session, end, {false, engine::BroadPhaseKind::brute_force});
+  for (const auto& info : engine::broad_phases) {
+    CAPTURE(session.name, info.name);
+    CHECK(tick_hashes(session, end, {false, info.kind}) == expected);
+  }
+}
+
+/// That what both states have is the same, byte by byte.
+void check_shared_tables(const StateView& a, const StateView& b) {
+  for (std::size_t table = 0; table < a.schema->tables.size(); ++table) {
+    const auto other = b.schema->find_table(a.schema->tables[table].name);
+    REQUIRE(other.has_value());
+    REQUIRE(a.schema->tables[table] == b.schema->tables[*other]);
+    REQUIRE(a.tables[table].row_count == b.tables[*other].row_count);
+    const std::size_t size = static_cast<std::size_t>(a.tables[table].row_count) * a.schema->tables[table].row_size;
+    const bool same = std::equal(a.tables[table].data, a.tables[table].data + size, b.tables[*other].data);
+    CAPTURE(a.schema->tables[table].name);
+    REQUIRE(same);
+  }
+}
+
+void check_full_pipeline(const Session& session, std::uint64_t end) {
+  const auto composed = make_engine_or_fail(session.scene);
+  const auto full = make_engine_or_fail(session.scene, {true, {}});
+  CHECK(full->stage_names().size() >= composed->stage_names().size());
+  for (std::uint64_t tick = 0; tick < end; ++tick) {
+    CAPTURE(session.name, tick);
+    composed->step(input_of(session, tick), nullptr);
+    full->step(input_of(session, tick), nullptr);
+    check_shared_tables(composed->state(), full->state());
+  }
+}
+
+/// Runs 120 ticks, and on until a pointer holds something, where the scene has one.
+void run_until_rich(engine::Engine& engine, const Session& session) {
+  const auto pointers = engine.state().schema->find_table("pointers");
+  for (std::uint64_t tick = 0; tick < 400; ++tick) {
+    const bool is_poor = pointers && engine.state().tables[*pointers].row_count == 0;
+    if (tick >= 120 && !is_poor) return;
+    engine.step(input_of(session, tick), nullptr);
+  }
+}
+
+/// The image with one lane of one row replaced.
+Bytes with_lane(const Bytes& image, const ImageTable& rows, const TableSchema& table, std::size_t row,
+                const Column& column, std::size_t lane, std::uint64_t bits) {
+  Bytes changed = image;
+  const std::size_t size = scalar_info(column.type)->size;
+  const auto start = static_cast<std::size_t>(rows.rows.data() - image.data());
+  for (std::size_t i = 0; i < size; ++i)
+    changed[start + row * table.row_size + column.offset + lane * size + i] =
+        static_cast<std::uint8_t>(bits >> (8 * i));
+  return changed;
+}
+
+bool is_real(ScalarType type) {
+  return type == ScalarType::f32 || type == ScalarType::f64;
+}
+std::uint64_t real_bits(ScalarType type, double value) {
+  return type == ScalarType::f32 ? bits_of(static_cast<float>(value)) : bits_of(value);
+}
+
+/// Values just outside of a column's range, and what is no number at all.
+std::vector<std::uint64_t> bad_values(const Column& column) {
+  std::vector<std::uint64_t> bad;
+  if (is_real(column.type)) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const double value : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()})
+      bad.push_back(real_bits(column.type, value));
+    if (column.max < infinity) bad.push_back(real_bits(column.type, column.max * 1.001 + 0.001));
+    if (column.min > -infinity) bad.push_back(real_bits(column.type, column.min - 0.001));
+    return bad;
+  }
+  if (column.optional) return {static_cast<std::uint64_t>(column.max)};  // an id of no body; one more is "none"
+  if (column.max < 4294967295.0) bad.push_back(static_cast<std::uint64_t>(column.max) + 1);
+  if (column.min > 0) bad.push_back(static_cast<std::uint64_t>(column.min) - 1);
+  return bad;
+}
+
+/// Values of a column's range that a run would hardly give it.
+std::vector<std::uint64_t> odd_values(const Column& column) {
+  std::vector<std::uint64_t> odd;
+  const double huge = column.type == ScalarType::f32 ? 3e38 : 1e300;
+  if (is_real(column.type)) {
+    for (const double value : {0.0, -1.0, 1e-30, 1e9, huge, -huge}) odd.push_back(real_bits(column.type, value));
+    return odd;
+  }
+  for (const double value : {0.0, 1.0, 2.0, column.min, column.max / 2, column.max})
+    odd.push_back(static_cast<std::uint64_t>(value));
+  return odd;
+}
+
 }  // namespace
 
 TEST_CASE("the same session gives the same bits again", "[properties][engine][determinism]") {
@@ -33,41 +161,12 @@ TEST_CASE("the same session gives the same bits again", "[properties][engine][de
 }
 
 TEST_CASE("every broad phase gives the same bits", "[properties][engine][broad_phase][equivalence]") {
-  for (const Session& session : property_sessions()) {
-    const std::vector<std::uint64_t> expected =
-        tick_hashes(session, tick_count, {false, engine::BroadPhaseKind::brute_force});
-    for (const auto& info : engine::broad_phases) {
-      CAPTURE(session.name, info.name);
-      CHECK(tick_hashes(session, tick_count, {false, info.kind}) == expected);
-    }
-  }
+  for (const Session& session : property_sessions()) check_broad_phases(session, tick_count);
 }
 
-TEST_CASE("an engine restored at any tick runs on with the same bits", "[properties][engine][restore][determinism]") {
-  for (const Session& session : property_sessions()) {
-    const std::vector<std::uint64_t> expected = tick_hashes(session, tick_count);
-    const auto original = make_engine_or_fail(session.scene);
-    for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
-      if (tick % 37 == 5) {
-        CAPTURE(session.name, tick);
-        const auto restored = make_engine_or_fail(session.scene);
-        // What the restored engine did before must leave no trace in what it does next.
-        for (std::uint64_t other = 0; other < 3; ++other) restored->step(input_of(session, other), nullptr);
-        const Bytes image = image_of(*original);
-        const Status loaded = restored->load(image);
-        INFO((loaded ? "" : loaded.error().message));
-        REQUIRE(loaded.has_value());
-        CHECK(image_of(*restored) == image);
-        std::vector<std::uint64_t> hashes;
-        for (std::uint64_t later = tick; later < tick_count; ++later) {
-          restored->step(input_of(session, later), nullptr);
-          hashes.push_back(root_hash(restored->state()));
-        }
-        CHECK(std::equal(hashes.begin(), hashes.end(), expected.begin() + static_cast<std::ptrdiff_t>(tick)));
-      }
-      original->step(input_of(session, tick), nullptr);
-    }
-  }
+TEST_CASE("an engine restored at any of 50 ticks runs on with the same bits",
+          "[properties][engine][restore][determinism]") {
+  for (const Session& session : property_sessions()) check_restores(session, tick_count);
 }
 
 TEST_CASE("an observer sees every stage and changes no bit", "[properties][engine][determinism]") {
@@ -88,34 +187,62 @@ TEST_CASE("an observer sees every stage and changes no bit", "[properties][engin
 
 TEST_CASE("a forced full pipeline changes no bit of the columns both have",
           "[properties][engine][pipeline][equivalence]") {
+  for (const Session& session : property_sessions()) check_full_pipeline(session, tick_count);
+}
+
+TEST_CASE("golden scenes give the same bits under every broad phase, full pipeline, and restored",
+          "[properties][engine][golden][equivalence]") {
+  const std::vector<GoldenSession> sessions = golden_sessions();
+  CHECK(sessions.size() >= 22);
+  for (const GoldenSession& golden : sessions) {
+    check_broad_phases(golden.session, golden.tick_count);
+    check_full_pipeline(golden.session, golden.tick_count);
+    check_restores(golden.session, golden.tick_count);
+  }
+}
+
+TEST_CASE("the sessions use every table, and leave none of them empty", "[properties][engine][pipeline]") {
+  std::set<std::string> seen;
+  std::uint64_t asleep = 0, woken = 0;
+  std::set<std::uint32_t> substeps;
   for (const Session& session : property_sessions()) {
-    CAPTURE(session.name);
-    const auto composed = make_engine_or_fail(session.scene);
-    const auto full = make_engine_or_fail(session.scene, {true, {}});
-    CHECK(full->stage_names().size() >= composed->stage_names().size());
+    const auto engine = make_engine_or_fail(session.scene);
+    std::vector<std::uint32_t> slept;
     for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
-      composed->step(input_of(session, tick), nullptr);
-      full->step(input_of(session, tick), nullptr);
-      const StateView& a = composed->state();
-      const StateView& b = full->state();
-      for (std::size_t table = 0; table < a.schema->tables.size(); ++table) {
-        const auto other = b.schema->find_table(a.schema->tables[table].name);
-        REQUIRE(other.has_value());
-        REQUIRE(a.schema->tables[table] == b.schema->tables[*other]);
-        REQUIRE(a.tables[table].row_count == b.tables[*other].row_count);
-        const std::size_t size = static_cast<std::size_t>(a.tables[table].row_count) * a.schema->tables[table].row_size;
-        const bool same = std::equal(a.tables[table].data, a.tables[table].data + size, b.tables[*other].data);
-        CAPTURE(tick, a.schema->tables[table].name);
-        REQUIRE(same);
+      engine->step(input_of(session, tick), nullptr);
+      const StateView& state = engine->state();
+      for (std::size_t t = 0; t < state.tables.size(); ++t) {
+        const TableSchema& table = state.schema->tables[t];
+        if (state.tables[t].row_count > 0) seen.insert(table.name);
+        const auto value = [&](std::size_t row, std::size_t column) {
+          std::uint32_t bits;
+          std::memcpy(&bits, state.tables[t].data + row * table.row_size + table.columns[column].offset, 4);
+          return bits;
+        };
+        if (table.name == "sleep") {
+          std::vector<std::uint32_t> now;
+          for (std::size_t row = 0; row < state.tables[t].row_count; ++row)
+            if (value(row, 1) != 0) now.push_back(value(row, 0));
+          asleep += now.size();
+          for (const std::uint32_t body : slept) woken += std::find(now.begin(), now.end(), body) == now.end();
+          slept = now;
+        }
+        if (table.name == "substeps")
+          for (std::size_t row = 0; row < state.tables[t].row_count; ++row) substeps.insert(value(row, 1));
       }
     }
   }
+  CHECK(seen == std::set<std::string>{"accelerations", "bodies", "contacts", "events", "integrator", "joints",
+                                      "pointers", "sensors", "sleep", "substeps", "touching", "world"});
+  CHECK(asleep > 1000);
+  CHECK(woken > 5);
+  CHECK(substeps.size() >= 4);
 }
 
 TEST_CASE("every lane of every column is covered by the root hash", "[properties][engine][hash]") {
   for (const Session& session : property_sessions()) {
     const auto engine = make_engine_or_fail(session.scene);
-    for (std::uint64_t tick = 0; tick < 120; ++tick) engine->step(input_of(session, tick), nullptr);
+    run_until_rich(*engine, session);
     const StateView& state = engine->state();
     const std::uint64_t expected = root_hash(state);
     for (std::size_t t = 0; t < state.tables.size(); ++t) {
@@ -135,37 +262,91 @@ TEST_CASE("every lane of every column is covered by the root hash", "[properties
   }
 }
 
-TEST_CASE("images with values out of range are refused and change nothing",
-          "[properties][engine][restore][corruption]") {
+TEST_CASE("a change of any lane of any column is one difference, at its place", "[properties][engine][diff]") {
   for (const Session& session : property_sessions()) {
     const auto engine = make_engine_or_fail(session.scene);
-    for (std::uint64_t tick = 0; tick < 120; ++tick) engine->step(input_of(session, tick), nullptr);
+    run_until_rich(*engine, session);
+    const StateSchema& schema = *engine->state().schema;
+    const Bytes image = image_of(*engine);
+    const auto expected = split_image(schema, image);
+    REQUIRE(expected.has_value());
+    for (std::size_t t = 0; t < expected->size(); ++t) {
+      const TableSchema& table = schema.tables[t];
+      if ((*expected)[t].row_count == 0) continue;
+      const std::size_t row = (*expected)[t].row_count - 1;
+      for (std::size_t c = table.key_column_count; c < table.columns.size(); ++c)
+        for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
+          const Bytes changed = with_lane(image, (*expected)[t], table, row, table.columns[c], lane, 0x3f123457);
+          const auto found = split_image(schema, changed);
+          REQUIRE(found.has_value());
+          const std::vector<LaneDifference> differences = diff_images(schema, *expected, *found, 10);
+          CAPTURE(session.name, table.name, table.columns[c].name, lane);
+          REQUIRE(differences.size() == 1);
+          CHECK(differences[0].place.table == t);
+          CHECK(differences[0].place.column == c);
+          CHECK(differences[0].place.lane == lane);
+        }
+    }
+  }
+}
+
+TEST_CASE("images with values out of range are refused and change nothing",
+          "[properties][engine][restore][corruption]") {
+  std::set<std::string> tried, triable;
+  for (const Session& session : property_sessions()) {
+    const auto engine = make_engine_or_fail(session.scene);
+    run_until_rich(*engine, session);
     const Bytes image = image_of(*engine);
     const auto tables = split_image(*engine->state().schema, image);
     REQUIRE(tables.has_value());
     for (std::size_t t = 0; t < tables->size(); ++t) {
       const TableSchema& table = engine->state().schema->tables[t];
+      for (const Column& column : table.columns)
+        if (!bad_values(column).empty()) triable.insert(table.name + "." + column.name);
       if ((*tables)[t].row_count == 0) continue;
-      for (const Column& column : table.columns) {
-        const bool anything_goes =
-            column.max >= 4294967295.0 && column.type != ScalarType::f32 && column.type != ScalarType::f64;
-        if (anything_goes) continue;
-        // All bits set: a NaN, or an integer beyond every range.
-        Bytes bad = image;
-        const std::size_t at = static_cast<std::size_t>((*tables)[t].rows.data() - image.data()) + column.offset;
-        for (std::size_t i = 0; i < scalar_info(column.type)->size; ++i) bad[at + i] = 0xff;
-        CAPTURE(session.name, table.name, column.name);
-        const Status status = engine->load(bad);
-        CHECK_FALSE(status.has_value());
-        if (!status) CHECK(status.error().code == ErrorCode::corrupt);
-        CHECK(image_of(*engine) == image);
-      }
+      for (const Column& column : table.columns)
+        for (std::size_t lane = 0; lane < column.lane_count; ++lane)
+          for (const std::size_t row : {std::size_t{0}, (*tables)[t].row_count - std::size_t{1}})
+            for (const std::uint64_t bits : bad_values(column)) {
+              CAPTURE(session.name, table.name, row, column.name, lane, bits);
+              const Status status = engine->load(with_lane(image, (*tables)[t], table, row, column, lane, bits));
+              CHECK_FALSE(status.has_value());
+              if (!status) CHECK(status.error().code == ErrorCode::corrupt);
+              CHECK(image_of(*engine) == image);
+              tried.insert(table.name + "." + column.name);
+            }
     }
     for (std::size_t size = 0; size < image.size(); size += 1 + size / 8)
       CHECK_FALSE(engine->load(ByteView(image).first(size)).has_value());
     Bytes longer = image;
     longer.push_back(0);
     CHECK_FALSE(engine->load(longer).has_value());
+  }
+  CHECK(tried == triable);
+}
+
+TEST_CASE("images with odd values in range are refused or run on", "[properties][engine][restore][corruption]") {
+  for (const Session& session : property_sessions()) {
+    const auto engine = make_engine_or_fail(session.scene);
+    run_until_rich(*engine, session);
+    const Bytes image = image_of(*engine);
+    const auto tables = split_image(*engine->state().schema, image);
+    REQUIRE(tables.has_value());
+    for (std::size_t t = 0; t < tables->size(); ++t) {
+      const TableSchema& table = engine->state().schema->tables[t];
+      if ((*tables)[t].row_count == 0) continue;
+      for (const Column& column : table.columns)
+        for (const std::uint64_t bits : odd_values(column)) {
+          CAPTURE(session.name, table.name, column.name, bits);
+          const std::size_t row = (*tables)[t].row_count / 2;
+          const std::size_t lane = column.lane_count - std::size_t{1};
+          const Status status = engine->load(with_lane(image, (*tables)[t], table, row, column, lane, bits));
+          if (!status) CHECK(status.error().code == ErrorCode::corrupt);
+          // No inputs: which ones an odd state takes is accept's to say.
+          for (int tick = 0; tick < 3; ++tick)
+            if (engine->accept({session.scene.settings.dt, {}})) engine->step({session.scene.settings.dt, {}}, nullptr);
+        }
+    }
   }
 }
 
