@@ -386,7 +386,7 @@ class SceneReader : public JsonReader {
            object(value, path, {number("after", sleep.after_s), number("speed_max", sleep.speed_max)});
   }
 
-  bool clock(const JsonValue& value, const JsonPath& path, ClockSettings& out) {
+  bool clock_settings(const JsonValue& value, const JsonPath& path, ClockSettings& out) {
     if (value.type != JsonValue::Type::object) return choice(value, path, clock_kinds, out.kind);
     if (!kind_of(value, path, "type", clock_kinds, out.kind)) return false;
     std::vector<Field> fields{choice("type", clock_kinds, out.kind)};
@@ -429,7 +429,7 @@ class SceneReader : public JsonReader {
                  flag("continuous", out.continuous),
                  {"sleep", [&](const JsonValue& v, const JsonPath& p) { return sleep(v, p, out); }},
                  flag("events", out.events),
-                 {"clock", [&](const JsonValue& v, const JsonPath& p) { return clock(v, p, out.clock); }}}))
+                 {"clock", [&](const JsonValue& v, const JsonPath& p) { return clock_settings(v, p, out.clock); }}}))
       return false;
     if (!has_substeps && !info_of(solvers, out.solver).substeps) out.substeps = 1;
     return true;

@@ -40,7 +40,7 @@ class Printer {
     flag("continuous", settings.continuous);
     sleep(settings);
     flag("events", settings.events);
-    clock(settings.clock);
+    clock_settings(settings.clock);
     close();
     elements("bodies", scene.bodies);
     if (!scene.joints.empty()) elements("joints", scene.joints);
@@ -153,7 +153,7 @@ class Printer {
     close();
   }
 
-  void clock(const ClockSettings& clock) {
+  void clock_settings(const ClockSettings& clock) {
     key("clock");
     open();
     name("type", info_of(clock_kinds, clock.kind).name);

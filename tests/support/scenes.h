@@ -128,7 +128,10 @@ inline Scene slide_scene(double speed, double friction, Precision precision = Pr
 
 /// Every field of the description set to something else than its default, as far as the rules let it be.
 inline Scene everything_scene() {
-  using namespace engine;
+  using engine::AutoSubsteps, engine::Bounds, engine::BroadPhaseKind, engine::ClockKind, engine::ClockSettings,
+      engine::ExplicitMass, engine::Force, engine::force_kinds, engine::ForceKind, engine::input_kinds,
+      engine::InputInfo, engine::Joint, engine::joint_kinds, engine::JointKind, engine::JointMotor, engine::JointSpring,
+      engine::MixRule, engine::PointerSettings, engine::Range, engine::Settings, engine::SleepSettings;
   Scene scene;
   scene.name = "all \"quoted\" \\ \xc3\xa4";
   Settings& settings = scene.settings;

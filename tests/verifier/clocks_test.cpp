@@ -269,7 +269,9 @@ TEST_CASE("settings of clocks out of range are refused", "[verifier][clocks][sce
   CHECK(refusal({ClockKind::semi_fixed, 0}).find("s: settings.clock.ticks_per_frame_max") == 0);
   CHECK(refusal({ClockKind::adaptive, 5, 0}).find("s: settings.clock.tolerance") == 0);
   CHECK(refusal({ClockKind::adaptive, 5, 1e-4, 0}).find("s: settings.clock.dt_min") == 0);
-  CHECK(refusal({ClockKind::adaptive, 5, 1e-4, 1e-3, 1e-4}).find("s: settings.clock.dt_max") == 0);
+  CHECK(
+      refusal({ClockKind::adaptive, 5, 1e-4, 1e-3, 1e-4}).find("s: settings.clock.dt_min: must not be above dt_max") ==
+      0);
   CHECK(refusal({ClockKind::adaptive, 5, 1e-4, 1e-3, NAN}).find("s: settings.clock.dt_max") == 0);
 }
 
