@@ -3,6 +3,7 @@
 #include "engine/pipeline.h"
 
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/narrow_phase/shape_pairs.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -32,7 +33,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   if (finds_contacts || (full && contacts_possible)) {
     consider(info_of(broad_phases, broad_phase).name, broad_phase_function(broad_phase), finds_contacts,
              "two shapes can meet", no_pairs);
-    consider("narrow_phase", find_contacts, finds_contacts, "two shapes can meet", no_pairs);
+    consider("narrow_phase", find_contacts, finds_contacts, meeting_pairs(model), no_pairs);
     pipeline.tables.contacts = true;
     consider("events", find_events, tells_contacts || model.has_sensors,
              tells_contacts ? "the scene asks for events" : "a shape is a sensor", "no events asked for, no sensor");

@@ -13,7 +13,8 @@
 //   file NAME         no file NAME           is there, is not there, when the command has ended
 // Lines of blanks and lines beginning with # count for nothing.
 //
-// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" writes the help texts of docs/cli.md anew.
+// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" writes the help texts of docs/cli.md anew, and "[cli][describe]"
+// tests/cli/describe.expected.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -230,6 +231,35 @@ TEST_CASE("scenes of another editor become scene files", "[cli][import][equivale
 }
 TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep][equivalence]") {
   run_cases("upkeep.case");
+}
+TEST_CASE("ten scenes are described word for word", "[cli][describe][golden]") {
+  // describe.expected: files as in cases, and after each line "$ COMMAND" what it prints.
+  const fs::path path = root / "tests/cli/describe.expected";
+  const std::string text = read_file(path);
+  const CaseDirectory directory;
+  std::string updated;
+  std::istringstream in(text);
+  int run_count = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.compare(0, 3, "<< ") == 0) {
+      std::string content;
+      for (std::string inner; std::getline(in, inner) && inner != ">>";) content += inner + "\n";
+      write_file(directory.work() / line.substr(3), content);
+      updated += line + "\n" + content + ">>\n";
+    }
+    if (line.compare(0, 2, "$ ") != 0) continue;
+    std::string expected;
+    for (std::string inner; in.peek() != EOF && in.peek() != '$' && in.peek() != '<' && std::getline(in, inner);)
+      expected += inner + "\n";
+    const CaseDirectory::Outcome outcome = directory.run(line.substr(2));
+    CAPTURE(line, outcome.err);
+    CHECK(outcome.exit_code == 0);
+    if (std::getenv("TICKTRUE_UPDATE_DOCS") == nullptr) CHECK(outcome.out == expected);
+    updated += line + "\n" + outcome.out;
+    ++run_count;
+  }
+  CHECK(run_count == 10);
+  if (std::getenv("TICKTRUE_UPDATE_DOCS") != nullptr && updated != text) write_file(path, updated);
 }
 TEST_CASE("every case file is run", "[cli][cases][equivalence]") {
   const std::string own_text = read_file(root / "tests/cli/cli_test.cpp");

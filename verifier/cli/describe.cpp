@@ -56,8 +56,10 @@ std::string range_text(const StateSchema& schema, const Column& column) {
 
 void print_text(const engine::Engine& engine, const DescribeOptions& options) {
   const engine::Scene& scene = engine.scene();
-  print(fmt::format("{}  {} bodies, {} prototypes, dt {:.6g} s, {} substeps\n", scene.name, scene.bodies.size(),
-                    scene.prototypes.size(), scene.settings.dt, scene.settings.substeps));
+  const auto& automatic = scene.settings.auto_substeps;
+  print(fmt::format("{}  {} bodies, {} prototypes, dt {:.6g} s, {}{} substeps\n", scene.name, scene.bodies.size(),
+                    scene.prototypes.size(), scene.settings.dt, scene.settings.substeps,
+                    automatic ? ".." + std::to_string(automatic->substeps_max) : ""));
   print("choices\n");
   for (const ChoiceText& choice : choices_of(scene.settings)) {
     print(fmt::format("  {:<16} {:<20} {}\n", choice.key, choice.value, choice.summary));

@@ -1,0 +1,16 @@
+// Which pairs of shapes a scene's narrow phase has to know.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "engine/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// "circle x circle, circle x polygon": the pairs that the bodies, and the prototypes that inputs may spawn, can meet
+/// in, or that there are none. Boxes are polygons; `round` are capsules, segments and rounded polygons; `chain` are
+/// edges of chains.
+std::string meeting_pairs(const Model& model);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
