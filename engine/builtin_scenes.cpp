@@ -201,6 +201,42 @@ Scene build_large_pyramid(const SceneArguments&) {
   return pyramid_of(100);
 }
 
+/// Tents of two leaning cards, their tops touching; from tent to tent a card lies across and carries the next floor.
+/// Each lying card has an inner corner of either tent under its ends; half a millimetre stays between neighbours.
+Scene card_house_of(int base) {
+  const double length = 0.4, thickness = 0.002, gap = 0.0005;
+  const double lean = 25 * pi / 180;
+  const SinCos turn = sin_cos(lean);
+  const double half_width = (length * turn.sin + thickness * turn.cos) / 2;  // of a leaning card
+  const double half_height = (length * turn.cos + thickness * turn.sin) / 2;
+  const double pitch = length + gap;
+  const Shape card = with(box(thickness / 2, length / 2), 0.7, 0);
+  Scene scene;
+  scene.bodies.push_back(static_body("floor", {0, -1}, with(box(pitch * base, 1), 0.7, 0)));
+  const auto add = [&](double x, double y, double angle) {
+    scene.bodies.push_back(dynamic_body("card", scene.bodies.size(), {x, y}, card));
+    scene.bodies.back().angle = angle;
+  };
+  for (int floor = 0; floor < base; ++floor) {
+    const double bottom = floor * (2 * half_height + thickness);
+    const int tent_count = base - floor;
+    for (int tent = 0; tent < tent_count; ++tent) {
+      const double x = (tent - 0.5 * (tent_count - 1)) * pitch;
+      add(x - half_width, bottom + half_height, -lean);
+      add(x + half_width, bottom + half_height, lean);
+      if (tent + 1 < tent_count) add(x + pitch / 2, bottom + 2 * half_height + thickness / 2, pi / 2);
+    }
+  }
+  return scene;
+}
+
+constexpr std::array<SceneParameter, 1> card_house_parameters{{
+    {"tents", 5, 1, 30, true, "tents on the ground floor"},
+}};
+Scene build_card_house(const SceneArguments& arguments) {
+  return card_house_of(arguments.whole("tents"));
+}
+
 constexpr std::array<SceneParameter, 2> many_pyramids_parameters{{
     {"rows", 20, 1, 40, true, "floors above each other"},
     {"columns", 20, 1, 40, true, "pyramids on a floor"},
@@ -559,7 +595,7 @@ Scene build_joint_grid(const SceneArguments& arguments) {
   return scene;
 }
 
-const std::array<BuiltinScene, 16> scenes{{
+const std::array<BuiltinScene, 17> scenes{{
     {"thesis",
      "the thesis' window: fixed disc, block, floor and walls; a mouse adds circles, boxes, polygons",
      {},
@@ -581,6 +617,7 @@ const std::array<BuiltinScene, 16> scenes{{
     {"bridge", "planks pinned end to end between two pegs", bridge_parameters, build_bridge},
     {"joint_grid", "a net of discs hangs from seven of its own; columns=100 is benchmarked in Box2D",
      joint_grid_parameters, build_joint_grid},
+    {"card_house", "thin cards lean against each other, floor upon floor", card_house_parameters, build_card_house},
 }};
 
 // ---- Reading `name?key=value` ----

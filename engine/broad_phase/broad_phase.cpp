@@ -27,6 +27,7 @@ StageFunction broad_phase_function(BroadPhaseKind kind) {
 }
 
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
+  const Real fall = fall_of_a_tick(model, state);
   scratch.proxies.clear();
   const Settings& settings = model.scene.settings;
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
@@ -51,7 +52,7 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch, Real
       // The margin covers what the narrow phase calls near, plus the rounding of coordinates this far out, so that no
       // algorithm can miss a pair that another one finds.
       const Real reach = larger(absolute(proxy.center.x), absolute(proxy.center.y)) + shape.bounding_radius;
-      const Real margin = speculative_margin(shape.size) + 16 * epsilon * reach;
+      const Real margin = speculative_margin(shape.size, fall) + 16 * epsilon * reach;
       proxy.radius = (shape.bounding_radius + margin) + way;
       if (shape.family == ShapeFamily::circle) {
         const Vec2 extent{proxy.radius, proxy.radius};

@@ -45,10 +45,10 @@ void carry_forces(const ContactRow& old_row, ContactRow& row) {
 }  // namespace
 
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b) {
+                 const BodyRow& body_b, Real fall) {
   const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
                          between(body_a.rotation, body_b.rotation)};
-  const Real margin = speculative_margin(pair_size(a, b));
+  const Real margin = speculative_margin(pair_size(a, b), fall);
   Manifold manifold = collide_functions[row_of(a.family)][row_of(b.family)](model, a, b, b_in_a, margin);
   manifold.normal = rotate(body_a.rotation, manifold.normal);
   const Vec2 a_from_b = body_a.position - body_b.position;
@@ -62,6 +62,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
   const Settings& settings = model.scene.settings;
+  const Real fall = fall_of_a_tick(model, state);
   scratch.touching.clear();
   scratch.contacts.clear();
   std::size_t old_index = 0;
@@ -74,7 +75,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];
     const ShapeModel& shape_b = model.shapes[proxy_b.shape];
-    const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b);
+    const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b, fall);
     if (manifold.point_count == 0) continue;
 
     scratch.touching.push_back(

@@ -11,9 +11,19 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline Real linear_slop(Real size) {
   return Real(0.005) * size;
 }
-/// Shapes closer than this get contact points before they touch.
-inline Real speculative_margin(Real size) {
+/// What falls for four ticks moves so far in the next one, m.
+inline Real fall_of_a_tick(const Model& model, const State& state) {
+  const Real dt = static_cast<Real>(model.scene.settings.dt);
+  return 4 * length(state.world.gravity) * dt * dt;
+}
+/// Overlap and gaps of a resting pair are below this.
+inline Real resting_margin(Real size) {
   return 4 * linear_slop(size);
+}
+/// Shapes closer than this get contact points before they touch. `fall`: fall_of_a_tick; else shapes that are small
+/// against it would first be seen deep inside each other. At most eight sizes: nothing then sees the whole world.
+inline Real speculative_margin(Real size, Real fall) {
+  return larger(resting_margin(size), smaller(fall, 8 * size));
 }
 
 /// A's frame as seen from the world, B's frame as seen from A.
@@ -47,9 +57,9 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
 Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                             Real margin);
 
-/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass.
+/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `fall`: fall_of_a_tick.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b);
+                 const BodyRow& body_b, Real fall);
 
 /// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);

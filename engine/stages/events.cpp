@@ -81,7 +81,7 @@ void find_sensor_events(const Model& model, State& state, Scratch& scratch) {
     if (!a.is_sensor && !b.is_sensor) continue;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
-    if (!touches(collide(model, model.shapes[a.shape], model.shapes[b.shape], body_a, body_b))) continue;
+    if (!touches(collide(model, model.shapes[a.shape], model.shapes[b.shape], body_a, body_b, 0))) continue;
     scratch.now_touching.push_back(a.is_sensor ? TouchRow{body_a.id, a.child, body_b.id, b.child}
                                                : TouchRow{body_b.id, b.child, body_a.id, a.child});
   }

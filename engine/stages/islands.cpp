@@ -5,6 +5,7 @@
 // omega proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
 #include "base/limits.h"
 #include "engine/constraints/groups.h"
+#include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -131,11 +132,19 @@ Real joint_softness(const Model& model, const State& state, std::uint32_t a, std
   return 4 * inv_mass / joint_stiffness(h);
 }
 
+/// Whether the bodies rest on each other, or are about to: what is merely seen early carries nothing.
+bool carries(const TouchingPair& pair) {
+  Real least = pair.manifold.points[0].separation;
+  if (pair.manifold.point_count == 2) least = smaller(least, pair.manifold.points[1].separation);
+  return least <= resting_margin(pair.size);
+}
+
 /// Lists, for each body, what it touches or is joined to.
 void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
   std::vector<std::uint32_t>& start = scratch.support_start;
   start.assign(state.bodies.size() + 2, 0);
   for (const TouchingPair& pair : scratch.touching) {
+    if (!carries(pair)) continue;
     ++start[pair.body_a + 2];
     ++start[pair.body_b + 2];
   }
@@ -147,6 +156,7 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   scratch.supports.resize(start.back());
   for (const TouchingPair& pair : scratch.touching) {
+    if (!carries(pair)) continue;
     const Real softness = contact_softness(model, state, pair, h);
     scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness};
     scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness};

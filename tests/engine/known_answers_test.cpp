@@ -1,0 +1,255 @@
+// Problems of mechanics whose answers are known, solved by the whole engine: slopes, rolling, chains, pendulums.
+// SPDX-License-Identifier: MIT
+//
+// Sliding to rest, toppling, forces and sag of a stack, free spin and collisions of two discs: analytic_test.cpp.
+// h is the substep. Semi-implicit Euler gains g h t / 2 in a fall from rest, relative to a t^2 / 2 that is h / t.
+#include <cmath>
+#include <vector>
+
+#include "engine/math/trig.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+using engine::pi;
+
+namespace {
+
+constexpr Precision both_precisions[]{Precision::f32, Precision::f64};
+
+void run_ticks(Engine& engine, int tick_count) {
+  for (int i = 0; i < tick_count; ++i) engine.step({engine.scene().settings.dt, {}}, nullptr);
+}
+
+// ---- On a slope of 20 degrees ----
+
+const engine::SinCos slope = engine::sin_cos(20 * pi / 180);
+const double slope_tangent = slope.sin / slope.cos;
+
+// The ground is level and gravity leans: the slope falls to the right.
+Scene slope_scene(Body body, double friction, Precision precision = Precision::f64) {
+  Scene scene = empty_scene(precision);
+  scene.gravity = {10 * slope.sin, -10 * slope.cos};
+  scene.bodies = {ground(), std::move(body)};
+  for (Body& each : scene.bodies) each.shapes[0].material.friction = friction;
+  return scene;
+}
+
+// Whether a box that starts at rest is faster after two seconds than after one.
+bool slips(double friction) {
+  const auto engine = make_engine_or_fail(slope_scene(unit_box({0, 0.5}), friction));
+  run_ticks(*engine, 60);
+  const double before = engine->bodies()[1].velocity.x;
+  run_ticks(*engine, 60);
+  return engine->bodies()[1].velocity.x > before + 1e-6;
+}
+
+// A disc of 0.5 m and 1 kg after two seconds on the slope. `inertia`: in units of m r^2.
+BodyReport rolled(double friction, double inertia, Precision precision) {
+  Body disc = body_of(disc_shape(0.5), {0, 0.5});
+  disc.mass = engine::ExplicitMass{1, inertia * 0.25, {}};
+  const auto engine = make_engine_or_fail(slope_scene(disc, friction, precision));
+  run_ticks(*engine, 120);
+  return engine->bodies()[1];
+}
+
+double slip_speed(const BodyReport& disc) {
+  return disc.velocity.x + 0.5 * disc.angular_velocity;
+}
+
+// ---- Hanging ----
+
+// Links of a chain of 12 m between pegs 10 m apart, in two straight lines to the lowest point they can reach.
+Scene hanging_chain() {
+  constexpr int link_count = 20;
+  constexpr double half_link = 0.3;
+  const double c = 5.0 / 6;
+  const double s = std::sqrt(1 - c * c);
+  Scene scene = empty_scene();
+  scene.settings.auto_substeps.emplace();
+  scene.bodies.push_back(peg({0, 0}));
+  for (int i = 0; i < link_count; ++i) {
+    const bool falls = i < link_count / 2;
+    const double along = half_link * (2 * i + 1);
+    Body link = body_of(box_shape(half_link, 0.05), {c * along, -s * (falls ? along : 12 - along)});
+    link.angle = (falls ? -1 : 1) * std::acos(c);
+    link.mass = engine::ExplicitMass{1, {}, {}};
+    link.linear_damping = 1;
+    link.angular_damping = 1;
+    scene.bodies.push_back(link);
+  }
+  scene.bodies.push_back(peg({10, 0}));
+  for (int i = 0; i <= link_count; ++i) {
+    Joint pin = joint_of(JointKind::revolute, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i) + 1);
+    if (i > 0) pin.anchor_a = {half_link, 0};
+    if (i < link_count) pin.anchor_b = {-half_link, 0};
+    scene.joints.push_back(pin);
+  }
+  return scene;
+}
+
+// ---- Pendulum: 1 kg on a rod of 1 m, let go at 60 degrees ----
+
+Scene pendulum_scene(Precision precision, bool automatic) {
+  Scene scene = empty_scene(precision);
+  if (automatic) scene.settings.auto_substeps.emplace();
+  scene.bodies = {peg({0, 0}), bob({std::sin(pi / 3), -0.5})};
+  scene.joints = {joint_of(JointKind::distance, 0, 1)};
+  return scene;
+}
+
+struct Swing {
+  double period = 0;       // s, mean of the first 10 s
+  double energy_10_s = 0;  // mean of the last period, relative to the start
+  double energy_60_s = 0;
+};
+
+Swing swing_of(const Scene& scene) {
+  constexpr int period_ticks = 128;  // 2.132 s
+  const double dt = scene.settings.dt;
+  const auto engine = make_engine_or_fail(scene);
+  Swing swing;
+  double before = engine->bodies()[1].center.x;
+  double first = 0, last = 0;
+  int passages = 0;
+  for (int tick = 0; tick < 3600; ++tick) {
+    run_ticks(*engine, 1);
+    const BodyReport at = engine->bodies()[1];
+    if (tick < 600 && before > 0 && at.center.x <= 0) {
+      last = (tick + before / (before - at.center.x)) * dt;
+      if (passages++ == 0) first = last;
+    }
+    before = at.center.x;
+    const double v2 = at.velocity.x * at.velocity.x + at.velocity.y * at.velocity.y;
+    const double share = (0.5 * v2 + 10 * (at.center.y + 1)) / 5 / period_ticks;
+    if (tick < 600 && tick >= 600 - period_ticks) swing.energy_10_s += share;
+    if (tick >= 3600 - period_ticks) swing.energy_60_s += share;
+  }
+  swing.period = (last - first) / (passages - 1);
+  return swing;
+}
+
+}  // namespace
+
+TEST_CASE("friction holds a box on a slope above the tangent of its angle, and nowhere below",
+          "[engine][friction][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    const auto engine = make_engine_or_fail(slope_scene(unit_box({0, 0.5}), 1.05 * slope_tangent, precision));
+    run_ticks(*engine, 600);
+    CHECK(std::fabs(engine->bodies()[1].center.x) < 1e-3);
+  }
+  double lets_slip = 0.95 * slope_tangent;
+  double holds = 1.05 * slope_tangent;
+  REQUIRE(slips(lets_slip));
+  REQUIRE_FALSE(slips(holds));
+  while (holds - lets_slip > 1e-4) {
+    const double middle = (holds + lets_slip) / 2;
+    (slips(middle) ? lets_slip : holds) = middle;
+  }
+  CHECK(holds == Approx(slope_tangent).epsilon(0.005));
+}
+
+TEST_CASE("discs and rings roll down a slope without slipping, at 2/3 and 1/2 of g sin",
+          "[engine][friction][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    const BodyReport disc = rolled(0.5, 0.5, precision);
+    CHECK(disc.center.x == Approx(4.560269).epsilon(0.005));
+    CHECK(std::fabs(slip_speed(disc)) < 1e-3);
+    const BodyReport ring = rolled(0.5, 1, precision);
+    CHECK(ring.center.x == Approx(0.5 * (10 * slope.sin / 2) * 4).epsilon(0.005));
+    CHECK(std::fabs(slip_speed(ring)) < 1e-3);
+  }
+}
+
+TEST_CASE("a disc slips down a slope if its friction is below a third of the tangent",
+          "[engine][friction][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    const BodyReport rolls = rolled(1.05 * slope_tangent / 3, 0.5, precision);
+    CHECK(std::fabs(slip_speed(rolls)) < 1e-3);
+    for (const double share : {0.95, 0.5}) {
+      const double friction = share * slope_tangent / 3;
+      const BodyReport disc = rolled(friction, 0.5, precision);
+      const double speed_up = 10 * (slope.sin - friction * slope.cos);  // m/s^2
+      const double spin_up = 2 * friction * 10 * slope.cos / 0.5;       // rad/s^2
+      CHECK(disc.center.x == Approx(0.5 * speed_up * 4).epsilon(0.005));
+      CHECK(disc.velocity.x == Approx(speed_up * 2).epsilon(0.005));
+      CHECK(-disc.angular_velocity == Approx(spin_up * 2).epsilon(0.005));
+    }
+  }
+}
+
+TEST_CASE("a chain of twenty links between two pegs hangs as its equations say", "[engine][joints][known_answers]") {
+  // Link i from the middle leans by atan((i + 1/2) / H); H, in weights of a link, from the span.
+  constexpr double sag = 2.927214753;
+  constexpr double pull = 7.819953406;
+  const auto engine = make_engine_or_fail(hanging_chain());
+  run_ticks(*engine, 1800);
+  const std::vector<BodyReport> bodies = engine->bodies();
+  const BodyReport& link = bodies[10];  // its right end is the lowest point
+  CHECK(-(link.center.y + 0.3 * std::sin(link.angle)) == Approx(sag).epsilon(0.001));
+  CHECK(link.center.x + 0.3 * std::cos(link.angle) == Approx(5).epsilon(0.001));
+  for (const std::size_t end : {std::size_t{0}, std::size_t{20}}) {
+    CAPTURE(end);
+    const double along = joint_value(*engine, end, "linear_force", 0);
+    const double up = joint_value(*engine, end, "linear_force", 1);
+    CHECK(std::fabs(along) == Approx(10 * pull).epsilon(0.01));
+    CHECK(std::fabs(up) == Approx(100).epsilon(0.01));
+  }
+  CHECK(std::fabs(joint_value(*engine, 10, "linear_force", 0)) == Approx(10 * pull).epsilon(0.001));
+}
+
+TEST_CASE("a pendulum of 60 degrees has its period", "[engine][joints][known_answers]") {
+  for (const Precision precision : both_precisions)
+    for (const bool automatic : {false, true}) {
+      CAPTURE(precision, automatic);
+      CHECK(swing_of(pendulum_scene(precision, automatic)).period == Approx(2.13232427506).epsilon(0.0002));
+    }
+}
+
+TEST_CASE("a pendulum keeps 94 % of its energy with four substeps, 99 % with automatic ones",
+          "[engine][joints][known_answers]") {
+  for (const Precision precision : both_precisions)
+    for (const bool automatic : {false, true}) {
+      CAPTURE(precision, automatic);
+      const Swing swing = swing_of(pendulum_scene(precision, automatic));
+      const double least = automatic ? 0.99 : 0.94;
+      CHECK(swing.energy_10_s > least);
+      CHECK(swing.energy_60_s > least);
+      CHECK(swing.energy_10_s < 1.01);
+      CHECK(swing.energy_60_s < 1.01);
+    }
+}
+
+TEST_CASE("a mass on an undamped spring keeps 99 % of its amplitude for a minute",
+          "[engine][joints][known_answers]") {
+  for (const Precision precision : both_precisions)
+    for (double stiffness = 1e2; stiffness < 2e6; stiffness *= 10) {
+      CAPTURE(precision, stiffness);
+      Scene scene = empty_scene(precision);
+      scene.gravity = {0, 0};
+      scene.bodies = {peg({0, 0}), bob({1.1, 0})};
+      scene.joints = {joint_of(JointKind::distance, 0, 1)};
+      scene.joints[0].spring = absolute_spring(stiffness);
+      const auto engine = make_engine_or_fail(scene);
+      const auto largest_stretch = [&](int tick_count) {
+        double largest = 0;
+        for (int tick = 0; tick < tick_count; ++tick) {
+          run_ticks(*engine, 1);
+          largest = std::fmax(largest, std::fabs(engine->bodies()[1].center.x - 1));
+        }
+        return largest;
+      };
+      const double at_first = largest_stretch(600);
+      CHECK(at_first > 0.099);
+      run_ticks(*engine, 2400);
+      const double at_last = largest_stretch(600);
+      CHECK(at_last > 0.99 * at_first);
+      CHECK(at_last < 1.01 * at_first);
+    }
+}
