@@ -11,7 +11,8 @@ namespace {
 
 struct Span {
   LineRow row;
-  Real distance;  // m
+  Vec2 arm_a, arm_b;  // m
+  Real distance;      // m
 };
 
 Span span_of(const JointWork& joint, const JointBodies& pair) {
@@ -21,7 +22,18 @@ Span span_of(const JointWork& joint, const JointBodies& pair) {
   const Real distance = length(d);
   // Coincident anchors have no direction: a fixed one is as good as any, and gives no NaN.
   const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};
-  return {line_row(joint, axis, arm_a, arm_b), distance};
+  return {line_row(joint, axis, arm_a, arm_b), arm_a, arm_b, distance};
+}
+
+/// What lengthens the span in a substep besides the velocity along it, per h: a step u sideways to sqrt(d^2 + u^2), and
+/// the turning of the arms.
+Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
+  const Vec2 velocity = (pair.b.velocity + cross(pair.b.angular_velocity, span.arm_b)) -
+                        (pair.a.velocity + cross(pair.a.angular_velocity, span.arm_a));
+  const Real sideways = h * cross(span.row.axis, velocity);
+  const Real whole = span.distance + square_root(span.distance * span.distance + sideways * sideways);
+  const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
+  return longer + dot(span.row.axis, turning_rate(span.arm_a, span.arm_b, pair, h));
 }
 
 void prepare_distance(JointWork& joint, Real h) {
@@ -43,7 +55,9 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Span span = span_of(joint, pair);
   if (model.rigid) {
-    solve_rigid(joint, span.row, pair, span.distance - model.length, softness(joint, bias), joint.impulses.linear.x);
+    const Real lengthening = bias == Bias::on ? lengthening_rate(span, pair, h) : Real(0);
+    solve_rigid(joint, span.row, pair, span.distance - model.length, softness(joint, bias), joint.impulses.linear.x,
+                lengthening);
     return;
   }
   if (model.spring.exists && bias == Bias::on)

@@ -39,7 +39,8 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
       solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
     if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
   }
-  solve_rigid_point(joint, pin, pair, softness(joint, bias));
+  const Vec2 turning = bias == Bias::on ? turning_rate(pin.arm_a, pin.arm_b, pair, h) : Vec2{0, 0};
+  solve_rigid_point(joint, pin, pair, softness(joint, bias), turning);
 }
 
 // ---- Weld ----
