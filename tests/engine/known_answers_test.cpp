@@ -226,8 +226,7 @@ TEST_CASE("a pendulum keeps 94 % of its energy with four substeps, 99 % with aut
     }
 }
 
-TEST_CASE("a mass on an undamped spring keeps 99 % of its amplitude for a minute",
-          "[engine][joints][known_answers]") {
+TEST_CASE("a mass on an undamped spring keeps 99 % of its amplitude for a minute", "[engine][joints][known_answers]") {
   for (const Precision precision : both_precisions)
     for (double stiffness = 1e2; stiffness < 2e6; stiffness *= 10) {
       CAPTURE(precision, stiffness);
