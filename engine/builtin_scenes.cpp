@@ -212,7 +212,7 @@ Scene card_house_of(int base) {
   const double pitch = length + gap;
   const Shape card = with(box(thickness / 2, length / 2), 0.7, 0);
   Scene scene;
-  scene.bodies.push_back(static_body("floor", {0, -1}, with(box(pitch * base, 1), 0.7, 0)));
+  scene.bodies.push_back(static_body("floor", {0, -1}, with(box(10 + pitch * base, 1), 0.7, 0)));
   const auto add = [&](double x, double y, double angle) {
     scene.bodies.push_back(dynamic_body("card", scene.bodies.size(), {x, y}, card));
     scene.bodies.back().angle = angle;

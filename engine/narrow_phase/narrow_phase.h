@@ -11,10 +11,10 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline Real linear_slop(Real size) {
   return Real(0.005) * size;
 }
-/// What falls for four ticks moves so far in the next one, m.
+/// What a tick of gravity adds to the way of a body in a tick, m.
 inline Real fall_of_a_tick(const Model& model, const State& state) {
   const Real dt = static_cast<Real>(model.scene.settings.dt);
-  return 4 * length(state.world.gravity) * dt * dt;
+  return length(state.world.gravity) * dt * dt;
 }
 /// Overlap and gaps of a resting pair are below this.
 inline Real resting_margin(Real size) {
