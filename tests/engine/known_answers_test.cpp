@@ -132,6 +132,53 @@ Swing swing_of(const Scene& scene) {
   return swing;
 }
 
+// ---- Impacts located in time ----
+
+// Every contact bounces with `restitution`, at the moment of impact; nothing rubs.
+void set_bounces(Scene& scene, double restitution) {
+  scene.settings.locate_impacts = true;
+  scene.settings.restitution_threshold = 0;
+  for (Body& body : scene.bodies) body.shapes[0].material = {0, restitution};
+}
+
+// A disc over the ground, `height` m to fall.
+Scene bounce_scene(double height, double restitution, Precision precision) {
+  Scene scene = empty_scene(precision);
+  scene.bodies = {ground(), body_of(disc_shape(0.5), {0, height + 0.5})};
+  set_bounces(scene, restitution);
+  return scene;
+}
+
+// Heights of the disc's highest points after each bounce, as ticks see them: up to g (dt / 2)^2 / 2 = 0.35 mm lower.
+std::vector<double> apexes(const Scene& scene, int tick_count) {
+  const auto engine = make_engine_or_fail(scene);
+  std::vector<double> found;
+  double highest = 0;
+  bool rose = false;
+  for (int tick = 0; tick < tick_count; ++tick) {
+    run_ticks(*engine, 1);
+    const BodyReport disc = engine->bodies()[1];
+    const bool rises = disc.velocity.y > 0;
+    if (rises && !rose) highest = 0;
+    highest = std::fmax(highest, disc.center.y - 0.5);
+    if (rose && !rises) found.push_back(highest);
+    rose = rises;
+  }
+  return found;
+}
+
+// Five discs in a row, `gap` m between them, the first one 1 m before the others at 10 m/s.
+Scene cradle_scene(double gap, Precision precision) {
+  Scene scene = empty_scene(precision);
+  scene.gravity = {0, 0};
+  scene.bodies = {body_of(disc_shape(0.5), {-2, 0})};
+  scene.bodies[0].velocity = {10, 0};
+  for (int i = 0; i < 4; ++i) scene.bodies.push_back(body_of(disc_shape(0.5), {i * (1 + gap), 0}));
+  for (Body& body : scene.bodies) body.mass = engine::ExplicitMass{1, {}, {}};
+  set_bounces(scene, 1);
+  return scene;
+}
+
 }  // namespace
 
 TEST_CASE("friction holds a box on a slope above the tangent of its angle, and nowhere below",
@@ -251,4 +298,53 @@ TEST_CASE("a mass on an undamped spring keeps 99 % of its amplitude for a minute
       CHECK(at_last > 0.99 * at_first);
       CHECK(at_last < 1.01 * at_first);
     }
+}
+
+TEST_CASE("a disc that bounces with 0.8 rises to 0.64 of its height each time", "[engine][impacts][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    const std::vector<double> found = apexes(bounce_scene(1, 0.8, precision), 180);
+    REQUIRE(found.size() >= 3);
+    CHECK(found[0] == Approx(0.64).epsilon(0.01));
+    CHECK(found[1] == Approx(0.4096).epsilon(0.01));
+    CHECK(found[2] == Approx(0.262144).epsilon(0.01));
+  }
+}
+
+TEST_CASE("a disc that bounces with 1 from 10 m neither gains nor loses 1 % of its height in a minute",
+          "[engine][impacts][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    // Down and up take 2 sqrt(20 / 10) s.
+    const std::vector<double> found = apexes(bounce_scene(10, 1, precision), 3600);
+    CHECK(found.size() >= 20);
+    for (const double apex : found) {
+      CHECK(apex > 9.9);
+      CHECK(apex < 10.0005);
+    }
+  }
+}
+
+TEST_CASE("the last disc of a row takes all of the first one's speed", "[engine][impacts][known_answers]") {
+  for (const Precision precision : both_precisions) {
+    CAPTURE(precision);
+    // In f32, 100 roundings of the largest speed.
+    const double rounding = precision == Precision::f32 ? 100 * 0x1p-24 : 1e-9;
+    for (const double gap : {0.001, 0.0}) {
+      CAPTURE(gap);
+      const auto engine = make_engine_or_fail(cradle_scene(gap, precision));
+      run_ticks(*engine, 60);
+      const std::vector<BodyReport> discs = engine->bodies();
+      double momentum = 0, energy = 0;
+      for (const BodyReport& disc : discs) {
+        momentum += disc.velocity.x;
+        energy += 0.5 * disc.velocity.x * disc.velocity.x;
+      }
+      CHECK(std::fabs(momentum / 10 - 1) < rounding);
+      CHECK(std::fabs(energy / 50 - 1) < (precision == Precision::f32 ? 2 * rounding : 1e-6));
+      if (gap == 0) continue;  // all touch at once: which of them leave is a convention
+      for (std::size_t i = 0; i < 4; ++i) CHECK(std::fabs(discs[i].velocity.x) < 10 * (rounding + 1e-6));
+      CHECK(discs[4].velocity.x == Approx(10).epsilon(rounding + 1e-6));
+    }
+  }
 }
