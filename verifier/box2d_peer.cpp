@@ -37,6 +37,7 @@ namespace {
 using engine::BodyReport;
 using engine::BodyType;
 using engine::ContactReport;
+using engine::JointKind;
 using engine::MixRule;
 using engine::Point;
 using engine::Shape;
@@ -45,7 +46,7 @@ using engine::ShapeKind;
 // Box2D is tuned for moving bodies of 0.1 m to 10 m: slop 5 mm, skin 1 cm, bounce threshold 1 m/s.
 constexpr double tuned_size_min_m = 0.1;
 constexpr double tuned_size_max_m = 10;
-constexpr double thickness_min_m = 5 * static_cast<double>(b2_polygonRadius);  // thinner: mostly skin
+constexpr double thickness_min_m = 3 * static_cast<double>(b2_polygonRadius);  // thinner: mostly skin
 constexpr double coordinate_max_m = 2e4;  // a float resolves 2 mm there, not half of Box2D's slop
 
 // Largest extent of a shape, twice its bounding radius about its own centre.
@@ -163,13 +164,18 @@ class Box2dWorld final : public Box2dPeer {
         world_(scaled(scene.gravity)) {
     world_.SetContactListener(&mixer_);
     world_.SetAllowSleeping(false);
+    world_.SetContinuousPhysics(scene.settings.continuous);
   }
 
   // Errors: unsupported.
   Status build() {
+    if (!scene_.forces.empty())
+      return Error{ErrorCode::unsupported, scene_.name + ": /forces: Box2D 2.4.1 has no force elements", {}};
     bodies_.reserve(scene_.bodies.size());
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
       if (Status added = add_body(i); !added) return added;
+    for (std::size_t i = 0; i < scene_.joints.size(); ++i)
+      if (Status added = add_joint(i); !added) return added;
     return {};
   }
 
@@ -230,7 +236,9 @@ class Box2dWorld final : public Box2dPeer {
     return reports;
   }
 
-  std::size_t body_count() const override { return static_cast<std::size_t>(world_.GetBodyCount()); }
+  std::size_t body_count() const override {
+    return static_cast<std::size_t>(world_.GetBodyCount()) - (anchorage_ ? 1 : 0);
+  }
   std::size_t contact_count() const override {
     std::size_t count = 0;
     for (b2Contact* contact = world_.GetContactList(); contact; contact = contact->GetNext())
@@ -275,6 +283,7 @@ class Box2dWorld final : public Box2dPeer {
     definition.angularDamping = static_cast<float>(description.angular_damping);
     definition.gravityScale = static_cast<float>(description.gravity_scale);
     definition.fixedRotation = description.fixed_rotation;
+    definition.bullet = description.bullet;
     definition.userData.pointer = index;
     Entry entry;
     entry.body = world_.CreateBody(&definition);
@@ -331,8 +340,8 @@ class Box2dWorld final : public Box2dPeer {
       hull = std::move(*built);
     }
     const double thickness = thickness_of(shape, hull) * scale_;
-    const bool is_line = shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
-    if (description.type == BodyType::dynamic_body && !is_line && thickness < thickness_min_m)
+    const bool has_skin = shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon;
+    if (description.type == BodyType::dynamic_body && has_skin && !shape.sensor && thickness < thickness_min_m)
       return Error{
           ErrorCode::unsupported,
           fmt::format("{}: too thin for Box2D's skin of {:g} m: found {:g} m, expected at least {:g} m", place,
@@ -421,6 +430,252 @@ class Box2dWorld final : public Box2dPeer {
     return {};
   }
 
+  // ---- Joints ----
+
+  // Masses and arms of a joint's two bodies, Box2D units.
+  struct Pair {
+    b2Body* a;
+    b2Body* b;
+    double inv_mass() const {
+      return inverse(static_cast<double>(a->GetMass())) + inverse(static_cast<double>(b->GetMass()));
+    }
+    double inv_inertia(const b2Body* body) const {
+      const double mass = static_cast<double>(body->GetMass());
+      const double arm = static_cast<double>(body->GetLocalCenter().LengthSquared());
+      return body->IsFixedRotation() ? 0 : inverse(static_cast<double>(body->GetInertia()) - mass * arm);
+    }
+    static double inverse(double value) { return value > 0 ? 1 / value : 0; }
+    // Of a row along a direction through two points of the world, as ours has it (joint_rows.h), 1/kg.
+    double mobility(const b2Vec2& axis, const b2Vec2& at_a, const b2Vec2& at_b) const {
+      const double lever_a = static_cast<double>(b2Cross(at_a - a->GetWorldCenter(), axis));
+      const double lever_b = static_cast<double>(b2Cross(at_b - b->GetWorldCenter(), axis));
+      return inv_mass() + inv_inertia(a) * lever_a * lever_a + inv_inertia(b) * lever_b * lever_b;
+    }
+    // Of the angle while the bodies are pinned at a point of the world, as ours has it, 1/(kg m^2).
+    double pinned_mobility(const b2Vec2& pin) const {
+      const b2Vec2 arm_a = pin - a->GetWorldCenter();
+      const b2Vec2 arm_b = pin - b->GetWorldCenter();
+      const double m = inv_mass(), i = inv_inertia(a), j = inv_inertia(b);
+      const double xa = static_cast<double>(arm_a.x), ya = static_cast<double>(arm_a.y);
+      const double xb = static_cast<double>(arm_b.x), yb = static_cast<double>(arm_b.y);
+      // Schur complement of the point's mobility in that of point and angle.
+      const double k11 = m + i * ya * ya + j * yb * yb;
+      const double k12 = -(i * xa * ya + j * xb * yb);
+      const double k22 = m + i * xa * xa + j * xb * xb;
+      const double c1 = -(i * ya + j * yb), c2 = i * xa + j * xb;
+      const double determinant = k11 * k22 - k12 * k12;
+      return i + j - (k22 * c1 * c1 - 2 * k12 * c1 * c2 + k11 * c2 * c2) / determinant;
+    }
+  };
+
+  struct Stiffness {
+    float stiffness = 0;
+    float damping = 0;
+  };
+  /// Requires: `mobility` > 0 of the sprung row at the start, where the scene gives hertz. `unit`: of absolute values.
+  static Stiffness stiffness_of(const engine::JointSpring& spring, double mobility, double unit) {
+    if (spring.absolute)
+      return {static_cast<float>(spring.stiffness * unit), static_cast<float>(spring.damping * unit)};
+    const double omega = 2 * engine::pi * spring.hertz;
+    return {static_cast<float>(omega * omega / mobility),
+            static_cast<float>(2 * spring.damping_ratio * omega / mobility)};
+  }
+
+  // Box2D adds angles up where ours repeat every turn: the reference from which B starts less than half a turn away.
+  static float reference_of(double reference, const Pair& pair) {
+    const double start = static_cast<double>(pair.b->GetAngle() - pair.a->GetAngle()) - reference;
+    return static_cast<float>(reference + (start - std::remainder(start, 2 * engine::pi)));
+  }
+
+  template <typename Definition>
+  void set_limits(Definition& definition, const engine::Joint& joint) const {
+    if (!joint.limits) return;
+    definition.enableLimit = true;
+    definition.lowerTranslation = static_cast<float>(joint.limits->lower * scale_);
+    definition.upperTranslation = static_cast<float>(joint.limits->upper * scale_);
+  }
+
+  // Errors: unsupported, for what Box2D 2.4.1 has no notion of.
+  Status check_known(const engine::Joint& joint, const std::string& place) const {
+    const auto refuse = [&](const char* what) {
+      return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
+    };
+    for (const auto& spring : {joint.spring, joint.linear_spring}) {
+      if (!spring) continue;
+      const bool is_stiff = spring->absolute ? spring->stiffness > 0 : spring->hertz > 0;
+      if (!is_stiff && spring->absolute && spring->damping > 0) return refuse("Box2D 2.4.1 has no damper alone");
+    }
+    switch (joint.kind) {
+      case JointKind::revolute:
+      case JointKind::prismatic:
+        if (joint.spring) return refuse("Box2D 2.4.1 has no springs in revolute and prismatic joints");
+        break;
+      case JointKind::distance:
+        if (joint.motor) return refuse("Box2D 2.4.1 has no motors in distance joints");
+        if (!joint.limits && !joint.spring && joint.length * scale_ < static_cast<double>(b2_linearSlop))
+          return refuse("Box2D 2.4.1 has no rods shorter than its slop");
+        break;
+      case JointKind::weld:
+        if (joint.linear_spring) return refuse("Box2D 2.4.1 has no springs for the point of weld joints");
+        break;
+      case JointKind::motor:
+        if (joint.spring) return refuse("Box2D 2.4.1 has no springs in motor joints");
+        break;
+      case JointKind::target:
+        if (!joint.spring) return refuse("Box2D 2.4.1 has no rigid mouse joints");
+        break;
+      case JointKind::wheel:
+      case JointKind::friction:
+        break;
+    }
+    return {};
+  }
+
+  Status add_joint(std::size_t index) {
+    const engine::Joint& joint = scene_.joints[index];
+    const std::string place = fmt::format("{}: /joints/{}", scene_.name, index);
+    if (Status known = check_known(joint, place); !known) return known;
+    const bool to_world = joint.kind == JointKind::target;
+    if (to_world && !anchorage_) {
+      const b2BodyDef definition;
+      anchorage_ = world_.CreateBody(&definition);
+    }
+    const Pair pair{to_world ? anchorage_ : bodies_[joint.body_a].body, bodies_[joint.body_b].body};
+    const b2Vec2 anchor_a = scaled(joint.anchor_a);
+    const b2Vec2 anchor_b = scaled(joint.anchor_b);
+    const b2Vec2 at_a = pair.a->GetWorldPoint(anchor_a);
+    const b2Vec2 at_b = pair.b->GetWorldPoint(anchor_b);
+    b2Vec2 axis = scaled(joint.axis);
+    axis.Normalize();
+    const auto add = [&](b2JointDef& definition) {
+      definition.bodyA = pair.a;
+      definition.bodyB = pair.b;
+      definition.collideConnected = joint.collide_connected || to_world;
+      return world_.CreateJoint(&definition);
+    };
+    const auto force = [&](double newton) { return static_cast<float>(newton * scale_); };
+    const auto torque = [&](double newton_m) { return static_cast<float>(newton_m * scale_ * scale_); };
+    switch (joint.kind) {
+      case JointKind::revolute: {
+        b2RevoluteJointDef definition;
+        definition.localAnchorA = anchor_a;
+        definition.localAnchorB = anchor_b;
+        definition.referenceAngle = reference_of(joint.reference_angle, pair);
+        if (joint.limits) {
+          definition.enableLimit = true;
+          definition.lowerAngle = static_cast<float>(joint.limits->lower);
+          definition.upperAngle = static_cast<float>(joint.limits->upper);
+        }
+        if (joint.motor) {
+          definition.enableMotor = true;
+          definition.motorSpeed = static_cast<float>(joint.motor->speed);
+          definition.maxMotorTorque = torque(joint.motor->force_max);
+        }
+        add(definition);
+        break;
+      }
+      case JointKind::prismatic: {
+        b2PrismaticJointDef definition;
+        definition.localAnchorA = anchor_a;
+        definition.localAnchorB = anchor_b;
+        definition.localAxisA = axis;
+        definition.referenceAngle = reference_of(joint.reference_angle, pair);
+        set_limits(definition, joint);
+        if (joint.motor) {
+          definition.enableMotor = true;
+          definition.motorSpeed = static_cast<float>(joint.motor->speed * scale_);
+          definition.maxMotorForce = force(joint.motor->force_max);
+        }
+        add(definition);
+        break;
+      }
+      case JointKind::wheel: {
+        b2WheelJointDef definition;
+        definition.localAnchorA = anchor_a;
+        definition.localAnchorB = anchor_b;
+        definition.localAxisA = axis;
+        set_limits(definition, joint);
+        if (joint.motor) {
+          definition.enableMotor = true;
+          definition.motorSpeed = static_cast<float>(joint.motor->speed);
+          definition.maxMotorTorque = torque(joint.motor->force_max);
+        }
+        if (joint.spring) {
+          // Ours acts at B's anchor on both bodies.
+          const Stiffness soft =
+              stiffness_of(*joint.spring, pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b), 1);
+          definition.stiffness = soft.stiffness;
+          definition.damping = soft.damping;
+        }
+        add(definition);
+        break;
+      }
+      case JointKind::distance: {
+        b2DistanceJointDef definition;
+        definition.localAnchorA = anchor_a;
+        definition.localAnchorB = anchor_b;
+        definition.length = static_cast<float>(joint.length * scale_);
+        if (!joint.limits && !joint.spring) definition.minLength = definition.maxLength = definition.length;
+        if (joint.limits) {
+          definition.minLength = static_cast<float>(joint.limits->lower * scale_);
+          definition.maxLength = static_cast<float>(joint.limits->upper * scale_);
+        }
+        if (joint.spring) {
+          b2Vec2 along = at_b - at_a;
+          along.Normalize();
+          const Stiffness soft = stiffness_of(*joint.spring, pair.mobility(along, at_a, at_b), 1);
+          definition.stiffness = soft.stiffness;
+          definition.damping = soft.damping;
+        }
+        add(definition);
+        break;
+      }
+      case JointKind::weld: {
+        b2WeldJointDef definition;
+        definition.localAnchorA = anchor_a;
+        definition.localAnchorB = anchor_b;
+        definition.referenceAngle = reference_of(joint.reference_angle, pair);
+        if (joint.spring) {
+          const Stiffness soft =
+              stiffness_of(*joint.spring, pair.pinned_mobility(0.5f * (at_a + at_b)), scale_ * scale_);
+          definition.stiffness = soft.stiffness;
+          definition.damping = soft.damping;
+        }
+        add(definition);
+        break;
+      }
+      case JointKind::motor: {
+        b2MotorJointDef definition;
+        definition.linearOffset = scaled(joint.offset);
+        definition.angularOffset = reference_of(joint.angle_offset, pair);
+        definition.maxForce = force(joint.force_max);
+        definition.maxTorque = torque(joint.torque_max);
+        add(definition);
+        break;
+      }
+      case JointKind::friction: {
+        b2FrictionJointDef definition;  // ours acts at B's centre of mass
+        definition.localAnchorA = pair.a->GetLocalPoint(pair.b->GetWorldCenter());
+        definition.localAnchorB = pair.b->GetLocalCenter();
+        definition.maxForce = force(joint.force_max);
+        definition.maxTorque = torque(joint.torque_max);
+        add(definition);
+        break;
+      }
+      case JointKind::target: {
+        b2MouseJointDef definition;
+        definition.target = at_b;  // where B is held; where to comes after
+        definition.maxForce = force(joint.force_max);
+        const Stiffness soft = stiffness_of(*joint.spring, pair.inv_mass(), 1);
+        definition.stiffness = soft.stiffness;
+        definition.damping = soft.damping;
+        static_cast<b2MouseJoint*>(add(definition))->SetTarget(scaled(joint.offset));
+        break;
+      }
+    }
+    return {};
+  }
+
   // Box2D cuts what a body moves or turns in one step to b2_maxTranslation and b2_maxRotation. It writes the cut
   // velocity back, so a cut shows as a speed at the limit.
   bool is_clamped() const {
@@ -453,8 +708,9 @@ class Box2dWorld final : public Box2dPeer {
   double scale_;
   float dt_;  // s, of a step
   Mixer mixer_;
-  mutable b2World world_;      // its contacts' fixtures and bodies tell their user data to the non-const only
-  std::vector<Entry> bodies_;  // by id
+  mutable b2World world_;        // its contacts' fixtures and bodies tell their user data to the non-const only
+  std::vector<Entry> bodies_;    // by id
+  b2Body* anchorage_ = nullptr;  // holds what is pulled to points of the world; made when first needed
   std::size_t tick_ = 0;
   std::size_t clamped_tick_ = 0;
 };
