@@ -175,8 +175,12 @@ void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<Cros
     double mean = 0;
     for (const double value : finer[i].box2d) mean += value / static_cast<double>(finer[i].box2d.size());
     rows[i].verdict = Agreement::expected;
+    const bool has_value = rows[i].criterion != place_criterion;
     rows[i].reason =
-        fmt::format("Box2D has not converged: with {} steps a tick it comes to {:.4g} too", steps_per_tick, mean);
+        has_value
+            ? fmt::format("Box2D has not converged: with {} steps a tick it comes to {:.4g} too", steps_per_tick, mean)
+            : fmt::format("Box2D has not converged: with {} steps a tick its bodies rest where ours do",
+                          steps_per_tick);
   }
 }
 

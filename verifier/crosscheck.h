@@ -56,6 +56,17 @@ struct CrosscheckLayout {
 };
 CrosscheckLayout make_layout(const engine::Scene& scene);
 
+/// Where a body of the scene ended, seen along gravity.
+struct CrosscheckPlace {
+  bool is_left = false;      // not removed; of the moving bodies
+  bool rests = false;        // slower than 0.05 m/s throughout the last second
+  double across = 0;         // m, centre of mass
+  double up = 0;             // m
+  double moved = 0;          // m, straight from where it started
+  double chain_gap = 0;      // m up, sum of the gaps between shapes from the body down to the ground; overlaps negative
+  double chain_gap_max = 0;  // m, the largest of them
+};
+
 /// What one run of one engine came to.
 struct CrosscheckRun {
   bool is_finite = true;
@@ -73,10 +84,11 @@ struct CrosscheckRun {
   bool ground_is_flat = false;         // that force comes from level contacts only
   double column_error = 0;  // largest relative error of the force under a body of a column against the weight on it
   // From the highest body down to the ground, contact by contact:
-  bool has_chain = false;       // it ends on the ground
-  std::size_t chain_count = 0;  // contacts
-  double chain_gap = 0;         // m up, sum of the gaps between shapes; overlaps are negative
-  double chain_gap_max = 0;     // m, the largest of them
+  bool has_chain = false;               // it ends on the ground
+  std::size_t chain_count = 0;          // contacts
+  double chain_gap = 0;                 // m up, sum of the gaps between shapes; overlaps are negative
+  double chain_gap_max = 0;             // m, the largest of them
+  std::vector<CrosscheckPlace> places;  // by id
 };
 
 /// Watches one run.
@@ -92,7 +104,16 @@ class CrosscheckMeasure {
 
  private:
   void add_contacts(const std::vector<engine::BodyReport>& bodies, const std::vector<engine::ContactReport>& contacts);
-  void follow_chain(CrosscheckRun& run) const;
+  struct Chain {
+    bool ends_on_ground = false;
+    std::size_t count = 0;  // contacts
+    double gap = 0;         // m up
+    double gap_max = 0;     // m
+  };
+  std::vector<const engine::ContactReport*> find_carriers() const;
+  Chain follow_chain(std::size_t body, const std::vector<const engine::ContactReport*>& carriers) const;
+  void note_chains(CrosscheckRun& run) const;
+  void note_places(CrosscheckRun& run, const std::vector<const engine::BodyReport*>& found) const;
   void close_rows(CrosscheckRun& run, const std::vector<double>& across, const std::vector<bool>& present) const;
 
   const CrosscheckLayout& layout_;
@@ -101,6 +122,7 @@ class CrosscheckMeasure {
   bool is_finite_ = true;
   double time_s_ = 0;
   std::vector<double> moving_until_s_;  // by id
+  std::vector<double> fast_until_s_;    // by id
   std::vector<engine::BodyReport> last_bodies_;
   std::vector<engine::ContactReport> last_contacts_;
   std::size_t contact_sample_count_ = 0;
@@ -124,6 +146,9 @@ struct CrosscheckRow {
   double tolerance = 0;  // largest difference that agrees
   std::string reason;    // of a verdict other than agree
 };
+
+/// A row of places: its values are distances from where Box2D's bodies rest on average.
+inline constexpr std::string_view place_criterion = "rests at same place";
 
 /// Judges an ensemble against Box2D's. `box2d_skin`: how far apart Box2D may keep shapes, m. Neither is empty.
 std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,

@@ -26,6 +26,9 @@ constexpr double penetration_tolerance = 0.02;  // of the smaller body's size
 constexpr double travel_tolerance_share = 0.025;
 constexpr double travel_tolerance_min = 0.05;  // of a body's size
 constexpr double force_tolerance = 0.02;       // of the weight
+constexpr double place_tolerance = 0.02;       // m
+constexpr double way_tolerance_share = 0.1;
+constexpr double way_tolerance_min = 1;  // m
 
 struct Statistics {
   double mean = 0;
@@ -274,6 +277,117 @@ struct Judge {
     return row;
   }
 
+  // ---- Body by body ----
+
+  bool is_left(std::size_t id) const {
+    const auto left = [&](const CrosscheckRun& run) { return id < run.places.size() && run.places[id].is_left; };
+    return all(ours, left) && all(box2d, left);
+  }
+  bool rests(std::size_t id) const {
+    const auto rests = [&](const CrosscheckRun& run) { return run.places[id].rests; };
+    return all(ours, rests) && all(box2d, rests);
+  }
+  static double mean_at(const std::vector<CrosscheckRun>& runs, std::size_t id, double CrosscheckPlace::*field) {
+    return mean_of(each(runs, [&](const CrosscheckRun& run) { return run.places[id].*field; }));
+  }
+  // By seed, how far each run has the body from a place.
+  static std::vector<double> distances(const std::vector<CrosscheckRun>& runs, std::size_t id, double across,
+                                       double up) {
+    return each(runs, [&](const CrosscheckRun& run) {
+      return std::hypot(run.places[id].across - across, run.places[id].up - up);
+    });
+  }
+  static double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
+  static void raise(std::vector<double>& values, const std::vector<double>& others) {
+    values.resize(others.size(), 0);
+    for (std::size_t i = 0; i < others.size(); ++i) values[i] = std::max(values[i], others[i]);
+  }
+  // Half the length of the row that a body starts in, in skins: as far the skin may push it.
+  double row_slack(std::uint32_t id) const {
+    for (const std::vector<std::uint32_t>& row : layout.rows)
+      if (std::find(row.begin(), row.end(), id) != row.end()) return 0.5 * skin * static_cast<double>(row.size() - 1);
+    return 0;
+  }
+
+  CrosscheckRow same_place() const {
+    CrosscheckRow row;
+    row.criterion = place_criterion;
+    row.tolerance = place_tolerance;
+    std::size_t judged = 0, resting = 0, explained = 0;
+    double most_unexplained = 0;
+    for (std::uint32_t id = 0; id < layout.bodies.size(); ++id) {
+      if (!is_left(id) || !rests(id)) continue;
+      ++resting;
+      const double across = mean_at(box2d, id, &CrosscheckPlace::across);
+      const double up = mean_at(box2d, id, &CrosscheckPlace::up);
+      const std::vector<double> scatter = distances(box2d, id, across, up);
+      if (largest(scatter) > 0.5 * place_tolerance) continue;  // Box2D does not know it itself
+      ++judged;
+      raise(row.ours, distances(ours, id, across, up));
+      raise(row.box2d, scatter);
+      const double off_across = mean_at(ours, id, &CrosscheckPlace::across) - across;
+      const double off_up = mean_at(ours, id, &CrosscheckPlace::up) - up;
+      const double off = std::hypot(off_across, off_up);
+      row.difference = std::max(row.difference, off);
+      if (off <= place_tolerance) continue;
+      const double gaps =
+          mean_at(ours, id, &CrosscheckPlace::chain_gap) - mean_at(box2d, id, &CrosscheckPlace::chain_gap);
+      const bool gaps_are_skin =
+          all(box2d, [&](const CrosscheckRun& run) { return run.places[id].chain_gap_max <= 1.05 * skin; });
+      const double rest = std::hypot(std::max(0.0, std::fabs(off_across) - row_slack(id)), off_up - gaps);
+      if (gaps_are_skin && rest <= place_tolerance) ++explained;
+      if (!gaps_are_skin || rest > place_tolerance) {
+        row.verdict = Agreement::differ;
+        if (off > most_unexplained)
+          row.reason =
+              fmt::format("body {} rests {:+.3f} m across and {:+.3f} m up from Box2D's", id, off_across, off_up);
+        most_unexplained = std::max(most_unexplained, off);
+      }
+    }
+    if (judged == 0)
+      return not_applicable(row.criterion, fmt::format("{} moving bodies rest in both, none at a place that Box2D "
+                                                       "knows to 1 cm",
+                                                       resting));
+    row.unit = fmt::format("m, {} of {}", judged, layout.dynamic_count);
+    if (row.verdict == Agreement::differ) return row;
+    row.verdict = explained > 0 ? Agreement::expected : Agreement::agree;
+    if (explained > 0)
+      row.reason = fmt::format("without the gaps of Box2D's skin and the overlaps of soft contacts: all within {:g} m",
+                               place_tolerance);
+    return row;
+  }
+
+  CrosscheckRow same_way() const {
+    CrosscheckRow row;
+    row.criterion = "travels as far";
+    row.verdict = Agreement::agree;
+    std::size_t judged = 0;
+    double worst = -1;
+    for (std::uint32_t id = 0; id < layout.bodies.size(); ++id) {
+      if (!is_left(id) || rests(id)) continue;
+      const auto way = [&](const CrosscheckRun& run) { return run.places[id].moved; };
+      std::vector<double> theirs = each(box2d, way);
+      const double mean = mean_of(theirs);
+      const double tolerance = std::max(way_tolerance_min, way_tolerance_share * mean);
+      const auto [least, most] = std::minmax_element(theirs.begin(), theirs.end());
+      if (*most - *least > tolerance) continue;  // Box2D does not know it itself
+      ++judged;
+      std::vector<double> own = each(ours, way);
+      const double difference = std::fabs(mean_of(own) - mean);
+      if (difference / tolerance <= worst) continue;
+      worst = difference / tolerance;
+      row.ours = std::move(own);
+      row.box2d = std::move(theirs);
+      row.difference = difference;
+      row.tolerance = tolerance;
+      row.reason = difference > tolerance ? fmt::format("body {} is the farthest off", id) : "";
+      row.verdict = difference > tolerance ? Agreement::differ : Agreement::agree;
+    }
+    if (judged == 0) return not_applicable(row.criterion, "nothing still moves, or Box2D does not know how far");
+    row.unit = fmt::format("m, {} of {}", judged, layout.dynamic_count);
+    return row;
+  }
+
   CrosscheckRow column() const {
     if (!layout.is_column) return not_applicable("weights in the stack", "not a single stack");
     const auto error = [](const CrosscheckRun& run) { return 100 * run.column_error; };
@@ -310,8 +424,8 @@ std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const st
     return {row};
   }
   const Judge judge{layout, ours, box2d, box2d_skin};
-  return {judge.stands(), judge.standing(),    judge.top(),    judge.order(),  judge.tilt(),
-          judge.settle(), judge.penetration(), judge.travel(), judge.column(), judge.ground()};
+  return {judge.stands(),      judge.standing(), judge.top(),    judge.order(),  judge.tilt(),       judge.settle(),
+          judge.penetration(), judge.travel(),   judge.column(), judge.ground(), judge.same_place(), judge.same_way()};
 }
 
 }  // namespace ticktrue::verifier

@@ -19,7 +19,9 @@ constexpr double standing_tilt_max_deg = 15;
 constexpr double standing_move_max = 0.5;  // of its width across, of its height up or down
 constexpr double stood_share = 0.98;       // of the placed bodies: then the structure stood
 constexpr double tilt_shown_max_deg = 45;  // beyond it a body has toppled; how far it rolled on tells nothing
-constexpr double level_share = 0.02;       // sideways part of the ground's force, of all of it
+constexpr double place_speed_max = 0.05;   // m/s: slower, for so long, a body has found its place
+constexpr double place_time_s = 1;
+constexpr double level_share = 0.02;  // sideways part of the ground's force, of all of it
 
 double dot(const Point& a, const Point& b) {
   return a.x * b.x + a.y * b.y;
@@ -54,6 +56,7 @@ CrosscheckMeasure::CrosscheckMeasure(const CrosscheckLayout& layout, double cont
       contact_hertz_(contact_hertz),
       skin_(skin),
       moving_until_s_(layout.bodies.size(), 0),
+      fast_until_s_(layout.bodies.size(), 0),
       carried_sum_(layout.bodies.size(), 0) {}
 
 void CrosscheckMeasure::add(double time_s, const std::vector<BodyReport>& bodies,
@@ -65,8 +68,9 @@ void CrosscheckMeasure::add(double time_s, const std::vector<BodyReport>& bodies
         body.center.x + body.center.y + body.angle + body.velocity.x + body.velocity.y + body.angular_velocity;
     if (!std::isfinite(sum)) is_finite_ = false;
     const double spin_speed = std::fabs(body.angular_velocity) * layout_.bodies[body.id].width / 2;
-    if (std::hypot(body.velocity.x, body.velocity.y) + spin_speed > layout_.rest_speed)
-      moving_until_s_[body.id] = time_s;
+    const double speed = std::hypot(body.velocity.x, body.velocity.y);
+    if (speed + spin_speed > layout_.rest_speed) moving_until_s_[body.id] = time_s;
+    if (speed > place_speed_max) fast_until_s_[body.id] = time_s;
   }
   last_bodies_ = bodies;
   if (contacts && is_finite_) add_contacts(bodies, *contacts);
@@ -207,46 +211,86 @@ CrosscheckRun CrosscheckMeasure::finish() const {
                      std::fabs(carried_sum_[id] / static_cast<double>(contact_sample_count_) - load[id]) / load[id]);
   }
 
-  follow_chain(run);
+  note_chains(run);
+  note_places(run, found);
   close_rows(run, across, present);
   std::sort(run.travel.begin(), run.travel.end());
   return run;
 }
 
-void CrosscheckMeasure::follow_chain(CrosscheckRun& run) const {
+// By id, the contact from below that carries most of a body; null if nothing does.
+std::vector<const ContactReport*> CrosscheckMeasure::find_carriers() const {
   const std::size_t count = layout_.bodies.size();
-  std::size_t body = count;
+  std::vector<const ContactReport*> carriers(count, nullptr);
+  std::vector<double> carried(count, -1);
+  for (const ContactReport& contact : last_contacts_) {
+    if (contact.body_a >= count || contact.body_b >= count || contact.point_count == 0) continue;
+    const double normal_up = dot(contact.normal, layout_.up);
+    if (std::fabs(normal_up) < 0.5) continue;  // side by side
+    const std::uint32_t upper = normal_up > 0 ? contact.body_b : contact.body_a;
+    if (const double force = force_of(contact) * std::fabs(normal_up); force > carried[upper]) {
+      carried[upper] = force;
+      carriers[upper] = &contact;
+    }
+  }
+  return carriers;
+}
+
+// Down the contact that carries most, as often as there are bodies at most.
+CrosscheckMeasure::Chain CrosscheckMeasure::follow_chain(std::size_t body,
+                                                         const std::vector<const ContactReport*>& carriers) const {
+  Chain chain;
+  const std::size_t count = layout_.bodies.size();
+  while (body < count && layout_.bodies[body].is_dynamic && chain.count < count) {
+    const ContactReport* carrier = carriers[body];
+    if (!carrier) return chain;
+    double gap = 0;
+    for (int i = 0; i < carrier->point_count; ++i) gap += carrier->separation[i] / carrier->point_count;
+    gap *= std::fabs(dot(carrier->normal, layout_.up));
+    chain.gap += gap;
+    chain.gap_max = std::max(chain.gap_max, gap);
+    ++chain.count;
+    body = carrier->body_a == body ? carrier->body_b : carrier->body_a;
+  }
+  chain.ends_on_ground = body < count && !layout_.bodies[body].is_dynamic && chain.count > 0;
+  return chain;
+}
+
+void CrosscheckMeasure::note_chains(CrosscheckRun& run) const {
+  const std::size_t count = layout_.bodies.size();
+  std::size_t highest = count;
   double top = -std::numeric_limits<double>::infinity();
   for (const BodyReport& report : last_bodies_) {
     if (report.id >= count || !layout_.bodies[report.id].is_dynamic) continue;
     if (const double up = dot(report.center, layout_.up); up > top) {
       top = up;
-      body = report.id;
+      highest = report.id;
     }
   }
-  // Down the contact that carries most, as often as there are bodies at most.
-  while (body < count && layout_.bodies[body].is_dynamic && run.chain_count < count) {
-    const ContactReport* carrier = nullptr;
-    double carried = -1;
-    for (const ContactReport& contact : last_contacts_) {
-      if (contact.body_a != body && contact.body_b != body) continue;
-      const double normal_up = dot(contact.normal, layout_.up) * (contact.body_b == body ? 1 : -1);
-      if (normal_up < 0.5 || contact.point_count == 0) continue;  // beside or above
-      if (const double force = force_of(contact) * normal_up; force > carried) {
-        carried = force;
-        carrier = &contact;
-      }
-    }
-    if (!carrier) return;
-    double gap = 0;
-    for (int i = 0; i < carrier->point_count; ++i) gap += carrier->separation[i] / carrier->point_count;
-    gap *= std::fabs(dot(carrier->normal, layout_.up));
-    run.chain_gap += gap;
-    run.chain_gap_max = std::max(run.chain_gap_max, gap);
-    ++run.chain_count;
-    body = carrier->body_a == body ? carrier->body_b : carrier->body_a;
+  const Chain chain = follow_chain(highest, find_carriers());
+  run.has_chain = chain.ends_on_ground;
+  run.chain_count = chain.count;
+  run.chain_gap = chain.gap;
+  run.chain_gap_max = chain.gap_max;
+}
+
+void CrosscheckMeasure::note_places(CrosscheckRun& run, const std::vector<const BodyReport*>& found) const {
+  const std::vector<const ContactReport*> carriers = find_carriers();
+  run.places.resize(layout_.bodies.size());
+  for (std::size_t id = 0; id < layout_.bodies.size(); ++id) {
+    const CrosscheckBody& start = layout_.bodies[id];
+    if (!start.is_dynamic || !found[id]) continue;
+    CrosscheckPlace& place = run.places[id];
+    place.is_left = true;
+    place.rests = fast_until_s_[id] < time_s_ - place_time_s;
+    place.across = dot(found[id]->center, layout_.right);
+    place.up = dot(found[id]->center, layout_.up);
+    place.moved = std::hypot(place.across - start.across, place.up - start.up);
+    const Chain chain = follow_chain(id, carriers);
+    if (!chain.ends_on_ground) continue;
+    place.chain_gap = chain.gap;
+    place.chain_gap_max = chain.gap_max;
   }
-  run.has_chain = body < count && !layout_.bodies[body].is_dynamic && run.chain_count > 0;
 }
 
 // Takes out of each row the gaps that the skin opened between its bodies, keeping the row's middle.
