@@ -110,8 +110,14 @@ class CrosscheckMeasure {
     double gap = 0;         // m up
     double gap_max = 0;     // m
   };
-  std::vector<const engine::ContactReport*> find_carriers() const;
-  Chain follow_chain(std::size_t body, const std::vector<const engine::ContactReport*>& carriers) const;
+  struct Carrier {
+    std::size_t body = 0;  // that carries
+    double force = -1;     // N up, of its strongest contact
+    double gap_sum = 0;    // m up, of all points of the two bodies
+    int point_count = 0;   // 0: nothing carries
+  };
+  std::vector<Carrier> find_carriers() const;
+  Chain follow_chain(std::size_t body, const std::vector<Carrier>& carriers) const;
   void note_chains(CrosscheckRun& run) const;
   void note_places(CrosscheckRun& run, const std::vector<const engine::BodyReport*>& found) const;
   void close_rows(CrosscheckRun& run, const std::vector<double>& across, const std::vector<bool>& present) const;
@@ -147,12 +153,17 @@ struct CrosscheckRow {
   std::string reason;    // of a verdict other than agree
 };
 
-/// A row of places: its values are distances from where Box2D's bodies rest on average.
-inline constexpr std::string_view place_criterion = "rests at same place";
-
 /// Judges an ensemble against Box2D's. `box2d_skin`: how far apart Box2D may keep shapes, m. Neither is empty.
 std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
                                         const std::vector<CrosscheckRun>& box2d, double box2d_skin);
+
+/// The criteria that judge body by body. Those differ only where Box2D itself is certain: over its seeds, and with
+/// smaller steps (`finer`: an ensemble for each). Rows in the order of these names, which compare_runs has too.
+inline constexpr std::string_view place_criterion = "rests at same place";  // values: m from Box2D's average
+inline constexpr std::string_view way_criterion = "travels as far";         // values: m of the body most off
+std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                          const std::vector<CrosscheckRun>& box2d,
+                                          const std::vector<std::vector<CrosscheckRun>>& finer, double box2d_skin);
 
 struct CrosscheckOptions {
   std::vector<engine::SolverKind> solvers;  // empty: the scene's

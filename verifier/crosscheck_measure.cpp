@@ -218,39 +218,49 @@ CrosscheckRun CrosscheckMeasure::finish() const {
   return run;
 }
 
-// By id, the contact from below that carries most of a body; null if nothing does.
-std::vector<const ContactReport*> CrosscheckMeasure::find_carriers() const {
+// By id, what carries most of a body from below.
+std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const {
   const std::size_t count = layout_.bodies.size();
-  std::vector<const ContactReport*> carriers(count, nullptr);
-  std::vector<double> carried(count, -1);
-  for (const ContactReport& contact : last_contacts_) {
-    if (contact.body_a >= count || contact.body_b >= count || contact.point_count == 0) continue;
+  std::vector<Carrier> carriers(count);
+  const auto upper_of = [&](const ContactReport& contact) {
     const double normal_up = dot(contact.normal, layout_.up);
-    if (std::fabs(normal_up) < 0.5) continue;  // side by side
-    const std::uint32_t upper = normal_up > 0 ? contact.body_b : contact.body_a;
-    if (const double force = force_of(contact) * std::fabs(normal_up); force > carried[upper]) {
-      carried[upper] = force;
-      carriers[upper] = &contact;
-    }
+    const bool is_known = contact.body_a < count && contact.body_b < count && contact.point_count > 0;
+    if (!is_known || std::fabs(normal_up) < 0.5) return count;  // side by side
+    return std::size_t{normal_up > 0 ? contact.body_b : contact.body_a};
+  };
+  for (const ContactReport& contact : last_contacts_) {
+    const std::size_t upper = upper_of(contact);
+    if (upper == count) continue;
+    const double force = force_of(contact) * std::fabs(dot(contact.normal, layout_.up));
+    if (force <= carriers[upper].force) continue;
+    carriers[upper].force = force;
+    carriers[upper].body = contact.body_a == upper ? contact.body_b : contact.body_a;
+  }
+  // Bodies of several shapes touch in several contacts.
+  for (const ContactReport& contact : last_contacts_) {
+    const std::size_t upper = upper_of(contact);
+    if (upper == count) continue;
+    Carrier& carrier = carriers[upper];
+    if (carrier.body != (contact.body_a == upper ? contact.body_b : contact.body_a)) continue;
+    for (int i = 0; i < contact.point_count; ++i)
+      carrier.gap_sum += contact.separation[i] * std::fabs(dot(contact.normal, layout_.up));
+    carrier.point_count += contact.point_count;
   }
   return carriers;
 }
 
-// Down the contact that carries most, as often as there are bodies at most.
-CrosscheckMeasure::Chain CrosscheckMeasure::follow_chain(std::size_t body,
-                                                         const std::vector<const ContactReport*>& carriers) const {
+// Down what carries most, as often as there are bodies at most.
+CrosscheckMeasure::Chain CrosscheckMeasure::follow_chain(std::size_t body, const std::vector<Carrier>& carriers) const {
   Chain chain;
   const std::size_t count = layout_.bodies.size();
   while (body < count && layout_.bodies[body].is_dynamic && chain.count < count) {
-    const ContactReport* carrier = carriers[body];
-    if (!carrier) return chain;
-    double gap = 0;
-    for (int i = 0; i < carrier->point_count; ++i) gap += carrier->separation[i] / carrier->point_count;
-    gap *= std::fabs(dot(carrier->normal, layout_.up));
+    const Carrier& carrier = carriers[body];
+    if (carrier.point_count == 0) return chain;
+    const double gap = carrier.gap_sum / carrier.point_count;
     chain.gap += gap;
     chain.gap_max = std::max(chain.gap_max, gap);
     ++chain.count;
-    body = carrier->body_a == body ? carrier->body_b : carrier->body_a;
+    body = carrier.body;
   }
   chain.ends_on_ground = body < count && !layout_.bodies[body].is_dynamic && chain.count > 0;
   return chain;
@@ -275,7 +285,7 @@ void CrosscheckMeasure::note_chains(CrosscheckRun& run) const {
 }
 
 void CrosscheckMeasure::note_places(CrosscheckRun& run, const std::vector<const BodyReport*>& found) const {
-  const std::vector<const ContactReport*> carriers = find_carriers();
+  const std::vector<Carrier> carriers = find_carriers();
   run.places.resize(layout_.bodies.size());
   for (std::size_t id = 0; id < layout_.bodies.size(); ++id) {
     const CrosscheckBody& start = layout_.bodies[id];
