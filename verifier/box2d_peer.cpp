@@ -527,7 +527,8 @@ class Box2dWorld final : public Box2dPeer {
         if (joint.linear_spring) return refuse("Box2D 2.4.1 has no springs for the point of weld joints");
         break;
       case JointKind::motor:
-        if (joint.spring) return refuse("Box2D 2.4.1 has no springs in motor joints");
+        if (joint.spring && !(joint.spring->absolute ? joint.spring->damping > 0 : joint.spring->damping_ratio >= 1))
+          return refuse("Box2D 2.4.1 has no motor joints that swing");
         break;
       case JointKind::target:
         if (!joint.spring) return refuse("Box2D 2.4.1 has no rigid mouse joints");
@@ -658,6 +659,13 @@ class Box2dWorld final : public Box2dPeer {
         definition.angularOffset = reference_of(joint.angle_offset, pair);
         definition.maxForce = force(joint.force_max);
         definition.maxTorque = torque(joint.torque_max);
+        if (joint.spring) {
+          // What is overdamped creeps back at stiffness / damping; Box2D takes this share of the error out each step.
+          const double rate = joint.spring->absolute
+                                  ? joint.spring->stiffness / joint.spring->damping
+                                  : engine::pi * joint.spring->hertz / joint.spring->damping_ratio;  // 1/s
+          definition.correctionFactor = std::min(1.0f, static_cast<float>(rate) * dt_);
+        }
         add(definition);
         break;
       }

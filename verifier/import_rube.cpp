@@ -18,6 +18,7 @@
 #include "base/bytes.h"
 #include "base/limits.h"
 #include "engine/geometry/hull.h"
+#include "engine/math/trig.h"
 #include "engine/number_text.h"
 
 namespace ticktrue::verifier {
@@ -41,7 +42,9 @@ constexpr std::size_t polygon_point_count_max = 256;  // before cleaning
 constexpr std::size_t found_size_max = 40;            // bytes of a text quoted in a message
 constexpr double weld_distance = 0.0025;              // m; Box2D merges polygon vertices closer than half its slop
 constexpr double chain_distance = 0.005;              // m; and has no chain points closer than its slop
+constexpr double skin = 0.0075;                       // m; half of the gap that Box2D leaves between resting polygons
 constexpr double density_min = 1e-9;                  // kg/m^2; stands for the format's 0
+constexpr double default_correction = 0.3;            // of a motor joint's error, each step; Box2D's own default
 constexpr double tiny_radius = 0.01;                  // m, of the sensor that stands for no shape
 
 // What an exporter writes and an import does not need: names of layers, and how Box2D is to solve.
@@ -410,6 +413,7 @@ class Importer {
 
   void read_polygon(const Place& at, Shape& shape) {
     shape.kind = ShapeKind::polygon;
+    shape.radius = skin;  // files are saved with bodies at rest
     shape.vertices = points(at, polygon_point_count_max);
     if (error_) return;
     const std::size_t count = shape.vertices.size();
@@ -611,6 +615,13 @@ class Importer {
     if (spring.hertz > 0) joint.spring = spring;
   }
 
+  /// Box2D ties these springs to masses and inertias alone; the scene's hertz count arms too.
+  JointSpring absolute_spring(const JointSpring& spring, double inertia) const {
+    const double omega = 2 * engine::pi * spring.hertz;
+    return {true, 0, 0, inertia * omega * omega, 2 * spring.damping_ratio * omega * inertia};
+  }
+  double inertia_of(std::uint32_t body) const { return engine::body_mass(out_.scene.bodies[body]).inertia; }
+
   void read_revolute(const Place& at, Joint& joint) {
     joint.kind = JointKind::revolute;
     joint.reference_angle = number(at, "refAngle");
@@ -645,6 +656,9 @@ class Importer {
     joint.kind = JointKind::weld;
     joint.reference_angle = number(at, "refAngle");
     read_spring(at, "frequency", "dampingRatio", joint);
+    const double inertia_a = inertia_of(joint.body_a), inertia_b = inertia_of(joint.body_b);
+    const double inverse = (inertia_a > 0 ? 1 / inertia_a : 0) + (inertia_b > 0 ? 1 / inertia_b : 0);
+    if (joint.spring && inverse > 0) joint.spring = absolute_spring(*joint.spring, 1 / inverse);
   }
   void read_motor_joint(const Place& at, Joint& joint) {
     joint.kind = JointKind::motor;
@@ -653,6 +667,13 @@ class Importer {
     joint.angle_offset = number(at, "refAngle");
     joint.force_max = number(at, "maxForce");
     joint.torque_max = number(at, "maxTorque");
+    const double factor = number(at, "correctionFactor", default_correction);
+    if (error_) return;
+    if (!(factor > 0 && factor <= 1)) return refuse(at.at("correctionFactor"), "above 0, at most 1");
+    // Each step takes out this share of the error: a spring so much overdamped that it creeps back at factor / dt,
+    // omega / (2 damping_ratio).
+    const double hertz = 1 / out_.scene.settings.dt;
+    joint.spring = JointSpring{false, hertz, engine::pi / factor, 0, 0};
   }
   void read_friction(const Place& at, Joint& joint) {
     joint.kind = JointKind::friction;
@@ -673,6 +694,7 @@ class Importer {
     joint.anchor_b = rotated(-body.angle, {joint.offset.x - body.position.x, joint.offset.y - body.position.y});
     joint.force_max = number(at, "maxForce");
     read_spring(at, "frequency", "dampingRatio", joint);
+    if (joint.spring) joint.spring = absolute_spring(*joint.spring, engine::body_mass(body).mass);
   }
 
   const Json& root_;
