@@ -157,13 +157,15 @@ struct CrosscheckRow {
 std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
                                         const std::vector<CrosscheckRun>& box2d, double box2d_skin);
 
-/// The criteria that judge body by body. Those differ only where Box2D itself is certain: over its seeds, and with
-/// smaller steps (`finer`: an ensemble for each). Rows in the order of these names, which compare_runs has too.
+/// The criteria that judge body by body. Those differ only where the engines are certain: Box2D over its seeds and with
+/// smaller steps (`finer`: an ensemble for each), ours with smaller steps (`own_finer`). Rows in the order of these
+/// names, which compare_runs has too.
 inline constexpr std::string_view place_criterion = "rests at same place";  // values: m from Box2D's average
 inline constexpr std::string_view way_criterion = "travels as far";         // values: m of the body most off
 std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
                                           const std::vector<CrosscheckRun>& box2d,
-                                          const std::vector<std::vector<CrosscheckRun>>& finer, double box2d_skin);
+                                          const std::vector<std::vector<CrosscheckRun>>& finer,
+                                          const std::vector<std::vector<CrosscheckRun>>& own_finer, double box2d_skin);
 
 struct CrosscheckOptions {
   std::vector<engine::SolverKind> solvers;  // empty: the scene's

@@ -337,8 +337,8 @@ struct Judge {
     return theirs.gap_max <= 1.05 * skin && std::hypot(across, up) <= place_tolerance;
   }
 
-  // `finer`: Box2D with smaller steps, as far as it was run.
-  CrosscheckRow same_place(const std::vector<Runs>& finer) const {
+  // `finer`: Box2D with smaller steps, as far as it was run; `own_finer`: likewise ours.
+  CrosscheckRow same_place(const std::vector<Runs>& finer, const std::vector<Runs>& own_finer) const {
     enum class Found { same, same_without_gaps, converges, unsettled, differs };
     const auto judge = [&](std::uint32_t id, const Rest& own, const Rest& theirs) {
       if (is_same(own, theirs)) return Found::same;
@@ -348,6 +348,10 @@ struct Judge {
         const Rest fine = rest_of(runs, id);
         if (fine.certain && (is_same(own, fine) || is_same_without_gaps(id, own, fine))) return Found::converges;
         settled &= fine.certain && is_same(fine, theirs);
+      }
+      for (const Runs& runs : own_finer) {
+        const Rest fine = rest_of(runs, id);
+        settled &= fine.certain && is_same(fine, own);
       }
       return settled ? Found::differs : Found::unsettled;
     };
@@ -389,7 +393,7 @@ struct Judge {
     if (explained > 0)
       row.reason = fmt::format("{} but for the gaps of Box2D's skin and the overlaps of soft contacts; ", explained);
     if (converging > 0) row.reason += fmt::format("{} where Box2D comes to with smaller steps; ", converging);
-    if (moved > 0) row.reason += fmt::format("{} not judged: smaller steps move Box2D's; ", moved);
+    if (moved > 0) row.reason += fmt::format("{} not judged: smaller steps put them elsewhere; ", moved);
     if (row.verdict == Agreement::expected) row.reason.erase(row.reason.size() - 2);
     return row;
   }
@@ -473,15 +477,16 @@ std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const st
   const Judge judge{layout, ours, box2d, box2d_skin};
   std::vector<CrosscheckRow> rows{judge.stands(), judge.standing(),    judge.top(),    judge.order(),  judge.tilt(),
                                   judge.settle(), judge.penetration(), judge.travel(), judge.column(), judge.ground()};
-  for (CrosscheckRow& row : compare_bodies(layout, ours, box2d, {}, box2d_skin)) rows.push_back(std::move(row));
+  for (CrosscheckRow& row : compare_bodies(layout, ours, box2d, {}, {}, box2d_skin)) rows.push_back(std::move(row));
   return rows;
 }
 
 std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
                                           const std::vector<CrosscheckRun>& box2d,
-                                          const std::vector<std::vector<CrosscheckRun>>& finer, double box2d_skin) {
+                                          const std::vector<std::vector<CrosscheckRun>>& finer,
+                                          const std::vector<std::vector<CrosscheckRun>>& own_finer, double box2d_skin) {
   const Judge judge{layout, ours, box2d, box2d_skin};
-  return {judge.same_place(finer), judge.same_way(finer)};
+  return {judge.same_place(finer, own_finer), judge.same_way(finer)};
 }
 
 }  // namespace ticktrue::verifier
