@@ -185,6 +185,7 @@ class Box2dWorld final : public Box2dPeer {
   void step() override {
     ++tick_;
     for (int i = 0; i < options_.steps_per_tick; ++i) {
+      for (const Sprung& sprung : sprung_) set_stiffness(sprung);
       world_.Step(dt_, options_.velocity_iterations, options_.position_iterations);
       if (clamped_tick_ == 0 && is_clamped()) clamped_tick_ = tick_;
     }
@@ -480,7 +481,7 @@ class Box2dWorld final : public Box2dPeer {
     float stiffness = 0;
     float damping = 0;
   };
-  /// Requires: `mobility` > 0 of the sprung row at the start, where the scene gives hertz. `unit`: of absolute values.
+  /// Requires: `mobility` > 0 of the sprung row, where the scene gives hertz. `unit`: of absolute values.
   static Stiffness stiffness_of(const engine::JointSpring& spring, double mobility, double unit) {
     if (spring.absolute)
       return {static_cast<float>(spring.stiffness * unit), static_cast<float>(spring.damping * unit)};
@@ -540,6 +541,38 @@ class Box2dWorld final : public Box2dPeer {
     return {};
   }
 
+  // Springs given in hertz are as stiff as their row's mass asks, which turns with the bodies.
+  struct Sprung {
+    b2Joint* joint;
+    std::size_t index;  // in Scene::joints
+  };
+  void set_stiffness(const Sprung& sprung) const {
+    const engine::Joint& joint = scene_.joints[sprung.index];
+    if (!joint.spring) return;
+    const Pair pair{sprung.joint->GetBodyA(), sprung.joint->GetBodyB()};
+    const b2Vec2 at_a = sprung.joint->GetAnchorA();
+    const b2Vec2 at_b = sprung.joint->GetAnchorB();
+    const auto set = [](auto* target, const Stiffness& soft) {
+      target->SetStiffness(soft.stiffness);
+      target->SetDamping(soft.damping);
+    };
+    if (joint.kind == JointKind::weld) {
+      const double mobility = pair.pinned_mobility(0.5f * (at_a + at_b));
+      set(static_cast<b2WeldJoint*>(sprung.joint), stiffness_of(*joint.spring, mobility, scale_ * scale_));
+      return;
+    }
+    if (joint.kind == JointKind::wheel) {  // ours acts at B's anchor on both bodies
+      b2Vec2 axis = scaled(joint.axis);
+      axis.Normalize();
+      const double mobility = pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b);
+      set(static_cast<b2WheelJoint*>(sprung.joint), stiffness_of(*joint.spring, mobility, 1));
+      return;
+    }
+    b2Vec2 along = at_b - at_a;
+    if (along.Normalize() < b2_epsilon) along = {1, 0};
+    set(static_cast<b2DistanceJoint*>(sprung.joint), stiffness_of(*joint.spring, pair.mobility(along, at_a, at_b), 1));
+  }
+
   Status add_joint(std::size_t index) {
     const engine::Joint& joint = scene_.joints[index];
     const std::string place = fmt::format("{}: /joints/{}", scene_.name, index);
@@ -552,7 +585,6 @@ class Box2dWorld final : public Box2dPeer {
     const Pair pair{to_world ? anchorage_ : bodies_[joint.body_a].body, bodies_[joint.body_b].body};
     const b2Vec2 anchor_a = scaled(joint.anchor_a);
     const b2Vec2 anchor_b = scaled(joint.anchor_b);
-    const b2Vec2 at_a = pair.a->GetWorldPoint(anchor_a);
     const b2Vec2 at_b = pair.b->GetWorldPoint(anchor_b);
     b2Vec2 axis = scaled(joint.axis);
     axis.Normalize();
@@ -609,14 +641,7 @@ class Box2dWorld final : public Box2dPeer {
           definition.motorSpeed = static_cast<float>(joint.motor->speed);
           definition.maxMotorTorque = torque(joint.motor->force_max);
         }
-        if (joint.spring) {
-          // Ours acts at B's anchor on both bodies.
-          const Stiffness soft =
-              stiffness_of(*joint.spring, pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b), 1);
-          definition.stiffness = soft.stiffness;
-          definition.damping = soft.damping;
-        }
-        add(definition);
+        sprung_.push_back({add(definition), index});
         break;
       }
       case JointKind::distance: {
@@ -629,14 +654,7 @@ class Box2dWorld final : public Box2dPeer {
           definition.minLength = static_cast<float>(joint.limits->lower * scale_);
           definition.maxLength = static_cast<float>(joint.limits->upper * scale_);
         }
-        if (joint.spring) {
-          b2Vec2 along = at_b - at_a;
-          along.Normalize();
-          const Stiffness soft = stiffness_of(*joint.spring, pair.mobility(along, at_a, at_b), 1);
-          definition.stiffness = soft.stiffness;
-          definition.damping = soft.damping;
-        }
-        add(definition);
+        sprung_.push_back({add(definition), index});
         break;
       }
       case JointKind::weld: {
@@ -644,13 +662,7 @@ class Box2dWorld final : public Box2dPeer {
         definition.localAnchorA = anchor_a;
         definition.localAnchorB = anchor_b;
         definition.referenceAngle = reference_of(joint.reference_angle, pair);
-        if (joint.spring) {
-          const Stiffness soft =
-              stiffness_of(*joint.spring, pair.pinned_mobility(0.5f * (at_a + at_b)), scale_ * scale_);
-          definition.stiffness = soft.stiffness;
-          definition.damping = soft.damping;
-        }
-        add(definition);
+        sprung_.push_back({add(definition), index});
         break;
       }
       case JointKind::motor: {
@@ -714,6 +726,10 @@ class Box2dWorld final : public Box2dPeer {
       const bool inside = center.x >= scene_.bounds->lower.x && center.x <= scene_.bounds->upper.x &&
                           center.y >= scene_.bounds->lower.y && center.y <= scene_.bounds->upper.y;
       if (inside) continue;
+      const auto is_gone = [&](const Sprung& sprung) {
+        return sprung.joint->GetBodyA() == entry.body || sprung.joint->GetBodyB() == entry.body;
+      };
+      sprung_.erase(std::remove_if(sprung_.begin(), sprung_.end(), is_gone), sprung_.end());
       world_.DestroyBody(entry.body);
       entry.body = nullptr;
     }
@@ -724,8 +740,9 @@ class Box2dWorld final : public Box2dPeer {
   double scale_;
   float dt_;  // s, of a step
   Mixer mixer_;
-  mutable b2World world_;        // its contacts' fixtures and bodies tell their user data to the non-const only
-  std::vector<Entry> bodies_;    // by id
+  mutable b2World world_;      // its contacts' fixtures and bodies tell their user data to the non-const only
+  std::vector<Entry> bodies_;  // by id
+  std::vector<Sprung> sprung_;
   b2Body* anchorage_ = nullptr;  // holds what is pulled to points of the world; made when first needed
   std::size_t tick_ = 0;
   std::size_t clamped_tick_ = 0;

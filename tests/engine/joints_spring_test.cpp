@@ -167,6 +167,78 @@ TEST_CASE("a spring under other constraints carries their load too", "[engine][j
   }
 }
 
+TEST_CASE("a slider swings at its hertz however far off its centre the anchor is", "[engine][joints][analytic]") {
+  // Held at its angle a body of 2 kg swings as a point: x0 cos(w t), positions half a substep ahead.
+  for (const double arm : {0.0, 0.5, 2.0}) {
+    CAPTURE(arm);
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    scene.bodies = {peg({0, 0}), bob({0.1, arm}, 2, 0.05)};
+    scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+    scene.joints[0].anchor_b = {0, -arm};
+    scene.joints[0].spring = engine::JointSpring{false, 1, 0, 0, 0};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 90);
+    const double phase = 2 * engine::pi * (90 * dt + h / 2);
+    // The rigid row of the angle gives way by torque / (I w^2), w its own.
+    const double rigid = 2 * engine::pi * 0.25 / h;
+    const double torque = 2 * 0.1 * 4 * engine::pi * engine::pi * arm;
+    const double give = torque / (0.05 * rigid * rigid);
+    CHECK(std::fabs(engine->bodies()[1].angle) <= give + 1e-6);
+    CHECK(engine->bodies()[1].center.x == Approx(0.1 * std::cos(phase)).margin(0.001 + 1.5 * arm * give));
+  }
+}
+
+TEST_CASE("a motor that presses a slider against its limit gives way by at most F / (m w^2)",
+          "[engine][joints][analytic]") {
+  constexpr double force = 50;
+  constexpr double mass = 0.12;
+  const double omega = 2 * engine::pi * 0.25 / h;
+  for (const double arm : {0.0, 0.4}) {
+    CAPTURE(arm);
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    scene.bodies = {peg({0, 0}), bob({0, arm}, mass, 0.0075)};
+    scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+    scene.joints[0].anchor_b = {0, -arm};
+    scene.joints[0].limits = engine::Range{-1, 0.5};
+    scene.joints[0].motor = engine::JointMotor{0.5, force};
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 600);
+    CHECK(std::fabs(engine->bodies()[1].center.x - 0.5) <= 1.02 * force / (mass * omega * omega));
+  }
+}
+
+TEST_CASE("two bodies on a slider with arms keep their momentum and angular momentum",
+          "[engine][joints][conservation]") {
+  // Turning bodies, anchors off both centres: the axis is solved with the reactions of the rigid rows.
+  Scene scene = empty_scene();
+  scene.gravity = {0, 0};
+  scene.bodies = {bob({0, 0}, 3, 0.2), bob({1.2, 0.7}, 1, 0.1)};
+  scene.bodies[0].angular_velocity = scene.bodies[1].angular_velocity = 0.5;
+  scene.bodies[1].velocity = {-0.35, 0.6};  // turns with A about A's centre
+  scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+  scene.joints[0].anchor_a = {0.2, 0.3};
+  scene.joints[0].anchor_b = {-0.7, -0.4};
+  scene.joints[0].spring = engine::JointSpring{false, 2, 0, 0, 0};
+  const auto engine = make_engine_or_fail(scene);
+  const auto momentum = [&] {
+    double x = 0, y = 0, spin = 0;
+    for (const engine::BodyReport& body : engine->bodies()) {
+      x += body.mass * body.velocity.x;
+      y += body.mass * body.velocity.y;
+      spin += body.inertia * body.angular_velocity +
+              body.mass * (body.center.x * body.velocity.y - body.center.y * body.velocity.x);
+    }
+    return std::array<double, 3>{x, y, spin};
+  };
+  const auto before = momentum();
+  run_ticks(*engine, 600);
+  const auto after = momentum();
+  for (std::size_t i = 0; i < 3; ++i) CHECK(after[i] == Approx(before[i]).margin(1e-9));
+  CHECK(std::fabs(engine->bodies()[0].angle - engine->bodies()[1].angle) < 0.01);
+}
+
 TEST_CASE("a body off its centre on a point spring sags by m g / k in every direction", "[engine][joints][analytic]") {
   for (const double turn : {0.0, 1.0, 2.5}) {
     Scene scene = empty_scene();

@@ -7,6 +7,7 @@
 
 #include "engine/math/trig.h"
 #include "tests/support/catch.h"
+#include "tests/support/joints.h"
 #include "tests/support/scenes.h"
 #include "verifier/box2d_peer.h"
 
@@ -170,10 +171,11 @@ TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crossc
   const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
   const std::vector<CrosscheckRun> runs(5, stack_run(layout, 10, 0));
   const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, runs, runs, skin);
-  CHECK(rows.size() == 10);
+  CHECK(rows.size() == 12);
   for (const CrosscheckRow& row : rows) {
     CAPTURE(row.criterion);
-    CHECK(row.verdict == Agreement::agree);
+    const bool applies = row.criterion != verifier::way_criterion;  // all rest
+    CHECK(row.verdict == (applies ? Agreement::agree : Agreement::not_applicable));
   }
 }
 
@@ -395,7 +397,7 @@ TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][cross
   CHECK(slid(engine::MixRule::maximum) == Approx(6.25).epsilon(0.015));
 }
 
-TEST_CASE("the peer refuses capsules, rounding, rolling resistance and filters of 32 bits",
+TEST_CASE("the peer refuses capsules, rounded lines, rolling resistance and filters of 32 bits",
           "[verifier][crosscheck][analytic]") {
   if (!has_box2d()) return;
   const auto refusal = [](auto change) {
@@ -406,7 +408,11 @@ TEST_CASE("the peer refuses capsules, rounding, rolling resistance and filters o
   using Catch::Matchers::Contains;
   CHECK(refusal([](Shape&) {}).empty());
   CHECK_THAT(refusal([](Shape& s) { s = capsule_shape({-1, 0}, {1, 0}, 0.5); }), Contains("no capsules"));
-  CHECK_THAT(refusal([](Shape& s) { s.radius = 0.1; }), Contains("rounds nothing"));
+  CHECK(refusal([](Shape& s) { s.radius = 0.1; }).empty());
+  CHECK_THAT(refusal([](Shape& s) {
+               s = segment_shape({-1, 0}, {1, 0}), s.radius = 0.1;
+             }),
+             Contains("rounds no lines"));
   CHECK_THAT(refusal([](Shape& s) { s.material.rolling_resistance = 0.1; }), Contains("rolling resistance"));
   CHECK_THAT(refusal([](Shape& s) { s.filter.category = 0x10000; }), Contains("16 bits"));
   CHECK_THAT(refusal([](Shape& s) { s.filter.mask = 0x1ffff; }), Contains("16 bits"));
@@ -561,4 +567,222 @@ TEST_CASE("seeds and seconds out of range are refused", "[verifier][crosscheck][
   options.seed_count = 1;
   options.seconds = 0;
   CHECK_FALSE(verifier::crosscheck(stack_scene(1), options));
+}
+
+// ---- Body by body ----
+
+namespace {
+
+// Two boxes on the ground, box 1 moved by `off` at the end; box 2 ends at a speed, `way` from its start.
+std::vector<CrosscheckRun> ended(const CrosscheckLayout& layout, const Scene& scene, std::vector<double> offs,
+                                 double way = 0) {
+  std::vector<CrosscheckRun> runs;
+  for (const double off : offs) {
+    std::vector<engine::BodyReport> bodies = reports_of(scene);
+    bodies[1].center.x += off;
+    bodies[2].center.x += way;
+    bodies[2].velocity.x = way > 0 ? 3 : 0;
+    runs.push_back(run_of(layout, bodies, {}));
+  }
+  return runs;
+}
+
+Scene two_boxes() {
+  Scene scene = stack_scene(1);
+  scene.bodies.push_back(unit_box({20, 0.5}));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("what rests in both rests within 2 cm or differs, unless Box2D's seeds scatter or smaller steps move it",
+          "[verifier][crosscheck][analytic]") {
+  const Scene scene = two_boxes();
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto runs = [&](std::vector<double> offs) { return ended(layout, scene, std::move(offs)); };
+  const auto place = [&](const auto& ours, const auto& box2d, const std::vector<std::vector<CrosscheckRun>>& finer,
+                         const std::vector<std::vector<CrosscheckRun>>& own_finer) {
+    return verifier::compare_bodies(layout, ours, box2d, finer, own_finer, skin)[0];
+  };
+  CHECK(place(runs({0, 0}), runs({0.019, 0.019}), {}, {}).verdict == Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).unit == "m, 2 of 2");
+  // Box2D's own seeds 3 cm apart: box 1 has no place, box 2 is left.
+  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).unit == "m, 1 of 2");
+  // Ours scatter: that widens nothing.
+  CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == Agreement::expected);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.2, 0.2})}, {}).unit == "m, 1 of 2");
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0, 0})}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0.05, 0.05})}).unit == "m, 1 of 2");
+}
+
+TEST_CASE("what still moves has come as far within 10 % or 1 m", "[verifier][crosscheck][analytic]") {
+  const Scene scene = two_boxes();
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto way = [&](double own, double theirs) {
+    return verifier::compare_bodies(layout, ended(layout, scene, {0, 0}, own), ended(layout, scene, {0, 0}, theirs), {},
+                                    {}, skin)[1];
+  };
+  CHECK(way(30, 32.9).verdict == Agreement::agree);
+  CHECK(way(30, 34).verdict == Agreement::differ);
+  CHECK(way(1, 1.9).verdict == Agreement::agree);
+  CHECK(way(1, 2.1).verdict == Agreement::differ);
+  CHECK(way(0, 0).verdict == Agreement::not_applicable);
+}
+
+// ---- Joints of the peer ----
+
+namespace {
+
+/// Both engines after some seconds; with 64 substeps of ours and 64 steps a tick of Box2D.
+struct Both {
+  std::vector<engine::BodyReport> ours;
+  std::vector<engine::BodyReport> box2d;
+};
+Both run_both(Scene scene, double seconds) {
+  constexpr int step_count = 64;
+  scene.settings.substeps = step_count;
+  verifier::Box2dOptions options;
+  options.steps_per_tick = step_count;
+  auto peer = verifier::make_box2d_peer(scene, options);
+  INFO((peer ? "" : peer.error().message));
+  REQUIRE(peer);
+  const auto own = engine::make_engine(scene);
+  INFO((own ? "" : own.error().message));
+  REQUIRE(own);
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / scene.settings.dt)); ++i) {
+    (*peer)->step();
+    (*own)->step({scene.settings.dt, {}}, nullptr);
+  }
+  return {(*own)->bodies(), (*peer)->bodies()};
+}
+
+void check_same(const Both& both, double margin) {
+  REQUIRE(both.ours.size() == both.box2d.size());
+  for (std::size_t i = 0; i < both.ours.size(); ++i) {
+    CAPTURE(i);
+    CHECK(both.ours[i].center.x == Approx(both.box2d[i].center.x).margin(margin));
+    CHECK(both.ours[i].center.y == Approx(both.box2d[i].center.y).margin(margin));
+    CHECK(std::remainder(both.ours[i].angle - both.box2d[i].angle, 2 * engine::pi) == Approx(0).margin(2 * margin));
+  }
+}
+
+/// A block at the origin and a bar of 1 m beside it, whose middle is 0.5 m away.
+Scene bar_scene(JointKind kind) {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), body_of(box_shape(0.5, 0.1), {0.5, 0})};
+  scene.bodies[1].mass = engine::ExplicitMass{2, 0.5, {}};
+  scene.joints = {joint_of(kind, 0, 1)};
+  scene.joints[0].anchor_b = {-0.5, 0};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a pendulum of the peer swings as ours does, on a pin and on a rod", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  check_same(run_both(bar_scene(JointKind::revolute), 2), 0.01);
+  Scene rod = bar_scene(JointKind::distance);
+  rod.joints[0].anchor_b = {};
+  rod.joints[0].length = 0.5;
+  check_same(run_both(rod, 2), 0.01);
+}
+
+TEST_CASE("motors and limits of the peer are ours", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  Scene turning = bar_scene(JointKind::revolute);
+  turning.gravity = {0, 0};
+  turning.joints[0].motor = engine::JointMotor{2, 1};
+  const Both driven = run_both(turning, 1);
+  check_same(driven, 0.005);
+  CHECK(driven.box2d[1].angular_velocity == Approx(1).epsilon(0.02));  // torque / (I + m l^2) = 1 / (0.5 + 0.5)
+  turning.joints[0].limits = engine::Range{-0.25, 0.25};
+  const Both stopped = run_both(turning, 4);
+  check_same(stopped, 0.005);
+  CHECK(stopped.box2d[1].angle == Approx(0.25).margin(0.01));
+  turning.joints[0].reference_angle = 2 * engine::pi;  // the same angle, a turn later
+  check_same(run_both(turning, 4), 0.005);
+
+  Scene sliding = bar_scene(JointKind::prismatic);
+  sliding.joints[0].anchor_a = {0, 0};
+  sliding.joints[0].axis = {3, 4};
+  sliding.joints[0].motor = engine::JointMotor{1, 100};
+  check_same(run_both(sliding, 1), 0.005);
+  sliding.joints[0].limits = engine::Range{0, 0.5};
+  check_same(run_both(sliding, 3), 0.005);
+
+  Scene rope = bar_scene(JointKind::distance);
+  rope.joints[0].anchor_b = {};
+  rope.joints[0].limits = engine::Range{0, 1};
+  rope.bodies[1].angular_damping = 1;
+  rope.bodies[1].linear_damping = 2;
+  check_same(run_both(rope, 8), 0.01);
+}
+
+TEST_CASE("springs of the peer are ours: hertz by the joint's own mass, and absolute ones",
+          "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  const engine::JointSpring soft{false, 2, 0.3, 0, 0};
+  for (const JointKind kind : {JointKind::distance, JointKind::wheel, JointKind::weld}) {
+    CAPTURE(static_cast<int>(kind));
+    for (const auto& spring : {soft, engine::JointSpring{true, 0, 0, 150, 4}}) {
+      Scene scene = bar_scene(kind);
+      if (kind == JointKind::distance) scene.joints[0].anchor_a = {0, 0.5};
+      if (kind == JointKind::distance) scene.joints[0].length = 0.5;
+      if (kind == JointKind::wheel)
+        scene.joints[0].axis = {0, 1}, scene.joints[0].anchor_b = {}, scene.joints[0].anchor_a = {0.5, 0};
+      scene.joints[0].spring = spring;
+      scene.bodies[1].angular_damping = kind == JointKind::distance ? 3 : 0;
+      scene.bodies[1].linear_damping = kind == JointKind::distance ? 3 : 0;
+      check_same(run_both(scene, kind == JointKind::distance ? 12 : 3), 0.01);
+    }
+  }
+  Scene pulled = bar_scene(JointKind::target);
+  pulled.joints[0].anchor_b = {};
+  pulled.joints[0].anchor_a = {};
+  pulled.joints[0].offset = {2, 1};
+  pulled.joints[0].force_max = 60;
+  pulled.joints[0].spring = engine::JointSpring{false, 2, 0.7, 0, 0};
+  check_same(run_both(pulled, 4), 0.01);
+}
+
+TEST_CASE("motor and friction joints of the peer are ours", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  Scene held = bar_scene(JointKind::motor);
+  held.joints[0].anchor_b = {};
+  held.joints[0].offset = {1, 0.5};
+  held.joints[0].angle_offset = 0.5;
+  held.joints[0].force_max = 60;
+  held.joints[0].torque_max = 5;
+  held.joints[0].spring = engine::JointSpring{false, 60, engine::pi / 0.2, 0, 0};
+  check_same(run_both(held, 3), 0.02);
+  Scene braked = bar_scene(JointKind::friction);
+  braked.joints[0].anchor_b = {};
+  braked.joints[0].force_max = 12;
+  braked.joints[0].torque_max = 0.5;
+  braked.bodies[1].angular_velocity = 2;
+  check_same(run_both(braked, 1), 0.01);
+}
+
+TEST_CASE("the peer refuses joints that Box2D 2.4.1 does not have, and forces", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  using Catch::Matchers::Contains;
+  const auto refusal = [](JointKind kind, auto change) {
+    Scene scene = bar_scene(kind);
+    change(scene.joints[0]);
+    return refusal_of(scene);
+  };
+  const auto spring = [](Joint& j) { j.spring = engine::JointSpring{false, 2, 0.5, 0, 0}; };
+  CHECK_THAT(refusal(JointKind::revolute, spring), Contains("/joints/0") && Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::prismatic, spring), Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::motor, spring), Contains("swing"));
+  CHECK_THAT(refusal(JointKind::weld, [](Joint& j) { j.linear_spring = absolute_spring(9); }), Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::distance, [](Joint& j) { j.motor = engine::JointMotor{1, 1}; }), Contains("no motors"));
+  CHECK_THAT(refusal(JointKind::wheel, [](Joint& j) { j.spring = absolute_spring(0, 1); }), Contains("damper"));
+  CHECK_THAT(refusal(JointKind::target, [](Joint&) {}), Contains("mouse"));
+  Scene windy = bar_scene(JointKind::revolute);
+  windy.forces.emplace_back();
+  CHECK_THAT(refusal_of(windy), Contains("no force elements"));
 }

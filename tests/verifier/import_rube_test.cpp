@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/limits.h"
+#include "engine/math/trig.h"
 #include "tests/support/catch.h"
 
 namespace ticktrue::test {
@@ -74,6 +75,23 @@ TEST_CASE("gravity, steps per second and continuous physics become settings", "[
   CHECK(bare.scene.gravity == Point{});
   CHECK(bare.scene.settings.dt == 1.0 / 60);
   CHECK_FALSE(bare.scene.settings.continuous);
+}
+
+TEST_CASE("polygons are rounded by half the gap that Box2D leaves between them, circles are not",
+          "[verifier][import_rube]") {
+  // Two skins of 0.01 m, 0.005 m inside each other.
+  const Shape square = shape_with(R"("polygon":{"vertices":{"x":[0,1,1,0],"y":[0,0,1,1]}})");
+  CHECK(2 * square.radius == Approx(0.015));
+  CHECK(shape_with(R"("circle":{"radius":1})").radius == 1);
+}
+
+TEST_CASE("a correction factor outside (0, 1] is refused", "[verifier][import_rube]") {
+  const std::string two = R"({"name":"ground","type":0,)" + disc + R"(},{"type":2,"awake":true,)" + disc + "}";
+  const auto message = [&](const std::string& factor) {
+    return refused(world_of(two, R"({"type":"motor","bodyA":0,"bodyB":1,"correctionFactor":)" + factor + "}")).message;
+  };
+  CHECK(message("0") == "f.json: joint[0].correctionFactor: found 0, expected above 0, at most 1");
+  CHECK(message("1.5") == "f.json: joint[0].correctionFactor: found 1.5, expected above 0, at most 1");
 }
 
 TEST_CASE("a body keeps its pose, motion and flags", "[verifier][import_rube]") {
@@ -271,7 +289,15 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   const Joint weld = joint_with(R"("type":"weld","refAngle":0.25,"frequency":2,"dampingRatio":0.5)");
   CHECK(weld.kind == JointKind::weld);
   CHECK(weld.reference_angle == 0.25);
-  CHECK(weld.spring == engine::JointSpring{false, 2, 0.5, 0, 0});
+  // Box2D's stiffness is that of the inertias alone: I w^2 with w = 2 pi 2 Hz, the ground's counts as infinite.
+  const double mass = engine::pi * 0.25;  // of the disc of 0.5 m
+  const double inertia = mass * 0.125;
+  const double omega = 4 * engine::pi;
+  REQUIRE(weld.spring.has_value());
+  CHECK(weld.spring->absolute);
+  CHECK(weld.spring->stiffness == Approx(inertia * omega * omega));
+  CHECK(weld.spring->damping == Approx(2 * 0.5 * inertia * omega));
+  CHECK_FALSE(joint_with(R"("type":"weld")").spring.has_value());
 
   const Joint motor = joint_with(R"("type":"motor","anchorA":{"x":5,"y":6},"refAngle":1,"maxForce":8,"maxTorque":9)");
   CHECK(motor.kind == JointKind::motor);
@@ -280,6 +306,13 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   CHECK(motor.angle_offset == 1);
   CHECK(motor.force_max == 8);
   CHECK(motor.torque_max == 9);
+  // Creeps back at omega / (2 damping_ratio) = correctionFactor / dt; the file has 50 steps a second.
+  const auto rate_of = [](const Joint& joint) {
+    return engine::pi * joint.spring->hertz / joint.spring->damping_ratio;
+  };
+  CHECK(rate_of(motor) == Approx(0.3 * 50));  // Box2D's default
+  CHECK(rate_of(joint_with(R"("type":"motor","correctionFactor":0.8)")) == Approx(0.8 * 50));
+  CHECK(motor.spring->damping_ratio > 1);
 
   const Joint friction = joint_with(R"("type":"friction","maxForce":8,"maxTorque":9)");
   CHECK(friction.kind == JointKind::friction);
@@ -292,13 +325,16 @@ TEST_CASE("joints of every kind keep limits, motors and springs", "[verifier][im
   CHECK(mouse.anchor_b.x == Approx(3 * std::sin(1)));  // (0, 3) from the origin, the body turned by 1 rad
   CHECK(mouse.anchor_b.y == Approx(3 * std::cos(1)));
   CHECK(mouse.body_a == 0);
+  REQUIRE(mouse.spring.has_value());
+  CHECK(mouse.spring->stiffness == Approx(mass * 100 * engine::pi * engine::pi));
+  CHECK(mouse.spring->damping == Approx(20 * engine::pi * mass));
 }
 
 TEST_CASE("what is not imported is listed by name", "[verifier][import_rube]") {
   CHECK(joined(R"("type":"gear","ratio":2)").notes == std::vector<std::string>{"not imported: joint[0] \"j\": gear"});
   CHECK(joined(R"("type":"gear","ratio":2)").scene.joints.empty());
-  CHECK(joined(R"("type":"motor","correctionFactor":0.3)").notes ==
-        std::vector<std::string>{"not imported: joint key \"correctionFactor\""});
+  CHECK(joined(R"("type":"motor","correctionSpeed":0.3)").notes ==
+        std::vector<std::string>{"not imported: joint key \"correctionSpeed\""});
   const RubeImport import =
       imported(R"({"camera":{},"body":[{"customProperties":[],)" + disc + R"(}],"image":[{"name":"leaf"}]})");
   CHECK(import.notes == std::vector<std::string>{"not imported: image[0] \"leaf\" (no physics)",
