@@ -283,7 +283,8 @@ class Box2dWorld final : public Box2dPeer {
                       : description.type == BodyType::kinematic_body ? b2_kinematicBody
                                                                      : b2_dynamicBody;
     definition.position = scaled(description.position);
-    definition.angle = static_cast<float>(description.angle);
+    // Box2D adds turns up in a float: after thousands of them it would lose small ones.
+    definition.angle = static_cast<float>(std::remainder(description.angle, 2 * engine::pi));
     definition.linearDamping = static_cast<float>(description.linear_damping);
     definition.angularDamping = static_cast<float>(description.angular_damping);
     definition.gravityScale = static_cast<float>(description.gravity_scale);
