@@ -34,7 +34,7 @@ std::string target_name() {
   std::string name = "s390x";
 #elif defined(__powerpc64__)
   std::string name = "ppc64";
-#elif defined(__EMSCRIPTEN__)
+#elif defined(__wasm__)
   std::string name = "wasm";
 #else
   std::string name = "unknown";
@@ -61,6 +61,11 @@ const BuildInfo& build_info() {
       false,
 #endif
 #ifdef TICKTRUE_HAS_BOX2D
+      true,
+#else
+      false,
+#endif
+#ifdef TICKTRUE_HAS_THREADS
       true,
 #else
       false,

@@ -14,6 +14,7 @@ struct BuildInfo {
   std::string target;    // "x86_64 little-endian 64-bit"
   bool has_zstd;
   bool has_box2d;
+  bool has_threads;
 };
 
 const BuildInfo& build_info();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/float_behaviour.h"
 #include "base/state_view.h"
 
 namespace ticktrue::replay {
@@ -108,6 +109,7 @@ Result<std::optional<TickInput>> NoInputs::next(std::uint64_t) {
 
 Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
                             const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options) {
+  if (const Status floats = check_float_behaviour(); !floats) return floats.error();
   if (const std::optional<StatePlace> place = find_non_finite(simulation.state()))
     return Error{ErrorCode::invalid_scene, "initial state, " + non_finite_text(simulation, 0, *place), ""};
   Result<TraceWriter> writer = TraceWriter::create(path, setup, facts, options.writer);

@@ -8,11 +8,10 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "base/limits.h"
 #include "verifier/box2d_peer.h"
+#include "verifier/parallel.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -64,15 +63,9 @@ class Runner {
   /// The outcome of each job, in order; the first error in that order.
   Result<std::vector<Outcome>> run(const std::vector<Job>& jobs) {
     std::vector<std::optional<Result<Outcome>>> results(jobs.size());
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-      for (std::size_t i = next.fetch_add(1); i < jobs.size(); i = next.fetch_add(1)) results[i] = run_job(jobs[i]);
-    };
-    std::vector<std::thread> threads;
-    const std::size_t thread_count = std::min<std::size_t>(std::max(1u, options_.thread_count), jobs.size());
-    for (std::size_t i = 1; i < thread_count; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    const Status ran =
+        run_jobs(jobs.size(), options_.thread_count, [&](std::size_t i) { results[i] = run_job(jobs[i]); });
+    if (!ran) return ran.error();
 
     std::vector<Outcome> outcomes;
     for (std::optional<Result<Outcome>>& result : results) {
@@ -137,8 +130,9 @@ class Runner {
   void count_tick() {
     const std::uint64_t done = done_.fetch_add(1) + 1;
     if (!options_.progress || done % 64 != 0) return;
-    const std::lock_guard<std::mutex> lock(progress_mutex_);
+    if (is_reporting_.exchange(true)) return;  // another thread tells the progress just now
     options_.progress(done, total_);
+    is_reporting_ = false;
   }
 
   // docs/physics.md, "tgs_soft": contact stiffness rises with the substep rate.
@@ -151,7 +145,7 @@ class Runner {
   const CrosscheckOptions& options_;
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  std::mutex progress_mutex_;
+  std::atomic<bool> is_reporting_{false};
 };
 
 std::vector<CrosscheckRun> runs_of(const std::vector<Outcome>& outcomes, std::size_t first, std::size_t count) {

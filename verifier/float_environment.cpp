@@ -17,38 +17,6 @@ Real opaque(Real value) {
   return hidden;
 }
 
-template <typename Real>
-std::string_view rounding_of() {
-  const Real tiny = opaque(std::numeric_limits<Real>::epsilon() / 1024);
-  const Real one = opaque(Real(1));
-  if (opaque(one + tiny) > one) return "upward";
-  if (opaque(-one - tiny) < -one) return "downward";
-  if (opaque(one - tiny) < one) return "toward_zero";
-  return "nearest";
-}
-
-template <typename Real>
-bool flushes() {
-  return opaque(opaque(std::numeric_limits<Real>::min()) * opaque(Real(0.5))) == Real(0);
-}
-
-template <typename Real>
-bool drops_subnormals() {
-  // The product of a subnormal operand and a large one is normal: zero only if the operand was taken as zero.
-  return opaque(opaque(std::numeric_limits<Real>::denorm_min()) *
-                opaque(Real(1) / std::numeric_limits<Real>::epsilon() * Real(4))) == Real(0);
-}
-
-template <typename Real>
-bool contracts() {
-  // (1 + e)(1 - e) = 1 - e^2 is no number of the type: with the product rounded first, the sum is another one.
-  const Real e = std::numeric_limits<Real>::epsilon();
-  const Real a = opaque(1 + e);
-  const Real b = opaque(1 - e);
-  const Real c = opaque(Real(-1));
-  return opaque(a * b + c) != opaque(opaque(a * b) + c);
-}
-
 float root(float value) {
   return __builtin_sqrtf(value);
 }
@@ -98,10 +66,7 @@ void operate(ByteWriter& out) {
 
 FloatEnvironment probe_float_environment() {
   FloatEnvironment environment;
-  environment.rounding = rounding_of<float>() == "nearest" ? rounding_of<double>() : rounding_of<float>();
-  environment.flushes_to_zero = flushes<float>() || flushes<double>();
-  environment.subnormals_are_zero = drops_subnormals<float>() || drops_subnormals<double>();
-  environment.contracts = contracts<float>() || contracts<double>();
+  environment.behaviour = probe_float_behaviour();
   environment.evaluation_method = FLT_EVAL_METHOD;
   ByteWriter out;
   operate<float>(out);
@@ -111,8 +76,8 @@ FloatEnvironment probe_float_environment() {
 }
 
 bool follows_rules(const FloatEnvironment& environment) {
-  return environment.rounding == "nearest" && !environment.flushes_to_zero && !environment.subnormals_are_zero &&
-         !environment.contracts && environment.evaluation_method == 0 && environment.digest == float_digest_expected;
+  return check_float_behaviour(environment.behaviour) && environment.evaluation_method == 0 &&
+         environment.digest == float_digest_expected;
 }
 
 }  // namespace ticktrue::verifier

@@ -3,17 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+
+#include "base/float_behaviour.h"
 
 namespace ticktrue::verifier {
 
 struct FloatEnvironment {
-  std::string_view rounding;         // "nearest", "upward", "downward", "toward_zero"
-  bool flushes_to_zero = false;      // subnormal results become zero
-  bool subnormals_are_zero = false;  // subnormal operands count as zero
-  bool contracts = false;            // a * b + c is rounded once
-  int evaluation_method = 0;         // FLT_EVAL_METHOD
-  std::uint64_t digest = 0;          // of a few thousand operations in f32 and f64
+  FloatBehaviour behaviour;
+  int evaluation_method = 0;  // FLT_EVAL_METHOD
+  std::uint64_t digest = 0;   // of a few thousand operations in f32 and f64
 };
 
 /// The digest of every platform that follows IEEE 754 operation by operation.

@@ -3,7 +3,9 @@
 #include "verifier/input_source.h"
 
 #include <fcntl.h>
+#ifndef _WIN32
 #include <poll.h>
+#endif
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,6 +22,14 @@ namespace {
 
 constexpr std::size_t block_size = 1u << 16;
 
+#ifdef _WIN32
+constexpr int read_flags = O_RDONLY | O_BINARY;
+/// Windows cannot wait for a pipe this way: the read itself waits, and a wish to stop is seen at the next line.
+bool wait_for_data(int, const std::function<bool()>& stop) {
+  return !stop || !stop();
+}
+#else
+constexpr int read_flags = O_RDONLY;
 /// Waits until a read would not block. False if `stop` said so: it is asked several times a second, since a signal that
 /// comes just before the wait would not end it.
 bool wait_for_data(int descriptor, const std::function<bool()>& stop) {
@@ -32,6 +42,7 @@ bool wait_for_data(int descriptor, const std::function<bool()>& stop) {
     if (poll(&wait, 1, interval_ms) > 0) return true;
   }
 }
+#endif
 
 bool is_blank(std::string_view line) {
   return line.find_first_not_of(" \t") == std::string_view::npos;
@@ -47,7 +58,7 @@ Result<LineReader> LineReader::open(const std::string& path) {
     return reader;
   }
   reader.name_ = path;
-  reader.descriptor_ = ::open(path.c_str(), O_RDONLY);
+  reader.descriptor_ = ::open(path.c_str(), read_flags);
   if (reader.descriptor_ < 0) return Error{ErrorCode::io, path + ": cannot open: " + system_message(errno), ""};
   reader.owned_ = true;
   struct stat status {};

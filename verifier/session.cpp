@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/build_info.h"
+#include "base/float_behaviour.h"
 #include "engine/scene_binary.h"
 
 namespace ticktrue::verifier {
@@ -95,6 +96,7 @@ Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& sourc
                               std::optional<std::uint64_t> tick_count,
                               const std::function<bool(std::uint64_t)>& progress) {
   using Clock = std::chrono::steady_clock;
+  if (const Status floats = check_float_behaviour(); !floats) return floats.error();
   RunResult result;
   const std::uint64_t tick_end = tick_count.value_or(std::numeric_limits<std::uint64_t>::max());
   while (result.tick_count < tick_end) {

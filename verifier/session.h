@@ -66,7 +66,8 @@ struct RunResult {
 };
 
 /// Runs without recording, until `tick_count` ticks are done, the source ends, or a value is not finite. `progress`
-/// (ticks done) may be empty; false stops. Errors: io, invalid_input, limit.
+/// (ticks done) may be empty; false stops. Errors: unsupported
+/// (check_float_behaviour), io, invalid_input, limit.
 Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& source,
                               std::optional<std::uint64_t> tick_count,
                               const std::function<bool(std::uint64_t)>& progress);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/float_behaviour.h"
 #include "base/hash.h"
 #include "verifier/locate.h"
 #include "verifier/schema_difference.h"
@@ -147,6 +148,10 @@ class Verifier {
   }
 
   bool is_available() {
+    if (const Status floats = check_float_behaviour(); !floats) {
+      not_comparable(floats.error().message, floats.error().hint);
+      return false;
+    }
     const SimulationInfo* info = options_.simulation;
     if (info == nullptr || info->name != setup_.simulation) {
       not_comparable("simulation: recorded with " + setup_.simulation + ", which this build does not have");

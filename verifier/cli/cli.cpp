@@ -239,12 +239,16 @@ Result<TickRange> parse_tick_range(const std::string& text, const std::string& o
 }
 
 void catch_stop_signals() {
+#ifdef _WIN32
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, remember_stop);
+#else
   // Without SA_RESTART: a read that waits for live input returns, so that the recording can be closed.
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction action {};
     action.sa_handler = remember_stop;
     sigaction(signal, &action, nullptr);
   }
+#endif
 }
 
 bool stop_requested() {

@@ -3,6 +3,9 @@
 #include "verifier/cli/command_line.h"
 
 #include <fcntl.h>
+#ifdef _WIN32
+#include <io.h>
+#endif
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -148,19 +151,27 @@ int parse_and_run(int argc, char** argv) {
   return context.exit_code;
 }
 
+#ifdef _WIN32
+/// What is printed has the same bytes on every system: no line end is changed on the way.
+void prepare_standard_streams() {
+  ::_setmode(1, _O_BINARY);
+  ::_setmode(2, _O_BINARY);
+}
+#else
 /// A standard stream that was closed at start stays closed: else the next file opened takes its number, and messages go
 /// into a trace. Read-only, so that writing to it still fails.
-void hold_standard_descriptors() {
+void prepare_standard_streams() {
   for (int descriptor = 0; descriptor <= 2; ++descriptor)
     if (::fcntl(descriptor, F_GETFD) == -1 && ::open("/dev/null", O_RDONLY) != descriptor) return;
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is seen as a failed write, not as a death
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
 }
+#endif
 
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-  hold_standard_descriptors();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is seen as a failed write, not as a death
-  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
+  prepare_standard_streams();
   int exit_code = exit_usage;
   try {
     exit_code = parse_and_run(argc, argv);

@@ -7,11 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
+#include "verifier/parallel.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -178,8 +178,8 @@ int run_crosscheck(const CrosscheckCommand& command) {
       options.solvers.push_back(info->kind);
   options.seed_count = static_cast<std::uint32_t>(command.seed_count);
   options.seconds = command.seconds;
-  options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count)
-                                                  : std::max(1u, std::thread::hardware_concurrency());
+  options.thread_count =
+      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : verifier::core_count();
   std::optional<Progress> progress;
   std::uint64_t total_shown = 0;
   options.progress = [&](std::uint64_t done, std::uint64_t total) {

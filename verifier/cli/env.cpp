@@ -1,69 +1,119 @@
-// `ticktrue env`: what this build and this machine compute with.
+// `ticktrue env`: what this build and this machine compute with, and whether it is what every platform must give.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "base/build_info.h"
 #include "base/hash.h"
 #include "engine/engine.h"
 #include "replay/trace.h"
+#include "verifier/arithmetic_probe.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/float_environment.h"
+#include "verifier/machine.h"
 
 namespace ticktrue::cli {
 namespace {
 
 struct EnvOptions {
   bool json = false;
+  bool check = false;
 };
 
-int run_env(const EnvOptions& options) {
+std::string features_text(const BuildInfo& build) {
+  return fmt::format("zstd {}, Box2D {}, threads {}", build.has_zstd ? "yes" : "no", build.has_box2d ? "yes" : "no",
+                     build.has_threads ? "yes" : "no");
+}
+
+Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifier::ProbePart>& parts) {
   const BuildInfo& build = build_info();
+  const verifier::MachineFacts machine = verifier::machine_facts();
+  Json object;
+  object["schema"] = "ticktrue.env/1";
+  object["version"] = build.version;
+  object["commit"] = build.commit;
+  object["compiler"] = build.compiler;
+  object["flags"] = build.flags;
+  object["target"] = build.target;
+  object["zstd"] = build.has_zstd;
+  object["box2d"] = build.has_box2d;
+  object["threads"] = build.has_threads;
+  object["trace_format"] = replay::format_version;
+  object["physics_version"] = engine::physics_version;
+  object["cpu"] = machine.cpu;
+  object["instruction_set"] = machine.instruction_set;
+  object["control_word"] = machine.control_word;
+  const FloatBehaviour& behaviour = floats.behaviour;
+  object["floats"] = {{"rounding", behaviour.rounding},
+                      {"flushes_to_zero", behaviour.flushes_to_zero},
+                      {"subnormals_are_zero", behaviour.subnormals_are_zero},
+                      {"contracts", behaviour.contracts},
+                      {"evaluation_method", floats.evaluation_method},
+                      {"digest", hex64(floats.digest)},
+                      {"digest_expected", hex64(verifier::float_digest_expected)},
+                      {"right", verifier::follows_rules(floats)}};
+  if (!parts.empty()) object["probe"] = Json::array();
+  for (const verifier::ProbePart& part : parts)
+    object["probe"].push_back({{"part", part.name},
+                               {"what", part.what},
+                               {"digest", hex64(part.digest)},
+                               {"digest_expected", hex64(part.expected)},
+                               {"right", part.is_right()}});
+  return object;
+}
+
+std::string env_text(const verifier::FloatEnvironment& floats, const std::vector<verifier::ProbePart>& parts) {
+  const BuildInfo& build = build_info();
+  const verifier::MachineFacts machine = verifier::machine_facts();
+  std::string text = build_line() + "\n";
+  text +=
+      fmt::format("  compiler    {}\n  flags       {}\n  target      {}\n", build.compiler, build.flags, build.target);
+  text += fmt::format("  machine     {}{}computes with {}\n", machine.cpu, machine.cpu.empty() ? "" : ", ",
+                      machine.instruction_set);
+  text += fmt::format("  parts       {}\n", features_text(build));
+  text += fmt::format("  versions    trace format {}, physics {}\n", replay::format_version, engine::physics_version);
+  const FloatBehaviour& behaviour = floats.behaviour;
+  text += fmt::format(
+      "  floats      rounding {}, subnormal results {}, subnormal operands {}, a*b+c {}, "
+      "evaluation method {}{}{}\n",
+      behaviour.rounding, behaviour.flushes_to_zero ? "flushed" : "kept",
+      behaviour.subnormals_are_zero ? "zero" : "kept", behaviour.contracts ? "contracted" : "rounded twice",
+      floats.evaluation_method, machine.control_word.empty() ? "" : ", ", machine.control_word);
+  text +=
+      fmt::format("  digest      {} ({})\n", hex64(floats.digest), verifier::follows_rules(floats) ? "right" : "wrong");
+  for (const verifier::ProbePart& part : parts)
+    text += fmt::format("  probe       {} {:<14} {}{}\n", hex64(part.digest), part.name, part.what,
+                        part.is_right() ? "" : ": WRONG, expected " + hex64(part.expected));
+  return text;
+}
+
+int run_env(const EnvOptions& options) {
   const verifier::FloatEnvironment floats = verifier::probe_float_environment();
-  const bool is_right = verifier::follows_rules(floats);
-  if (options.json) {
-    Json object;
-    object["schema"] = "ticktrue.env/1";
-    object["version"] = build.version;
-    object["commit"] = build.commit;
-    object["compiler"] = build.compiler;
-    object["flags"] = build.flags;
-    object["target"] = build.target;
-    object["zstd"] = build.has_zstd;
-    object["box2d"] = build.has_box2d;
-    object["trace_format"] = replay::format_version;
-    object["physics_version"] = engine::physics_version;
-    object["floats"] = {{"rounding", floats.rounding},
-                        {"flushes_to_zero", floats.flushes_to_zero},
-                        {"subnormals_are_zero", floats.subnormals_are_zero},
-                        {"contracts", floats.contracts},
-                        {"evaluation_method", floats.evaluation_method},
-                        {"digest", hex64(floats.digest)},
-                        {"digest_expected", hex64(verifier::float_digest_expected)},
-                        {"right", is_right}};
-    print_json(object);
-  } else {
-    print(build_line() + "\n");
-    print(fmt::format("  compiler    {}\n  flags       {}\n  target      {}\n", build.compiler, build.flags,
-                      build.target));
-    print(fmt::format("  libraries   zstd {}, Box2D {}\n", build.has_zstd ? "yes" : "no",
-                      build.has_box2d ? "yes" : "no"));
-    print(fmt::format("  versions    trace format {}, physics {}\n", replay::format_version, engine::physics_version));
-    print(fmt::format(
-        "  floats      rounding {}, subnormal results {}, subnormal operands {}, a*b+c {}, "
-        "evaluation method {}\n",
-        floats.rounding, floats.flushes_to_zero ? "flushed" : "kept", floats.subnormals_are_zero ? "zero" : "kept",
-        floats.contracts ? "contracted" : "rounded twice", floats.evaluation_method));
-    print(fmt::format("  digest      {} ({})\n", hex64(floats.digest), is_right ? "right" : "wrong"));
-  }
-  if (!is_right)
+  std::vector<verifier::ProbePart> parts;
+  if (options.check) parts = verifier::probe_arithmetic();
+  if (options.json)
+    print_json(env_json(floats, parts));
+  else
+    print(env_text(floats, parts));
+
+  constexpr const char* hint = "traces of other machines will not verify here";
+  if (!verifier::follows_rules(floats)) {
     print_error(Error{ErrorCode::unsupported,
                       "floating point: found arithmetic with digest " + hex64(floats.digest) + ", expected " +
                           hex64(verifier::float_digest_expected),
-                      "traces of other machines will not verify here"});
-  return is_right ? exit_ok : exit_finding;
+                      hint});
+    return exit_finding;
+  }
+  const auto wrong = std::find_if(parts.begin(), parts.end(), [](const auto& part) { return !part.is_right(); });
+  if (wrong == parts.end()) return exit_ok;
+  print_error(Error{ErrorCode::unsupported,
+                    "probe: " + std::string(wrong->name) + ": found digest " + hex64(wrong->digest) + ", expected " +
+                        hex64(wrong->expected),
+                    hint});
+  return exit_finding;
 }
 
 }  // namespace
@@ -72,8 +122,12 @@ void add_env(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<EnvOptions>();
   CLI::App* command =
       app.add_subcommand("env", "Say what this build and this machine compute with")->group(group_upkeep);
+  command->add_flag(
+      "--check", options->check,
+      "Compare the engine's own arithmetic, part by part, with what every platform must give; exit 1 where it "
+      "differs");
   command->add_flag("--json", options->json, "One JSON object");
-  set_examples(*command, "ticktrue env");
+  set_examples(*command, "ticktrue env\nticktrue env --check --json");
   command->callback([options, &context] { context.exit_code = run_env(*options); });
 }
 
