@@ -7,6 +7,7 @@
 // Not verified: anything of traces that are damaged, cut or of other simulations: those are refused.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -35,6 +36,27 @@ std::string differ(std::uint64_t found, std::uint64_t expected) {
   return "found " + hex64(found) + ", expected " + hex64(expected);
 }
 
+/// The first lane in which the state is not the recorded one: "table bodies, column velocity, row 3, lane 0".
+std::string place_of(const Simulation& simulation, ByteView expected) {
+  const StateSchema& schema = *simulation.state().schema;
+  Bytes got;
+  encode_image(simulation.state(), got);
+  const auto expected_tables = split_image(schema, expected);
+  const auto got_tables = split_image(schema, got);
+  if (!expected_tables || !got_tables) return "the image is of another shape";
+  const std::vector<LaneDifference> differences = diff_images(schema, *expected_tables, *got_tables, 1);
+  if (differences.empty()) return "no lane differs";
+  const LaneDifference& first = differences.front();
+  const TableSchema& table = schema.tables[first.place.table];
+  const Column& column = table.columns[first.place.column];
+  const auto text = [&](const std::optional<std::uint64_t>& bits) {
+    return bits ? lane_text(column.type, *bits) + " (" + lane_hex(column.type, *bits) + ")"
+                : std::string("no such row");
+  };
+  return "table " + table.name + ", column " + column.name + ", row " + std::to_string(first.place.row) + ", lane " +
+         std::to_string(first.place.lane) + ": found " + text(first.got) + ", expected " + text(first.expected);
+}
+
 bool check_tick(const std::string& file, Simulation& simulation, const replay::TraceSetup& setup,
                 const replay::TickRecord& tick) {
   const std::string place = "tick " + std::to_string(tick.tick);
@@ -45,9 +67,12 @@ bool check_tick(const std::string& file, Simulation& simulation, const replay::T
   simulation.step(input, tick.stage_hashes.empty() ? nullptr : &observer);
   for (std::size_t i = 0; i < tick.stage_hashes.size(); ++i)
     if (i >= observer.hashes.size() || observer.hashes[i] != tick.stage_hashes[i])
-      return complain(file, place + ": stage " + setup.stages[i] + ": hash differs");
+      return complain(file, place + ": stage " + setup.stages[i] + ": hash differs" +
+                                (tick.image ? "; at the end of the tick " + place_of(simulation, *tick.image) : ""));
   const std::uint64_t found = root_hash(simulation.state());
-  if (found != tick.root_hash) return complain(file, place + ": root hash: " + differ(found, tick.root_hash));
+  if (found != tick.root_hash)
+    return complain(file, place + (tick.image ? ": " + place_of(simulation, *tick.image)
+                                              : ": root hash: " + differ(found, tick.root_hash)));
   if (!tick.image) return true;
   Bytes image;
   encode_image(simulation.state(), image);
@@ -55,7 +80,7 @@ bool check_tick(const std::string& file, Simulation& simulation, const replay::T
   return complain(file, place + ": state image differs");
 }
 
-bool check_trace(const std::string& file) {
+bool check_trace(const std::string& file, std::uint64_t& ticks) {
   auto reader = replay::TraceReader::open(file);
   if (!reader) return complain(file, reader.error().message);
   const replay::TraceSetup& setup = reader->setup();
@@ -64,7 +89,7 @@ bool check_trace(const std::string& file) {
     return complain(file, "recorded with " + setup.simulation + " " + std::to_string(setup.physics_version));
   auto simulation = info.make(setup.setup);
   if (!simulation) return complain(file, simulation.error().message);
-  std::uint64_t ticks = 0;
+  const std::uint64_t ticks_before = ticks;
   for (;;) {
     const replay::TraceReader::Item& item = reader->next();
     if (const auto* tick = std::get_if<replay::TickRecord>(&item)) {
@@ -81,7 +106,7 @@ bool check_trace(const std::string& file) {
   }
   const replay::TraceTail& tail = reader->tail();
   if (tail.condition != replay::TraceCondition::complete) return complain(file, tail.message);
-  if (ticks == 0) return complain(file, "found no tick, expected at least one");
+  if (ticks == ticks_before) return complain(file, "found no tick, expected at least one");
   return true;
 }
 
@@ -90,8 +115,10 @@ bool check_trace(const std::string& file) {
 
 int main(int argc, char* argv[]) {
   int failed = 0;
+  std::uint64_t ticks = 0;
   for (int i = 1; i < argc; ++i)
-    if (!ticktrue::check_trace(argv[i])) ++failed;
-  std::printf("%s: %d traces, %d differ\n", ticktrue::build_line().c_str(), argc - 1, failed);
+    if (!ticktrue::check_trace(argv[i], ticks)) ++failed;
+  std::printf("%s: %d traces, %llu ticks, %d differ\n", ticktrue::build_line().c_str(), argc - 1,
+              static_cast<unsigned long long>(ticks), failed);
   return failed == 0 && argc > 1 ? 0 : 1;
 }

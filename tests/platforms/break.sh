@@ -1,0 +1,82 @@
+#!/bin/sh
+# Breaks the arithmetic of a copy of the tree in three ways and shows that the traces name the place.
+# SPDX-License-Identifier: MIT
+# usage: break.sh JOBS    from the root of the tree. Exits 0 if each of the three is found, with tick, table, column, row.
+#
+# contract: products and sums fuse (aarch64). libm: the C library's sine and cosine in the rotation of a body (x86-64).
+# flush: subnormal results become zero (x86-64). trace_check runs them, since the tool itself refuses to run so.
+set -u
+jobs=$1
+root=$(pwd)
+out=$root/out/broken
+rm -rf "$out"
+mkdir -p "$out"
+CCACHE_SLOPPINESS=pch_defines,time_macros
+export CCACHE_SLOPPINESS
+
+fail() {
+  printf 'break: error: %s\n' "$1" >&2
+  exit 1
+}
+
+# change FILE FROM TO: replaces the text, which must be there.
+change() {
+  grep -qF -- "$2" "$1" || fail "$1: found no \"$2\", which is what would be broken"
+  awk -v from="$2" -v to="$3" '
+    (at = index($0, from)) { $0 = substr($0, 1, at - 1) to substr($0, at + length(from)) }
+    { print }' "$1" >"$1.new" && mv "$1.new" "$1"
+}
+
+# copy_tree KIND: what a build needs, into out/broken/KIND; the rest of a kind happens there.
+copy_tree() {
+  mkdir -p "$out/$1"
+  for part in CMakeLists.txt CMakePresets.json base bench cmake docs engine replay tests verifier; do
+    cp -R "$root/$part" "$out/$1/"
+  done
+  cd "$out/$1" || fail "cannot enter $out/$1"
+}
+
+# find_place KIND PRESET: builds the broken copy and runs it over recordings that hold every state, then over the goldens.
+find_place() {
+  CCACHE_BASEDIR=$(pwd)
+  export CCACHE_BASEDIR
+  { cmake --preset "$2" && cmake --build "build/$2" -j "$jobs" --target trace_check; } >build.log 2>&1 ||
+    fail "$1: does not build: see $out/$1/build.log"
+  found=
+  for trace in "$out"/*.ttr; do
+    if ! "build/$2/run" trace_check "$trace" >one.log 2>&1; then
+      found=$(grep -m 1 'error' one.log | sed "s|$out/||; s|trace_check: error: ||")
+      break
+    fi
+  done
+  "build/$2/run" trace_check "$root"/traces/*.ttr >goldens.log 2>&1
+  summary=$(sed -n 's/.*-bit: //p' goldens.log)
+  printf '%-9s %-8s %s\n%18s of the golden traces: %s\n' "$1" "$2" "${found:-NOTHING FOUND}" '' "$summary"
+  printf '%s' "$found" | grep -q 'tick [0-9]*: .*table .*, column .*, row [0-9]*, lane [0-9]*' ||
+    fail "$1: found no place, expected tick, table, column and row"
+  cd "$root" || fail "cannot return"
+}
+
+# The recordings come from a build that is not broken.
+cmake --preset gcc >"$out/gcc.log" 2>&1 && cmake --build build/gcc -j "$jobs" --target ticktrue >>"$out/gcc.log" 2>&1 ||
+  fail "gcc: does not build: see $out/gcc.log"
+build/gcc/run ticktrue record 'stack?boxes=3&precision=f32' --ticks 60 --detail full --no-compress -o "$out/a_stack.ttr" >/dev/null &&
+  build/gcc/run ticktrue record 'mixed_pile?bodies=12&precision=f32' --ticks 60 --detail full --no-compress \
+    -o "$out/b_pile.ttr" >/dev/null &&
+  build/gcc/run ticktrue record tests/platforms/drift.json --ticks 120 --detail full --no-compress -o "$out/c_drift.ttr" \
+    >/dev/null || fail "cannot record"
+
+copy_tree contract
+change cmake/determinism.cmake '-ffp-contract=off ' '-ffp-contract=fast '
+find_place contract aarch64
+
+copy_tree libm
+change engine/math/vec2.h 'if (quadrant == 0) return {cosine, sine};' \
+  'if (quadrant >= 0) return {Real(__builtin_cos(angle)), Real(__builtin_sin(angle))};'
+find_place libm gcc
+
+copy_tree flush
+change tests/trace_check/trace_check.cpp '  int failed = 0;' \
+  '  __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040); int failed = 0;'
+find_place flush gcc
+echo "broken in three ways: each found at its tick, table, column and row"

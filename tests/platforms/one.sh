@@ -1,0 +1,181 @@
+#!/bin/sh
+# Builds and runs one platform, and writes what was found as out/platforms/NAME/row.tsv and result.json.
+# SPDX-License-Identifier: MIT
+# usage: one.sh NAME JOBS [REFERENCE]    from the root of the tree. REFERENCE: the platform whose recordings are compared
+# with; without it this platform's own. Exits 0 if nothing differs.
+set -u
+name=$1
+jobs=$2
+reference=${3-$1}
+out=out/platforms/$name
+rm -rf "$out"
+mkdir -p "$out" build
+tab=$(printf '\t')
+
+# json_value KEY FILE: the first scalar with that key.
+json_value() {
+  tr ',{}[]' '[\n*]' <"$2" | sed -n 's/^[[:space:]]*"'"$1"'"[[:space:]]*:[[:space:]]*"\{0,1\}\([^"]*\)"\{0,1\}[[:space:]]*$/\1/p' |
+    head -n 1
+}
+json_text() { printf '%s' "$1" | tr -d '\r' | tr '\n\t' '  ' | sed 's/\\/\\\\/g; s/"/\\"/g'; }
+run() { "build/$name/run" "$@"; }
+tool() { "build/$name/run" ticktrue "$@"; }
+
+# The first thing that went wrong; the table shows it.
+first=
+find_fault() { [ -n "$first" ] || first=$1; printf 'FOUND: %s\n' "$1"; }
+
+# User time of everything this script has waited for, in hundredths of a second.
+user_time() {
+  sed -n '2s/^\([0-9]*\)m\([0-9]*\)[.,]\([0-9][0-9]\).*/\1 \2 \3/p' "$out/times" | awk '{ print $1 * 6000 + $2 * 100 + $3 }'
+}
+start_phase() {
+  phase_wall=$(date +%s)
+  times >"$out/times"
+  phase_user=$(user_time)
+}
+end_phase() {
+  times >"$out/times"
+  wall=$(($(date +%s) - phase_wall))
+  user=$(($(user_time) - phase_user))
+  user="$((user / 100)).$(printf '%02d' $((user % 100)))"
+}
+
+# --- fused multiply-add ---------------------------------------------------------------------------------------------
+
+# For each platform: its disassembler, the pattern of its fused instructions, and flags with which its compiler would make
+# one, so that the pattern itself is seen to find it. Empty: the platform has no such instruction.
+disassembler=objdump
+contract='-ffp-contract=fast'
+case $name in
+  gcc | clang19 | i386) fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma' ;;
+  win64) disassembler=x86_64-w64-mingw32-objdump fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma' ;;
+  aarch64) disassembler=aarch64-linux-gnu-objdump fused='[[:space:]](fn?m(add|sub)|fml[as]l?2?|fcmla)[[:space:]]' ;;
+  armhf) disassembler=arm-linux-gnueabihf-objdump fused='[[:space:]]vfn?m[as]\.' contract='-ffp-contract=fast -mfpu=vfpv4' ;;
+  riscv64) disassembler=riscv64-linux-gnu-objdump fused='[[:space:]]fn?m(add|sub)\.[sdq]' ;;
+  s390x) disassembler=s390x-linux-gnu-objdump fused='[[:space:]]([mn]?m[as][edx]br?|[vw]fn?m[as][sdx]?b?)[[:space:]]' ;;
+  ppc64le)
+    disassembler=powerpc64le-linux-gnu-objdump
+    fused='[[:space:]](fn?m(add|sub)s?\.?|x[sv]n?m(add|sub)[am][ds]p|vn?m(add|sub)fp)[[:space:]]'
+    ;;
+  *) disassembler=llvm-objdump-14 fused='relaxed_n?madd' contract= ;;
+esac
+count_fused() { "$disassembler" -d "$@" 2>/dev/null | grep -cE "$fused"; }
+
+check_fused() {
+  fused_count='-'
+  command -v "$disassembler" >/dev/null 2>&1 || { printf 'no %s: fused instructions not looked for\n' "$disassembler"; return; }
+  program=$(sed -n 's/^CMAKE_CXX_COMPILER:[^=]*=//p' "build/$name/CMakeCache.txt")
+  if [ -n "$contract" ]; then
+    printf 'double f(double a, double b, double c) { return a * b + c; }\n' >"$out/contract.cpp"
+    # shellcheck disable=SC2086 # flags are words
+    "$program" -O2 $contract -c "$out/contract.cpp" -o "$out/contract.o" && [ "$(count_fused "$out/contract.o")" -gt 0 ] ||
+      find_fault "fused: the pattern does not find a contracted product: found 0, expected 1"
+  fi
+  find "build/$name/engine" -name '*.o' -o -name '*.obj' >"$out/objects"
+  # shellcheck disable=SC2046 # paths of the build have no blanks
+  fused_count=$(count_fused $(cat "$out/objects"))
+  [ -s "$out/objects" ] && [ "$fused_count" = 0 ] ||
+    find_fault "fused: found $fused_count fused instructions in the engine's $(wc -l <"$out/objects") objects, expected 0"
+}
+
+# --- traces that travel ---------------------------------------------------------------------------------------------
+
+# name, scene, inputs, ticks: recorded on every platform and compared with the reference's. `overflow` ends where a value
+# becomes infinite, `drift` goes through subnormal numbers.
+travel_scenes='stack stack?boxes=4&precision=f32 - 120
+pile mixed_pile?bodies=12&precision=f64 - 120
+thesis thesis?precision=f32 traces/thesis_mouse.jsonl 180
+overflow tests/platforms/overflow.json tests/platforms/overflow.jsonl 60
+drift tests/platforms/drift.json - 120'
+
+record_scene() {
+  output=$out/$1.ttr
+  scene=$2
+  inputs=$3
+  tick_count=$4
+  set -- --ticks "$tick_count" --detail full:90..110 --checkpoint-interval 30 --no-compress --force --json -o "$output"
+  [ "$inputs" = - ] || set -- "$@" --inputs "$inputs"
+  tool record "$scene" "$@" >"$output.json" 2>"$output.log"
+}
+
+check_travel() {
+  travel=0
+  printf '%s\n' "$travel_scenes" >"$out/scenes"
+  while read -r label scene inputs tick_count; do
+    expected=0
+    [ "$label" != overflow ] || expected=1
+    record_scene "$label" "$scene" "$inputs" "$tick_count" </dev/null
+    code=$?
+    if [ "$code" != "$expected" ]; then
+      find_fault "record $label: exit code: found $code, expected $expected: $(head -n 1 "$out/$label.ttr.log")"
+      continue
+    fi
+    note=$(json_value note "$out/$label.ttr.json")
+    expected=$(json_value note "out/platforms/$reference/$label.ttr.json")
+    [ "$note" = "$expected" ] || find_fault "record $label: finding: found $note, expected $expected"
+    # Here the reference's, there ours, and both by content: setup, inputs, hashes, states; build facts apart.
+    tool verify "out/platforms/$reference/$label.ttr" </dev/null >"$out/$label.here" 2>&1 ||
+      find_fault "verify here, recorded by $reference: $(head -n 1 "$out/$label.here")"
+    "build/$reference/run" ticktrue verify "$out/$label.ttr" </dev/null >"$out/$label.there" 2>&1 ||
+      find_fault "verify by $reference, recorded here: $(head -n 1 "$out/$label.there")"
+    "build/$reference/run" ticktrue diff "out/platforms/$reference/$label.ttr" "$out/$label.ttr" </dev/null >"$out/$label.diff" 2>&1 ||
+      find_fault "diff $label: $(head -n 1 "$out/$label.diff")"
+    travel=$((travel + 1))
+  done <"$out/scenes"
+}
+
+# --- all of it ------------------------------------------------------------------------------------------------------
+
+traces=- ticks=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
+
+main() {
+  start_phase
+  cmake --preset "$name" || { find_fault "configuration failed"; return; }
+  cmake --build "build/$name" -j "$jobs" --target trace_check portable_tests ticktrue ||
+    { find_fault "build failed"; return; }
+  end_phase
+  build_user=$user build_wall=$wall
+
+  start_phase
+  run trace_check traces/*.ttr >"$out/traces" 2>&1
+  code=$?
+  cat "$out/traces"
+  traces=$(sed -n 's/.*: \([0-9]*\) traces, [0-9]* ticks.*/\1/p' "$out/traces")
+  ticks=$(sed -n 's/.* traces, \([0-9]*\) ticks.*/\1/p' "$out/traces")
+  [ "$code" = 0 ] || find_fault "$(grep error "$out/traces" | head -n 1)"
+  tests=passed
+  run portable_tests >"$out/tests" 2>&1 || { tests=FAILED; find_fault "portable tests: $(tail -n 3 "$out/tests" | tr '\n' ' ')"; }
+  tail -n 3 "$out/tests"
+  tool env --check --json >"$out/env.json" || find_fault "env --check: another digest than every platform must give"
+  compiler=$(json_value compiler "$out/env.json")
+  target=$(json_value target "$out/env.json")
+  probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1)
+  check_travel
+  check_fused
+  end_phase
+  run_user=$user run_wall=$wall
+}
+
+main >"$out/log" 2>&1
+ok=true
+[ -z "$first" ] || ok=false
+printf '%s\n' "$name$tab$compiler$tab$target$tab$traces$tab$ticks$tab$tests$tab$travel$tab$fused_count$tab$build_user$tab$build_wall$tab$run_user$tab$run_wall$tab${first:-none}" \
+  >"$out/row.tsv"
+number() { case $1 in -|'') printf null ;; *) printf '%s' "$1" ;; esac; }
+cat >"$out/result.json" <<JSON
+    {
+      "platform": "$name", "ok": $ok, "compiler": "$(json_text "$compiler")", "target": "$(json_text "$target")",
+      "traces": $(number "$traces"), "ticks": $(number "$ticks"), "portable_tests": "$tests",
+      "travelled": $(number "$travel"), "fused_instructions": $(number "$fused_count"), "probe": "$probe",
+      "build_user_s": $(number "$build_user"), "build_wall_s": $(number "$build_wall"),
+      "run_user_s": $(number "$run_user"), "run_wall_s": $(number "$run_wall"),
+      "first_difference": $([ -n "$first" ] && printf '"%s"' "$(json_text "$first")" || printf null)
+    }
+JSON
+if [ "$ok" = true ]; then
+  echo "$name: same bits: $traces traces, $ticks ticks, $travel carried to and fro; build $build_wall s, run $run_wall s"
+else
+  echo "$name: DIFFERS: $first"
+fi
+[ "$ok" = true ]
