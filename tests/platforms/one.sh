@@ -18,8 +18,9 @@ json_value() {
     head -n 1
 }
 json_text() { printf '%s' "$1" | tr -d '\r' | tr '\n\t' '  ' | sed 's/\\/\\\\/g; s/"/\\"/g'; }
-run() { "build/$name/run" "$@"; }
-tool() { "build/$name/run" ticktrue "$@"; }
+# An emulator that hangs ends here, as a difference.
+run() { timeout 1200 "build/$name/run" "$@"; }
+tool() { run ticktrue "$@"; }
 
 # The first thing that went wrong; the table shows it.
 first=
@@ -111,8 +112,8 @@ check_travel() {
       find_fault "record $label: exit code: found $code, expected $expected: $(head -n 1 "$out/$label.ttr.log")"
       continue
     fi
-    note=$(json_value note "$out/$label.ttr.json")
-    expected=$(json_value note "out/platforms/$reference/$label.ttr.json")
+    note=$(grep '"note"' "$out/$label.ttr.json")
+    expected=$(grep '"note"' "out/platforms/$reference/$label.ttr.json")
     [ "$note" = "$expected" ] || find_fault "record $label: finding: found $note, expected $expected"
     # Here the reference's, there ours, and both by content: setup, inputs, hashes, states; build facts apart.
     tool verify "out/platforms/$reference/$label.ttr" </dev/null >"$out/$label.here" 2>&1 ||
@@ -129,11 +130,16 @@ check_travel() {
 
 traces=- ticks=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
 
+build_all() { cmake --build "build/$name" -j "$jobs" --target trace_check portable_tests ticktrue; }
+
 main() {
   start_phase
   cmake --preset "$name" || { find_fault "configuration failed"; return; }
-  cmake --build "build/$name" -j "$jobs" --target trace_check portable_tests ticktrue ||
-    { find_fault "build failed"; return; }
+  if ! build_all; then
+    # Names that collide only when sources are compiled together are no difference of the platform.
+    echo "built again, file by file"
+    cmake --preset "$name" -DTICKTRUE_UNITY=OFF && build_all || { find_fault "build failed"; return; }
+  fi
   end_phase
   build_user=$user build_wall=$wall
 
@@ -145,7 +151,7 @@ main() {
   ticks=$(sed -n 's/.* traces, \([0-9]*\) ticks.*/\1/p' "$out/traces")
   [ "$code" = 0 ] || find_fault "$(grep error "$out/traces" | head -n 1)"
   tests=passed
-  run portable_tests >"$out/tests" 2>&1 || { tests=FAILED; find_fault "portable tests: $(tail -n 3 "$out/tests" | tr '\n' ' ')"; }
+  run portable_tests >"$out/tests" 2>&1 || { tests=FAILED; find_fault "portable tests: $(grep -m 1 "FAILED:" "$out/tests"; tail -n 3 "$out/tests" | tr "\n" " ")"; }
   tail -n 3 "$out/tests"
   tool env --check --json >"$out/env.json" || find_fault "env --check: another digest than every platform must give"
   compiler=$(json_value compiler "$out/env.json")
