@@ -1,12 +1,14 @@
 #!/bin/sh
 # Breaks the arithmetic of a copy of the tree in three ways and shows that the traces name the place.
 # SPDX-License-Identifier: MIT
-# usage: break.sh JOBS    from the root of the tree. Exits 0 if each of the three is found, with tick, table, column, row.
+# usage: break.sh JOBS [KIND...]    from the root of the tree. Exits 0 if each is found, with tick, table, column, row.
 #
 # contract: products and sums fuse (aarch64). libm: the C library's sine and cosine in the rotation of a body (x86-64).
 # flush: subnormal results become zero (x86-64). trace_check runs them, since the tool itself refuses to run so.
 set -u
 jobs=$1
+shift
+[ $# -gt 0 ] || set -- contract libm flush
 root=$(pwd)
 out=$root/out/broken
 rm -rf "$out"
@@ -61,22 +63,31 @@ find_place() {
 cmake --preset gcc >"$out/gcc.log" 2>&1 && cmake --build build/gcc -j "$jobs" --target ticktrue >>"$out/gcc.log" 2>&1 ||
   fail "gcc: does not build: see $out/gcc.log"
 build/gcc/run ticktrue record 'stack?boxes=3&precision=f32' --ticks 60 --detail full --no-compress -o "$out/a_stack.ttr" >/dev/null &&
-  build/gcc/run ticktrue record 'mixed_pile?bodies=12&precision=f32' --ticks 60 --detail full --no-compress \
+  build/gcc/run ticktrue record 'mixed_pile?bodies=60&precision=f32' --ticks 100 --detail full --no-compress \
     -o "$out/b_pile.ttr" >/dev/null &&
   build/gcc/run ticktrue record tests/platforms/drift.json --ticks 120 --detail full --no-compress -o "$out/c_drift.ttr" \
     >/dev/null || fail "cannot record"
 
-copy_tree contract
-change cmake/determinism.cmake '-ffp-contract=off ' '-ffp-contract=fast '
-find_place contract aarch64
-
-copy_tree libm
-change engine/math/vec2.h 'if (quadrant == 0) return {cosine, sine};' \
-  'if (quadrant >= 0) return {Real(__builtin_cos(angle)), Real(__builtin_sin(angle))};'
-find_place libm gcc
-
-copy_tree flush
-change tests/trace_check/trace_check.cpp '  int failed = 0;' \
-  '  __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040); int failed = 0;'
-find_place flush gcc
-echo "broken in three ways: each found at its tick, table, column and row"
+for kind in "$@"; do
+  case $kind in
+    contract)
+      copy_tree contract
+      change cmake/determinism.cmake '-ffp-contract=off ' '-ffp-contract=fast '
+      find_place contract aarch64
+      ;;
+    libm)
+      copy_tree libm
+      change engine/math/vec2.h 'if (quadrant == 0) return {cosine, sine};' \
+        'if (quadrant >= 0) return {Real(__builtin_cos(angle)), Real(__builtin_sin(angle))};'
+      find_place libm gcc
+      ;;
+    flush)
+      copy_tree flush
+      change tests/trace_check/trace_check.cpp '  int failed = 0;' \
+        '  __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040); int failed = 0;'
+      find_place flush gcc
+      ;;
+    *) fail "unknown kind: found $kind, expected contract, libm or flush" ;;
+  esac
+done
+echo "broken on purpose: each found at its tick, table, column and row"
