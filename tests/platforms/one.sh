@@ -49,7 +49,8 @@ end_phase() {
 disassembler=objdump
 contract='-ffp-contract=fast'
 case $name in
-  gcc | clang19 | i386) fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma' ;;
+  gcc | clang19) fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma' ;;
+  i386) fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma -mfpmath=sse' ;;
   win64) disassembler=x86_64-w64-mingw32-objdump fused='vfn?m(add|sub)' contract='-ffp-contract=fast -mfma' ;;
   aarch64) disassembler=aarch64-linux-gnu-objdump fused='[[:space:]](fn?m(add|sub)|fml[as]l?2?|fcmla)[[:space:]]' ;;
   armhf) disassembler=arm-linux-gnueabihf-objdump fused='[[:space:]]vfn?m[as]\.' contract='-ffp-contract=fast -mfpu=vfpv4' ;;
@@ -66,7 +67,7 @@ count_fused() { "$disassembler" -d "$@" 2>/dev/null | grep -cE "$fused"; }
 check_fused() {
   fused_count='-'
   command -v "$disassembler" >/dev/null 2>&1 || { printf 'no %s: fused instructions not looked for\n' "$disassembler"; return; }
-  program=$(sed -n 's/^CMAKE_CXX_COMPILER:[^=]*=//p' "build/$name/CMakeCache.txt")
+  program=$(sed -n 's/^set(CMAKE_CXX_COMPILER "\(.*\)")$/\1/p' "build/$name"/CMakeFiles/*/CMakeCXXCompiler.cmake | head -n 1)
   if [ -n "$contract" ]; then
     printf 'double f(double a, double b, double c) { return a * b + c; }\n' >"$out/contract.cpp"
     # shellcheck disable=SC2086 # flags are words
