@@ -19,7 +19,8 @@ namespace {
 /// Another rounding mode as long as it lives; `took` is false where the platform has only one.
 class OtherRounding {
  public:
-  explicit OtherRounding(int mode) : before_(std::fegetround()), took(std::fesetround(mode) == 0) {}
+  explicit OtherRounding(int mode)
+      : before_(std::fegetround()), took(std::fesetround(mode) == 0 && std::fegetround() == mode) {}
   ~OtherRounding() { std::fesetround(before_); }
   OtherRounding(const OtherRounding&) = delete;
   OtherRounding& operator=(const OtherRounding&) = delete;
