@@ -63,16 +63,21 @@ void warm_start_weld(const JointWork& joint, JointBodies& pair) {
   point_row(joint, pair, ActsAt::middle).apply(joint, pair, joint.impulses.linear);
 }
 
-/// K (p, t) = -(rates): the point's rows and the angle's together, the angle eliminated first.
+/// K (p, t) = -(rates): the point's rows and the angle's together, the angle eliminated first. What is left of the
+/// point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b turned: written so, long arms cancel no digits.
 void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const Softness& soft) {
   const AngleRow angle = angle_row(joint);
   const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;
   const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
   const Vec2 coupling = angle_coupling(joint, row);
   const Real inv = 1 / angle.mobility;
-  row.k11 -= inv * coupling.x * coupling.x;
-  row.k12 -= inv * coupling.x * coupling.y;
-  row.k22 -= inv * coupling.y * coupling.y;
+  const Real inv_mass = joint.inv_mass_a + joint.inv_mass_b;
+  const Real turn = inv * joint.inv_inertia_a * joint.inv_inertia_b;
+  const Vec2 between = row.arm_a - row.arm_b;
+  row.k11 = inv_mass + turn * between.y * between.y;
+  row.k12 = -(turn * between.x * between.y);
+  row.k22 = inv_mass + turn * between.x * between.x;
+  row.determinant = inv_mass * (inv_mass + turn * length_squared(between));
   const Vec2 p = row.solved(rate - inv * spin * coupling);
   const Real t = inv * (spin - dot(coupling, p));
   const Vec2 linear = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear;

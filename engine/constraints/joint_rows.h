@@ -169,6 +169,7 @@ struct PointRow {
   Vec2 arm_b;
   Vec2 error;  // from A's anchor to B's, m
   Real k11, k12, k22;
+  Real determinant;  // of k
 
   Vec2 velocity(const JointBodies& pair) const {
     return (pair.b.velocity + cross(pair.b.angular_velocity, arm_b)) -
@@ -183,7 +184,7 @@ struct PointRow {
   Vec2 mobility_times(Vec2 p) const { return {k11 * p.x + k12 * p.y, k12 * p.x + k22 * p.y}; }
   /// K^-1 v by Cramer's rule.
   Vec2 solved(Vec2 v) const {
-    const Real inv_determinant = 1 / (k11 * k22 - k12 * k12);
+    const Real inv_determinant = 1 / determinant;
     return {inv_determinant * (k22 * v.x - k12 * v.y), inv_determinant * (k11 * v.y - k12 * v.x)};
   }
 };
@@ -208,6 +209,11 @@ inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsA
   row.k12 = -(joint.inv_inertia_a * row.arm_a.x * row.arm_a.y + joint.inv_inertia_b * row.arm_b.x * row.arm_b.y);
   row.k22 =
       inv_mass + (joint.inv_inertia_a * row.arm_a.x * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x * row.arm_b.x);
+  // k11 k22 - k12^2 as a sum of squares (Cauchy-Binet): long arms cancel no digits.
+  const Real area = cross(row.arm_a, row.arm_b);
+  row.determinant = inv_mass * (inv_mass + (joint.inv_inertia_a * length_squared(row.arm_a) +
+                                            joint.inv_inertia_b * length_squared(row.arm_b))) +
+                    (joint.inv_inertia_a * area) * (joint.inv_inertia_b * area);
   return row;
 }
 
