@@ -20,8 +20,8 @@ struct Box2dOptions {
 };
 
 /// The world of a scene in Box2D. No inputs: bodies move as the scene starts them. Sleeping is off, everything else is
-/// Box2D's default. Masses are ours (geometry/hull.h), given explicitly. Bodies that leave the scene's bounds are
-/// removed, as ours are.
+/// Box2D's default. Masses are ours (geometry/hull.h), given explicitly. Joints and bullets are the scene's. Bodies
+/// that leave the scene's bounds are removed, as ours are.
 class Box2dPeer {
  public:
   virtual ~Box2dPeer() = default;
@@ -47,8 +47,8 @@ class Box2dPeer {
   virtual std::size_t clamped_tick() const = 0;
 };
 
-/// Errors: unsupported, with the reason: a polygon of more than 8 vertices, shapes thinner than a few skins,
-/// coordinates too far out for floats; or a build without Box2D.
+/// Errors: unsupported, with the reason: joints, shapes or forces that 2.4.1 does not have, a polygon of more than 8
+/// vertices, shapes thinner than a few skins, coordinates too far out for floats; or a build without Box2D.
 Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene& scene, const Box2dOptions& options = {});
 
 /// "2.4.1"; empty in a build without Box2D.

@@ -678,7 +678,7 @@ class Importer {
   void read_friction(const Place& at, Joint& joint) {
     joint.kind = JointKind::friction;
     if (joint.anchor_b != Point{})
-      note("not imported: " + label(at) + ": anchors; it acts at the origin of its second body");
+      note("not imported: " + label(at) + ": anchors; it acts at the centre of mass of its second body");
     joint.anchor_a = joint.anchor_b = {};
     joint.force_max = number(at, "maxForce");
     joint.torque_max = number(at, "maxTorque");
