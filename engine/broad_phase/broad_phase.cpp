@@ -29,13 +29,12 @@ StageFunction broad_phase_function(BroadPhaseKind kind) {
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
   const Real fall = fall_of_a_tick(model, state);
   scratch.proxies.clear();
-  const Settings& settings = model.scene.settings;
+  const Real farthest = farthest_reach(model, state, dt);
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
     const BodyModel& constants = model.bodies[body.source];
     const auto index = static_cast<std::uint32_t>(row);
-    const bool sweeps = settings.locate_impacts || (settings.continuous && is_fast(model, state, index, dt));
-    const Real way = sweeps ? reach_in(model, state, index, dt) : Real(0);
+    const Real way = sweep_of(model, state, index, dt, farthest);
     for (std::uint32_t child = 0; child < constants.shape_count; ++child) {
       const std::uint32_t shape_index = model.body_shapes[constants.first_shape + child];
       const ShapeModel& shape = model.shapes[shape_index];

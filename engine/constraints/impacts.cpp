@@ -56,6 +56,12 @@ Real touch_tolerance(const Model& model, const ImpactPair& pair, const Placement
   return larger(Real(1e-6) * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]), 8 * epsilon * far);
 }
 
+/// How fast turning may bring a point of a shape nearer to something, m/s. Turning a disc about its middle does not.
+Real turning_speed(const BodyModel& body, const ShapeModel& shape, const ImpactPath& path) {
+  const Real arm = shape.family == ShapeFamily::circle ? length(shape.center) : body.reach;
+  return absolute(path.angular_velocity) * arm;
+}
+
 /// Sets the pair's next impact at or after `start`.
 void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
   pair.time = no_impact;
@@ -65,8 +71,7 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const ShapeModel& shape_a = model.shapes[pair.shape_a];
   const ShapeModel& shape_b = model.shapes[pair.shape_b];
   const auto [model_a, model_b] = ends_of(model, state, pair);
-  const Real spin =
-      absolute(path_a.angular_velocity) * model_a.reach + absolute(path_b.angular_velocity) * model_b.reach;
+  const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
   const Real quickening = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   Real time = start;
@@ -74,12 +79,12 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     const Placement a = pose_at(state, path_a, pair.body_a, time);
     const Placement b = pose_at(state, path_b, pair.body_b, time);
     const Distance gap = distance(model, shape_a, a, shape_b, b);
-    // An edge of a chain is felt from its right side only.
+    // An edge of a chain is felt from its right side only, and its corners as the narrow phase has it.
     if (shape_a.family == ShapeFamily::chain_edge &&
-        dot(gap.normal, rotate(a.rotation, model.normals[shape_a.first_vertex])) <= 0)
+        !may_push(model, shape_a, rotate_back(a.rotation, gap.normal), gap.at_corner_a))
       return;
     if (shape_b.family == ShapeFamily::chain_edge &&
-        dot(gap.normal, rotate(b.rotation, model.normals[shape_b.first_vertex])) >= 0)
+        !may_push(model, shape_b, rotate_back(b.rotation, -gap.normal), gap.at_corner_b))
       return;
     if (gap.separation <= touch_tolerance(model, pair, a, b)) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
@@ -87,8 +92,10 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
       const Real tolerance = touch_tolerance(model, pair, a, b);
       if (!(closing * (h - time) > tolerance)) {
         // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
-        if (!(spin > 0) || !pair.is_fast) return;
-        time += Real(0.1) * pair_size(shape_a, shape_b) / spin;
+        // Not needed where it could not get to the middle of the thinner shape anyway.
+        const Real size = pair_size(shape_a, shape_b);
+        if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.5) * size)) return;
+        time += Real(0.1) * size / (spin + quickening * (h - time));
         if (!(time < h)) return;
         if (i + 1 == advance_count_max) {
           pair.time = time;
@@ -232,6 +239,21 @@ Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt
                         ? absolute(constants.gravity_scale) * length(state.world.gravity) * dt
                         : Real(0);
   return dt * ((length(body.velocity) + fall) + absolute(body.angular_velocity) * constants.reach);
+}
+
+Real farthest_reach(const Model& model, const State& state, Real dt) {
+  Real farthest = 0;
+  if (!model.scene.settings.locate_impacts) return farthest;
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
+    farthest = larger(farthest, reach_in(model, state, row, dt));
+  return farthest;
+}
+
+Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt, Real farthest) {
+  const Settings& settings = model.scene.settings;
+  if (model.bodies[state.bodies[row].source].type == BodyType::static_body) return 0;
+  if (settings.locate_impacts) return farthest;
+  return settings.continuous && is_fast(model, state, row, dt) ? reach_in(model, state, row, dt) : Real(0);
 }
 
 bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt) {

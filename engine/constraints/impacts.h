@@ -51,6 +51,11 @@ struct ImpactPath {
 bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt);
 /// How far any point of a body may get in a tick, m.
 Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt);
+/// The farthest of these, of all bodies, where the scene locates impacts: what is hit may go on as far. Else 0.
+Real farthest_reach(const Model& model, const State& state, Real dt);
+/// How far ahead a body is looked for in a tick, m: 0 unless it is fast or impacts are located. Broad phases find every
+/// pair that is nearer than the sum of its two. `farthest`: farthest_reach.
+Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt, Real farthest);
 
 /// Whether a contact is about to bounce, in a scene whose impacts are located: then it is none of the contact solver's,
 /// whose normal is that of the start of the tick. `contact`: in scratch.touching and state.contacts.

@@ -93,6 +93,11 @@ Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real p
 
 }  // namespace
 
+bool may_push(const Model& model, const ShapeModel& shape, Vec2 normal, bool at_corner) {
+  const Edge edge = edge_of(model, shape);
+  return dot(edge.normal, normal) > 0 && (!at_corner || belongs_to_corner(edge, normal));
+}
+
 Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                               Real margin) {
   const Edge edge = edge_of(model, a);

@@ -24,13 +24,13 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   const Hull b = core_of(model, shape_b, {pose_b.position - pose_a.position, pose_b.rotation}, buffer_b);
   Distance best;
   bool has_axis = false;
-  if (a.count > 2) {
+  if (a.count > 1) {
     const Axis axis = best_axis(a, b);
     best.separation = axis.separation;
     best.normal = a.normals[axis.edge];
     has_axis = true;
   }
-  if (b.count > 2) {
+  if (b.count > 1) {
     const Axis axis = best_axis(b, a);
     if (!has_axis || axis.separation > best.separation) {
       best.separation = axis.separation;
@@ -47,6 +47,8 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     if (gap > 0 && !(has_axis && corners && gap < blur)) {
       best.separation = gap;
       best.normal = closest_normal(a, b, closest);
+      best.at_corner_a = closest.vertex_a != no_vertex;
+      best.at_corner_b = closest.vertex_b != no_vertex;
     } else if (!has_axis) {
       best.separation = 0;
       best.normal = a.count > 1 ? a.normals[0] : Vec2{0, 1};

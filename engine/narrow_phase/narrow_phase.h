@@ -61,6 +61,10 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b, Real fall);
 
+/// Whether an edge of a chain may push along `normal` (from the edge, in its body's frame): to its right side; from a
+/// corner only if that is convex and the edge owns it.
+bool may_push(const Model& model, const ShapeModel& edge, Vec2 normal, bool at_corner);
+
 /// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);
 

