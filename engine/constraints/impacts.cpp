@@ -14,7 +14,9 @@ namespace {
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
 constexpr Real fast_share = Real(0.25);  // of its smallest shape's size in a tick: slower ones meet their contacts
-constexpr std::size_t impacts_per_pair_max = 8;  // in a substep; after so many, bodies stop where they are
+// In a substep; after so many, bodies stop where they are hit.
+constexpr std::size_t impact_count_least = 32;
+constexpr std::size_t impacts_per_pair = 2;
 
 struct Ends {
   const BodyModel& model_a;
@@ -310,7 +312,7 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
   for (const std::uint32_t i : active) scratch.impacts[i].is_done = false;
   for (const std::uint32_t i : active) find_impact(model, state, scratch, scratch.impacts[i], 0, h);
 
-  std::size_t left = impacts_per_pair_max * active.size();
+  std::size_t left = impact_count_least + impacts_per_pair * active.size();
   for (;;) {
     ImpactPair* first = nullptr;
     for (const std::uint32_t i : active)
@@ -332,9 +334,11 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
     }
     for (const std::uint32_t i : active) {
       ImpactPair& pair = scratch.impacts[i];
-      if (pair.body_a != hit.body_a && pair.body_a != hit.body_b && pair.body_b != hit.body_a &&
-          pair.body_b != hit.body_b)
-        continue;
+      const auto is_changed = [&](std::uint32_t row) {
+        return (row == hit.body_a || row == hit.body_b) &&
+               model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
+      };
+      if (!is_changed(pair.body_a) && !is_changed(pair.body_b)) continue;
       find_impact(model, state, scratch, pair, hit.time, h);
     }
   }
