@@ -18,13 +18,8 @@ constexpr Real fast_share = Real(0.25);  // of its smallest shape's size in a ti
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
 
-struct Ends {
-  const BodyModel& model_a;
-  const BodyModel& model_b;
-};
-
-Ends ends_of(const Model& model, const State& state, const ImpactPair& pair) {
-  return {model.bodies[state.bodies[pair.body_a].source], model.bodies[state.bodies[pair.body_b].source]};
+const BodyModel& body_model(const Model& model, const State& state, std::uint32_t row) {
+  return model.bodies[state.bodies[row].source];
 }
 
 Vec2 velocity_at(const ImpactPath& path, Real time) {
@@ -72,7 +67,8 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const ImpactPath& path_b = scratch.paths[pair.body_b];
   const ShapeModel& shape_a = model.shapes[pair.shape_a];
   const ShapeModel& shape_b = model.shapes[pair.shape_b];
-  const auto [model_a, model_b] = ends_of(model, state, pair);
+  const BodyModel& model_a = body_model(model, state, pair.body_a);
+  const BodyModel& model_b = body_model(model, state, pair.body_b);
   const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
   const Real quickening = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
@@ -159,7 +155,8 @@ void stop(ImpactPath& path, Real time) {
 void resolve(const Model& model, const State& state, Scratch& scratch, const ImpactPair& pair) {
   ImpactPath& path_a = scratch.paths[pair.body_a];
   ImpactPath& path_b = scratch.paths[pair.body_b];
-  const auto [model_a, model_b] = ends_of(model, state, pair);
+  const BodyModel& model_a = body_model(model, state, pair.body_a);
+  const BodyModel& model_b = body_model(model, state, pair.body_b);
   const Placement a = pose_at(state, path_a, pair.body_a, pair.time);
   const Placement b = pose_at(state, path_b, pair.body_b, pair.time);
   const Vec2 arm_a = pair.point - a.position;

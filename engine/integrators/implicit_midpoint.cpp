@@ -117,7 +117,11 @@ Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::s
 
 /// Solves A solution = residual by conjugate gradients, preconditioned with the single bodies' part.
 void solve_linear(const Model& model, const State& state, Scratch& scratch) {
-  auto& [scale, x, r, p, q] = scratch.newton;
+  auto& scale = scratch.newton[0];
+  auto& x = scratch.newton[1];
+  auto& r = scratch.newton[2];
+  auto& p = scratch.newton[3];
+  auto& q = scratch.newton[4];
   const std::size_t count = state.bodies.size();
   const auto precondition = [&](std::size_t i) {
     return Twist{{r[i].linear.x == 0 ? Real(0) : r[i].linear.x / scale[i].linear.x,
