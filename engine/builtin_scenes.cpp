@@ -430,7 +430,8 @@ Scene build_shapes(const SceneArguments& arguments) {
   scene.bodies.push_back(static_body("shelf", {}, line(ShapeKind::segment, {{-shelf, 1.5}, {0, 1}})));
   for (int i = 0; i < count; ++i) {
     const double x = (i % column_count + 0.5) * pitch - half_width + 1;
-    const Point position{x, (i / column_count + 1.5) * pitch};
+    const int row = i / column_count;
+    const Point position{x, (row + 1.5) * pitch};
     const std::size_t number = scene.bodies.size();
     const double size = random.real(0.2, 0.5);
     const double half = 0.7 * size;

@@ -32,7 +32,6 @@ using engine::JointKind;
 using engine::JointSpring;
 using engine::Point;
 using engine::Range;
-using engine::Scene;
 using engine::Shape;
 using engine::ShapeKind;
 
