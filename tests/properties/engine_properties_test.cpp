@@ -14,10 +14,11 @@
 namespace ticktrue::test {
 namespace {
 
+constexpr std::uint64_t whole_run = 240;  // ticks
 #if defined(__SANITIZE_ADDRESS__)
 constexpr std::uint64_t tick_count = 80;  // each costs twenty times as much
 #else
-constexpr std::uint64_t tick_count = 240;
+constexpr std::uint64_t tick_count = whole_run;
 #endif
 
 class CountingObserver : public StageObserver {
@@ -212,7 +213,7 @@ TEST_CASE("the sessions use every table, and leave none of them empty", "[proper
   for (const Session& session : property_sessions()) {
     const auto engine = make_engine_or_fail(session.scene);
     std::vector<std::uint32_t> slept;
-    for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    for (std::uint64_t tick = 0; tick < whole_run; ++tick) {
       engine->step(input_of(session, tick), nullptr);
       const StateView& state = engine->state();
       for (std::size_t t = 0; t < state.tables.size(); ++t) {
