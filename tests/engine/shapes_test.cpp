@@ -283,7 +283,7 @@ TEST_CASE("what slides or rolls over the joints of a level chain does not feel t
       CHECK(std::fabs(x - 92) < 1e-3);
     }
   }
-  // A spinning disc's anchors turn within the tick, whatever it rolls on: one long edge is the measure.
+  // A rolling disc is as on one long edge.
   Body roller = body_of(disc_shape(0.5), {});
   roller.angular_velocity = -20;
   const auto rolled = run(chain_ground(points), roller, Precision::f64);

@@ -214,9 +214,10 @@ TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven"
       REQUIRE(report.has_value());
       for (const verifier::CrosscheckRow& row : report->rows) {
         CAPTURE(row.criterion, row.difference, row.tolerance, row.unit, row.reason);
-        // Bike and walker stand among stones that start in the air or inside each other: 5 cm there.
-        const bool has_stones = name == "bike" || name == "walker";
-        if (row.criterion == verifier::place_criterion && has_stones && row.verdict == verifier::Agreement::differ)
+        // A known shortfall, not an expected difference: bike and walker, which begin up to 3 cm inside the ground,
+        // rest up to 4.5 cm from where Box2D has them. 5 cm only keeps that from growing.
+        const bool falls_short = name == "bike" || name == "walker";
+        if (row.criterion == verifier::place_criterion && falls_short && row.verdict == verifier::Agreement::differ)
           CHECK(row.difference < 0.05);
         else if (row.criterion == verifier::place_criterion || row.criterion == verifier::way_criterion)
           CHECK(row.verdict != verifier::Agreement::differ);
