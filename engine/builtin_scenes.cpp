@@ -24,6 +24,10 @@ struct SceneArguments {
   std::optional<Precision> precision;
   std::optional<double> dt;
   std::optional<int> substeps;
+  bool auto_substeps = false;
+  std::optional<int> sleep;  // 0 or 1, as the two below
+  std::optional<int> locate_impacts;
+  std::optional<int> continuous;
   std::optional<SolverKind> solver;
   std::optional<IntegratorKind> integrator;
   std::optional<BroadPhaseKind> broad_phase;
@@ -623,8 +627,9 @@ const std::array<BuiltinScene, 17> scenes{{
 
 // ---- Reading `name?key=value` ----
 
-constexpr std::array<std::string_view, 8> setting_names{"precision",  "dt",          "substeps", "solver",
-                                                        "integrator", "broad_phase", "gravity",  "clock"};
+constexpr std::array<std::string_view, 11> setting_names{
+    "precision", "dt",    "substeps", "solver",         "integrator", "broad_phase",
+    "gravity",   "clock", "sleep",    "locate_impacts", "continuous"};
 
 Error usage(std::string_view text, const std::string& what, std::string hint = {}) {
   return Error{ErrorCode::usage, std::string(text) + ": " + what, std::move(hint)};
@@ -669,11 +674,18 @@ Status read_argument(std::string_view text, std::string_view key, std::string_vi
   };
   if (key == "precision") return read_choice(text, key, value, precisions, out.precision);
   if (key == "dt") return number(limits::dt_min_s, limits::dt_max_s, false, out.dt);
+  if (key == "substeps" && value == "auto") {
+    out.auto_substeps = true;
+    return {};
+  }
   if (key == "substeps") return number(1, limits::substep_count_max, true, out.substeps);
   if (key == "solver") return read_choice(text, key, value, solvers, out.solver);
   if (key == "integrator") return read_choice(text, key, value, integrators, out.integrator);
   if (key == "broad_phase") return read_choice(text, key, value, broad_phases, out.broad_phase);
   if (key == "clock") return read_choice(text, key, value, clock_kinds, out.clock);
+  if (key == "sleep") return number(0, 1, true, out.sleep);
+  if (key == "locate_impacts") return number(0, 1, true, out.locate_impacts);
+  if (key == "continuous") return number(0, 1, true, out.continuous);
   if (key == "gravity") return number(-limits::speed_max, limits::speed_max, false, out.gravity);
   std::string known;
   for (std::size_t i = 0; i < out.parameters.size(); ++i) {
@@ -698,6 +710,10 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
   if (arguments.solver) settings.solver = *arguments.solver;
   if (!info_of(solvers, settings.solver).substeps) settings.substeps = 1;
   if (arguments.substeps) settings.substeps = *arguments.substeps;
+  if (arguments.auto_substeps) settings.auto_substeps.emplace();
+  if (arguments.sleep && *arguments.sleep == 1) settings.sleep.emplace();
+  if (arguments.locate_impacts) settings.locate_impacts = *arguments.locate_impacts == 1;
+  if (arguments.continuous) settings.continuous = *arguments.continuous == 1;
   if (arguments.integrator) settings.integrator = *arguments.integrator;
   if (arguments.broad_phase) settings.broad_phase = *arguments.broad_phase;
   if (arguments.clock) settings.clock.kind = *arguments.clock;

@@ -71,6 +71,8 @@ TEST_CASE("every built-in scene takes the settings by name", "[engine][builtin_s
     CHECK(made(name + "?dt=1/120").settings.dt == 1.0 / 120);
     CHECK(made(name + "?dt=0.01").settings.dt == 0.01);
     CHECK(made(name + "?substeps=7").settings.substeps == 7);
+    CHECK(made(name + "?locate_impacts=1").settings.locate_impacts);
+    CHECK_FALSE(made(name + "?continuous=0").settings.continuous);
     CHECK(made(name + "?gravity=3.5").gravity == Point{0, -3.5});
     CHECK(made(name + "?solver=tgs_soft&substeps=2").settings.substeps == 2);
     if (!made(name).joints.empty() || name == "shapes" || name == "sensors") {
@@ -80,6 +82,10 @@ TEST_CASE("every built-in scene takes the settings by name", "[engine][builtin_s
     CHECK(made(name + "?solver=impulse").settings.substeps == 1);
     CHECK_THAT(refusal(name + "?solver=impulse&substeps=4"), Contains("impulse does not substep: found 4, expected 1"));
   }
+  CHECK(made("stack?substeps=auto").settings.auto_substeps == AutoSubsteps{});
+  CHECK(made("stack?sleep=1").settings.sleep == SleepSettings{});
+  CHECK_FALSE(made("stack?sleep=0").settings.sleep);
+  CHECK_THAT(refusal("stack?sleep=yes"), Contains("sleep: not a number: found \"yes\", expected a whole number 0..1"));
   CHECK(bits_of(made("slide?gravity=0").gravity.y) == 0);
 }
 

@@ -75,7 +75,9 @@ int run_scenes(const ScenesOptions& options) {
   if (options.json)
     print_json({{"schema", "ticktrue.scenes/1"}, {"scenes", std::move(scenes)}});
   else
-    print("Each also takes precision, dt, substeps, solver, integrator, broad_phase, gravity and clock.\n");
+    print(
+        "Each also takes precision, dt, substeps (a number or auto), solver, integrator, broad_phase, gravity,\n"
+        "clock, and as 0 or 1 sleep, locate_impacts and continuous.\n");
   return exit_ok;
 }
 
