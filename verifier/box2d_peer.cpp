@@ -251,7 +251,10 @@ class Box2dWorld final : public Box2dPeer {
     return count;
   }
   double length_scale() const override { return scale_; }
-  double skin() const override { return 2 * static_cast<double>(b2_polygonRadius) / scale_; }
+  double skin() const override {
+    return (options_.match_skin ? static_cast<double>(b2_linearSlop) : 2 * static_cast<double>(b2_polygonRadius)) /
+           scale_;
+  }
   std::size_t clamped_tick() const override { return clamped_tick_; }
 
  private:
@@ -412,7 +415,7 @@ class Box2dWorld final : public Box2dPeer {
       }
     }
     // Polygons rest with their skins half a slop each inside each other: that is then where ours touch.
-    if (shape.radius > 0 && definition.shape == &polygon)
+    if ((shape.radius > 0 || options_.match_skin) && definition.shape == &polygon)
       polygon.m_radius = static_cast<float>(shape.radius * scale_) + 0.5f * b2_linearSlop;
     body->CreateFixture(&definition);
     return {};

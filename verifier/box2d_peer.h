@@ -16,7 +16,8 @@ namespace ticktrue::verifier {
 struct Box2dOptions {
   int velocity_iterations = 8;  // Box2D's own recommendation
   int position_iterations = 3;
-  int steps_per_tick = 1;  // more: smaller steps, the same ticks
+  int steps_per_tick = 1;   // more: smaller steps, the same ticks
+  bool match_skin = false;  // polygons get a skin so thin that they rest where their geometry touches
 };
 
 /// The world of a scene in Box2D. No inputs: bodies move as the scene starts them. Sleeping is off, everything else is

@@ -22,7 +22,6 @@ using engine::SolverKind;
 constexpr double jitter_per_size = 0.001;
 constexpr double contact_window_s = 1;       // contacts are averaged over the last second,
 constexpr std::uint64_t contact_stride = 4;  // every fourth tick of it
-constexpr Box2dOptions usual_box2d{};
 // To tell a difference of physics from one of convergence: Box2D with smaller steps, which do far more than iterations.
 constexpr std::array<int, 2> finer_steps_per_tick{4, 16};
 constexpr std::array<int, 2> own_substep_factors{2, 4};  // likewise ours
@@ -203,21 +202,23 @@ CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& na
   return solver;
 }
 
-// A report that says only why nothing can be compared.
+// A solver's part of a report that says only why nothing can be compared.
+void add_not_applicable(CrosscheckReport& report, SolverKind kind, const std::string& reason) {
+  CrosscheckRow row;
+  row.solver = engine::info_of(engine::solvers, kind).name;
+  row.criterion = "scene";
+  row.reason = reason;
+  CrosscheckSolver solver;
+  solver.solver = row.solver;
+  solver.not_applicable = 1;
+  solver.summary = fmt::format("{:<10} not comparable with Box2D {}: {}", row.solver, report.box2d_version, reason);
+  report.solvers.push_back(std::move(solver));
+  report.rows.push_back(std::move(row));
+}
+
 CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vector<SolverKind>& solvers,
                                        const std::string& reason) {
-  for (const SolverKind kind : solvers) {
-    CrosscheckRow row;
-    row.solver = engine::info_of(engine::solvers, kind).name;
-    row.criterion = "scene";
-    row.reason = reason;
-    CrosscheckSolver solver;
-    solver.solver = row.solver;
-    solver.not_applicable = 1;
-    solver.summary = fmt::format("{:<10} not comparable with Box2D {}: {}", row.solver, report.box2d_version, reason);
-    report.solvers.push_back(std::move(solver));
-    report.rows.push_back(std::move(row));
-  }
+  for (const SolverKind kind : solvers) add_not_applicable(report, kind, reason);
   return report;
 }
 
@@ -245,7 +246,10 @@ Scene scene_with_solver(const Scene& scene, SolverKind solver) {
   changed.settings.solver = solver;
   const bool substeps = engine::info_of(engine::solvers, solver).substeps;
   const bool substepped = engine::info_of(engine::solvers, scene.settings.solver).substeps;
-  if (!substeps) changed.settings.substeps = 1;
+  if (!substeps) {
+    changed.settings.substeps = 1;
+    changed.settings.auto_substeps.reset();
+  }
   if (substeps && !substepped) changed.settings.substeps = engine::Settings{}.substeps;
   return changed;
 }
@@ -266,8 +270,9 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   CrosscheckReport report;
   report.scene = scene.name;
   report.box2d_version = box2d_version();
-  report.velocity_iterations = usual_box2d.velocity_iterations;
-  report.position_iterations = usual_box2d.position_iterations;
+  report.velocity_iterations = Box2dOptions{}.velocity_iterations;
+  report.position_iterations = Box2dOptions{}.position_iterations;
+  report.match_skin = options.match_skin;
   report.seed_count = options.seed_count;
   report.tick_count = static_cast<std::uint64_t>(ticks);
   report.seconds = ticks * scene.settings.dt;
@@ -275,16 +280,26 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   const CrosscheckLayout layout = make_layout(scene);
   if (layout.dynamic_count == 0)
     return report_not_applicable(report, solvers, "the scene starts without moving bodies, and no inputs are given");
-  for (const SolverKind kind : solvers)
-    if (Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(scene_with_solver(scene, kind)); !made)
+  std::vector<SolverKind> fitting;
+  for (const SolverKind kind : solvers) {
+    const Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(scene_with_solver(scene, kind));
+    if (made)
+      fitting.push_back(kind);
+    else if (made.error().code == ErrorCode::incompatible && solvers.size() > 1)
+      add_not_applicable(report, kind, made.error().message);
+    else
       return made.error();
+  }
+  solvers = std::move(fitting);
   if (Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene); !peer)
     return report_not_applicable(report, solvers, peer.error().message);
 
   std::vector<Scene> starts;
   for (std::uint32_t seed = 0; seed < options.seed_count; ++seed) starts.push_back(jittered_scene(scene, layout, seed));
   std::vector<Job> jobs;
-  for (const Scene& start : starts) jobs.push_back({start, true, usual_box2d});
+  Box2dOptions box2d_options;
+  box2d_options.match_skin = options.match_skin;
+  for (const Scene& start : starts) jobs.push_back({start, true, box2d_options});
   for (const SolverKind kind : solvers)
     for (const Scene& start : starts) jobs.push_back({scene_with_solver(start, kind), false, {}});
   Runner runner(layout, report.tick_count, options);
@@ -316,10 +331,10 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
       const int steps = finer_steps_per_tick[level];
       if (level > 0 && layout.dynamic_count > finest_body_count_max) break;
       if (finer[level].empty()) {
-        Box2dOptions box2d_options = usual_box2d;
-        box2d_options.steps_per_tick = steps;
+        Box2dOptions finer_options = box2d_options;
+        finer_options.steps_per_tick = steps;
         std::vector<Job> more;
-        for (const Scene& start : starts) more.push_back({start, true, box2d_options});
+        for (const Scene& start : starts) more.push_back({start, true, finer_options});
         runner.expect_jobs(more.size());
         Result<std::vector<Outcome>> again = runner.run(more);
         if (!again) return again.error();

@@ -171,6 +171,7 @@ struct CrosscheckOptions {
   std::vector<engine::SolverKind> solvers;  // empty: the scene's
   std::uint32_t seed_count = 5;             // seed 0 starts exactly as the scene says
   double seconds = 20;
+  bool match_skin = false;  // Box2D's polygons rest where their geometry touches, not a skin apart
   unsigned thread_count = 1;
   std::function<void(std::uint64_t done, std::uint64_t total)>
       progress;  // ticks of all runs; called from one thread at a time
@@ -192,6 +193,7 @@ struct CrosscheckReport {
   int velocity_iterations = 0;
   int position_iterations = 0;
   double length_scale = 1;
+  bool match_skin = false;
   std::uint32_t seed_count = 0;
   std::uint64_t tick_count = 0;
   double seconds = 0;
