@@ -217,10 +217,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--peer", options.peer, "Compare with another engine")->check(CLI::IsMember({"box2d"}));
   app.add_flag("--json", options.json, "One JSON object");
+  std::string instruction_set;
+  app.add_option("--isa", instruction_set, "Instruction set of the kernels: baseline, avx2");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (!instruction_set.empty())
+    if (const ticktrue::Status status = ticktrue::engine::use_instruction_set(instruction_set); !status)
+      return ticktrue::fail(status.error());
   return ticktrue::run(options);
 }

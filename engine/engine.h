@@ -9,6 +9,7 @@
 
 #include "base/result.h"
 #include "base/simulation.h"
+#include "engine/instruction_set.h"
 #include "engine/scene.h"
 
 namespace ticktrue::engine {
@@ -21,6 +22,7 @@ inline constexpr std::string_view simulation_name = "ticktrue.engine";
 struct EngineOptions {
   bool full_pipeline = false;                 // every stage the solver can use, needed or not
   std::optional<BroadPhaseKind> broad_phase;  // instead of the scene's
+  std::optional<InstructionSet> instruction_set = {};  // instead of instruction_set_in_use(); requires can_use
 };
 
 /// A stage that is, or could have been, in the pipeline.

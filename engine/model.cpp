@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/model.h"
 
+#include "engine/constraints/choose_kernels.h"
 #include "engine/forces/forces.h"
 #include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
@@ -249,6 +250,7 @@ Model make_model(const Scene& scene) {
     model.has_surfaces |= shape.tangent_speed != 0 || shape.rolling_resistance > 0;
     model.has_sensors |= shape.is_sensor;
   }
+  set_kernels(model, instruction_set_in_use(), contact_features(model));
   return model;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/result.h"
 #include "engine/constraints/joint_model.h"
+#include "engine/constraints/solver_kernels.h"
 #include "engine/math/vec2.h"
 #include "engine/scene.h"
 
@@ -138,6 +139,8 @@ struct Model {
   bool has_surfaces = false;   // some material drives what touches it, or resists rolling
   bool has_sensors = false;
   std::uint32_t child_count_max = 0;  // of a body
+  unsigned contact_features = 0;      // bits of contact_feature
+  SolverKernels kernels{};            // for these features and an instruction set; they change no bit
   Box bounds;
 
   const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {

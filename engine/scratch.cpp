@@ -14,6 +14,12 @@ void poison_rows(std::vector<T>& rows) {
   rows.clear();
 }
 
+/// Rows that are only ever added to: of what is there, a tick may read nothing.
+template <typename T>
+void poison_in_place(std::vector<T>& rows) {
+  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
+}
+
 }  // namespace
 
 void poison(Scratch& scratch) {
@@ -44,6 +50,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.removed_sensors);
   poison_rows(scratch.touch_buffer);
   poison_rows(scratch.bodies);
+  poison_rows(scratch.masses);
   poison_rows(scratch.velocity_steps);
   poison_rows(scratch.constant_accelerations);
   poison_rows(scratch.accelerations);
@@ -55,11 +62,12 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.central_rows);
   poison_rows(scratch.spring_blocks);
   for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
-  poison_rows(scratch.contact_batches.batches);
-  poison_rows(scratch.contact_batches.surfaces);
+  poison_in_place(scratch.contact_batches.batches);
+  poison_in_place(scratch.contact_batches.surfaces);
+  poison_in_place(scratch.contact_batches.bounces);
+  scratch.contact_batches.batch_count = 0;
   poison_rows(scratch.contact_batches.colors);
   poison_rows(scratch.contact_batches.body_colors);
-  poison_rows(scratch.contact_batches.sorted);
   poison_rows(scratch.pulls);
   poison_rows(scratch.impacts);
   poison_rows(scratch.paths);
@@ -81,6 +89,12 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.sag);
   poison_rows(scratch.joints);
   poison_rows(scratch.joint_ranges);
+  poison_in_place(scratch.pins.batches);
+  scratch.pins.batch_count = 0;
+  poison_rows(scratch.joint_places);
+  poison_rows(scratch.sorted_places);
+  poison_rows(scratch.body_levels);
+  poison_rows(scratch.level_starts);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

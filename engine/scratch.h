@@ -9,7 +9,9 @@
 #include "engine/constraints/contact_batch.h"
 #include "engine/constraints/impacts.h"
 #include "engine/constraints/joint.h"
+#include "engine/constraints/pin_batch.h"
 #include "engine/constraints/pointer.h"
+#include "engine/constraints/solver_kernels.h"
 #include "engine/input.h"
 #include "engine/state.h"
 
@@ -65,10 +67,19 @@ struct TouchingPair {
 
 /// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
 struct alignas(8 * sizeof(Real)) MovingBody {
-  Vec2 velocity;          // m/s
-  Real angular_velocity;  // rad/s
-  Vec2 moved;             // since the tick began, m
-  Rotation turned;        // since the tick began
+  Vec2 velocity;                        // m/s
+  Real angular_velocity;                // rad/s
+  alignas(4 * sizeof(Real)) Vec2 moved;  // since the tick began, m
+  Rotation turned;                      // since the tick began
+};
+static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
+
+/// What constraints need of a body beside its hot record.
+struct BodyMass {
+  Real inv_mass;        // 1/kg
+  Real inv_inertia;     // 1/(kg m^2)
+  std::uint32_t read;   // in Scratch::bodies; of static bodies the resting record
+  std::uint32_t write;  // of bodies that impulses do not move the record nobody reads
 };
 
 /// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
@@ -117,13 +128,12 @@ struct SpringBlock {
   Real turn_a, turn_b;  // kg m^2
 };
 
-/// FreeMotion with the accelerations of one body put in, for one substep.
-struct VelocityStep {
-  Vec2 velocity;          // m/s
-  Real angular_velocity;  // rad/s
-  Real linear_decay;
-  Real angular_decay;
+/// FreeMotion with the accelerations of one body put in, for one substep: v' = decay * v + gain.
+struct alignas(8 * sizeof(Real)) VelocityStep {
+  Real gain[4];   // x, y in m/s, angular in rad/s, 0
+  Real decay[4];  // x, y, angular, 0
 };
+static_assert(sizeof(VelocityStep) == body_record_length * sizeof(Real));
 
 /// A contact or joint by which a body may be carried.
 struct Support {
@@ -138,6 +148,7 @@ inline constexpr std::uint32_t no_group = 0xffffffff;
 struct SolveGroup {
   int substeps = 1;
   Real h = 0;  // s, of a substep
+  ContactStiffness stiffness;
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
   std::uint32_t first_batch = 0, batch_end = 0;
@@ -222,7 +233,9 @@ struct Scratch {
   std::vector<TouchRow> touch_buffer;
 
   // solver
+  const SolverKernels* kernels = nullptr;  // the model's
   std::vector<MovingBody> bodies;
+  std::vector<BodyMass> masses;              // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
   Real free_motion_step = 0;                  // s; 0: not computed yet
   std::vector<VelocityStep> velocity_steps;   // [body]
@@ -240,7 +253,12 @@ struct Scratch {
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
   std::vector<JointWork> joints;         // of the group that is being solved
-  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`
+  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`, or of batches in `pins`
+  PinBatches pins;
+  std::vector<JointPlace> joint_places;     // of the group, in solving order
+  std::vector<JointPlace> sorted_places;
+  std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
+  std::vector<std::uint32_t> level_starts;  // [2 level, pins first] in `joint_places`
 };
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge

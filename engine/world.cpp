@@ -6,6 +6,7 @@
 
 #include "base/limits.h"
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/constraints/choose_kernels.h"
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
@@ -29,6 +30,8 @@ class World final : public Engine {
         pipeline_(compose(model_, options.broad_phase.value_or(scene.settings.broad_phase), options.full_pipeline)),
         schema_(make_schema(model_, pipeline_.tables)),
         state_(initial_state(model_)) {
+    const unsigned features = model_.contact_features | (options.full_pipeline ? contact_feature::general : 0u);
+    set_kernels(model_, options.instruction_set.value_or(instruction_set_in_use()), features);
     for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
     view_.schema = &schema_;
     update_view(state_, pipeline_.tables, view_);

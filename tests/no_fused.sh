@@ -11,7 +11,7 @@ object=$(mktemp) || exit 77
 trap 'rm -f "$object"' EXIT
 status=0
 for source in engine/narrow_phase/collide_polygons.cpp engine/solvers/impulse.cpp engine/constraints/pointer.cpp \
-  engine/constraints/contact_kernels.cpp; do
+  engine/constraints/contact_kernels.cpp engine/constraints/pin_kernels.cpp engine/integrators/motion_kernels.cpp; do
   "$compiler" -std=c++20 -O3 -march=x86-64-v3 "$@" -DTICKTRUE_PRECISION=f64 -I"$source_dir" -c "$source_dir/$source" \
     -o "$object" || exit 1
   count=$(objdump -d "$object" | grep -cE 'vfn?m(add|sub)')

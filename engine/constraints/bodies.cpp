@@ -9,11 +9,20 @@ constexpr MovingBody at_rest{{0, 0}, 0, {0, 0}, {1, 0}};
 
 }  // namespace
 
-void prepare_bodies(const State& state, Scratch& scratch) {
+void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
+  scratch.kernels = &model.kernels;
   scratch.bodies.resize(state.bodies.size() + 2);
+  scratch.masses.resize(state.bodies.size());
+  const std::uint32_t resting = resting_record(scratch);
+  const std::uint32_t unread = unread_record(scratch);
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
+    const BodyModel& constants = model.bodies[body.source];
+    const auto record = static_cast<std::uint32_t>(row);
     scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
+    scratch.masses[row] = {constants.inv_mass, constants.inv_inertia,
+                           constants.type == BodyType::static_body ? resting : record,
+                           constants.type == BodyType::dynamic_body ? record : unread};
   }
   scratch.previous_accelerations.clear();
   for (const AccelerationRow& row : state.accelerations)

@@ -6,8 +6,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Fills scratch.bodies: one record per row, then two that stand for everything immovable.
-void prepare_bodies(const State& state, Scratch& scratch);
+/// Fills scratch.bodies, one record per row, then two that stand for everything immovable; and scratch.masses.
+void prepare_bodies(const Model& model, const State& state, Scratch& scratch);
 
 /// A record at rest that is only read.
 inline std::uint32_t resting_record(const Scratch& scratch) {

@@ -23,67 +23,126 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-bool moves(const Model& model, const State& state, std::uint32_t row) {
-  return model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
-}
-
 /// colors[i]: of the i-th contact of the group.
-void color_contacts(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
+void color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
   ContactBatches& out = scratch.contact_batches;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const std::size_t count = group.contact_end - group.first_contact;
+  const std::uint32_t unread = unread_record(scratch);
   out.colors.resize(count);
-  for (const bool against_immovable : {false, true}) {
-    out.body_colors.assign(state.bodies.size(), 0);
-    for (std::size_t i = 0; i < count; ++i) {
-      const TouchingPair& pair = scratch.touching[contacts[i]];
-      const bool a_moves = moves(model, state, pair.body_a);
-      const bool b_moves = moves(model, state, pair.body_b);
-      if ((a_moves && b_moves) == against_immovable) continue;
-      const std::uint32_t used =
-          (a_moves ? out.body_colors[pair.body_a] : 0u) | (b_moves ? out.body_colors[pair.body_b] : 0u);
-      int color = overflow_color;
-      if (used != 0xffffffffu) {
-        color = __builtin_ctz(~used);
-        if (a_moves) out.body_colors[pair.body_a] |= 1u << color;
-        if (b_moves) out.body_colors[pair.body_b] |= 1u << color;
-      }
-      out.colors[i] = static_cast<std::uint8_t>(color + (against_immovable ? group_color_count : 0));
+  out.body_colors.assign(state.bodies.size(), {0, 0});
+  for (std::size_t i = 0; i < count; ++i) {
+    const TouchingPair& pair = scratch.touching[contacts[i]];
+    const bool a_moves = scratch.masses[pair.body_a].write != unread;
+    const bool b_moves = scratch.masses[pair.body_b].write != unread;
+    BodyColors& a = out.body_colors[pair.body_a];
+    BodyColors& b = out.body_colors[pair.body_b];
+    std::uint32_t used;
+    if (a_moves && b_moves) {
+      used = a.moving | b.moving;
+      const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
+      a.moving |= bit;
+      b.moving |= bit;
+    } else {
+      BodyColors& mover = a_moves ? a : b;
+      used = mover.immovable;
+      mover.immovable |= ~used & (used + 1);
     }
+    const int color = used != 0xffffffffu ? __builtin_ctz(~used) : overflow_color;
+    out.colors[i] = static_cast<std::uint8_t>(color + (a_moves && b_moves ? 0 : group_color_count));
   }
 }
 
-void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& point, const ContactRow& row,
-                const MovingBody& body_a, const MovingBody& body_b, Vec2 normal, Real slop, Real h) {
-  ContactPointLanes& out = batch.points[index];
-  const Vec2 tangent = right_turn(normal);
-  const auto effective_mass = [&](Vec2 direction) {
-    const Real arm_a = cross(point.anchor_a, direction);
-    const Real arm_b = cross(point.anchor_b, direction);
-    const Real k =
-        ((batch.inv_mass_a.at[lane] + batch.inv_mass_b.at[lane]) + batch.inv_inertia_a.at[lane] * arm_a * arm_a) +
-        batch.inv_inertia_b.at[lane] * arm_b * arm_b;
-    return k > 0 ? 1 / k : Real(0);
-  };
-  out.anchor_a_x.at[lane] = point.anchor_a.x;
-  out.anchor_a_y.at[lane] = point.anchor_a.y;
-  out.anchor_b_x.at[lane] = point.anchor_b.x;
-  out.anchor_b_y.at[lane] = point.anchor_b.y;
-  out.base_separation.at[lane] = ((point.separation + slop) - dot(point.anchor_b - point.anchor_a, normal)) -
-                                 (batch.radius_a.at[lane] + batch.radius_b.at[lane]);
-  out.normal_mass.at[lane] = effective_mass(normal);
-  out.tangent_mass.at[lane] = effective_mass(tangent);
-  out.normal_impulse.at[lane] = h * row.normal_force[index];
-  out.tangent_impulse.at[lane] = h * row.tangent_force[index];
-  const Vec2 velocity_a = body_a.velocity + cross(body_a.angular_velocity, point.anchor_a);
-  const Vec2 velocity_b = body_b.velocity + cross(body_b.angular_velocity, point.anchor_b);
-  out.approach.at[lane] = dot(velocity_b - velocity_a, normal);
+/// Where the contacts of a colour go: batches in a row, lane after lane.
+struct ColorPlace {
+  std::uint32_t batch;  // the next contact's
+  std::uint32_t lane;
+};
+
+/// Counts batches, notes them in `group`, and makes room for them.
+void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, ColorPlace* places) {
+  ContactBatches& out = scratch.contact_batches;
+  std::uint32_t counts[color_total] = {};
+  for (const std::uint8_t color : out.colors) ++counts[color];
+  std::size_t next = out.batch_count;
+  group.first_batch = static_cast<std::uint32_t>(next);
+  for (int color = 0; color < color_total; ++color) {
+    places[color] = {static_cast<std::uint32_t>(next), 0};
+    next += color % group_color_count == overflow_color ? counts[color] : (counts[color] + lane_count - 1) / lane_count;
+  }
+  out.batch_count = next;
+  group.batch_end = static_cast<std::uint32_t>(next);
+  if (out.batches.size() < next) out.batches.resize(next);
+  if ((features & contact_feature::bounce) != 0 && out.bounces.size() < next) out.bounces.resize(next);
+  if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
 }
 
-void fill_surface(SurfaceLanes& out, int lane, const TouchingPair& pair, Real inv_inertia) {
+/// A batch before its first contact. Lanes that stay empty push nothing and are written to a record nobody reads.
+void begin_batch(const Scratch& scratch, ContactBatch& batch, bool immovable) {
+  batch = {};
+  batch.immovable = immovable ? 1 : 0;
+  const std::uint32_t resting = resting_record(scratch);
+  const std::uint32_t unread = unread_record(scratch);
+  for (int lane = 0; lane < lane_count; ++lane) {
+    batch.read_a[lane] = batch.read_b[lane] = resting;
+    batch.write_a[lane] = batch.write_b[lane] = unread;
+  }
+}
+
+void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint& point, Real slop, Real normal_force,
+                Real tangent_force) {
+  out.normal_arm_a.at[lane] = point.anchor_a.x;
+  out.normal_arm_b.at[lane] = point.anchor_a.y;
+  out.tangent_arm_a.at[lane] = point.anchor_b.x;
+  out.tangent_arm_b.at[lane] = point.anchor_b.y;
+  out.separation.at[lane] = point.separation + slop;
+  out.normal_mass.at[lane] = 1;
+  out.normal_impulse.at[lane] = normal_force;
+  out.tangent_impulse.at[lane] = tangent_force;
+}
+
+void fill_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t contact,
+               const ContactRow& row, Real slop) {
+  const TouchingPair& pair = scratch.touching[contact];
+  const BodyMass& a = scratch.masses[pair.body_a];
+  const BodyMass& b = scratch.masses[pair.body_b];
+  batch.contact[lane] = contact;
+  batch.read_a[lane] = a.read;
+  batch.read_b[lane] = b.read;
+  batch.write_a[lane] = a.write;
+  batch.write_b[lane] = b.write;
+  batch.inv_mass_a.at[lane] = a.inv_mass;
+  batch.inv_mass_b.at[lane] = b.inv_mass;
+  batch.inv_inertia_a.at[lane] = a.inv_inertia;
+  batch.inv_inertia_b.at[lane] = b.inv_inertia;
+  batch.normal_x.at[lane] = pair.manifold.normal.x;
+  batch.normal_y.at[lane] = pair.manifold.normal.y;
+  batch.friction.at[lane] = pair.friction;
+  batch.radius_a.at[lane] = pair.radius_a;
+  batch.radius_b.at[lane] = pair.radius_b;
+  for (int i = 0; i < pair.manifold.point_count; ++i)
+    fill_point(batch.points[i], lane, pair.manifold.points[i], slop * pair.size, row.normal_force[i],
+               row.tangent_force[i]);
+}
+
+void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane, const TouchingPair& pair) {
+  const Real inv_inertia = scratch.masses[pair.body_a].inv_inertia + scratch.masses[pair.body_b].inv_inertia;
   out.tangent_speed.at[lane] = pair.tangent_speed;
   out.rolling_resistance.at[lane] = pair.rolling_resistance;
   out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
+}
+
+ContactWork work_of(Scratch& scratch, const SolveGroup& group) {
+  ContactBatches& all = scratch.contact_batches;
+  const std::size_t first = group.first_batch;
+  return {all.batches.data() + first,
+          group.batch_end - first,
+          all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
+          all.bounces.empty() ? nullptr : all.bounces.data() + first,
+          &scratch.bodies.data()->velocity.x,
+          group.h,
+          group.stiffness.moving,
+          group.stiffness.immovable};
 }
 
 }  // namespace
@@ -104,86 +163,53 @@ ContactStiffness baumgarte_contacts(Real h) {
 }
 
 void clear_contacts(Scratch& scratch) {
-  scratch.contact_batches.batches.clear();
-  scratch.contact_batches.surfaces.clear();
+  scratch.contact_batches.batch_count = 0;
 }
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness) {
-  color_contacts(model, state, scratch, group);
+  group.stiffness = stiffness;
+  color_contacts(state, scratch, group);
+  ColorPlace places[color_total];
+  place_batches(scratch, group, model.contact_features, places);
   ContactBatches& out = scratch.contact_batches;
+  const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
+  const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const Real h = group.h;
-
-  // Contacts by colour, in contact order within a colour.
-  std::uint32_t start[color_total + 1] = {};
-  for (const std::uint8_t color : out.colors) ++start[color + 1];
-  std::uint32_t first[color_total];
-  std::size_t batch_count = 0;
-  for (int color = 0; color < color_total; ++color) {
-    const std::uint32_t count = start[color + 1];
-    const bool alone = color % group_color_count == overflow_color;
-    batch_count += alone ? count : (count + lane_count - 1) / lane_count;
-    start[color + 1] += start[color];
-    first[color] = start[color];
-  }
-  out.sorted.resize(out.colors.size());
-  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[first[out.colors[i]]++] = contacts[i];
-
-  const std::uint32_t resting = resting_record(scratch);
-  const std::uint32_t unread = unread_record(scratch);
-
-  std::size_t next = out.batches.size();
-  group.first_batch = static_cast<std::uint32_t>(next);
-  group.batch_end = static_cast<std::uint32_t>(next + batch_count);
-  out.batches.resize(next + batch_count);
-  out.surfaces.resize(model.has_surfaces ? next + batch_count : 0);
-  for (int color = 0; color < color_total; ++color) {
-    const std::uint32_t per_batch = color % group_color_count == overflow_color ? 1 : lane_count;
-    for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += per_batch) {
-      ContactBatch& batch = out.batches[next++];
-      const std::uint32_t left = start[color + 1] - begin;
-      batch.count = static_cast<int>(left < per_batch ? left : per_batch);
-      batch.bounces = false;
-      for (int lane = 0; lane < lane_count; ++lane) {
-        if (lane >= batch.count) {
-          batch.read_a[lane] = batch.read_b[lane] = resting;
-          batch.write_a[lane] = batch.write_b[lane] = unread;
-          continue;
-        }
-        const std::uint32_t contact = out.sorted[begin + static_cast<std::uint32_t>(lane)];
-        const TouchingPair& pair = scratch.touching[contact];
-        const BodyModel& a = model.bodies[state.bodies[pair.body_a].source];
-        const BodyModel& b = model.bodies[state.bodies[pair.body_b].source];
-        batch.contact[lane] = contact;
-        batch.read_a[lane] = a.type == BodyType::static_body ? resting : pair.body_a;
-        batch.read_b[lane] = b.type == BodyType::static_body ? resting : pair.body_b;
-        batch.write_a[lane] = a.type == BodyType::dynamic_body ? pair.body_a : unread;
-        batch.write_b[lane] = b.type == BodyType::dynamic_body ? pair.body_b : unread;
-        batch.inv_mass_a.at[lane] = a.inv_mass;
-        batch.inv_mass_b.at[lane] = b.inv_mass;
-        batch.inv_inertia_a.at[lane] = a.inv_inertia;
-        batch.inv_inertia_b.at[lane] = b.inv_inertia;
-        batch.normal_x.at[lane] = pair.manifold.normal.x;
-        batch.normal_y.at[lane] = pair.manifold.normal.y;
-        batch.friction.at[lane] = pair.friction;
-        batch.radius_a.at[lane] = pair.radius_a;
-        batch.radius_b.at[lane] = pair.radius_b;
-        batch.restitution.at[lane] = pair.restitution;
-        batch.bounces |= pair.restitution > 0;
-        const Softness& softness = color >= group_color_count ? stiffness.immovable : stiffness.moving;
-        batch.bias_rate.at[lane] = softness.bias_rate;
-        batch.mass_scale.at[lane] = softness.mass_scale;
-        batch.impulse_scale.at[lane] = softness.impulse_scale;
-        if (model.has_surfaces) fill_surface(out.surfaces[next - 1], lane, pair, a.inv_inertia + b.inv_inertia);
-        const Real slop = stiffness.slop * pair.size;
-        for (int i = 0; i < pair.manifold.point_count; ++i)
-          fill_point(batch, lane, i, pair.manifold.points[i], state.contacts[contact],
-                     scratch.bodies[batch.read_a[lane]], scratch.bodies[batch.read_b[lane]], pair.manifold.normal, slop,
-                     h);
-      }
+  for (std::size_t i = 0; i < out.colors.size(); ++i) {
+    const int color = out.colors[i];
+    ColorPlace& place = places[color];
+    const std::uint32_t contact = contacts[i];
+    const TouchingPair& pair = scratch.touching[contact];
+    ContactBatch& batch = out.batches[place.batch];
+    if (place.lane == 0) {
+      begin_batch(scratch, batch, color >= group_color_count);
+      if (bounces) out.bounces[place.batch] = {};
+      if (has_surfaces) out.surfaces[place.batch] = {};
     }
+    fill_lane(scratch, batch, place.lane, contact, state.contacts[contact], stiffness.slop);
+    if (bounces) out.bounces[place.batch].restitution.at[place.lane] = pair.restitution;
+    batch.bounces |= pair.restitution > 0 ? 1 : 0;
+    if (has_surfaces) fill_surface(scratch, out.surfaces[place.batch], place.lane, pair);
+    batch.count = static_cast<std::int32_t>(++place.lane);
+    if (place.lane < lane_count && color % group_color_count != overflow_color) continue;
+    ++place.batch;
+    place.lane = 0;
   }
+  scratch.kernels->contacts.prepare(work_of(scratch, group));
+}
+
+void warm_start_contacts(Scratch& scratch, const SolveGroup& group) {
+  scratch.kernels->contacts.warm_start(work_of(scratch, group));
+}
+
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
+  const ContactKernels& kernels = scratch.kernels->contacts;
+  (bias == Bias::on ? kernels.solve : kernels.relax)(work_of(scratch, group));
+}
+
+bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
+  return scratch.kernels->contacts.bounce(work_of(scratch, group), threshold);
 }
 
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {

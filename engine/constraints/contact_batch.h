@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/constraints/contact_lanes.h"
 #include "engine/constraints/soft.h"
 #include "engine/math/vec2.h"
 
@@ -19,54 +20,19 @@ struct State;
 struct Scratch;
 struct SolveGroup;
 
-inline constexpr int lane_count = 8;
-
-/// One value for each contact of a batch.
-struct alignas(lane_count * sizeof(Real)) Lanes {
-  Real at[lane_count];
-};
-
-struct ContactPointLanes {
-  Lanes anchor_a_x, anchor_a_y;  // from A's centre of mass at the start of the tick, world axes, m
-  Lanes anchor_b_x, anchor_b_y;
-  Lanes base_separation;  // separation minus (pivot_b - pivot_a) . normal, m
-  Lanes normal_mass;      // effective mass along the normal, kg; 0 where there is no point
-  Lanes tangent_mass;
-  Lanes normal_impulse;  // N s, accumulated in this substep
-  Lanes tangent_impulse;
-  Lanes normal_impulse_max;  // N s, largest of the tick: a point that never pushed does not bounce
-  Lanes approach;            // relative normal velocity at the start of the tick, m/s
-};
-
-struct ContactBatch {
-  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
-  std::uint32_t read_b[lane_count];
-  std::uint32_t write_a[lane_count];  // bodies that impulses do not move are written to a record nobody reads
-  std::uint32_t write_b[lane_count];
-  std::uint32_t contact[lane_count];  // in State::contacts; lanes from `count` on are empty
-  int count;
-  bool bounces;  // some lane has restitution
-  Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
-  Lanes normal_x, normal_y, friction, restitution;
-  Lanes radius_a, radius_b;                    // of round shapes, m
-  Lanes bias_rate, mass_scale, impulse_scale;  // Softness
-  ContactPointLanes points[2];
-};
-
-/// What conveyors and rolling resistance add to a batch.
-struct SurfaceLanes {
-  Lanes tangent_speed;       // m/s, of B's surface seen from A's, along right_turn(normal)
-  Lanes rolling_resistance;  // m, torque per normal force
-  Lanes rolling_mass;        // effective mass of the relative turn, kg m^2
-  Lanes rolling_impulse;     // N m s, accumulated in this substep
+/// The colours of a body's contacts so far, one bit each: with what moves and with what does not.
+struct BodyColors {
+  std::uint32_t moving;
+  std::uint32_t immovable;
 };
 
 struct ContactBatches {
-  std::vector<ContactBatch> batches;       // in solving order
-  std::vector<SurfaceLanes> surfaces;      // [batch]; empty where no material of the scene has either
-  std::vector<std::uint8_t> colors;        // [contact]
-  std::vector<std::uint32_t> body_colors;  // [body] bit set
-  std::vector<std::uint32_t> sorted;       // contacts by colour
+  std::vector<ContactBatch> batches;    // in solving order; the first `batch_count` are in use
+  std::vector<SurfaceLanes> surfaces;   // [batch]; empty where no material of the scene has any
+  std::vector<BounceLanes> bounces;     // [batch]; empty where the kernels leave restitution out
+  std::size_t batch_count = 0;
+  std::vector<std::uint8_t> colors;     // [contact of the group]
+  std::vector<BodyColors> body_colors;  // [body]
 };
 
 enum class Bias : std::uint8_t { off, on };
@@ -89,7 +55,7 @@ Real soft_contact_stiffness(Real h);
 void clear_contacts(Scratch& scratch);
 
 /// Colours and packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h.
-/// Appends to the batches and notes the range in `group`. Requires: scratch.bodies filled (prepare_bodies).
+/// Appends to the batches and notes the range in `group`. Requires: prepare_bodies.
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness);
 void warm_start_contacts(Scratch& scratch, const SolveGroup& group);

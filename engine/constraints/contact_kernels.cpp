@@ -2,28 +2,26 @@
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
-#include <span>
-#include <type_traits>
+//
+// A contact is solved in the frame of its normal n and tangent t: with u the relative velocity of the centres of mass
+// along n or t, w the angular velocities, r the anchors and m the sum of the inverse masses,
+//   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
+// The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
+#include "engine/constraints/solver_kernels.h"
 
-#include "engine/constraints/contact_batch.h"
-#include "engine/math/wide.h"
-#include "engine/scratch.h"
+#include "engine/math/quads.h"
 
-namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
 /// Overlap is pushed out at most this fast, so that bodies created inside each other do not explode.
 constexpr Real push_speed_max = 3;  // m/s
 
-struct Velocities {
-  Wide x, y, w;
-};
-struct Motions {
-  Wide x, y, c, s;
-};
-
-std::span<ContactBatch> batches_of(Scratch& scratch, const SolveGroup& group) {
-  return {scratch.contact_batches.batches.data() + group.first_batch, group.batch_end - group.first_batch};
+constexpr bool has(unsigned features, unsigned feature) {
+  return (features & feature) != 0;
+}
+constexpr int points_of(unsigned features) {
+  return has(features, contact_feature::second_point) ? 2 : 1;
 }
 
 /// wide_count contacts of a batch, starting at lane `first`.
@@ -31,247 +29,302 @@ struct Group {
   ContactBatch& batch;
   int first;
 
-  Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
-  void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+  TICKTRUE_INLINE Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
+  TICKTRUE_INLINE void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+  const std::uint32_t* write_a() const { return (batch.immovable != 0 ? batch.write_a : batch.read_a) + first; }
+  const std::uint32_t* write_b() const { return (batch.immovable != 0 ? batch.write_b : batch.read_b) + first; }
 };
 
-Velocities gather_velocities(const MovingBody* bodies, const std::uint32_t* index) {
-  Velocities v{};
-  for (int i = 0; i < wide_count; ++i) {
-    const MovingBody& body = bodies[index[i]];
-    v.x[i] = body.velocity.x;
-    v.y[i] = body.velocity.y;
-    v.w[i] = body.angular_velocity;
-  }
-  return v;
-}
-
-Motions gather_motions(const MovingBody* bodies, const std::uint32_t* index) {
-  Motions m{};
-  for (int i = 0; i < wide_count; ++i) {
-    const MovingBody& body = bodies[index[i]];
-    m.x[i] = body.moved.x;
-    m.y[i] = body.moved.y;
-    m.c[i] = body.turned.c;
-    m.s[i] = body.turned.s;
-  }
-  return m;
-}
-
-void scatter(MovingBody* bodies, const std::uint32_t* index, const Velocities& v) {
-  for (int i = 0; i < wide_count; ++i) {
-    MovingBody& body = bodies[index[i]];
-    body.velocity.x = v.x[i];
-    body.velocity.y = v.y[i];
-    body.angular_velocity = v.w[i];
-  }
-}
-
-/// The bodies' share of a contact: constants of a group, loaded once.
-struct Masses {
+/// Velocities of the two bodies, and what constants of a contact they meet.
+struct Pair {
+  Quads a, b;  // x, y, angular, unused
+  Wide nx, ny;
   Wide inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
 };
 
-Masses load_masses(const Group& group) {
-  return {group.load(group.batch.inv_mass_a), group.load(group.batch.inv_mass_b), group.load(group.batch.inv_inertia_a),
+TICKTRUE_INLINE Pair load_pair(const Group& group, const Real* bodies) {
+  return {gather_quads<body_record_length>(bodies, group.batch.read_a + group.first),
+          gather_quads<body_record_length>(bodies, group.batch.read_b + group.first),
+          group.load(group.batch.normal_x),
+          group.load(group.batch.normal_y),
+          group.load(group.batch.inv_mass_a),
+          group.load(group.batch.inv_mass_b),
+          group.load(group.batch.inv_inertia_a),
           group.load(group.batch.inv_inertia_b)};
 }
 
-struct Anchors {
-  Wide ax, ay, bx, by;
+/// Adds the contact's impulses to the velocities, but for the turn, and puts them back.
+TICKTRUE_INLINE void store_pair(const Group& group, Pair& pair, Wide along_normal, Wide along_tangent, Real* bodies) {
+  const Wide px = along_normal * pair.nx + along_tangent * pair.ny;
+  const Wide py = along_normal * pair.ny - along_tangent * pair.nx;
+  pair.a.at[0] -= pair.inv_mass_a * px;
+  pair.a.at[1] -= pair.inv_mass_a * py;
+  pair.b.at[0] += pair.inv_mass_b * px;
+  pair.b.at[1] += pair.inv_mass_b * py;
+  scatter_quads<body_record_length>(bodies, group.write_a(), pair.a);
+  scatter_quads<body_record_length>(bodies, group.write_b(), pair.b);
+}
+
+/// What the bodies have moved since the tick began, in the contact's frame.
+struct Slide {
+  Wide along;                // of B against A, m
+  Wide lost_a, lost_b;       // cosine of the turn, less 1
+  Wide turned_a, turned_b;   // its sine
+  Wide radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
 };
 
-Anchors load_anchors(const Group& group, const ContactPointLanes& point) {
-  return {group.load(point.anchor_a_x), group.load(point.anchor_a_y), group.load(point.anchor_b_x),
-          group.load(point.anchor_b_y)};
+template <unsigned features>
+TICKTRUE_INLINE Slide load_slide(const Group& group, const Pair& pair, const Real* bodies) {
+  const Quads a = gather_quads<body_record_length>(bodies + 4, group.batch.read_a + group.first);
+  const Quads b = gather_quads<body_record_length>(bodies + 4, group.batch.read_b + group.first);
+  const Wide one = spread(1);
+  Slide slide{(b.at[0] - a.at[0]) * pair.nx + (b.at[1] - a.at[1]) * pair.ny,
+              a.at[2] - one,
+              b.at[2] - one,
+              a.at[3],
+              b.at[3],
+              {},
+              {}};
+  if constexpr (has(features, contact_feature::radius)) {
+    slide.radius_a = group.load(group.batch.radius_a);
+    slide.radius_b = group.load(group.batch.radius_b);
+  }
+  return slide;
 }
 
-/// Adds impulse (px, py) at the point: -on A, +on B.
-void apply(const Masses& masses, const Anchors& r, Wide px, Wide py, Velocities& a, Velocities& b) {
-  a.x -= masses.inv_mass_a * px;
-  a.y -= masses.inv_mass_a * py;
-  a.w -= masses.inv_inertia_a * (r.ax * py - r.ay * px);
-  b.x += masses.inv_mass_b * px;
-  b.y += masses.inv_mass_b * py;
-  b.w += masses.inv_inertia_b * (r.bx * py - r.by * px);
+/// Present separation of a point: the normal stays, the pivots turn with the bodies.
+template <unsigned features>
+TICKTRUE_INLINE Wide separation_of(const Group& group, const ContactPointLanes& point, const Slide& slide, Wide arm_a, Wide arm_b) {
+  Wide back_a = group.load(point.tangent_arm_a);  // of the pivots, against the normal
+  Wide back_b = group.load(point.tangent_arm_b);
+  if constexpr (has(features, contact_feature::radius)) {
+    back_a = back_a + slide.radius_a;
+    back_b = back_b - slide.radius_b;
+  }
+  const Wide turned = slide.turned_b * arm_b - slide.turned_a * arm_a;
+  const Wide lost = slide.lost_a * back_a - slide.lost_b * back_b;
+  return group.load(point.separation) + (slide.along + (lost + turned));
 }
 
-/// Velocity of B's point seen from A's, along (nx, ny).
-Wide relative_velocity(const Anchors& r, const Velocities& a, const Velocities& b, Wide nx, Wide ny) {
-  const Wide x = (b.x - b.w * r.by) - (a.x - a.w * r.ay);
-  const Wide y = (b.y + b.w * r.bx) - (a.y + a.w * r.ax);
-  return x * nx + y * ny;
-}
+struct Target {
+  Wide rate;  // m/s
+  Wide mass_scale, impulse_scale;
+};
 
-template <Bias bias>
-void solve_normal(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny,
-                  const Motions& ma, const Motions& mb, Wide inv_h, Velocities& a, Velocities& b) {
-  const Anchors r = load_anchors(group, point);
-  // Present separation: the normal stays; what turns with the bodies are the pivots, a radius behind the anchors, since
-  // the surface of a rolling disc stays where it is.
-  const Wide radius_a = group.load(group.batch.radius_a);
-  const Wide radius_b = group.load(group.batch.radius_b);
-  const Wide pax = r.ax - radius_a * nx;
-  const Wide pay = r.ay - radius_a * ny;
-  const Wide pbx = r.bx + radius_b * nx;
-  const Wide pby = r.by + radius_b * ny;
-  const Wide dx = (mb.x - ma.x) + ((mb.c * pbx - mb.s * pby) - (ma.c * pax - ma.s * pay));
-  const Wide dy = (mb.y - ma.y) + ((mb.s * pbx + mb.c * pby) - (ma.s * pax + ma.c * pay));
-  const Wide separation = group.load(point.base_separation) + (dx * nx + dy * ny);
-
-  // Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.
+/// Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.
+template <bool is_soft>
+TICKTRUE_INLINE Target target_of(Wide separation, Wide inv_h, const Softness& soft) {
   const Wide zero{};
   const Wide one = spread(1);
   const auto apart = separation > zero;
-  Wide target = apart ? separation * inv_h : zero;
-  Wide mass_scale = one;
-  Wide impulse_scale = zero;
-  if constexpr (bias == Bias::on) {
-    const Wide push = larger(group.load(group.batch.bias_rate) * separation, spread(-push_speed_max));
-    target = apart ? target : push;
-    mass_scale = apart ? one : group.load(group.batch.mass_scale);
-    impulse_scale = apart ? zero : group.load(group.batch.impulse_scale);
-  }
-  const Wide vn = relative_velocity(r, a, b, nx, ny);
-  const Wide old_impulse = group.load(point.normal_impulse);
-  const Wide wanted =
-      (old_impulse - group.load(point.normal_mass) * mass_scale * (vn + target)) - impulse_scale * old_impulse;
-  const Wide impulse = larger(wanted, zero);
-  group.store(point.normal_impulse, impulse);
-  group.store(point.normal_impulse_max, larger(group.load(point.normal_impulse_max), impulse));
-  const Wide change = impulse - old_impulse;
-  apply(masses, r, change * nx, change * ny, a, b);
+  if constexpr (!is_soft) return {apart ? separation * inv_h : zero, one, zero};
+  const Wide push = larger(spread(soft.bias_rate) * separation, spread(-push_speed_max));
+  return {apart ? separation * inv_h : push, apart ? one : spread(soft.mass_scale),
+          apart ? zero : spread(soft.impulse_scale)};
 }
 
-/// `surface`: null, or what the surfaces do by themselves.
-template <typename Surface>
-void solve_friction(const Group& group, const Masses& masses, ContactPointLanes& point, Wide nx, Wide ny,
-                    Surface* surface, Velocities& a, Velocities& b) {
-  const Anchors r = load_anchors(group, point);
-  const Wide tx = ny;
-  const Wide ty = -nx;
-  Wide vt = relative_velocity(r, a, b, tx, ty);
-  if constexpr (!std::is_same_v<Surface, void>) vt += group.load(surface->tangent_speed);
-  const Wide old_impulse = group.load(point.tangent_impulse);
-  const Wide limit = group.load(group.batch.friction) * group.load(point.normal_impulse);
-  const Wide wanted = old_impulse - group.load(point.tangent_mass) * vt;
-  const Wide impulse = larger(smaller(wanted, limit), -limit);
-  group.store(point.tangent_impulse, impulse);
-  const Wide change = impulse - old_impulse;
-  apply(masses, r, change * tx, change * ty, a, b);
-}
-
-/// A torque against the relative turn, at most rolling resistance times normal force.
-void solve_rolling(const Group& group, const Masses& masses, SurfaceLanes& surface, Velocities& a, Velocities& b) {
-  const Wide pressed =
-      group.load(group.batch.points[0].normal_impulse) + group.load(group.batch.points[1].normal_impulse);
-  const Wide limit = group.load(surface.rolling_resistance) * pressed;
-  const Wide old_impulse = group.load(surface.rolling_impulse);
-  const Wide wanted = old_impulse - group.load(surface.rolling_mass) * (b.w - a.w);
-  const Wide impulse = larger(smaller(wanted, limit), -limit);
-  group.store(surface.rolling_impulse, impulse);
-  const Wide change = impulse - old_impulse;
-  a.w -= masses.inv_inertia_a * change;
-  b.w += masses.inv_inertia_b * change;
-}
-
-/// Surface: void, or SurfaceLanes where materials of the scene need them.
-template <Bias bias, typename Surface>
-void solve_batches(Scratch& scratch, Surface* surface, const SolveGroup& group_of_batches) {
-  MovingBody* bodies = scratch.bodies.data();
-  const Wide inv_h = spread(1 / group_of_batches.h);
-  for (ContactBatch& batch : batches_of(scratch, group_of_batches)) {
+template <unsigned features, bool is_soft>
+void solve(const ContactWork& work) {
+  const Wide zero{};
+  const Wide inv_h = spread(1 / work.h);
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    ContactBatch& batch = work.batches[i];
+    const Softness& soft = batch.immovable != 0 ? work.immovable : work.moving;
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
-      Velocities a = gather_velocities(bodies, batch.read_a + first);
-      Velocities b = gather_velocities(bodies, batch.read_b + first);
-      const Motions ma = gather_motions(bodies, batch.read_a + first);
-      const Motions mb = gather_motions(bodies, batch.read_b + first);
-      const Masses masses = load_masses(group);
-      const Wide nx = group.load(batch.normal_x);
-      const Wide ny = group.load(batch.normal_y);
-      for (ContactPointLanes& point : batch.points)
-        solve_normal<bias>(group, masses, point, nx, ny, ma, mb, inv_h, a, b);
-      for (ContactPointLanes& point : batch.points) solve_friction(group, masses, point, nx, ny, surface, a, b);
-      if constexpr (!std::is_same_v<Surface, void>) solve_rolling(group, masses, *surface, a, b);
-      scatter(bodies, batch.write_a + first, a);
-      scatter(bodies, batch.write_b + first, b);
-    }
-    if constexpr (!std::is_same_v<Surface, void>) ++surface;
-  }
-}
-
-template <Bias bias>
-void solve_all(Scratch& scratch, const SolveGroup& group) {
-  std::vector<SurfaceLanes>& surfaces = scratch.contact_batches.surfaces;
-  if (surfaces.empty())
-    solve_batches<bias>(scratch, static_cast<void*>(nullptr), group);
-  else
-    solve_batches<bias>(scratch, surfaces.data() + group.first_batch, group);
-}
-
-}  // namespace
-
-void warm_start_contacts(Scratch& scratch, const SolveGroup& group_of_batches) {
-  for (SurfaceLanes& surface : scratch.contact_batches.surfaces) surface.rolling_impulse = {};
-  MovingBody* bodies = scratch.bodies.data();
-  for (ContactBatch& batch : batches_of(scratch, group_of_batches))
-    for (int first = 0; first < batch.count; first += wide_count) {
-      const Group group{batch, first};
-      Velocities a = gather_velocities(bodies, batch.read_a + first);
-      Velocities b = gather_velocities(bodies, batch.read_b + first);
-      const Masses masses = load_masses(group);
-      const Wide nx = group.load(batch.normal_x);
-      const Wide ny = group.load(batch.normal_y);
-      for (const ContactPointLanes& point : batch.points) {
-        const Wide normal = group.load(point.normal_impulse);
-        const Wide tangent = group.load(point.tangent_impulse);
-        apply(masses, load_anchors(group, point), normal * nx + tangent * ny, normal * ny - tangent * nx, a, b);
+      Pair pair = load_pair(group, work.bodies);
+      const Slide slide = load_slide<features>(group, pair, work.bodies);
+      const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+      const Wide dx = pair.b.at[0] - pair.a.at[0];
+      const Wide dy = pair.b.at[1] - pair.a.at[1];
+      Wide& wa = pair.a.at[2];
+      Wide& wb = pair.b.at[2];
+      Wide speed = dx * pair.nx + dy * pair.ny;
+      Wide pushed = zero;
+      for (int p = 0; p < points_of(features); ++p) {
+        ContactPointLanes& point = batch.points[p];
+        const Wide arm_a = group.load(point.normal_arm_a);
+        const Wide arm_b = group.load(point.normal_arm_b);
+        const Target target =
+            target_of<is_soft>(separation_of<features>(group, point, slide, arm_a, arm_b), inv_h, soft);
+        const Wide mass = group.load(point.normal_mass) * target.mass_scale;
+        const Wide old_impulse = group.load(point.normal_impulse);
+        const Wide kept = (old_impulse - target.impulse_scale * old_impulse) - mass * target.rate;
+        const Wide velocity = speed + (wb * arm_b - wa * arm_a);
+        const Wide impulse = larger(kept - mass * velocity, zero);
+        group.store(point.normal_impulse, impulse);
+        if constexpr (has(features, contact_feature::bounce)) {
+          Lanes& most = work.bounces[i].impulse_max[p];
+          group.store(most, larger(group.load(most), impulse));
+        }
+        const Wide change = impulse - old_impulse;
+        speed += inv_mass * change;
+        wa -= (pair.inv_inertia_a * arm_a) * change;
+        wb += (pair.inv_inertia_b * arm_b) * change;
+        pushed += change;
       }
-      scatter(bodies, batch.write_a + first, a);
-      scatter(bodies, batch.write_b + first, b);
+      Wide rubbed = zero;
+      if constexpr (has(features, contact_feature::friction)) {
+        Wide slip = dx * pair.ny - dy * pair.nx;
+        if constexpr (has(features, contact_feature::surface)) slip += group.load(work.surfaces[i].tangent_speed);
+        const Wide friction = group.load(batch.friction);
+        for (int p = 0; p < points_of(features); ++p) {
+          ContactPointLanes& point = batch.points[p];
+          const Wide arm_a = group.load(point.tangent_arm_a);
+          const Wide arm_b = group.load(point.tangent_arm_b);
+          const Wide old_impulse = group.load(point.tangent_impulse);
+          const Wide limit = friction * group.load(point.normal_impulse);
+          const Wide velocity = slip + (wb * arm_b - wa * arm_a);
+          const Wide wanted = old_impulse - group.load(point.tangent_mass) * velocity;
+          const Wide impulse = larger(smaller(wanted, limit), -limit);
+          group.store(point.tangent_impulse, impulse);
+          const Wide change = impulse - old_impulse;
+          slip += inv_mass * change;
+          wa -= (pair.inv_inertia_a * arm_a) * change;
+          wb += (pair.inv_inertia_b * arm_b) * change;
+          rubbed += change;
+        }
+      }
+      if constexpr (has(features, contact_feature::surface)) {
+        // A torque against the relative turn, at most rolling resistance times normal force.
+        SurfaceLanes& surface = work.surfaces[i];
+        const Wide pressed = group.load(batch.points[0].normal_impulse) + group.load(batch.points[1].normal_impulse);
+        const Wide limit = group.load(surface.rolling_resistance) * pressed;
+        const Wide old_impulse = group.load(surface.rolling_impulse);
+        const Wide wanted = old_impulse - group.load(surface.rolling_mass) * (wb - wa);
+        const Wide impulse = larger(smaller(wanted, limit), -limit);
+        group.store(surface.rolling_impulse, impulse);
+        const Wide change = impulse - old_impulse;
+        wa -= pair.inv_inertia_a * change;
+        wb += pair.inv_inertia_b * change;
+      }
+      store_pair(group, pair, pushed, rubbed, work.bodies);
     }
+  }
 }
 
-void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
-  if (bias == Bias::on)
-    solve_all<Bias::on>(scratch, group);
-  else
-    solve_all<Bias::off>(scratch, group);
+template <unsigned features>
+void warm_start(const ContactWork& work) {
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    ContactBatch& batch = work.batches[i];
+    if constexpr (has(features, contact_feature::surface)) work.surfaces[i].rolling_impulse = {};
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      Pair pair = load_pair(group, work.bodies);
+      Wide pushed{}, rubbed{}, turn_a{}, turn_b{};
+      for (int p = 0; p < points_of(features); ++p) {
+        const ContactPointLanes& point = batch.points[p];
+        const Wide impulse = group.load(point.normal_impulse);
+        pushed += impulse;
+        turn_a += group.load(point.normal_arm_a) * impulse;
+        turn_b += group.load(point.normal_arm_b) * impulse;
+        if constexpr (has(features, contact_feature::friction)) {
+          const Wide rub = group.load(point.tangent_impulse);
+          rubbed += rub;
+          turn_a += group.load(point.tangent_arm_a) * rub;
+          turn_b += group.load(point.tangent_arm_b) * rub;
+        }
+      }
+      pair.a.at[2] -= pair.inv_inertia_a * turn_a;
+      pair.b.at[2] += pair.inv_inertia_b * turn_b;
+      store_pair(group, pair, pushed, rubbed, work.bodies);
+    }
+  }
 }
 
-bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
-  MovingBody* bodies = scratch.bodies.data();
+TICKTRUE_INLINE Wide inverse_or_zero(Wide k) {
+  const Wide zero{};
+  const auto exists = k > zero;
+  return exists ? spread(1) / (exists ? k : spread(1)) : zero;
+}
+
+template <unsigned features>
+void prepare(const ContactWork& work) {
+  const Wide h = spread(work.h);
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    ContactBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      const Pair pair = load_pair(group, work.bodies);
+      const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+      const Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+      for (int p = 0; p < points_of(features); ++p) {
+        ContactPointLanes& point = batch.points[p];
+        const Wide ax = group.load(point.normal_arm_a), ay = group.load(point.normal_arm_b);
+        const Wide bx = group.load(point.tangent_arm_a), by = group.load(point.tangent_arm_b);
+        const auto effective_mass = [&](Wide arm_a, Wide arm_b) {
+          return inverse_or_zero((inv_mass + pair.inv_inertia_a * arm_a * arm_a) + pair.inv_inertia_b * arm_b * arm_b);
+        };
+        const Wide arm_a = ax * pair.ny - ay * pair.nx;
+        const Wide arm_b = bx * pair.ny - by * pair.nx;
+        const Wide tangent_a = -(ax * pair.nx + ay * pair.ny);
+        const Wide tangent_b = -(bx * pair.nx + by * pair.ny);
+        const Wide exists = group.load(point.normal_mass);
+        group.store(point.normal_arm_a, arm_a);
+        group.store(point.normal_arm_b, arm_b);
+        group.store(point.tangent_arm_a, tangent_a);
+        group.store(point.tangent_arm_b, tangent_b);
+        group.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
+        group.store(point.normal_impulse, h * group.load(point.normal_impulse));
+        if constexpr (has(features, contact_feature::friction)) {
+          group.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
+          group.store(point.tangent_impulse, h * group.load(point.tangent_impulse));
+        }
+        if constexpr (has(features, contact_feature::bounce)) {
+          const Wide approach = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+          group.store(work.bounces[i].approach[p], approach);
+        }
+      }
+    }
+  }
+}
+
+bool any_of(decltype(Wide{} > Wide{}) lanes) {
   bool any = false;
-  for (ContactBatch& batch : batches_of(scratch, group)) {
-    if (!batch.bounces) continue;
-    for (int lane = 0; lane < batch.count; ++lane) {
-      if (batch.restitution.at[lane] == 0) continue;
-      MovingBody& a = bodies[batch.read_a[lane]];
-      MovingBody& b = bodies[batch.read_b[lane]];
-      const Vec2 normal{batch.normal_x.at[lane], batch.normal_y.at[lane]};
-      for (ContactPointLanes& point : batch.points) {
-        // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
-        if (point.approach.at[lane] > -threshold || point.normal_impulse_max.at[lane] == 0) continue;
-        const Vec2 arm_a{point.anchor_a_x.at[lane], point.anchor_a_y.at[lane]};
-        const Vec2 arm_b{point.anchor_b_x.at[lane], point.anchor_b_y.at[lane]};
-        const Vec2 velocity_a = a.velocity + cross(a.angular_velocity, arm_a);
-        const Vec2 velocity_b = b.velocity + cross(b.angular_velocity, arm_b);
-        const Real vn = dot(velocity_b - velocity_a, normal);
-        const Real old_impulse = point.normal_impulse.at[lane];
-        const Real wanted =
-            old_impulse - point.normal_mass.at[lane] * (vn + batch.restitution.at[lane] * point.approach.at[lane]);
-        const Real impulse = larger(wanted, 0);
-        point.normal_impulse.at[lane] = impulse;
-        const Vec2 change = (impulse - old_impulse) * normal;
-        if (batch.write_a[lane] == batch.read_a[lane]) {
-          a.velocity = a.velocity - batch.inv_mass_a.at[lane] * change;
-          a.angular_velocity -= batch.inv_inertia_a.at[lane] * cross(arm_a, change);
+  for (int lane = 0; lane < wide_count; ++lane) any |= lanes[lane] != 0;
+  return any;
+}
+
+template <unsigned features>
+bool bounce(const ContactWork& work, Real threshold) {
+  bool any = false;
+  if constexpr (has(features, contact_feature::bounce)) {
+    const Wide zero{};
+    for (std::size_t i = 0; i < work.batch_count; ++i) {
+      ContactBatch& batch = work.batches[i];
+      if (batch.bounces == 0) continue;
+      BounceLanes& bounces = work.bounces[i];
+      for (int first = 0; first < batch.count; first += wide_count) {
+        const Group group{batch, first};
+        Pair pair = load_pair(group, work.bodies);
+        const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+        const Wide restitution = group.load(bounces.restitution);
+        Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+        Wide pushed = zero;
+        bool any_here = false;
+        for (int p = 0; p < points_of(features); ++p) {
+          // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
+          ContactPointLanes& point = batch.points[p];
+          const Wide approach = group.load(bounces.approach[p]);
+          const auto hits = (restitution > zero) & (approach <= spread(-threshold)) &
+                            (group.load(bounces.impulse_max[p]) > zero);
+          if (!any_of(hits)) continue;
+          any_here = true;
+          const Wide arm_a = group.load(point.normal_arm_a);
+          const Wide arm_b = group.load(point.normal_arm_b);
+          const Wide velocity = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+          const Wide old_impulse = group.load(point.normal_impulse);
+          const Wide wanted = old_impulse - group.load(point.normal_mass) * (velocity + restitution * approach);
+          const Wide impulse = hits ? larger(wanted, zero) : old_impulse;
+          group.store(point.normal_impulse, impulse);
+          const Wide change = impulse - old_impulse;
+          speed += inv_mass * change;
+          pair.a.at[2] -= (pair.inv_inertia_a * arm_a) * change;
+          pair.b.at[2] += (pair.inv_inertia_b * arm_b) * change;
+          pushed += change;
         }
-        if (batch.write_b[lane] == batch.read_b[lane]) {
-          b.velocity = b.velocity + batch.inv_mass_b.at[lane] * change;
-          b.angular_velocity += batch.inv_inertia_b.at[lane] * cross(arm_b, change);
-        }
+        if (!any_here) continue;
+        store_pair(group, pair, pushed, zero, work.bodies);
         any = true;
       }
     }
@@ -279,4 +332,27 @@ bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) 
   return any;
 }
 
-}  // namespace ticktrue::engine::TICKTRUE_PRECISION
+/// The kernels that are compiled: a second point or a radius there always is, and surfaces come with everything.
+constexpr unsigned compiled(unsigned features) {
+  if (has(features, contact_feature::surface)) return contact_feature::all;
+  return has(features, contact_feature::second_point) ? features : features | contact_feature::radius;
+}
+
+template <unsigned features>
+constexpr ContactKernels kernels_with{prepare<compiled(features)>, warm_start<compiled(features)>,
+                                      solve<compiled(features), true>, solve<compiled(features), false>,
+                                      bounce<compiled(features)>};
+
+constexpr ContactKernels table[] = {
+    kernels_with<0>,  kernels_with<1>,  kernels_with<2>,  kernels_with<3>, kernels_with<4>,  kernels_with<5>,
+    kernels_with<6>,  kernels_with<7>,  kernels_with<8>,  kernels_with<9>, kernels_with<10>, kernels_with<11>,
+    kernels_with<12>, kernels_with<13>, kernels_with<14>, kernels_with<15>};
+
+}  // namespace
+
+ContactKernels contact_kernels(unsigned features) {
+  if (has(features, contact_feature::surface)) return kernels_with<contact_feature::all>;
+  return table[features];
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA

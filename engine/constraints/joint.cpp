@@ -29,12 +29,6 @@ const JointFunctions& functions_of(JointKind kind) {
   return *info_of(table, kind).functions;
 }
 
-/// Ids are rows as long as no body was removed. Requires: the body exists.
-std::uint32_t row_of(const State& state, std::uint32_t id) {
-  const bool is_row = id < state.bodies.size() && state.bodies[id].id == id;
-  return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
-}
-
 /// The joint's body A, or what stands for it where the joint holds B to the world.
 void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
                     const BodyRow& body_b) {
@@ -50,7 +44,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
     joint.turn = between(constants.reference, body_b.rotation);
     return;
   }
-  const std::uint32_t row = row_of(state, constants.body_a);
+  const std::uint32_t row = row_of_body(state, constants.body_a);
   const BodyRow& body = state.bodies[row];
   const BodyModel& mass = model.bodies[body.source];
   joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
@@ -80,42 +74,63 @@ Real joint_stiffness(Real h) {
   return omega * omega;
 }
 
+namespace {
+
+/// Adds a joint that is solved by itself to scratch.joints.
+void add_joint(const Model& model, const State& state, Scratch& scratch, const JointPlace& place,
+               const Softness& soft, Real h) {
+  const JointRow& row = state.joints[place.row];
+  JointWork joint{};
+  joint.row = place.row;
+  joint.model = &model.joints[row.joint];
+  const BodyRow& body = state.bodies[place.body_b];
+  const BodyMass& mass = scratch.masses[place.body_b];
+  joint.read_b = mass.read;
+  joint.write_b = mass.write;
+  joint.inv_mass_b = mass.inv_mass;
+  joint.inv_inertia_b = mass.inv_inertia;
+  joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
+  prepare_body_a(model, state, scratch, joint, body);
+  joint.soft = soft;
+  joint.motor_speed = row.motor_speed;
+  joint.motor_impulse_max = h * row.motor_force_max;
+  joint.impulse_max = h * joint.model->force_max;
+  joint.angular_impulse_max = h * joint.model->torque_max;
+  joint.impulses = {h * row.linear_force, h * row.torque,      h * row.spring_force,
+                    h * row.lower_force,  h * row.upper_force, h * row.motor_force};
+  functions_of(joint.model->kind).prepare(joint, h);
+  scratch.joints.push_back(joint);
+}
+
+}  // namespace
+
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   const Real h = group.h;
+  const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   scratch.joints.clear();
   scratch.joint_ranges.clear();
-  const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
-  for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
-    const JointRow& row = state.joints[i];
-    JointWork joint{};
-    joint.row = i;
-    joint.model = &model.joints[row.joint];
-    const std::uint32_t row_b = row_of(state, row.body_b);
-    const BodyRow& body = state.bodies[row_b];
-    const BodyModel& mass = model.bodies[body.source];
-    joint.read_b = mass.type == BodyType::static_body ? resting_record(scratch) : row_b;
-    joint.write_b = mass.type == BodyType::dynamic_body ? row_b : unread_record(scratch);
-    joint.inv_mass_b = mass.inv_mass;
-    joint.inv_inertia_b = mass.inv_inertia;
-    joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
-    prepare_body_a(model, state, scratch, joint, body);
-    const std::uint32_t mover = joint.write_b == unread_record(scratch) ? joint.write_a : joint.write_b;
-    if (mover == unread_record(scratch) || scratch.body_group[mover] != scratch.group_index) continue;
-    joint.soft = soft;
-    joint.motor_speed = row.motor_speed;
-    joint.motor_impulse_max = h * row.motor_force_max;
-    joint.impulse_max = h * joint.model->force_max;
-    joint.angular_impulse_max = h * joint.model->torque_max;
-    joint.impulses = {h * row.linear_force, h * row.torque,      h * row.spring_force,
-                      h * row.lower_force,  h * row.upper_force, h * row.motor_force};
-    functions_of(joint.model->kind).prepare(joint, h);
-    const auto index = static_cast<std::uint32_t>(scratch.joints.size());
-    if (scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != joint.model->kind)
-      scratch.joint_ranges.push_back({joint.model->kind, false, index, index});
+  scratch.pins.batch_count = 0;
+  scratch.pins.soft = soft;
+  if (state.joints.empty()) return;
+  const bool in_batches = order_joints(model, state, scratch);
+  for (const JointPlace& place : scratch.joint_places) {
+    const JointModel& joint = model.joints[state.joints[place.row].joint];
+    const bool is_pin = in_batches && place.is_pin;
+    const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != joint.kind ||
+                        scratch.joint_ranges.back().are_pins != is_pin;
+    if (begins) {
+      const auto first = is_pin ? scratch.pins.batch_count : static_cast<std::uint32_t>(scratch.joints.size());
+      scratch.joint_ranges.push_back({joint.kind, is_pin, false, first, first});
+    }
     JointRange& range = scratch.joint_ranges.back();
-    ++range.last;
-    range.springs |= has_springs(*joint.model);
-    scratch.joints.push_back(joint);
+    if (is_pin) {
+      add_pin(model, state, scratch, place, begins, h);
+      range.last = scratch.pins.batch_count;
+    } else {
+      add_joint(model, state, scratch, place, soft, h);
+      ++range.last;
+      range.springs |= has_springs(joint);
+    }
   }
 }
 
@@ -125,11 +140,19 @@ void note_joint_velocities(Scratch& scratch) {
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.joint_ranges) functions_of(range.kind).warm_start(run_of(scratch, range));
+  for (const JointRange& range : scratch.joint_ranges)
+    if (range.are_pins)
+      warm_start_pins(scratch, range.first, range.last);
+    else
+      functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.joint_ranges) functions_of(range.kind).solve(run_of(scratch, range), h, bias);
+  for (const JointRange& range : scratch.joint_ranges)
+    if (range.are_pins)
+      solve_pins(scratch, range.first, range.last, h, bias);
+    else
+      functions_of(range.kind).solve(run_of(scratch, range), h, bias);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {
@@ -144,6 +167,7 @@ void store_joints(const Scratch& scratch, State& state, Real h) {
     row.upper_force = inv_h * impulses.upper;
     row.motor_force = inv_h * impulses.motor;
   }
+  store_pins(scratch, state, h);
 }
 
 // ---- Springs ----

@@ -1,7 +1,8 @@
 // Joints: what the solver does with them in each substep, for all kinds alike.
 // SPDX-License-Identifier: MIT
 //
-// Joints are solved one after the other in the order of the scene, which is physics. A joint consists of rows: rigid
+// Joints are solved one after the other in the order of the scene, which is physics; where that is faster, in another
+// one that gives the same bits (joint_order.h). A joint consists of rows: rigid
 // ones (soft constraints tied to the substep rate), limits, motors and springs. Accumulated impulses are kept as forces
 // in the state. Springs act before the positions move and rest in the relax pass (joint_spring.h).
 #pragma once
@@ -71,9 +72,11 @@ struct JointFunctions {
   void (*solve)(JointRun run, Real h, Bias bias);
 };
 
+/// Joints of one kind that follow each other in Scratch::joints; or batches of pins.
 struct JointRange {
   JointKind kind;
-  bool springs;  // some joint of the run has one, or is driven like one
+  bool are_pins;  // `first`, `last`: in Scratch::pins
+  bool springs;   // some joint of the run has one, or is driven like one
   std::uint32_t first;
   std::uint32_t last;  // one beyond
 };

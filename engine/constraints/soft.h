@@ -3,17 +3,11 @@
 // Source: Catto, "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (bias rate, mass scale, impulse scale).
 #pragma once
 
+#include "engine/constraints/lanes.h"
 #include "engine/math/trig.h"
 #include "engine/math/vec2.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
-
-/// impulse = -effective_mass * mass_scale * (velocity + bias_rate * error) - impulse_scale * accumulated impulse
-struct Softness {
-  Real bias_rate = 0;  // 1/s
-  Real mass_scale = 1;
-  Real impulse_scale = 0;
-};
 
 /// With w = 2 pi hertz: a1 = 2 zeta + h w, a2 = h w a1, a3 = 1 / (1 + a2);
 /// bias rate = w / a1, mass scale = a2 a3, impulse scale = a3.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/flow.h"
 
+#include "engine/constraints/bodies.h"
 #include "engine/math/exponential.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -54,22 +55,19 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) {
-      scratch.velocity_steps[row] = {{0, 0}, 0, 1, 1};
+      scratch.velocity_steps[row] = {{0, 0, 0, 0}, {1, 1, 1, 0}};
       continue;
     }
     const Twist acceleration = constant_acceleration(model, state, scratch, row);
-    scratch.velocity_steps[row] = {motion.linear_gain * acceleration.linear, motion.angular_gain * acceleration.angular,
-                                   motion.linear_decay, motion.angular_decay};
+    const Vec2 gain = motion.linear_gain * acceleration.linear;
+    scratch.velocity_steps[row] = {{gain.x, gain.y, motion.angular_gain * acceleration.angular, 0},
+                                   {motion.linear_decay, motion.linear_decay, motion.angular_decay, 0}};
   }
 }
 
 void step_velocities(const Model& model, const State& state, Scratch& scratch) {
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const VelocityStep& step = scratch.velocity_steps[row];
-    body.velocity = step.linear_decay * body.velocity + step.velocity;
-    body.angular_velocity = step.angular_decay * body.angular_velocity + step.angular_velocity;
-  }
+  scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.velocity_steps.data()->gain,
+                                          scratch.moving_rows.data(), scratch.moving_rows.size());
   if (model.position_forces == nullptr) return;
   for (Twist& acceleration : scratch.accelerations) acceleration = {};
   model.position_forces(model, state, scratch);
@@ -83,11 +81,8 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
 }
 
 void move_bodies(Scratch& scratch, Real h) {
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    body.moved = body.moved + h * body.velocity;
-    body.turned = rotation_by(h * body.angular_velocity) * body.turned;
-  }
+  scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data(),
+                                      scratch.moving_rows.size(), resting_record(scratch), unread_record(scratch), h);
 }
 
 void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch) {

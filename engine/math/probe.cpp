@@ -9,6 +9,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+using namespace TICKTRUE_ISA;
+
 constexpr int round_count = 256;
 
 void put(ByteWriter& out, Real value) {

@@ -8,14 +8,10 @@
 #include <cstdint>
 
 #include "engine/choices.h"
-
-#if !defined(TICKTRUE_PRECISION)
-#error "compile with -DTICKTRUE_PRECISION=f32 or f64 (CMakeLists.txt does)"
-#endif
+#include "engine/math/scalar.h"
 
 namespace ticktrue::engine {
 namespace f32 {
-using Real = float;
 inline constexpr Precision precision = Precision::f32;
 inline constexpr Real epsilon = 0x1p-23f;
 inline Real square_root(Real x) {
@@ -23,7 +19,6 @@ inline Real square_root(Real x) {
 }
 }  // namespace f32
 namespace f64 {
-using Real = double;
 inline constexpr Precision precision = Precision::f64;
 inline constexpr Real epsilon = 0x1p-52;
 inline Real square_root(Real x) {

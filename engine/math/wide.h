@@ -2,13 +2,22 @@
 // SPDX-License-Identifier: MIT
 //
 // Element-wise operations give each lane the bits that scalar code would give it, so the width changes no result.
+// Everything here is in a namespace of its instruction set, and no standard header with code in it is included: what is
+// compiled for AVX2 never stands in for what is compiled for every machine.
 #pragma once
 
 #include <cstring>
 
-#include "engine/math/real.h"
+#include "engine/math/scalar.h"
 
-namespace ticktrue::engine::TICKTRUE_PRECISION {
+#if !defined(TICKTRUE_ISA)
+#define TICKTRUE_ISA baseline
+#endif
+
+/// For the parts of a kernel: what they share stays in registers.
+#define TICKTRUE_INLINE inline __attribute__((always_inline))
+
+namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 
 #if defined(__AVX__)
 inline constexpr int wide_size = 32;  // bytes
@@ -19,22 +28,22 @@ inline constexpr int wide_count = wide_size / static_cast<int>(sizeof(Real));
 
 using Wide = Real __attribute__((vector_size(wide_size)));
 
-inline Wide load_wide(const Real* from) {
+TICKTRUE_INLINE Wide load_wide(const Real* from) {
   Wide value;
   std::memcpy(&value, from, sizeof value);
   return value;
 }
-inline void store_wide(Real* to, Wide value) {
+TICKTRUE_INLINE void store_wide(Real* to, Wide value) {
   std::memcpy(to, &value, sizeof value);
 }
-inline Wide spread(Real value) {
-  return Wide{} + value;
+TICKTRUE_INLINE Wide spread(Real value) {
+  return value - Wide{};
 }
-inline Wide larger(Wide a, Wide b) {
+TICKTRUE_INLINE Wide larger(Wide a, Wide b) {
   return a > b ? a : b;
 }
-inline Wide smaller(Wide a, Wide b) {
+TICKTRUE_INLINE Wide smaller(Wide a, Wide b) {
   return a < b ? a : b;
 }
 
-}  // namespace ticktrue::engine::TICKTRUE_PRECISION
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA

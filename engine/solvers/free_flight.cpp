@@ -12,7 +12,7 @@ void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real 
   const int substep_count = model.scene.settings.substeps;
   const Real h = dt / static_cast<Real>(substep_count);  // s
   group_everything(model, state, scratch);
-  prepare_bodies(state, scratch);
+  prepare_bodies(model, state, scratch);
   enter_group(model, state, scratch, scratch.groups[0], h);
   scheme.begin(model, state, scratch, h);
   for (int substep = 0; substep < substep_count; ++substep) {

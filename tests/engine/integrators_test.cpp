@@ -172,7 +172,7 @@ class Stepper {
   }
   void step(double h) {
     engine::f64::group_everything(model_, state_, scratch_);
-    engine::f64::prepare_bodies(state_, scratch_);
+    engine::f64::prepare_bodies(model_, state_, scratch_);
     engine::f64::enter_group(model_, state_, scratch_, scratch_.groups[0], h);
     scheme_.begin(model_, state_, scratch_, h);
     scheme_.predict(model_, state_, scratch_, h);

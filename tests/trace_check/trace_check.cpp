@@ -7,6 +7,7 @@
 // Not verified: anything of traces that are damaged, cut or of other simulations: those are refused.
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <variant>
@@ -114,6 +115,11 @@ bool check_trace(const std::string& file, std::uint64_t& ticks) {
 }  // namespace ticktrue
 
 int main(int argc, char* argv[]) {
+  if (const char* name = std::getenv(ticktrue::engine::instruction_set_variable); name != nullptr)
+    if (const ticktrue::Status status = ticktrue::engine::use_instruction_set(name); !status) {
+      std::fprintf(stderr, "trace_check: error: %s\n", status.error().message.c_str());
+      return 2;
+    }
   int failed = 0;
   std::uint64_t ticks = 0;
   for (int i = 1; i < argc; ++i)

@@ -11,10 +11,12 @@
 #include <algorithm>
 #include <cctype>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <new>
 
 #include "base/build_info.h"
+#include "engine/engine.h"
 #include "verifier/cli/commands.h"
 
 namespace ticktrue::cli {
@@ -103,6 +105,8 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
 }
 
 int parse_and_run(int argc, char** argv) {
+  if (const char* name = std::getenv(engine::instruction_set_variable); name != nullptr)
+    if (const Status status = engine::use_instruction_set(name); !status) return fail_usage(status.error());
   const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
   CLI::App app{description, "ticktrue"};
   CliContext context;

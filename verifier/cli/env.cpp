@@ -45,6 +45,7 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
   object["physics_version"] = engine::physics_version;
   object["cpu"] = machine.cpu;
   object["instruction_set"] = machine.instruction_set;
+  object["kernels"] = engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name;
   object["control_word"] = machine.control_word;
   const FloatBehaviour& behaviour = floats.behaviour;
   object["floats"] = {{"rounding", behaviour.rounding},
@@ -73,6 +74,8 @@ std::string env_text(const verifier::FloatEnvironment& floats, const std::vector
       fmt::format("  compiler    {}\n  flags       {}\n  target      {}\n", build.compiler, build.flags, build.target);
   text += fmt::format("  machine     {}{}computes with {}\n", machine.cpu, machine.cpu.empty() ? "" : ", ",
                       machine.instruction_set);
+  text += fmt::format("  kernels     {}\n",
+                      engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name);
   text += fmt::format("  parts       {}\n", features_text(build));
   text += fmt::format("  versions    trace format {}, physics {}\n", replay::format_version, engine::physics_version);
   const FloatBehaviour& behaviour = floats.behaviour;

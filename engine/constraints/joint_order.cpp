@@ -1,0 +1,65 @@
+// Levels of joints, and whether they are worth it.
+// SPDX-License-Identifier: MIT
+#include "engine/constraints/joint_order.h"
+
+#include "engine/constraints/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
+constexpr std::size_t pins_per_level_least = 2;
+
+bool is_pin(const JointModel& joint) {
+  return joint.kind == JointKind::revolute && !joint.spring.exists && !joint.has_limits && !joint.has_motor;
+}
+
+/// Sorts the places by level, pins first, otherwise in the order they are in.
+void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
+  std::vector<std::uint32_t>& start = scratch.level_starts;
+  start.assign(2 * static_cast<std::size_t>(level_count) + 1, 0);
+  const auto key_of = [](const JointPlace& place) { return 2 * place.level + (place.is_pin ? 0 : 1); };
+  for (const JointPlace& place : scratch.joint_places) ++start[key_of(place) + 1];
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.sorted_places.resize(scratch.joint_places.size());
+  for (const JointPlace& place : scratch.joint_places) scratch.sorted_places[start[key_of(place)]++] = place;
+  scratch.joint_places.swap(scratch.sorted_places);
+}
+
+}  // namespace
+
+std::uint32_t row_of_body(const State& state, std::uint32_t id) {
+  const bool is_row = id < state.bodies.size() && state.bodies[id].id == id;
+  return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
+}
+
+bool order_joints(const Model& model, const State& state, Scratch& scratch) {
+  const std::uint32_t unread = unread_record(scratch);
+  scratch.joint_places.clear();
+  scratch.body_levels.assign(state.bodies.size(), 0);
+  std::uint32_t level_count = 0;
+  std::size_t pin_count = 0;
+  for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
+    const JointModel& joint = model.joints[state.joints[i].joint];
+    const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
+    const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);
+    const bool b_moves = scratch.masses[b].write != unread;
+    const bool a_moves = a != no_reference && scratch.masses[a].write != unread;
+    if (!a_moves && !b_moves) continue;
+    if (scratch.body_group[b_moves ? b : a] != scratch.group_index) continue;
+    std::uint32_t level = 0;
+    if (a_moves) level = scratch.body_levels[a];
+    if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];
+    if (a_moves) scratch.body_levels[a] = level + 1;
+    if (b_moves) scratch.body_levels[b] = level + 1;
+    if (level >= level_count) level_count = level + 1;
+    const bool pin = is_pin(joint);
+    pin_count += pin ? 1u : 0u;
+    scratch.joint_places.push_back({i, a, b, level, pin});
+  }
+  if (pin_count < pins_per_level_least * level_count || pin_count == 0) return false;
+  sort_by_level(scratch, level_count);
+  return true;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

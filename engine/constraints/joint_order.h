@@ -1,0 +1,36 @@
+// The order in which joints are solved: that of the scene, or one that gives the same bits and lets eight run at once.
+// SPDX-License-Identifier: MIT
+//
+// A joint sees of earlier ones only those that moved one of its bodies. So joints get levels, each one above the last
+// joint before it that moves a body of its own: joints of a level share no moving body, and level after level gives the
+// bits of the scene's order. A net has levels of many joints, a chain has as many levels as joints.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+struct State;
+struct Scratch;
+struct JointModel;
+
+/// A joint of the group that is being solved.
+struct JointPlace {
+  std::uint32_t row;             // in State::joints
+  std::uint32_t body_a, body_b;  // rows; no_reference: the world
+  std::uint32_t level;
+  bool is_pin;  // may be solved in a batch
+};
+
+/// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
+std::uint32_t row_of_body(const State& state, std::uint32_t id);
+
+/// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level, the
+/// pins of each level first. False: in scene order, no batches. Requires: prepare_bodies, enter_group.
+bool order_joints(const Model& model, const State& state, Scratch& scratch);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,146 @@
+// The inner loops of pins: revolute joints without spring, limits and motor, several at a time.
+// SPDX-License-Identifier: MIT
+// Source: as joint_rows.h; each lane does what solve_revolute (joint_pin.cpp) does for such a joint, in the same order.
+#include "engine/constraints/solver_kernels.h"
+#include "engine/math/quads.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
+namespace {
+
+/// wide_count pins of a batch, starting at lane `first`.
+struct Group {
+  PinBatch& batch;
+  int first;
+
+  TICKTRUE_INLINE Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
+  TICKTRUE_INLINE void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+};
+
+/// The two bodies and what the joint knows of them.
+struct Pair {
+  Quads a, b;  // x, y, angular, unused
+  Wide inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
+};
+
+/// Where the impulse acts.
+struct Arms {
+  Wide ax, ay, bx, by;  // from the centres of mass, m
+  Wide ex, ey;          // the anchors' gap, m
+};
+
+TICKTRUE_INLINE Pair load_pair(const Group& group, const Real* bodies) {
+  return {gather_quads<body_record_length>(bodies, group.batch.read_a + group.first),
+          gather_quads<body_record_length>(bodies, group.batch.read_b + group.first),
+          group.load(group.batch.inv_mass_a),
+          group.load(group.batch.inv_mass_b),
+          group.load(group.batch.inv_inertia_a),
+          group.load(group.batch.inv_inertia_b)};
+}
+
+TICKTRUE_INLINE Arms load_arms(const Group& group, const Real* bodies) {
+  const PinBatch& batch = group.batch;
+  const Quads a = gather_quads<body_record_length>(bodies + 4, batch.read_a + group.first);
+  const Quads b = gather_quads<body_record_length>(bodies + 4, batch.read_b + group.first);
+  const Wide anchor_a_x = group.load(batch.anchor_a_x), anchor_a_y = group.load(batch.anchor_a_y);
+  const Wide anchor_b_x = group.load(batch.anchor_b_x), anchor_b_y = group.load(batch.anchor_b_y);
+  const Wide half = spread(Real(0.5));
+  Arms arms;
+  arms.ax = a.at[2] * anchor_a_x - a.at[3] * anchor_a_y;
+  arms.ay = a.at[3] * anchor_a_x + a.at[2] * anchor_a_y;
+  arms.bx = b.at[2] * anchor_b_x - b.at[3] * anchor_b_y;
+  arms.by = b.at[3] * anchor_b_x + b.at[2] * anchor_b_y;
+  arms.ex = (group.load(batch.apart_x) + (b.at[0] - a.at[0])) + (arms.bx - arms.ax);
+  arms.ey = (group.load(batch.apart_y) + (b.at[1] - a.at[1])) + (arms.by - arms.ay);
+  arms.ax = arms.ax + half * arms.ex;
+  arms.ay = arms.ay + half * arms.ey;
+  arms.bx = arms.bx - half * arms.ex;
+  arms.by = arms.by - half * arms.ey;
+  return arms;
+}
+
+/// Adds impulse (px, py) at the point, -on A, +on B, and puts the velocities back.
+TICKTRUE_INLINE void push(const Group& group, Pair& pair, const Arms& arms, Wide px, Wide py, Real* bodies) {
+  pair.a.at[0] -= pair.inv_mass_a * px;
+  pair.a.at[1] -= pair.inv_mass_a * py;
+  pair.a.at[2] -= pair.inv_inertia_a * (arms.ax * py - arms.ay * px);
+  pair.b.at[0] += pair.inv_mass_b * px;
+  pair.b.at[1] += pair.inv_mass_b * py;
+  pair.b.at[2] += pair.inv_inertia_b * (arms.bx * py - arms.by * px);
+  scatter_quads<body_record_length>(bodies, group.batch.write_a + group.first, pair.a);
+  scatter_quads<body_record_length>(bodies, group.batch.write_b + group.first, pair.b);
+}
+
+/// How far an arm that turns ends short of where its tangent leads, in shares of the arm (joint_rows.h, turning_rate).
+TICKTRUE_INLINE Wide short_of(Wide turn) {
+  const Wide x2 = turn * turn;
+  return x2 / (spread(2) + spread(Real(0.5)) * x2);
+}
+
+template <bool is_soft>
+void solve(const PinWork& work) {
+  const Wide h = spread(work.h);
+  const Wide inv_h = spread(1 / work.h);
+  const Wide one = spread(1);
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    PinBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      Pair pair = load_pair(group, work.bodies);
+      const Arms arms = load_arms(group, work.bodies);
+      const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+      const Wide ia = pair.inv_inertia_a;
+      const Wide ib = pair.inv_inertia_b;
+      const Wide k11 = inv_mass + (ia * arms.ay * arms.ay + ib * arms.by * arms.by);
+      const Wide k12 = -(ia * arms.ax * arms.ay + ib * arms.bx * arms.by);
+      const Wide k22 = inv_mass + (ia * arms.ax * arms.ax + ib * arms.bx * arms.bx);
+      const Wide area = arms.ax * arms.by - arms.ay * arms.bx;
+      const Wide determinant = inv_mass * (inv_mass + (ia * (arms.ax * arms.ax + arms.ay * arms.ay) +
+                                                       ib * (arms.bx * arms.bx + arms.by * arms.by))) +
+                               (ia * area) * (ib * area);
+      const Wide wa = pair.a.at[2];
+      const Wide wb = pair.b.at[2];
+      Wide vx = (pair.b.at[0] - wb * arms.by) - (pair.a.at[0] - wa * arms.ay);
+      Wide vy = (pair.b.at[1] + wb * arms.bx) - (pair.a.at[1] + wa * arms.ax);
+      if constexpr (is_soft) {
+        const Wide short_a = short_of(h * wa);
+        const Wide short_b = short_of(h * wb);
+        const Wide bias_rate = spread(work.soft.bias_rate);
+        vx = (vx + inv_h * (short_a * arms.ax - short_b * arms.bx)) + bias_rate * arms.ex;
+        vy = (vy + inv_h * (short_a * arms.ay - short_b * arms.by)) + bias_rate * arms.ey;
+      }
+      // Empty lanes have no mobility: they divide by one instead.
+      const Wide inv_determinant = one / (determinant > Wide{} ? determinant : one);
+      Wide px = -(inv_determinant * (k22 * vx - k12 * vy));
+      Wide py = -(inv_determinant * (k11 * vy - k12 * vx));
+      const Wide old_x = group.load(batch.impulse_x);
+      const Wide old_y = group.load(batch.impulse_y);
+      if constexpr (is_soft) {
+        px = spread(work.soft.mass_scale) * px - spread(work.soft.impulse_scale) * old_x;
+        py = spread(work.soft.mass_scale) * py - spread(work.soft.impulse_scale) * old_y;
+      }
+      group.store(batch.impulse_x, old_x + px);
+      group.store(batch.impulse_y, old_y + py);
+      push(group, pair, arms, px, py, work.bodies);
+    }
+  }
+}
+
+void warm_start(const PinWork& work) {
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    PinBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.count; first += wide_count) {
+      const Group group{batch, first};
+      Pair pair = load_pair(group, work.bodies);
+      const Arms arms = load_arms(group, work.bodies);
+      push(group, pair, arms, group.load(batch.impulse_x), group.load(batch.impulse_y), work.bodies);
+    }
+  }
+}
+
+}  // namespace
+
+PinKernels pin_kernels() {
+  return {warm_start, solve<true>, solve<false>};
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA

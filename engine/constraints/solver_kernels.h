@@ -1,0 +1,28 @@
+// The inner loops of solvers as a table, compiled once per instruction set and chosen once per run.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/constraints/contact_lanes.h"
+#include "engine/constraints/pin_lanes.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct SolverKernels {
+  ContactKernels contacts;
+  PinKernels pins;
+  MotionKernels motion;
+};
+
+// Units of these namespaces include no standard header with code in it (math/wide.h).
+namespace baseline {
+ContactKernels contact_kernels(unsigned features);
+PinKernels pin_kernels();
+MotionKernels motion_kernels();
+}  // namespace baseline
+namespace avx2 {
+ContactKernels contact_kernels(unsigned features);
+PinKernels pin_kernels();
+MotionKernels motion_kernels();
+}  // namespace avx2
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

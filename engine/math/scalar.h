@@ -1,0 +1,18 @@
+// Real alone: all that units compiled for several instruction sets may know of real.h.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#if !defined(TICKTRUE_PRECISION)
+#error "compile with -DTICKTRUE_PRECISION=f32 or f64 (CMakeLists.txt does)"
+#endif
+
+namespace ticktrue::engine {
+namespace f32 {
+using Real = float;
+}
+namespace f64 {
+using Real = double;
+}
+}  // namespace ticktrue::engine
