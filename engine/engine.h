@@ -20,8 +20,8 @@ inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
 /// Choices that change no bit of what both sides have.
 struct EngineOptions {
-  bool full_pipeline = false;                 // every stage the solver can use, needed or not
-  std::optional<BroadPhaseKind> broad_phase;  // instead of the scene's
+  bool full_pipeline = false;                          // every stage the solver can use, needed or not
+  std::optional<BroadPhaseKind> broad_phase;           // instead of the scene's
   std::optional<InstructionSet> instruction_set = {};  // instead of instruction_set_in_use(); requires can_use
 };
 

@@ -3,6 +3,7 @@
 #include "engine/pipeline.h"
 
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/constraints/choose_kernels.h"
 #include "engine/narrow_phase/shape_pairs.h"
 #include "engine/solvers/solver.h"
 
@@ -60,7 +61,10 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
     consider("islands", find_islands, true, "bodies may sleep, or get substeps of their own", "");
   else
     pipeline.description.push_back({"islands", false, "nothing sleeps, every body gets the same substeps"});
-  consider(solver.name, solver_function(solver.kind), true, "every scene moves", "");
+  const std::string left = left_out(full ? contact_feature::general : model.contact_features);
+  const bool has_kernels = finds_contacts && model.can_collide && !left.empty();
+  consider(solver.name, solver_function(solver.kind), true,
+           has_kernels ? "every scene moves; its contacts have " + left : "every scene moves", "");
   if (can_pass && settings.locate_impacts)
     pipeline.description.push_back({"restitution", false, "impacts are located in time"});
   else if (finds_contacts || (full && contacts_possible))

@@ -67,10 +67,10 @@ struct TouchingPair {
 
 /// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
 struct alignas(8 * sizeof(Real)) MovingBody {
-  Vec2 velocity;                        // m/s
-  Real angular_velocity;                // rad/s
+  Vec2 velocity;                         // m/s
+  Real angular_velocity;                 // rad/s
   alignas(4 * sizeof(Real)) Vec2 moved;  // since the tick began, m
-  Rotation turned;                      // since the tick began
+  Rotation turned;                       // since the tick began
 };
 static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
 
@@ -235,7 +235,7 @@ struct Scratch {
   // solver
   const SolverKernels* kernels = nullptr;  // the model's
   std::vector<MovingBody> bodies;
-  std::vector<BodyMass> masses;              // [body]
+  std::vector<BodyMass> masses;               // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
   Real free_motion_step = 0;                  // s; 0: not computed yet
   std::vector<VelocityStep> velocity_steps;   // [body]
@@ -255,7 +255,7 @@ struct Scratch {
   std::vector<JointWork> joints;         // of the group that is being solved
   std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`, or of batches in `pins`
   PinBatches pins;
-  std::vector<JointPlace> joint_places;     // of the group, in solving order
+  std::vector<JointPlace> joint_places;  // of the group, in solving order
   std::vector<JointPlace> sorted_places;
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
   std::vector<std::uint32_t> level_starts;  // [2 level, pins first] in `joint_places`

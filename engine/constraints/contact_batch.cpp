@@ -77,16 +77,21 @@ void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, Color
   if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
 }
 
-/// A batch before its first contact. Lanes that stay empty push nothing and are written to a record nobody reads.
-void begin_batch(const Scratch& scratch, ContactBatch& batch, bool immovable) {
-  batch = {};
-  batch.immovable = immovable ? 1 : 0;
-  const std::uint32_t resting = resting_record(scratch);
-  const std::uint32_t unread = unread_record(scratch);
-  for (int lane = 0; lane < lane_count; ++lane) {
-    batch.read_a[lane] = batch.read_b[lane] = resting;
-    batch.write_a[lane] = batch.write_b[lane] = unread;
-  }
+void empty_point(ContactPointLanes& out, std::uint32_t lane) {
+  for (Lanes* lanes : {&out.normal_arm_a, &out.normal_arm_b, &out.tangent_arm_a, &out.tangent_arm_b, &out.separation,
+                       &out.normal_mass, &out.normal_impulse, &out.tangent_mass, &out.tangent_impulse})
+    lanes->at[lane] = 0;
+}
+
+/// Lanes without a contact push nothing and are written to a record nobody reads.
+void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane) {
+  batch.read_a[lane] = batch.read_b[lane] = resting_record(scratch);
+  batch.write_a[lane] = batch.write_b[lane] = unread_record(scratch);
+  batch.contact[lane] = 0;
+  for (Lanes* lanes : {&batch.inv_mass_a, &batch.inv_mass_b, &batch.inv_inertia_a, &batch.inv_inertia_b,
+                       &batch.normal_x, &batch.normal_y, &batch.friction, &batch.radius_a, &batch.radius_b})
+    lanes->at[lane] = 0;
+  for (ContactPointLanes& point : batch.points) empty_point(point, lane);
 }
 
 void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint& point, Real slop, Real normal_force,
@@ -120,9 +125,12 @@ void fill_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, 
   batch.friction.at[lane] = pair.friction;
   batch.radius_a.at[lane] = pair.radius_a;
   batch.radius_b.at[lane] = pair.radius_b;
-  for (int i = 0; i < pair.manifold.point_count; ++i)
-    fill_point(batch.points[i], lane, pair.manifold.points[i], slop * pair.size, row.normal_force[i],
-               row.tangent_force[i]);
+  for (int i = 0; i < 2; ++i)
+    if (i < pair.manifold.point_count)
+      fill_point(batch.points[i], lane, pair.manifold.points[i], slop * pair.size, row.normal_force[i],
+                 row.tangent_force[i]);
+    else
+      empty_point(batch.points[i], lane);
 }
 
 void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane, const TouchingPair& pair) {
@@ -183,7 +191,8 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     const TouchingPair& pair = scratch.touching[contact];
     ContactBatch& batch = out.batches[place.batch];
     if (place.lane == 0) {
-      begin_batch(scratch, batch, color >= group_color_count);
+      batch.immovable = color >= group_color_count ? 1 : 0;
+      batch.bounces = 0;
       if (bounces) out.bounces[place.batch] = {};
       if (has_surfaces) out.surfaces[place.batch] = {};
     }
@@ -192,10 +201,16 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     batch.bounces |= pair.restitution > 0 ? 1 : 0;
     if (has_surfaces) fill_surface(scratch, out.surfaces[place.batch], place.lane, pair);
     batch.count = static_cast<std::int32_t>(++place.lane);
-    if (place.lane < lane_count && color % group_color_count != overflow_color) continue;
+    const bool alone = color % group_color_count == overflow_color;
+    if (alone)
+      for (std::uint32_t lane = 1; lane < lane_count; ++lane) empty_lane(scratch, batch, lane);
+    if (place.lane < lane_count && !alone) continue;
     ++place.batch;
     place.lane = 0;
   }
+  for (const ColorPlace& place : places)
+    for (std::uint32_t lane = place.lane; lane > 0 && lane < lane_count; ++lane)
+      empty_lane(scratch, out.batches[place.batch], lane);
   scratch.kernels->contacts.prepare(work_of(scratch, group));
 }
 

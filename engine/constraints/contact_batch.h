@@ -27,9 +27,9 @@ struct BodyColors {
 };
 
 struct ContactBatches {
-  std::vector<ContactBatch> batches;    // in solving order; the first `batch_count` are in use
-  std::vector<SurfaceLanes> surfaces;   // [batch]; empty where no material of the scene has any
-  std::vector<BounceLanes> bounces;     // [batch]; empty where the kernels leave restitution out
+  std::vector<ContactBatch> batches;   // in solving order; the first `batch_count` are in use
+  std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
+  std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
   std::vector<std::uint8_t> colors;     // [contact of the group]
   std::vector<BodyColors> body_colors;  // [body]

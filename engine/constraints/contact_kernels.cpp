@@ -8,7 +8,6 @@
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
 // The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
 #include "engine/constraints/solver_kernels.h"
-
 #include "engine/math/quads.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -67,9 +66,9 @@ TICKTRUE_INLINE void store_pair(const Group& group, Pair& pair, Wide along_norma
 
 /// What the bodies have moved since the tick began, in the contact's frame.
 struct Slide {
-  Wide along;                // of B against A, m
-  Wide lost_a, lost_b;       // cosine of the turn, less 1
-  Wide turned_a, turned_b;   // its sine
+  Wide along;               // of B against A, m
+  Wide lost_a, lost_b;      // cosine of the turn, less 1
+  Wide turned_a, turned_b;  // its sine
   Wide radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
 };
 
@@ -94,7 +93,8 @@ TICKTRUE_INLINE Slide load_slide(const Group& group, const Pair& pair, const Rea
 
 /// Present separation of a point: the normal stays, the pivots turn with the bodies.
 template <unsigned features>
-TICKTRUE_INLINE Wide separation_of(const Group& group, const ContactPointLanes& point, const Slide& slide, Wide arm_a, Wide arm_b) {
+TICKTRUE_INLINE Wide separation_of(const Group& group, const ContactPointLanes& point, const Slide& slide, Wide arm_a,
+                                   Wide arm_b) {
   Wide back_a = group.load(point.tangent_arm_a);  // of the pivots, against the normal
   Wide back_b = group.load(point.tangent_arm_b);
   if constexpr (has(features, contact_feature::radius)) {
@@ -176,7 +176,7 @@ void solve(const ContactWork& work) {
           const Wide limit = friction * group.load(point.normal_impulse);
           const Wide velocity = slip + (wb * arm_b - wa * arm_a);
           const Wide wanted = old_impulse - group.load(point.tangent_mass) * velocity;
-          const Wide impulse = larger(smaller(wanted, limit), -limit);
+          const Wide impulse = larger(zero - limit, smaller(limit, wanted));
           group.store(point.tangent_impulse, impulse);
           const Wide change = impulse - old_impulse;
           slip += inv_mass * change;
@@ -192,7 +192,7 @@ void solve(const ContactWork& work) {
         const Wide limit = group.load(surface.rolling_resistance) * pressed;
         const Wide old_impulse = group.load(surface.rolling_impulse);
         const Wide wanted = old_impulse - group.load(surface.rolling_mass) * (wb - wa);
-        const Wide impulse = larger(smaller(wanted, limit), -limit);
+        const Wide impulse = larger(zero - limit, smaller(limit, wanted));
         group.store(surface.rolling_impulse, impulse);
         const Wide change = impulse - old_impulse;
         wa -= pair.inv_inertia_a * change;
@@ -269,6 +269,8 @@ void prepare(const ContactWork& work) {
         if constexpr (has(features, contact_feature::friction)) {
           group.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
           group.store(point.tangent_impulse, h * group.load(point.tangent_impulse));
+        } else {
+          group.store(point.tangent_impulse, Wide{});
         }
         if constexpr (has(features, contact_feature::bounce)) {
           const Wide approach = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
@@ -306,8 +308,8 @@ bool bounce(const ContactWork& work, Real threshold) {
           // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
           ContactPointLanes& point = batch.points[p];
           const Wide approach = group.load(bounces.approach[p]);
-          const auto hits = (restitution > zero) & (approach <= spread(-threshold)) &
-                            (group.load(bounces.impulse_max[p]) > zero);
+          const auto hits =
+              (restitution > zero) & (approach <= spread(-threshold)) & (group.load(bounces.impulse_max[p]) > zero);
           if (!any_of(hits)) continue;
           any_here = true;
           const Wide arm_a = group.load(point.normal_arm_a);
@@ -343,10 +345,10 @@ constexpr ContactKernels kernels_with{prepare<compiled(features)>, warm_start<co
                                       solve<compiled(features), true>, solve<compiled(features), false>,
                                       bounce<compiled(features)>};
 
-constexpr ContactKernels table[] = {
-    kernels_with<0>,  kernels_with<1>,  kernels_with<2>,  kernels_with<3>, kernels_with<4>,  kernels_with<5>,
-    kernels_with<6>,  kernels_with<7>,  kernels_with<8>,  kernels_with<9>, kernels_with<10>, kernels_with<11>,
-    kernels_with<12>, kernels_with<13>, kernels_with<14>, kernels_with<15>};
+constexpr ContactKernels table[] = {kernels_with<0>,  kernels_with<1>,  kernels_with<2>,  kernels_with<3>,
+                                    kernels_with<4>,  kernels_with<5>,  kernels_with<6>,  kernels_with<7>,
+                                    kernels_with<8>,  kernels_with<9>,  kernels_with<10>, kernels_with<11>,
+                                    kernels_with<12>, kernels_with<13>, kernels_with<14>, kernels_with<15>};
 
 }  // namespace
 

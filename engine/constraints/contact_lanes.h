@@ -20,9 +20,9 @@ struct ContactPointLanes {
 struct ContactBatch {
   std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
   std::uint32_t read_b[lane_count];
-  std::int32_t count;         // lanes from here on are empty
-  std::uint32_t immovable;    // 1: one body of each contact is not moved by impulses
-  std::uint32_t bounces;      // 1: some lane has restitution
+  std::int32_t count;       // lanes from here on are empty
+  std::uint32_t immovable;  // 1: one body of each contact is not moved by impulses
+  std::uint32_t bounces;    // 1: some lane has restitution
   Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   Lanes normal_x, normal_y, friction;
   ContactPointLanes points[2];

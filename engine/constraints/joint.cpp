@@ -77,8 +77,8 @@ Real joint_stiffness(Real h) {
 namespace {
 
 /// Adds a joint that is solved by itself to scratch.joints.
-void add_joint(const Model& model, const State& state, Scratch& scratch, const JointPlace& place,
-               const Softness& soft, Real h) {
+void add_joint(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, const Softness& soft,
+               Real h) {
   const JointRow& row = state.joints[place.row];
   JointWork joint{};
   joint.row = place.row;
@@ -114,13 +114,12 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   if (state.joints.empty()) return;
   const bool in_batches = order_joints(model, state, scratch);
   for (const JointPlace& place : scratch.joint_places) {
-    const JointModel& joint = model.joints[state.joints[place.row].joint];
     const bool is_pin = in_batches && place.is_pin;
-    const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != joint.kind ||
+    const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != place.kind ||
                         scratch.joint_ranges.back().are_pins != is_pin;
     if (begins) {
       const auto first = is_pin ? scratch.pins.batch_count : static_cast<std::uint32_t>(scratch.joints.size());
-      scratch.joint_ranges.push_back({joint.kind, is_pin, false, first, first});
+      scratch.joint_ranges.push_back({place.kind, is_pin, false, first, first});
     }
     JointRange& range = scratch.joint_ranges.back();
     if (is_pin) {
@@ -129,7 +128,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
     } else {
       add_joint(model, state, scratch, place, soft, h);
       ++range.last;
-      range.springs |= has_springs(joint);
+      range.springs |= has_springs(model.joints[state.joints[place.row].joint]);
     }
   }
 }

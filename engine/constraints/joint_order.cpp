@@ -55,7 +55,7 @@ bool order_joints(const Model& model, const State& state, Scratch& scratch) {
     if (level >= level_count) level_count = level + 1;
     const bool pin = is_pin(joint);
     pin_count += pin ? 1u : 0u;
-    scratch.joint_places.push_back({i, a, b, level, pin});
+    scratch.joint_places.push_back({i, a, b, level, joint.kind, pin});
   }
   if (pin_count < pins_per_level_least * level_count || pin_count == 0) return false;
   sort_by_level(scratch, level_count);

@@ -9,28 +9,28 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/math/vec2.h"
+#include "engine/math/real.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Model;
 struct State;
 struct Scratch;
-struct JointModel;
 
 /// A joint of the group that is being solved.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
+  JointKind kind;
   bool is_pin;  // may be solved in a batch
 };
 
 /// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level, the
-/// pins of each level first. False: in scene order, no batches. Requires: prepare_bodies, enter_group.
+/// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level,
+/// the pins of each level first. False: in scene order, no batches. Requires: prepare_bodies, enter_group.
 bool order_joints(const Model& model, const State& state, Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

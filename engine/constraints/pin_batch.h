@@ -18,7 +18,8 @@ struct PinBatches {
 };
 
 /// Adds a pin to the last batch, or begins a new one where that is full, of another level or not of this run.
-void add_pin(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, bool begins_run, Real h);
+void add_pin(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, bool begins_run,
+             Real h);
 void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last);
 void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real h, Bias bias);
 /// Impulses back to state.joints, as forces.

@@ -14,8 +14,8 @@ struct PinBatch {
   Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   Lanes anchor_a_x, anchor_a_y;  // from the centres of mass at the start of the tick, world axes, m
   Lanes anchor_b_x, anchor_b_y;
-  Lanes apart_x, apart_y;      // from A's centre of mass to B's at the start of the tick, m
-  Lanes impulse_x, impulse_y;  // N s, accumulated in this substep
+  Lanes apart_x, apart_y;         // from A's centre of mass to B's at the start of the tick, m
+  Lanes impulse_x, impulse_y;     // N s, accumulated in this substep
   std::uint32_t row[lane_count];  // in State::joints
   std::int32_t count;             // lanes from here on are empty
 };

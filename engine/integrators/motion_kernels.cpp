@@ -42,12 +42,12 @@ TICKTRUE_INLINE Turn rotation_by(Wide angle) {
     return sum;
   };
   constexpr int term_count = is_single ? 4 : 7;
-  constexpr Real sine_terms[] = {Real(-1.0 / 6),        Real(1.0 / 120),          Real(-1.0 / 5040),
-                                 Real(1.0 / 362880),    Real(-1.0 / 39916800),    Real(1.0 / 6227020800.0),
-                                 Real(-1.0 / 1307674368000.0)};
-  constexpr Real cosine_terms[] = {Real(-0.5),           Real(1.0 / 24),         Real(-1.0 / 720),
-                                   Real(1.0 / 40320),    Real(-1.0 / 3628800),   Real(1.0 / 479001600.0),
-                                   Real(-1.0 / 87178291200.0), Real(1.0 / 20922789888000.0)};
+  constexpr Real sine_terms[] = {
+      Real(-1.0 / 6),        Real(1.0 / 120),          Real(-1.0 / 5040),           Real(1.0 / 362880),
+      Real(-1.0 / 39916800), Real(1.0 / 6227020800.0), Real(-1.0 / 1307674368000.0)};
+  constexpr Real cosine_terms[] = {
+      Real(-0.5),           Real(1.0 / 24),          Real(-1.0 / 720),           Real(1.0 / 40320),
+      Real(-1.0 / 3628800), Real(1.0 / 479001600.0), Real(-1.0 / 87178291200.0), Real(1.0 / 20922789888000.0)};
   const Wide sine = x + x * z * series(sine_terms, term_count);
   const Wide cosine = spread(1) + z * series(cosine_terms, is_single ? 4 : 8);
   // turn modulo 4, in -2..2.

@@ -3,9 +3,10 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "engine/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
-#include "tests/support/joint_scenes.h"
+#include "tests/support/joints.h"
 #include "tests/support/scenes.h"
 
 namespace ticktrue::test {
@@ -23,8 +24,8 @@ Scene builtin(const std::string& text) {
 std::vector<Session> kernel_sessions() {
   std::vector<Session> sessions;
   for (const char* precision : {"f32", "f64"})
-    for (const char* name : {"pyramid?base=9&", "circles?", "billiards?", "mixed_pile?bodies=60&", "shapes?", "sensors?",
-                             "bridge?", "joint_grid?columns=9&", "pyramid?base=5&solver=pgs&"}) {
+    for (const char* name : {"pyramid?base=9&", "circles?", "billiards?", "mixed_pile?bodies=60&", "shapes?",
+                             "sensors?", "bridge?", "joint_grid?columns=9&", "pyramid?base=5&solver=pgs&"}) {
       const std::string text = std::string(name) + "precision=" + precision;
       sessions.push_back({text, builtin(text), {}});
     }
@@ -80,7 +81,8 @@ TEST_CASE("an instruction set that does not exist is refused, with those that do
   CHECK(status.error().message.find("TICKTRUE_ISA: found \"mmx\", expected baseline") == 0);
 }
 
-TEST_CASE("kernels that leave out what a scene lacks give the bits of the general ones", "[engine][kernels][pipeline]") {
+TEST_CASE("kernels that leave out what a scene lacks give the bits of the general ones",
+          "[engine][kernels][pipeline]") {
   for (const Session& session : kernel_sessions()) {
     const auto composed = make_engine_or_fail(session.scene);
     engine::EngineOptions options;
