@@ -23,6 +23,8 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
+constexpr std::size_t contacts_ahead = 8;  // their memory is asked for early
+
 /// colors[i]: of the i-th contact of the group.
 void color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
   ContactBatches& out = scratch.contact_batches;
@@ -32,6 +34,7 @@ void color_contacts(const State& state, Scratch& scratch, const SolveGroup& grou
   out.colors.resize(count);
   out.body_colors.assign(state.bodies.size(), {0, 0});
   for (std::size_t i = 0; i < count; ++i) {
+    if (i + contacts_ahead < count) __builtin_prefetch(&scratch.touching[contacts[i + contacts_ahead]]);
     const TouchingPair& pair = scratch.touching[contacts[i]];
     const bool a_moves = scratch.masses[pair.body_a].write != unread;
     const bool b_moves = scratch.masses[pair.body_b].write != unread;
@@ -186,6 +189,12 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   for (std::size_t i = 0; i < out.colors.size(); ++i) {
     const int color = out.colors[i];
+    if (i + contacts_ahead < out.colors.size()) {
+      const std::uint32_t later = contacts[i + contacts_ahead];
+      __builtin_prefetch(&scratch.touching[later]);
+      __builtin_prefetch(&scratch.touching[later].manifold.points[1]);
+      __builtin_prefetch(&state.contacts[later]);
+    }
     ColorPlace& place = places[color];
     const std::uint32_t contact = contacts[i];
     const TouchingPair& pair = scratch.touching[contact];

@@ -76,6 +76,8 @@ Real joint_stiffness(Real h) {
 
 namespace {
 
+constexpr std::size_t joints_ahead = 12;
+
 /// Adds a joint that is solved by itself to scratch.joints.
 void add_joint(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, const Softness& soft,
                Real h) {
@@ -113,7 +115,14 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   scratch.pins.soft = soft;
   if (state.joints.empty()) return;
   const bool in_batches = order_joints(model, state, scratch);
-  for (const JointPlace& place : scratch.joint_places) {
+  const std::size_t count = scratch.joint_places.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const JointPlace& place = scratch.joint_places[i];
+    if (i + joints_ahead < count) {  // levels take joints from everywhere: their memory is asked for early
+      const JointPlace& later = scratch.joint_places[i + joints_ahead];
+      __builtin_prefetch(&model.joints[later.joint]);
+      __builtin_prefetch(&state.joints[later.row].linear_force);
+    }
     const bool is_pin = in_batches && place.is_pin;
     const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != place.kind ||
                         scratch.joint_ranges.back().are_pins != is_pin;

@@ -22,6 +22,7 @@ struct SpringModel {
 
 struct JointModel {
   JointKind kind = JointKind::revolute;
+  bool is_pin = false;       // revolute without spring, limits and motor
   std::uint32_t body_a = 0;  // id; no_reference: the world
   std::uint32_t body_b = 0;  // id
   Vec2 anchor_a;             // from A's centre of mass in its frame, m; target: the point of the world

@@ -10,10 +10,6 @@ namespace {
 /// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
 constexpr std::size_t pins_per_level_least = 2;
 
-bool is_pin(const JointModel& joint) {
-  return joint.kind == JointKind::revolute && !joint.spring.exists && !joint.has_limits && !joint.has_motor;
-}
-
 /// Sorts the places by level, pins first, otherwise in the order they are in.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
   std::vector<std::uint32_t>& start = scratch.level_starts;
@@ -53,9 +49,8 @@ bool order_joints(const Model& model, const State& state, Scratch& scratch) {
     if (a_moves) scratch.body_levels[a] = level + 1;
     if (b_moves) scratch.body_levels[b] = level + 1;
     if (level >= level_count) level_count = level + 1;
-    const bool pin = is_pin(joint);
-    pin_count += pin ? 1u : 0u;
-    scratch.joint_places.push_back({i, a, b, level, joint.kind, pin});
+    pin_count += joint.is_pin ? 1u : 0u;
+    scratch.joint_places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, joint.is_pin});
   }
   if (pin_count < pins_per_level_least * level_count || pin_count == 0) return false;
   sort_by_level(scratch, level_count);

@@ -20,6 +20,7 @@ struct Scratch;
 /// A joint of the group that is being solved.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
+  std::uint32_t joint;           // in Model::joints
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;

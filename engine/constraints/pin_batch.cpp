@@ -35,7 +35,7 @@ void add_pin(const Model& model, const State& state, Scratch& scratch, const Joi
   PinBatch& batch = pins.batches[pins.batch_count - 1];
   const auto lane = static_cast<std::size_t>(batch.count++);
   const JointRow& row = state.joints[place.row];
-  const JointModel& joint = model.joints[row.joint];
+  const JointModel& joint = model.joints[place.joint];
   const BodyRow& b = state.bodies[place.body_b];
   const BodyMass& mass_b = scratch.masses[place.body_b];
   BodyMass mass_a{0, 0, resting_record(scratch), unread_record(scratch)};
