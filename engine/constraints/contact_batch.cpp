@@ -23,8 +23,6 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-constexpr std::size_t contacts_ahead = 8;  // their memory is asked for early
-
 /// colors[i]: of the i-th contact of the group.
 void color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
   ContactBatches& out = scratch.contact_batches;
@@ -34,7 +32,6 @@ void color_contacts(const State& state, Scratch& scratch, const SolveGroup& grou
   out.colors.resize(count);
   out.body_colors.assign(state.bodies.size(), {0, 0});
   for (std::size_t i = 0; i < count; ++i) {
-    if (i + contacts_ahead < count) __builtin_prefetch(&scratch.touching[contacts[i + contacts_ahead]]);
     const TouchingPair& pair = scratch.touching[contacts[i]];
     const bool a_moves = scratch.masses[pair.body_a].write != unread;
     const bool b_moves = scratch.masses[pair.body_b].write != unread;
@@ -97,6 +94,15 @@ void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane)
   for (ContactPointLanes& point : batch.points) empty_point(point, lane);
 }
 
+/// Ends a batch that is not full: what a full one does not need of the first `count` lanes, and the others.
+void end_batch(const Scratch& scratch, ContactBatch& batch, std::uint32_t count) {
+  for (std::uint32_t lane = 0; lane < count && batch.immovable == 0; ++lane) {
+    batch.write_a[lane] = batch.read_a[lane];
+    batch.write_b[lane] = batch.read_b[lane];
+  }
+  for (std::uint32_t lane = count; lane < lane_count; ++lane) empty_lane(scratch, batch, lane);
+}
+
 void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint& point, Real slop, Real normal_force,
                 Real tangent_force) {
   out.normal_arm_a.at[lane] = point.anchor_a.x;
@@ -117,8 +123,10 @@ void fill_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, 
   batch.contact[lane] = contact;
   batch.read_a[lane] = a.read;
   batch.read_b[lane] = b.read;
-  batch.write_a[lane] = a.write;
-  batch.write_b[lane] = b.write;
+  if (batch.immovable != 0) {
+    batch.write_a[lane] = a.write;
+    batch.write_b[lane] = b.write;
+  }
   batch.inv_mass_a.at[lane] = a.inv_mass;
   batch.inv_mass_b.at[lane] = b.inv_mass;
   batch.inv_inertia_a.at[lane] = a.inv_inertia;
@@ -189,12 +197,6 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   for (std::size_t i = 0; i < out.colors.size(); ++i) {
     const int color = out.colors[i];
-    if (i + contacts_ahead < out.colors.size()) {
-      const std::uint32_t later = contacts[i + contacts_ahead];
-      __builtin_prefetch(&scratch.touching[later]);
-      __builtin_prefetch(&scratch.touching[later].manifold.points[1]);
-      __builtin_prefetch(&state.contacts[later]);
-    }
     ColorPlace& place = places[color];
     const std::uint32_t contact = contacts[i];
     const TouchingPair& pair = scratch.touching[contact];
@@ -211,15 +213,13 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     if (has_surfaces) fill_surface(scratch, out.surfaces[place.batch], place.lane, pair);
     batch.count = static_cast<std::int32_t>(++place.lane);
     const bool alone = color % group_color_count == overflow_color;
-    if (alone)
-      for (std::uint32_t lane = 1; lane < lane_count; ++lane) empty_lane(scratch, batch, lane);
+    if (alone) end_batch(scratch, batch, 1);
     if (place.lane < lane_count && !alone) continue;
     ++place.batch;
     place.lane = 0;
   }
   for (const ColorPlace& place : places)
-    for (std::uint32_t lane = place.lane; lane > 0 && lane < lane_count; ++lane)
-      empty_lane(scratch, out.batches[place.batch], lane);
+    if (place.lane > 0) end_batch(scratch, out.batches[place.batch], place.lane);
   scratch.kernels->contacts.prepare(work_of(scratch, group));
 }
 

@@ -30,8 +30,14 @@ struct Group {
 
   TICKTRUE_INLINE Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
   TICKTRUE_INLINE void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
-  const std::uint32_t* write_a() const { return (batch.immovable != 0 ? batch.write_a : batch.read_a) + first; }
-  const std::uint32_t* write_b() const { return (batch.immovable != 0 ? batch.write_b : batch.read_b) + first; }
+  /// Full batches of moving bodies are written where they are read.
+  TICKTRUE_INLINE bool writes_elsewhere() const { return batch.immovable != 0 || batch.count < lane_count; }
+  TICKTRUE_INLINE const std::uint32_t* write_a() const {
+    return (writes_elsewhere() ? batch.write_a : batch.read_a) + first;
+  }
+  TICKTRUE_INLINE const std::uint32_t* write_b() const {
+    return (writes_elsewhere() ? batch.write_b : batch.read_b) + first;
+  }
 };
 
 /// Velocities of the two bodies, and what constants of a contact they meet.
