@@ -220,7 +220,8 @@ TEST_CASE("no two bodies of mixed_pile or circles overlap at the start", "[engin
 }
 
 TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scenes][joints][analytic]") {
-  for (const char* text : {"chain", "chain?links=7&angle=1.2", "bridge", "joint_grid", "joint_grid?columns=100"}) {
+  for (const char* text : {"chain", "chain?links=7&angle=1.2", "bridge", "joint_grid", "joint_grid?columns=100",
+                           "tumbler", "spinner", "rain"}) {
     const Scene scene = made(text);
     CAPTURE(text);
     double worst = 0;
@@ -241,6 +242,35 @@ TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scen
   CHECK(dynamic_count(grid) == 10000 - 7);
   CHECK(grid.bodies[4700].type == BodyType::static_body);
   CHECK(grid.bodies[5300].type == BodyType::static_body);
+}
+
+TEST_CASE("the timed scenes have the measures of Box2D's benchmarks", "[engine][builtin_scenes][analytic]") {
+  const Scene tumbler = made("tumbler");
+  CHECK(dynamic_count(tumbler) == 2026);
+  CHECK(tumbler.bodies[1].shapes.size() == 4);
+  CHECK(tumbler.bodies[2].position == Point{-9, 1});
+  CHECK(tumbler.bodies[3].position.x - tumbler.bodies[2].position.x == Approx(0.4));
+  CHECK(tumbler.joints[0].motor->speed == Approx(25 * pi / 180));
+  const Scene smash = made("smash");
+  CHECK(dynamic_count(smash) == 9601);
+  CHECK(smash.bodies[1].position == Point{30, -16});
+  CHECK(smash.bodies[9600].position.x == Approx(30 + 119 * 0.4));
+  CHECK(smash.bodies[9600].position.y == Approx(-16 + 79 * 0.4));
+  CHECK(smash.gravity == Point{0, 0});
+  const Scene spinner = made("spinner");
+  CHECK(dynamic_count(spinner) == 6077);
+  CHECK(spinner.bodies[0].shapes[0].vertices.size() == 360);
+  CHECK(spinner.bodies[2].position == Point{-23, 2});
+  CHECK(spinner.bodies[2 + 92].position == Point{-23, 2.5});
+  const Scene rain = made("rain");
+  CHECK(dynamic_count(rain) == 11000);
+  CHECK(rain.joints.size() == 10000);
+  std::size_t floor_count = 0;
+  for (const Body& body : rain.bodies) floor_count += body.type == BodyType::static_body ? body.shapes.size() : 0;
+  CHECK(floor_count == 5 * 501);
+  CHECK(rain.bodies[5].position == Point{-125 + 250.0 / 80, 40.95});
+  CHECK(dynamic_count(made("thesis_mix?bodies=1000")) == 1000);
+  for (const Body& body : made("gas").bodies) CHECK(body.shapes[0].material.friction == 0);
 }
 
 TEST_CASE("a seed gives the same world every time, another seed another world",
@@ -273,5 +303,13 @@ chain 4ffdde6a0a61764f
 bridge 61752e90a390a297
 joint_grid 6c572128d2c0a199
 card_house bedc0c651035e0d2
+thesis_mix 2838fc2755fc66c1
+tumbler bfefc6ae468ed52f
+smash ef2e026d14537844
+spinner 917989f6d271a513
+rain 16184df0f2d36aea
+gas 60b976bb5858af14
+loose 748f42fe08954a21
+resting 6c641dd0d7c546ad
 )");
 }
