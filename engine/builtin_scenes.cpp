@@ -26,7 +26,7 @@ const std::array<BuiltinScene, 25> scenes{{
      build_many_pyramids},
     {"circles", "a grid of circles falls into a tub made of circles", circles_parameters, build_circles},
     {"mixed_pile", "circles, boxes and polygons fall into a container", mixed_pile_parameters, build_mixed_pile},
-    {"projectile", "one ball in free flight", projectile_parameters, build_projectile},
+    {"projectile", "balls in free flight", projectile_parameters, build_projectile},
     {"billiards", "a disc hits fifteen, elastic and without friction", billiards_parameters, build_billiards},
     {"slide", "a box slides to rest", slide_parameters, build_slide},
     {"shapes", "every shape falls into a tub made of a chain", shapes_parameters, build_shapes},

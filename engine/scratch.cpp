@@ -26,7 +26,6 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.circles);
   poison_rows(scratch.pairs);
   poison_rows(scratch.unsorted_pairs);
-  poison_rows(scratch.order);
   poison_rows(scratch.counts);
   poison_rows(scratch.sort_entries);
   poison_rows(scratch.sort_buffer);

@@ -221,7 +221,6 @@ struct Scratch {
   std::vector<Circle> circles;  // [proxy], bounding_circle
   std::vector<Pair> pairs;      // by (first, second)
   std::vector<Pair> unsorted_pairs;
-  std::vector<std::uint32_t> order;  // sweep order, counting sort
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;

@@ -33,7 +33,7 @@ Scene build_mixed_pile(const SceneArguments& arguments);
 Scene build_shapes(const SceneArguments& arguments);
 
 // motions.cpp
-extern const std::array<SceneParameter, 2> projectile_parameters;
+extern const std::array<SceneParameter, 3> projectile_parameters;
 extern const std::array<SceneParameter, 3> billiards_parameters;
 extern const std::array<SceneParameter, 2> slide_parameters;
 extern const std::array<SceneParameter, 2> sensors_parameters;

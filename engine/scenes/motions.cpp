@@ -4,15 +4,22 @@
 #include "engine/scenes/pieces.h"
 
 namespace ticktrue::engine {
-const std::array<SceneParameter, 2> projectile_parameters{{
+const std::array<SceneParameter, 3> projectile_parameters{{
     {"vx", 3, -1e6, 1e6, false, "starting velocity to the right, m/s"},
     {"vy", 7, -1e6, 1e6, false, "starting velocity upwards, m/s"},
+    {"bodies", 1, 1, 100'000, true, "balls side by side, which meet nothing"},
 }};
 Scene build_projectile(const SceneArguments& arguments) {
   Scene scene;
   scene.settings.solver = SolverKind::free_flight;
   scene.bodies.push_back(body("ball", BodyType::dynamic_body, {}, circle(0.5)));
   scene.bodies[0].velocity = {arguments.real("vx"), arguments.real("vy")};
+  for (int i = 1; i < arguments.whole("bodies"); ++i) {
+    scene.bodies[0].shapes[0].filter.mask = 0;
+    scene.bodies.push_back(scene.bodies[0]);
+    scene.bodies.back().name += "_" + std::to_string(i);
+    scene.bodies.back().position.x = 2.0 * i;
+  }
   return scene;
 }
 
