@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -30,10 +31,25 @@ namespace ticktrue {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
+
+/// Seconds since some moment: of the wall, or of this thread's share of a core, which others cannot slow by being
+/// there.
+enum class ClockUsed { wall, thread_cpu };
+double seconds_now(ClockUsed clock) {
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+  if (clock == ClockUsed::thread_cpu) {
+    struct timespec now {};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  }
+#endif
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 struct BenchOptions {
   std::string scene;
+  ClockUsed clock = ClockUsed::wall;
+  std::string clock_name = "wall";
   std::uint64_t tick_count = 500;
   std::uint64_t block_size = 10;  // ticks
   std::uint64_t repeat_count = 3;
@@ -66,10 +82,10 @@ Times times_of(std::vector<double> samples) {
 
 // Milliseconds of one tick, from a block of them.
 template <typename Step>
-double time_block(std::uint64_t tick_count, Step step) {
-  const Clock::time_point start = Clock::now();
+double time_block(ClockUsed clock, std::uint64_t tick_count, Step step) {
+  const double start = seconds_now(clock);
   for (std::uint64_t i = 0; i < tick_count; ++i) step();
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count() / static_cast<double>(tick_count);
+  return 1e3 * (seconds_now(clock) - start) / static_cast<double>(tick_count);
 }
 
 struct StageTime {
@@ -107,20 +123,20 @@ std::size_t state_size(const StateView& state) {
 
 class StageClock final : public StageObserver {
  public:
-  explicit StageClock(std::size_t stage_count) : seconds_(stage_count) {}
-  void start() { last_ = Clock::now(); }
+  StageClock(ClockUsed clock, std::size_t stage_count) : clock_(clock), seconds_(stage_count) {}
+  void start() { last_ = seconds_now(clock_); }
   void after_stage(std::size_t stage, const StateView&) override {
-    const Clock::time_point now = Clock::now();
-    seconds_[stage] += std::chrono::duration<double>(now - last_).count();
-    last_ = Clock::now();
+    seconds_[stage] += seconds_now(clock_) - last_;
+    last_ = seconds_now(clock_);
   }
   double ms_per_tick(std::size_t stage, std::uint64_t tick_count) const {
     return 1e3 * seconds_[stage] / static_cast<double>(tick_count);
   }
 
  private:
+  ClockUsed clock_;
   std::vector<double> seconds_;  // [stage]
-  Clock::time_point last_;
+  double last_ = 0;
 };
 
 engine::EngineOptions engine_options(const BenchOptions& options) {
@@ -144,20 +160,20 @@ Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const 
   engine::Engine& engine = **made;
   const TickInput input{scene.settings.dt, {}};
   const std::uint64_t timed = options.tick_count - 1;
-  StageClock clock(engine.stage_names().size());
-  std::chrono::duration<double> hashing{};
+  StageClock clock(options.clock, engine.stage_names().size());
+  double hashing = 0;  // s
   engine.step(input, nullptr);
   for (std::uint64_t tick = 1; tick < options.tick_count; ++tick) {
     clock.start();
     engine.step(input, &clock);
-    const Clock::time_point before = Clock::now();
+    const double before = seconds_now(options.clock);
     (void)root_hash(engine.state());
-    hashing += Clock::now() - before;
+    hashing += seconds_now(options.clock) - before;
   }
   std::vector<StageTime> times;
   for (std::size_t i = 0; i < engine.stage_names().size(); ++i)
     times.push_back({engine.stage_names()[i], clock.ms_per_tick(i, timed)});
-  times.push_back({"(root hash)", 1e3 * hashing.count() / static_cast<double>(timed)});
+  times.push_back({"(root hash)", 1e3 * hashing / static_cast<double>(timed)});
   return times;
 }
 
@@ -182,8 +198,8 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
     if (peer) peer->step();
     for (std::uint64_t tick = 1; tick < options.tick_count;) {
       const std::uint64_t block = std::min(options.block_size, options.tick_count - tick);
-      ours.push_back(time_block(block, [&] { engine.step(input, nullptr); }));
-      if (peer) peers.push_back(time_block(block, [&] { peer->step(); }));
+      ours.push_back(time_block(options.clock, block, [&] { engine.step(input, nullptr); }));
+      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer->step(); }));
       tick += block;
     }
     const std::uint64_t hash = root_hash(engine.state());
@@ -237,6 +253,7 @@ Json report_json(const engine::Scene& scene, const BenchOptions& options, const 
   object["repeats"] = options.repeat_count;
   object["threads"] = options.thread_count;
   object["pipeline"] = options.pipeline;
+  object["clock"] = options.clock_name;
   object["precision"] = engine::info_of(engine::precisions, scene.settings.precision).name;
   object["solver"] = engine::info_of(engine::solvers, scene.settings.solver).name;
   object["substeps"] = scene.settings.substeps;
@@ -330,6 +347,9 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.thread_count, "Threads of a tick; the engine uses one")
       ->check(CLI::Range(1, 1))
       ->capture_default_str();
+  app.add_option("--clock", options.clock_name, "Time that passes, or that this thread has a core for: one thread only")
+      ->check(CLI::IsMember({"wall", "cpu"}))
+      ->capture_default_str();
   app.add_option("--pipeline", options.pipeline, "Only the stages the scene needs, or all")
       ->check(CLI::IsMember({"composed", "full"}))
       ->capture_default_str();
@@ -347,5 +367,6 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (options.clock_name == "cpu") options.clock = ticktrue::ClockUsed::thread_cpu;
   return ticktrue::run(options);
 }

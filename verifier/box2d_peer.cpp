@@ -450,8 +450,9 @@ class Box2dWorld final : public Box2dPeer {
       if (shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
     if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
     const engine::Filter& filter = shape.filter;
-    const bool all = filter.mask == 0xffffffff;
-    if (filter.category > 0xffff || (!all && filter.mask > 0xffff) || filter.group < -0x8000 || filter.group > 0x7fff)
+    const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" have every bit
+    if (filter.category > 0xffff || (beyond != 0 && beyond != 0xffff) || filter.group < -0x8000 ||
+        filter.group > 0x7fff)
       return refuse("Box2D 2.4.1 has filters of 16 bits");
     for (std::size_t i = shape.kind == ShapeKind::chain && shape.loop ? 0 : 1;
          shape.kind == ShapeKind::chain && i < shape.vertices.size(); ++i) {
