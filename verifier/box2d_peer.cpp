@@ -419,8 +419,9 @@ class Box2dWorld final : public Box2dPeer {
       }
     }
     // Polygons rest with their skins half a slop each inside each other: that is then where ours touch.
-    if ((shape.radius > 0 || options_.match_skin) && definition.shape == &polygon)
-      polygon.m_radius = static_cast<float>(shape.radius * scale_) + 0.5f * b2_linearSlop;
+    const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has its width already
+    if ((rounding > 0 || options_.match_skin) && definition.shape == &polygon)
+      polygon.m_radius = static_cast<float>(rounding * scale_) + 0.5f * b2_linearSlop;
     body->CreateFixture(&definition);
     return {};
   }
