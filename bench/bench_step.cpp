@@ -3,16 +3,22 @@
 //
 // Each repeat makes both worlds anew, steps tick 0 untimed (it builds what later ticks keep), then lets them take turns
 // in blocks of ticks. A block's time over its ticks is one sample; median, least and quartiles are over all samples.
+// Stages are timed in a run of their own, so that looking at the clock slows nothing that is compared.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include "base/build_info.h"
 #include "base/hash.h"
@@ -25,16 +31,34 @@ namespace ticktrue {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
+
+/// Seconds since some moment: of the wall, or of this thread's share of a core, which others cannot slow by being
+/// there.
+enum class ClockUsed { wall, thread_cpu };
+double seconds_now(ClockUsed clock) {
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+  if (clock == ClockUsed::thread_cpu) {
+    struct timespec now {};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  }
+#endif
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 struct BenchOptions {
   std::string scene;
+  ClockUsed clock = ClockUsed::wall;
+  std::string clock_name = "wall";
   std::uint64_t tick_count = 500;
   std::uint64_t block_size = 10;  // ticks
   std::uint64_t repeat_count = 3;
   unsigned thread_count = 1;
   std::string pipeline = "composed";
   std::string peer;
+  int velocity_iterations = verifier::Box2dOptions{}.velocity_iterations;
+  int position_iterations = verifier::Box2dOptions{}.position_iterations;
+  bool stages = false;
   bool json = false;
 };
 
@@ -58,20 +82,100 @@ Times times_of(std::vector<double> samples) {
 
 // Milliseconds of one tick, from a block of them.
 template <typename Step>
-double time_block(std::uint64_t tick_count, Step step) {
-  const Clock::time_point start = Clock::now();
+double time_block(ClockUsed clock, std::uint64_t tick_count, Step step) {
+  const double start = seconds_now(clock);
   for (std::uint64_t i = 0; i < tick_count; ++i) step();
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count() / static_cast<double>(tick_count);
+  return 1e3 * (seconds_now(clock) - start) / static_cast<double>(tick_count);
 }
+
+struct StageTime {
+  std::string name;
+  double ms_per_tick = 0;  // mean
+};
 
 struct Measured {
   Times ours;
-  Times peer;  // zero without a peer
+  Times peer;                     // zero without a peer
+  std::vector<StageTime> stages;  // and the hash of the state; empty unless asked for
+  std::size_t state_size = 0;     // bytes
+  std::size_t heap_size = 0;      // bytes that engine and state hold after the run; 0: not known
   std::size_t body_count = 0;
   std::size_t contact_count = 0;
   std::size_t peer_contact_count = 0;
   std::uint64_t hash = 0;
 };
+
+std::size_t heap_in_use() {
+#if defined(__GLIBC__)
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+#else
+  return 0;
+#endif
+}
+
+std::size_t state_size(const StateView& state) {
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < state.tables.size(); ++i)
+    size += state.tables[i].row_count * state.schema->tables[i].row_size;
+  return size;
+}
+
+class StageClock final : public StageObserver {
+ public:
+  StageClock(ClockUsed clock, std::size_t stage_count) : clock_(clock), seconds_(stage_count) {}
+  void start() { last_ = seconds_now(clock_); }
+  void after_stage(std::size_t stage, const StateView&) override {
+    seconds_[stage] += seconds_now(clock_) - last_;
+    last_ = seconds_now(clock_);
+  }
+  double ms_per_tick(std::size_t stage, std::uint64_t tick_count) const {
+    return 1e3 * seconds_[stage] / static_cast<double>(tick_count);
+  }
+
+ private:
+  ClockUsed clock_;
+  std::vector<double> seconds_;  // [stage]
+  double last_ = 0;
+};
+
+engine::EngineOptions engine_options(const BenchOptions& options) {
+  engine::EngineOptions result;
+  result.full_pipeline = options.pipeline == "full";
+  return result;
+}
+
+verifier::Box2dOptions peer_options(const BenchOptions& options) {
+  verifier::Box2dOptions result;
+  result.velocity_iterations = options.velocity_iterations;
+  result.position_iterations = options.position_iterations;
+  result.sleep = true;
+  result.capsules_as_octagons = true;
+  return result;
+}
+
+Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const BenchOptions& options) {
+  auto made = engine::make_engine(scene, engine_options(options));
+  if (!made) return made.error();
+  engine::Engine& engine = **made;
+  const TickInput input{scene.settings.dt, {}};
+  const std::uint64_t timed = options.tick_count - 1;
+  StageClock clock(options.clock, engine.stage_names().size());
+  double hashing = 0;  // s
+  engine.step(input, nullptr);
+  for (std::uint64_t tick = 1; tick < options.tick_count; ++tick) {
+    clock.start();
+    engine.step(input, &clock);
+    const double before = seconds_now(options.clock);
+    (void)root_hash(engine.state());
+    hashing += seconds_now(options.clock) - before;
+  }
+  std::vector<StageTime> times;
+  for (std::size_t i = 0; i < engine.stage_names().size(); ++i)
+    times.push_back({engine.stage_names()[i], clock.ms_per_tick(i, timed)});
+  times.push_back({"(root hash)", 1e3 * hashing / static_cast<double>(timed)});
+  return times;
+}
 
 Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options) {
   Measured measured;
@@ -79,24 +183,23 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
   std::vector<double> peers;
   const TickInput input{scene.settings.dt, {}};
   for (std::uint64_t repeat = 0; repeat < options.repeat_count; ++repeat) {
-    engine::EngineOptions engine_options;
-    engine_options.full_pipeline = options.pipeline == "full";
-    auto made = engine::make_engine(scene, engine_options);
-    if (!made) return made.error();
-    engine::Engine& engine = **made;
     std::unique_ptr<verifier::Box2dPeer> peer;
     if (!options.peer.empty()) {
-      auto peer_made = verifier::make_box2d_peer(scene);
+      auto peer_made = verifier::make_box2d_peer(scene, peer_options(options));
       if (!peer_made) return peer_made.error();
       peer = std::move(*peer_made);
     }
+    const std::size_t heap_before = heap_in_use();
+    auto made = engine::make_engine(scene, engine_options(options));
+    if (!made) return made.error();
+    engine::Engine& engine = **made;
     if (Status accepted = engine.accept(input); !accepted) return accepted.error();
     engine.step(input, nullptr);
     if (peer) peer->step();
     for (std::uint64_t tick = 1; tick < options.tick_count;) {
       const std::uint64_t block = std::min(options.block_size, options.tick_count - tick);
-      ours.push_back(time_block(block, [&] { engine.step(input, nullptr); }));
-      if (peer) peers.push_back(time_block(block, [&] { peer->step(); }));
+      ours.push_back(time_block(options.clock, block, [&] { engine.step(input, nullptr); }));
+      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer->step(); }));
       tick += block;
     }
     const std::uint64_t hash = root_hash(engine.state());
@@ -106,12 +209,20 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
           fmt::format("{}: two runs differ: found hash {}, expected {}", scene.name, hex64(hash), hex64(measured.hash)),
           "record and verify the scene with --mode twice"};
     measured.hash = hash;
+    measured.state_size = state_size(engine.state());
+    // The peer allocates too: only without one is the difference the engine's.
+    if (!peer) measured.heap_size = heap_in_use() - heap_before;
     measured.body_count = engine.bodies().size();
     measured.contact_count = engine.contacts().size();
     if (peer) measured.peer_contact_count = peer->contact_count();
   }
   measured.ours = times_of(std::move(ours));
   if (!peers.empty()) measured.peer = times_of(std::move(peers));
+  if (options.stages) {
+    Result<std::vector<StageTime>> stages = measure_stages(scene, options);
+    if (!stages) return stages.error();
+    measured.stages = std::move(*stages);
+  }
   return measured;
 }
 
@@ -119,10 +230,19 @@ Json times_json(const Times& times) {
   return {{"min", times.min_ms}, {"median", times.median_ms}, {"iqr", times.iqr_ms}};
 }
 
-std::string peer_settings(const engine::Scene& scene) {
-  const verifier::Box2dOptions defaults;
-  return fmt::format("{}/{} iterations, dt {:g} s, warm starting, no sleeping", defaults.velocity_iterations,
-                     defaults.position_iterations, scene.settings.dt);
+std::string peer_settings(const engine::Scene& scene, const BenchOptions& options) {
+  bool has_capsules = false;
+  for (const engine::Body& body : scene.bodies)
+    for (const engine::Shape& shape : body.shapes)
+      has_capsules = has_capsules || shape.kind == engine::ShapeKind::capsule;
+  return fmt::format("{}/{} iterations, dt {:g} s, warm starting, {}{}{}", options.velocity_iterations,
+                     options.position_iterations, scene.settings.dt, scene.settings.sleep ? "sleeping" : "no sleeping",
+                     scene.settings.continuous ? "" : ", no continuous collision",
+                     has_capsules ? ", capsules as octagons" : "");
+}
+
+double per_body(std::size_t size, const Measured& measured) {
+  return static_cast<double>(size) / static_cast<double>(std::max<std::size_t>(measured.body_count, 1));
 }
 
 Json report_json(const engine::Scene& scene, const BenchOptions& options, const Measured& measured) {
@@ -133,6 +253,7 @@ Json report_json(const engine::Scene& scene, const BenchOptions& options, const 
   object["repeats"] = options.repeat_count;
   object["threads"] = options.thread_count;
   object["pipeline"] = options.pipeline;
+  object["clock"] = options.clock_name;
   object["precision"] = engine::info_of(engine::precisions, scene.settings.precision).name;
   object["solver"] = engine::info_of(engine::solvers, scene.settings.solver).name;
   object["substeps"] = scene.settings.substeps;
@@ -143,13 +264,21 @@ Json report_json(const engine::Scene& scene, const BenchOptions& options, const 
   } else {
     object["peer"] = {{"name", "Box2D"},
                       {"version", verifier::box2d_version()},
-                      {"settings", peer_settings(scene)},
+                      {"settings", peer_settings(scene, options)},
                       {"ms_per_tick", times_json(measured.peer)},
                       {"contacts", measured.peer_contact_count}};
     object["ratio"] = measured.peer.median_ms / measured.ours.median_ms;
   }
   object["bodies"] = measured.body_count;
   object["contacts"] = measured.contact_count;
+  object["ns_per_body"] = 1e6 * measured.ours.median_ms * per_body(1, measured);
+  object["state_bytes"] = measured.state_size;
+  object["heap_bytes"] = measured.heap_size > 0 ? Json(measured.heap_size) : Json(nullptr);
+  if (!measured.stages.empty()) {
+    object["stages"] = Json::array();
+    for (const StageTime& stage : measured.stages)
+      object["stages"].push_back({{"name", stage.name}, {"ms_per_tick", stage.ms_per_tick}});
+  }
   object["hash"] = hex64(measured.hash);
   object["build"] = build_line();
   return object;
@@ -167,10 +296,16 @@ std::string report_text(const engine::Scene& scene, const BenchOptions& options,
   };
   text += fmt::format("  {:<14}{:>10}{:>10}{:>10}\n", "ms per tick", "min", "median", "iqr");
   text += line("ticktrue", measured.ours);
+  for (const StageTime& stage : measured.stages)
+    text += fmt::format("    {:<22}{:>10.4f} mean\n", stage.name, stage.ms_per_tick);
+  text += fmt::format("  {:.1f} ns per body; state {:.0f} B per body",
+                      1e6 * measured.ours.median_ms * per_body(1, measured), per_body(measured.state_size, measured));
+  if (measured.heap_size > 0) text += fmt::format(", heap {:.0f} B per body", per_body(measured.heap_size, measured));
+  text += "\n";
   if (!options.peer.empty()) {
     text += line("Box2D " + verifier::box2d_version(), measured.peer);
     text += fmt::format("  {:.2f} times as fast as Box2D {} ({})\n", measured.peer.median_ms / measured.ours.median_ms,
-                        verifier::box2d_version(), peer_settings(scene));
+                        verifier::box2d_version(), peer_settings(scene, options));
   }
   return text;
 }
@@ -212,10 +347,20 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.thread_count, "Threads of a tick; the engine uses one")
       ->check(CLI::Range(1, 1))
       ->capture_default_str();
+  app.add_option("--clock", options.clock_name, "Time that passes, or that this thread has a core for: one thread only")
+      ->check(CLI::IsMember({"wall", "cpu"}))
+      ->capture_default_str();
   app.add_option("--pipeline", options.pipeline, "Only the stages the scene needs, or all")
       ->check(CLI::IsMember({"composed", "full"}))
       ->capture_default_str();
   app.add_option("--peer", options.peer, "Compare with another engine")->check(CLI::IsMember({"box2d"}));
+  app.add_option("--velocity-iterations", options.velocity_iterations, "Of the peer")
+      ->check(CLI::Range(1, 1'000))
+      ->capture_default_str();
+  app.add_option("--position-iterations", options.position_iterations, "Of the peer")
+      ->check(CLI::Range(1, 1'000))
+      ->capture_default_str();
+  app.add_flag("--stages", options.stages, "Time the stages too, in one more run");
   app.add_flag("--json", options.json, "One JSON object");
   std::string instruction_set;
   app.add_option("--isa", instruction_set, "Instruction set of the kernels: baseline, avx2");
@@ -227,5 +372,6 @@ int main(int argc, char** argv) {
   if (!instruction_set.empty())
     if (const ticktrue::Status status = ticktrue::engine::use_instruction_set(instruction_set); !status)
       return ticktrue::fail(status.error());
+  if (options.clock_name == "cpu") options.clock = ticktrue::ClockUsed::thread_cpu;
   return ticktrue::run(options);
 }

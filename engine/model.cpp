@@ -6,6 +6,7 @@
 #include "engine/forces/forces.h"
 #include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
+#include "engine/narrow_phase/shape_pairs.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -207,6 +208,41 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
   model.bodies.push_back(out);
 }
 
+void add_quads(Model& model) {
+  for (ShapeModel& shape : model.shapes) {
+    if (shape.family != ShapeFamily::polygon || shape.vertex_count != 4) continue;
+    shape.quad = static_cast<std::uint32_t>(model.quads.size());
+    Quad quad;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const Vec2 vertex = model.vertices[shape.first_vertex + i];
+      const Vec2 normal = model.normals[shape.first_vertex + i];
+      quad.x[i] = vertex.x, quad.y[i] = vertex.y;
+      quad.normal_x[i] = normal.x, quad.normal_y[i] = normal.y;
+    }
+    model.quads.push_back(quad);
+  }
+}
+
+constexpr std::size_t material_count_max = 64;  // the table of their pairs stays in the cache
+
+void mix_materials(Model& model) {
+  std::vector<const ShapeModel*> kinds;
+  for (ShapeModel& shape : model.shapes) {
+    shape.material = 0;
+    while (shape.material < kinds.size() && (kinds[shape.material]->friction != shape.friction ||
+                                             kinds[shape.material]->restitution != shape.restitution))
+      ++shape.material;
+    if (shape.material < kinds.size()) continue;
+    if (kinds.size() == material_count_max) return;
+    kinds.push_back(&shape);
+  }
+  std::vector<MixedMaterial> mixed;
+  for (const ShapeModel* a : kinds)
+    for (const ShapeModel* b : kinds) mixed.push_back(mixed_material(model, *a, *b));
+  model.mixed_materials = std::move(mixed);
+  model.material_count = static_cast<std::uint32_t>(kinds.size());
+}
+
 }  // namespace
 
 Real mix(MixRule rule, Real a, Real b) {
@@ -250,6 +286,9 @@ Model make_model(const Scene& scene) {
     model.has_surfaces |= shape.tangent_speed != 0 || shape.rolling_resistance > 0;
     model.has_sensors |= shape.is_sensor;
   }
+  add_quads(model);
+  mix_materials(model);
+  find_lonely_shapes(model);
   set_kernels(model, instruction_set_in_use(), contact_features(model));
   return model;
 }

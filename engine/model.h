@@ -24,6 +24,13 @@ enum class ShapeFamily : std::uint8_t {
 };
 inline constexpr std::size_t shape_family_count = 4;
 
+/// The corners of a shape and the normals of the edges that begin there, axis by axis, for four at a time.
+struct Quad {
+  Real x[4], y[4];  // m
+  Real normal_x[4], normal_y[4];
+};
+inline constexpr std::uint32_t no_quad = 0xffffffff;
+
 /// A convex shape, or one edge of a chain. Equal shapes of different bodies share one ShapeModel.
 struct ShapeModel {
   ShapeFamily family = ShapeFamily::circle;
@@ -38,6 +45,8 @@ struct ShapeModel {
   Real tangent_speed = 0;       // m/s
   Real rolling_resistance = 0;  // m: coefficient times radius
   Filter filter;
+  std::uint32_t material = 0;    // which of the model's different frictions and restitutions
+  std::uint32_t quad = no_quad;  // in Model::quads, of a polygon with four corners
   bool is_sensor = false;
   bool has_before = false;  // chain edge: another one ends where it begins
   bool has_after = false;   // chain edge: another one begins where it ends
@@ -103,6 +112,12 @@ struct BodyForces {
   Real angular_quadratic_drag = 0;  // 1/rad
 };
 
+/// Friction and restitution of a pair.
+struct MixedMaterial {
+  Real friction = 0;
+  Real restitution = 0;
+};
+
 struct State;
 struct Scratch;
 /// Adds the accelerations of forces that depend on positions, at the poses of scratch.bodies, to scratch.accelerations.
@@ -113,9 +128,14 @@ struct Model {
   std::vector<BodyModel> bodies;           // [source]: the scene's bodies, then its prototypes
   std::uint32_t first_prototype = 0;       // source index of prototype 0
   std::vector<std::uint32_t> body_shapes;  // [body's first_shape + child]: index in `shapes`
+  std::vector<std::uint8_t> is_lonely;     // [body's first_shape + child]: it can meet no other shape of the scene
   std::vector<ShapeModel> shapes;
   std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
   std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
+
+  std::vector<Quad> quads;
+  std::vector<MixedMaterial> mixed_materials;  // [material of A * material_count + material of B], if not too many
+  std::uint32_t material_count = 0;
 
   std::vector<JointModel> joints;        // [joint of the scene]
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
@@ -151,7 +171,15 @@ struct Model {
 /// Requires: check_scene(scene).
 Model make_model(const Scene& scene);
 
-/// Friction and restitution of a pair.
+/// Friction or restitution of a pair.
 Real mix(MixRule rule, Real a, Real b);
+
+/// Both of them, from the model's table if it has one.
+inline MixedMaterial mixed_material(const Model& model, const ShapeModel& a, const ShapeModel& b) {
+  if (!model.mixed_materials.empty()) return model.mixed_materials[a.material * model.material_count + b.material];
+  const Settings& settings = model.scene.settings;
+  return {mix(settings.friction_mix, a.friction, b.friction),
+          mix(settings.restitution_mix, a.restitution, b.restitution)};
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -194,7 +194,7 @@ struct Settings {
   int iterations = 10;                        // 1..1000; of solvers that iterate
   SolverKind solver = SolverKind::tgs_soft;
   IntegratorKind integrator = IntegratorKind::semi_implicit_euler;
-  BroadPhaseKind broad_phase = BroadPhaseKind::sweep_and_prune;
+  BroadPhaseKind broad_phase = BroadPhaseKind::aabb_tree;
   MixRule friction_mix = MixRule::geometric_mean;
   MixRule restitution_mix = MixRule::maximum;
   double restitution_threshold = 1.0;  // m/s: slower approaches do not bounce

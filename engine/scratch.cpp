@@ -23,26 +23,23 @@ void poison_in_place(std::vector<T>& rows) {
 }  // namespace
 
 void poison(Scratch& scratch) {
-  // Inputs are decoded by the caller; free_motion is a cache with its key beside it.
+  // Inputs are decoded by the caller; `kept` and free_motion are caches with their keys beside them.
   poison_rows(scratch.force);
   poison_rows(scratch.torque);
-  poison_rows(scratch.proxies);
+  scratch.proxies = {};
+  poison_rows(scratch.proxy_rows);
+  poison_rows(scratch.boxes);
+  poison_rows(scratch.circles);
   poison_rows(scratch.pairs);
   poison_rows(scratch.unsorted_pairs);
-  poison_rows(scratch.order);
   poison_rows(scratch.counts);
   poison_rows(scratch.sort_entries);
   poison_rows(scratch.sort_buffer);
-  poison_rows(scratch.boxes);
+  poison_rows(scratch.swept_boxes);
   poison_rows(scratch.cell_ranges);
   poison_rows(scratch.cell_entries);
   poison_rows(scratch.cell_starts);
   poison_rows(scratch.large);
-  for (BoxTree* tree : {&scratch.moving_tree, &scratch.static_tree}) {
-    poison_rows(tree->boxes);
-    poison_rows(tree->proxies);
-    poison_rows(tree->level_start);
-  }
   poison_rows(scratch.touching);
   poison_rows(scratch.contacts);
   poison_rows(scratch.now_touching);

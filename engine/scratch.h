@@ -1,4 +1,5 @@
-// Scratch: what one tick works with and forgets. Derived from Model and State alone; never hashed, never saved.
+// Scratch: what one tick works with and forgets, and what it may keep. Derived from Model and State alone; never
+// hashed, never saved.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,10 +19,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// One convex shape of one body in the world. In (body row, child) order, so that comparing indices compares shape ids.
+/// Shapes that can meet nothing in their scene have none.
 struct Proxy {
-  Box box;              // m, holds the shape with its margin
-  Vec2 center;          // of the bounding circle, world, m
-  Real radius;          // of the bounding circle, with margin, m
   std::uint32_t body;   // row in State::bodies
   std::uint32_t shape;  // in Model::shapes
   std::uint32_t child;  // index in the body
@@ -36,6 +35,35 @@ struct Proxy {
 struct Pair {
   std::uint32_t first;
   std::uint32_t second;
+};
+
+/// Boxes over runs of sorted proxies, and boxes over runs of those, up to one. Level 0 is the proxies themselves.
+struct BoxTree {
+  std::vector<Box> boxes;                  // [level_start[level] + node]
+  std::vector<std::uint32_t> proxies;      // [node of level 0]
+  std::vector<std::uint32_t> level_start;  // [level]; one more at the end: the number of boxes
+};
+
+/// What aabb_tree keeps: boxes that are too large on purpose, and which of them overlap. As long as every shape is
+/// inside its large box, the pairs that may touch are among these.
+struct KeptPairs {
+  bool is_valid = false;
+  Real dt = 0;                             // s, for which `boxes` hold
+  Real fall = 0;                           // m, likewise
+  Real farthest = 0;                       // m, likewise
+  std::vector<BodyRow> bodies;             // as the boxes below were made
+  std::vector<std::uint8_t> is_still;      // [body] its pose has the bits that it had in the tick before
+  std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
+  std::vector<Proxy> proxies;
+  std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
+  std::vector<Box> large_boxes;        // [proxy]
+  std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)
+  std::vector<Pair> merged;            // the rows that replace them
+  std::vector<std::uint8_t> is_stray;  // [proxy] has left the large box that is in the tree; 2: in this tick
+  std::vector<std::uint32_t> strays;
+  std::vector<std::uint32_t> leaving;  // proxies that are not inside their large boxes
+  BoxTree moving_tree;
+  BoxTree static_tree;
 };
 
 struct ManifoldPoint {
@@ -141,6 +169,20 @@ struct Support {
   Real softness;        // m/N at four substeps
 };
 
+/// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
+/// with it, without it, and with that of any other run of the same model (docs/decisions/0014).
+struct Kept {
+  KeptPairs pairs;
+  std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
+  bool has_touching = false;           // and no contact, body or margin has changed since
+};
+
+/// Makes the next tick build everything anew.
+inline void forget(Kept& kept) {
+  kept.pairs.is_valid = false;
+  kept.has_touching = false;
+}
+
 inline constexpr std::uint32_t no_group = 0xffffffff;
 
 /// Islands solved together, with the same number of substeps. Ranges of Scratch::group_rows, group_contacts and
@@ -169,34 +211,35 @@ struct CellEntry {
   std::uint32_t proxy;
 };
 
-/// Boxes over runs of sorted proxies, and boxes over runs of those, up to one. Level 0 is the proxies themselves.
-struct BoxTree {
-  std::vector<Box> boxes;                  // [level_start[level] + node]
-  std::vector<std::uint32_t> proxies;      // [node of level 0]
-  std::vector<std::uint32_t> level_start;  // [level]; one more at the end: the number of boxes
+/// Where a proxy is in this tick.
+struct Circle {
+  Vec2 center;  // world, m
+  Real radius;  // with margin, m
 };
 
 struct Scratch {
+  Kept kept;
+
   // inputs
   std::vector<Input> inputs;
   std::vector<Vec2> force;   // [body] N, from this tick's inputs; empty if there are none
   std::vector<Real> torque;  // [body] N m
 
   // broad_phase
-  std::vector<Proxy> proxies;
-  std::vector<Pair> pairs;  // by (first, second)
+  std::span<const Proxy> proxies;  // those of `kept`, or the rows below
+  std::vector<Proxy> proxy_rows;
+  std::vector<Box> boxes;       // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
+  std::vector<Circle> circles;  // [proxy], bounding_circle
+  std::vector<Pair> pairs;      // by (first, second)
   std::vector<Pair> unsorted_pairs;
-  std::vector<std::uint32_t> order;  // sweep order, counting sort
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
-  std::vector<Box> boxes;                  // sweep_and_prune: in sweep order
+  std::vector<Box> swept_boxes;            // sweep_and_prune: in sweep order
   std::vector<CellRange> cell_ranges;      // uniform_grid, [proxy]
   std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
   std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]
   std::vector<std::uint32_t> large;        // uniform_grid: proxies in no cell, ascending
-  BoxTree moving_tree;                     // aabb_tree
-  BoxTree static_tree;                     // aabb_tree: static and kinematic
 
   // narrow_phase
   std::vector<TouchingPair> touching;

@@ -117,8 +117,11 @@ bool has_children(const Model& model, const State& state, const TouchRow& row) {
 }  // namespace
 
 std::size_t State::find_body(std::uint32_t id) const {
-  std::size_t low = 0;
-  std::size_t high = bodies.size();
+  if (bodies.empty() || id > bodies.back().id) return bodies.size();
+  // A row is its id less the ids below that are missing: the search is over as many rows as bodies were removed.
+  const std::size_t missing = bodies.back().id + std::size_t{1} - bodies.size();
+  std::size_t low = id > missing ? id - missing : 0;
+  std::size_t high = id + std::size_t{1} < bodies.size() ? id + std::size_t{1} : bodies.size();
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
     if (bodies[middle].id < id)

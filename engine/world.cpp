@@ -67,6 +67,7 @@ class World final : public Engine {
   }
 
   void step(const TickInput& input, StageObserver* observer) override {
+    scratch_.kept.touching.swap(scratch_.touching);
 #ifdef TICKTRUE_POISON
     poison(scratch_);
 #endif
@@ -92,6 +93,7 @@ class World final : public Engine {
 
   Status load(ByteView image) override {
     const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
+    if (status) forget(scratch_.kept);
     update_view(state_, pipeline_.tables, view_);
     return status;
   }

@@ -72,6 +72,7 @@ double extent_of(const Shape& shape) {
 double thickness_of(const Shape& shape, const std::vector<Point>& hull) {
   if (shape.kind == ShapeKind::circle) return 2 * shape.radius;
   if (shape.kind == ShapeKind::box) return 2 * std::min(shape.half_size.x, shape.half_size.y);
+  if (shape.kind == ShapeKind::capsule) return 2 * shape.radius;
   double thickness = extent_of(shape);
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Point& a = hull[i];
@@ -166,7 +167,7 @@ class Box2dWorld final : public Box2dPeer {
         mixer_(scene.settings.friction_mix, scene.settings.restitution_mix, scale),
         world_(scaled(scene.gravity)) {
     world_.SetContactListener(&mixer_);
-    world_.SetAllowSleeping(false);
+    world_.SetAllowSleeping(options.sleep && scene.settings.sleep.has_value());
     world_.SetContinuousPhysics(scene.settings.continuous);
   }
 
@@ -293,6 +294,7 @@ class Box2dWorld final : public Box2dPeer {
     definition.gravityScale = static_cast<float>(description.gravity_scale);
     definition.fixedRotation = description.fixed_rotation;
     definition.bullet = description.bullet;
+    definition.allowSleep = description.can_sleep;
     definition.userData.pointer = index;
     Entry entry;
     entry.body = world_.CreateBody(&definition);
@@ -396,7 +398,9 @@ class Box2dWorld final : public Box2dPeer {
         break;
       }
       case ShapeKind::capsule:
-        break;  // refused above
+        set_octagon(polygon, shape);
+        definition.shape = &polygon;
+        break;
       case ShapeKind::segment:
         edge.SetTwoSided(scaled(shape.vertices[0]), scaled(shape.vertices[1]));
         definition.shape = &edge;
@@ -415,10 +419,25 @@ class Box2dWorld final : public Box2dPeer {
       }
     }
     // Polygons rest with their skins half a slop each inside each other: that is then where ours touch.
-    if ((shape.radius > 0 || options_.match_skin) && definition.shape == &polygon)
-      polygon.m_radius = static_cast<float>(shape.radius * scale_) + 0.5f * b2_linearSlop;
+    const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has its width already
+    if ((rounding > 0 || options_.match_skin) && definition.shape == &polygon)
+      polygon.m_radius = static_cast<float>(rounding * scale_) + 0.5f * b2_linearSlop;
     body->CreateFixture(&definition);
     return {};
+  }
+
+  // Four points around either end of a capsule.
+  void set_octagon(b2PolygonShape& polygon, const Shape& capsule) const {
+    const Point& a = capsule.vertices[0];
+    const Point& b = capsule.vertices[1];
+    const double along = std::atan2(b.y - a.y, b.x - a.x);
+    b2Vec2 vertices[b2_maxPolygonVertices];
+    for (int i = 0; i < b2_maxPolygonVertices; ++i) {
+      const Point& end = i < 4 ? b : a;
+      const double angle = along + (i < 4 ? 0 : engine::pi) + (i % 4 - 1.5) * engine::pi / 3;
+      vertices[i] = scaled({end.x + capsule.radius * std::cos(angle), end.y + capsule.radius * std::sin(angle)});
+    }
+    polygon.Set(vertices, b2_maxPolygonVertices);
   }
 
   // Errors: unsupported, for what Box2D 2.4.1 has no notion of.
@@ -426,13 +445,15 @@ class Box2dWorld final : public Box2dPeer {
     const auto refuse = [&](const char* what) {
       return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
     };
-    if (shape.kind == ShapeKind::capsule) return refuse("Box2D 2.4.1 has no capsules");
+    if (shape.kind == ShapeKind::capsule && !options_.capsules_as_octagons)
+      return refuse("Box2D 2.4.1 has no capsules");
     if (shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain)
       if (shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
     if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
     const engine::Filter& filter = shape.filter;
-    const bool all = filter.mask == 0xffffffff;
-    if (filter.category > 0xffff || (!all && filter.mask > 0xffff) || filter.group < -0x8000 || filter.group > 0x7fff)
+    const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" have every bit
+    if (filter.category > 0xffff || (beyond != 0 && beyond != 0xffff) || filter.group < -0x8000 ||
+        filter.group > 0x7fff)
       return refuse("Box2D 2.4.1 has filters of 16 bits");
     for (std::size_t i = shape.kind == ShapeKind::chain && shape.loop ? 0 : 1;
          shape.kind == ShapeKind::chain && i < shape.vertices.size(); ++i) {

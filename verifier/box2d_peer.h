@@ -18,11 +18,14 @@ struct Box2dOptions {
   int position_iterations = 3;
   int steps_per_tick = 1;   // more: smaller steps, the same ticks
   bool match_skin = false;  // polygons get a skin so thin that they rest where their geometry touches
+  bool sleep = false;       // where the scene lets bodies sleep, Box2D may too
+  // Capsules, which Box2D 2.4.1 has not, become octagons of the same ends and width: good enough to compare run time.
+  bool capsules_as_octagons = false;
 };
 
-/// The world of a scene in Box2D. No inputs: bodies move as the scene starts them. Sleeping is off, everything else is
-/// Box2D's default. Masses are ours (geometry/hull.h), given explicitly. Joints and bullets are the scene's. Bodies
-/// that leave the scene's bounds are removed, as ours are.
+/// The world of a scene in Box2D. No inputs: bodies move as the scene starts them. Sleeping is off unless asked for,
+/// everything else is Box2D's default. Masses are ours (geometry/hull.h), given explicitly. Joints and bullets are the
+/// scene's. Bodies that leave the scene's bounds are removed, as ours are.
 class Box2dPeer {
  public:
   virtual ~Box2dPeer() = default;

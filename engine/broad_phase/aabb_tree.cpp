@@ -1,9 +1,18 @@
-// Tree of boxes, built anew each tick: proxies sorted along a curve through space, boxes around runs of them.
+// Tree of boxes that is kept from tick to tick: shapes sorted along a curve through space, boxes around runs of them.
 // SPDX-License-Identifier: MIT
 // Source: Kamel, Faloutsos, "On Packing R-trees", 1993 (packing of sorted runs); Morton, "A Computer Oriented Geodetic
 // Data Base and a New Technique in File Sequencing", 1966 (the curve); Ericson, "Real-Time Collision Detection", 2005,
-// section 6.3 (traversal).
+// section 6.3 (traversal); Verlet, "Computer Experiments on Classical Fluids I", 1967 (lists of pairs that may come
+// near, with a margin, until something has moved as far).
+//
+// Each shape gets a box that is larger than it needs. While all shapes stay inside, the list of overlapping large boxes
+// holds every pair that may touch. A shape that leaves gets a new large box and its pairs are found anew; it is then a
+// stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
+// on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm.
+#include <cstring>
+
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -34,19 +43,23 @@ void include(Box& box, const Box& other) {
 constexpr Real far_away = sizeof(Real) == 4 ? Real(0x1p127) : Real(0x1p1023);
 constexpr Box empty_box{{far_away, far_away}, {-far_away, -far_away}};
 
-/// Sorts static proxies, or the others, along the Morton curve through their centres.
+/// Sorts static proxies, or the others, along the Morton curve through the middles of their large boxes.
 void sort_along_curve(Scratch& scratch, bool is_static) {
-  Box centers = empty_box;
-  for (const Proxy& proxy : scratch.proxies)
-    if (proxy.is_static == is_static) include(centers, {proxy.center, proxy.center});
+  const KeptPairs& kept = scratch.kept.pairs;
+  const auto middle = [&](std::size_t proxy) {
+    const Box& box = kept.large_boxes[proxy];
+    return Real(0.5) * (box.lower + box.upper);
+  };
+  Box middles = empty_box;
+  for (std::uint32_t i = 0; i < kept.proxies.size(); ++i)
+    if (kept.proxies[i].is_static == is_static) include(middles, {middle(i), middle(i)});
   constexpr Real limit = Real(1 << coordinate_bits);
-  const Vec2 extent = centers.upper - centers.lower;
+  const Vec2 extent = middles.upper - middles.lower;
   const Real scale = limit / larger(larger(extent.x, extent.y), Real(1e-30));
   scratch.sort_entries.clear();
-  for (std::uint32_t i = 0; i < scratch.proxies.size(); ++i) {
-    const Proxy& proxy = scratch.proxies[i];
-    if (proxy.is_static != is_static) continue;
-    const Vec2 place = scale * (proxy.center - centers.lower);
+  for (std::uint32_t i = 0; i < kept.proxies.size(); ++i) {
+    if (kept.proxies[i].is_static != is_static) continue;
+    const Vec2 place = scale * (middle(i) - middles.lower);
     const auto last = static_cast<std::int32_t>(limit) - 1;
     const auto coordinate = [&](Real value) {
       const std::int32_t whole = clamped_floor(value, limit);
@@ -64,7 +77,7 @@ void build(Scratch& scratch, bool is_static, BoxTree& tree) {
   tree.level_start.clear();
   tree.level_start.push_back(0);
   for (const SortEntry& entry : scratch.sort_entries) {
-    tree.boxes.push_back(scratch.proxies[entry.proxy].box);
+    tree.boxes.push_back(scratch.kept.pairs.large_boxes[entry.proxy]);
     tree.proxies.push_back(entry.proxy);
   }
   auto begin = std::uint32_t{0};
@@ -161,23 +174,215 @@ void for_each_overlap_between(const BoxTree& tree_a, const BoxTree& tree_b, Use 
   }
 }
 
-}  // namespace
+/// Calls `use` once with each leaf of a tree whose box overlaps `box`.
+template <typename Use>
+void for_each_overlap_of(const BoxTree& tree, const Box& box, Use use) {
+  if (tree.proxies.empty()) return;
+  struct Node {
+    std::uint32_t level;
+    std::uint32_t node;
+  };
+  Node open[open_max];
+  std::size_t open_count = 0;
+  open[open_count++] = {top_level(tree), 0};
+  while (open_count > 0) {
+    const Node at = open[--open_count];
+    if (!overlaps(tree.boxes[tree.level_start[at.level] + at.node], box)) continue;
+    if (at.level == 0) {
+      use(at.node);
+      continue;
+    }
+    const Children children = children_of(tree, at.level, at.node);
+    for (std::uint32_t child = children.begin; child < children.end; ++child)
+      open[open_count++] = {at.level - 1, child};
+  }
+}
 
-void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
-  make_proxies(model, state, scratch, dt);
-  build(scratch, true, scratch.static_tree);
-  build(scratch, false, scratch.moving_tree);
+// ---- What is kept ----
+
+constexpr Real ticks_ahead = 4;              // a large box has room for so many ticks at the present velocity
+constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
+// More strays than this share, or this number, and everything is built anew.
+constexpr std::size_t moving_per_stray = 8;
+constexpr std::size_t stray_count_max = 1024;
+
+Box large_box(const Model& model, const State& state, const KeptPairs& kept, std::uint32_t index) {
+  const Proxy& proxy = kept.proxies[index];
+  const BodyRow& body = state.bodies[proxy.body];
+  const Real radius = model.shapes[proxy.shape].bounding_radius;
+  const Real spin = absolute(body.angular_velocity) * radius * kept.dt;
+  const Real room = (share_of_radius * radius + smaller(8 * kept.fall, 2 * share_of_radius * radius)) +
+                    smaller(ticks_ahead * spin, share_of_radius * radius);
+  const auto ahead = [&](Real speed) {
+    return smaller(larger(ticks_ahead * kept.dt * speed, -2 * radius), 2 * radius);
+  };
+  const Vec2 way{ahead(body.velocity.x), ahead(body.velocity.y)};
+  Box box = kept.boxes[index];
+  box.lower = {box.lower.x - room + smaller(way.x, 0), box.lower.y - room + smaller(way.y, 0)};
+  box.upper = {box.upper.x + room + larger(way.x, 0), box.upper.y + room + larger(way.y, 0)};
+  return box;
+}
+
+bool is_inside(const Box& inner, const Box& outer) {
+  return outer.lower.x <= inner.lower.x && outer.lower.y <= inner.lower.y && inner.upper.x <= outer.upper.x &&
+         inner.upper.y <= outer.upper.y;
+}
+
+bool same_bits(const BodyRow& a, const BodyRow& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+bool same_pose(const BodyRow& a, const BodyRow& b) {
+  return std::memcmp(&a.position, &b.position, sizeof a.position) == 0 &&
+         std::memcmp(&a.rotation, &b.rotation, sizeof a.rotation) == 0;
+}
+
+/// Whether the proxies are those of the present bodies.
+bool fits(const KeptPairs& kept, const State& state) {
+  if (!kept.is_valid || kept.bodies.size() != state.bodies.size()) return false;
+  for (std::size_t row = 0; row < state.bodies.size(); ++row)
+    if (kept.bodies[row].id != state.bodies[row].id || kept.bodies[row].source != state.bodies[row].source)
+      return false;
+  return true;
+}
+
+void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
+  kept.proxies.clear();
+  kept.first_proxy.clear();
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    kept.first_proxy.push_back(static_cast<std::uint32_t>(kept.proxies.size()));
+    add_proxies(model, state, row, kept.proxies);
+  }
+  kept.first_proxy.push_back(static_cast<std::uint32_t>(kept.proxies.size()));
+  kept.boxes.resize(kept.proxies.size());
+  kept.large_boxes.assign(kept.proxies.size(), empty_box);
+  kept.is_stray.assign(kept.proxies.size(), 0);
+  kept.bodies = state.bodies;
+  kept.is_still.resize(state.bodies.size());
+}
+
+/// Boxes of what has moved, or of everything; lists what has left its large box.
+void follow(const Model& model, const State& state, KeptPairs& kept, bool everything) {
+  kept.leaving.clear();
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    const BodyRow& body = state.bodies[row];
+    BodyRow& before = kept.bodies[row];
+    kept.is_still[row] = same_pose(body, before) ? 1 : 0;
+    if (!everything && same_bits(body, before)) continue;
+    before = body;
+    const std::uint32_t end = kept.first_proxy[row + 1];
+    if (kept.first_proxy[row] == end) continue;
+    const Real way = sweep_of(model, state, row, kept.dt, kept.farthest);
+    for (std::uint32_t i = kept.first_proxy[row]; i < end; ++i) {
+      kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
+      if (!is_inside(kept.boxes[i], kept.large_boxes[i])) kept.leaving.push_back(i);
+    }
+  }
+}
+
+void build_everything(const Model& model, const State& state, Scratch& scratch) {
+  KeptPairs& kept = scratch.kept.pairs;
+  for (std::uint32_t i = 0; i < kept.proxies.size(); ++i) kept.large_boxes[i] = large_box(model, state, kept, i);
+  kept.is_stray.assign(kept.proxies.size(), 0);
+  kept.strays.clear();
+  build(scratch, true, kept.static_tree);
+  build(scratch, false, kept.moving_tree);
   scratch.unsorted_pairs.clear();
-  const BoxTree& moving = scratch.moving_tree;
-  const BoxTree& others = scratch.static_tree;
+  const BoxTree& moving = kept.moving_tree;
+  const BoxTree& others = kept.static_tree;
   const auto add = [&](std::uint32_t a, std::uint32_t b) {
-    if (may_touch(scratch.proxies[a], scratch.proxies[b]))
-      scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+    if (may_touch(kept.proxies[a], kept.proxies[b])) scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
   };
   for_each_overlap_within(moving, [&](std::uint32_t a, std::uint32_t b) { add(moving.proxies[a], moving.proxies[b]); });
   for_each_overlap_between(moving, others,
                            [&](std::uint32_t a, std::uint32_t b) { add(moving.proxies[a], others.proxies[b]); });
-  sort_pairs(scratch);
+  sort_pairs(scratch, kept.proxies.size(), kept.pairs);
+}
+
+constexpr std::uint8_t strays_now = 2;
+
+/// Adds the pairs of a shape that has a new large box. Of two such shapes the one with the smaller index finds both.
+void find_pairs_of(Scratch& scratch, std::uint32_t index) {
+  KeptPairs& kept = scratch.kept.pairs;
+  const Box box = kept.large_boxes[index];
+  const auto add = [&](std::uint32_t other) {
+    if (may_touch(kept.proxies[index], kept.proxies[other]))
+      scratch.unsorted_pairs.push_back(index < other ? Pair{index, other} : Pair{other, index});
+  };
+  for_each_overlap_of(kept.static_tree, box, [&](std::uint32_t leaf) { add(kept.static_tree.proxies[leaf]); });
+  for_each_overlap_of(kept.moving_tree, box, [&](std::uint32_t leaf) {
+    const std::uint32_t other = kept.moving_tree.proxies[leaf];
+    if (kept.is_stray[other] == 0) add(other);
+  });
+  for (const std::uint32_t other : kept.strays)
+    if ((kept.is_stray[other] != strays_now || index < other) && other != index &&
+        overlaps(box, kept.large_boxes[other]))
+      add(other);
+}
+
+/// Puts the pairs of what has left its large box in the place of those it had.
+void follow_strays(const Model& model, const State& state, Scratch& scratch) {
+  KeptPairs& kept = scratch.kept.pairs;
+  for (const std::uint32_t index : kept.leaving) {
+    kept.large_boxes[index] = large_box(model, state, kept, index);
+    if (kept.is_stray[index] == 0) kept.strays.push_back(index);
+    kept.is_stray[index] = strays_now;
+  }
+  scratch.unsorted_pairs.clear();
+  for (const std::uint32_t index : kept.leaving) find_pairs_of(scratch, index);
+  sort_pairs(scratch, kept.proxies.size(), scratch.pairs);
+  kept.merged.clear();
+  std::size_t next = 0;
+  const auto comes_before = [](Pair a, Pair b) {
+    return a.first < b.first || (a.first == b.first && a.second < b.second);
+  };
+  for (const Pair& pair : kept.pairs) {
+    if (kept.is_stray[pair.first] == strays_now || kept.is_stray[pair.second] == strays_now) continue;
+    while (next < scratch.pairs.size() && comes_before(scratch.pairs[next], pair))
+      kept.merged.push_back(scratch.pairs[next++]);
+    kept.merged.push_back(pair);
+  }
+  while (next < scratch.pairs.size()) kept.merged.push_back(scratch.pairs[next++]);
+  kept.pairs.swap(kept.merged);
+  for (const std::uint32_t index : kept.leaving) kept.is_stray[index] = 1;
+}
+
+/// The pairs whose present boxes overlap. Without branches: which do is anybody's guess.
+void keep_overlapping(const KeptPairs& kept, std::vector<Pair>& pairs) {
+  pairs.resize(kept.pairs.size());
+  std::size_t count = 0;
+  for (const Pair& pair : kept.pairs) {
+    const Box& a = kept.boxes[pair.first];
+    const Box& b = kept.boxes[pair.second];
+    pairs[count] = pair;
+    count += static_cast<std::size_t>((a.lower.x <= b.upper.x) & (b.lower.x <= a.upper.x) & (a.lower.y <= b.upper.y) &
+                                      (b.lower.y <= a.upper.y));
+  }
+  pairs.resize(count);
+}
+
+}  // namespace
+
+void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
+  KeptPairs& kept = scratch.kept.pairs;
+  const Real fall = fall_of_a_tick(model, state);
+  const Real farthest = farthest_reach(model, state, dt);
+  const bool fitted = fits(kept, state);
+  if (!fitted) list_proxies(model, state, kept);
+  const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == farthest;
+  if (!fitted || kept.fall != fall) scratch.kept.has_touching = false;
+  kept.dt = dt;
+  kept.fall = fall;
+  kept.farthest = farthest;
+  kept.is_valid = true;
+  follow(model, state, kept, !boxes_hold);
+  const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
+  if (!fitted || stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size())
+    build_everything(model, state, scratch);
+  else if (!kept.leaving.empty())
+    follow_strays(model, state, scratch);
+
+  scratch.proxies = kept.proxies;
+  keep_overlapping(kept, scratch.pairs);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

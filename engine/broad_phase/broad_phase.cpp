@@ -26,106 +26,107 @@ StageFunction broad_phase_function(BroadPhaseKind kind) {
   return info_of(functions, kind).run;
 }
 
-void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  const Real fall = fall_of_a_tick(model, state);
-  scratch.proxies.clear();
-  const Real farthest = farthest_reach(model, state, dt);
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const BodyRow& body = state.bodies[row];
-    const BodyModel& constants = model.bodies[body.source];
-    const auto index = static_cast<std::uint32_t>(row);
-    const Real way = sweep_of(model, state, index, dt, farthest);
-    for (std::uint32_t child = 0; child < constants.shape_count; ++child) {
-      const std::uint32_t shape_index = model.body_shapes[constants.first_shape + child];
-      const ShapeModel& shape = model.shapes[shape_index];
-      Proxy proxy;
-      proxy.body = static_cast<std::uint32_t>(row);
-      proxy.shape = shape_index;
-      proxy.child = child;
-      proxy.is_dynamic = constants.type == BodyType::dynamic_body;
-      proxy.is_static = constants.type == BodyType::static_body;
-      proxy.is_sensor = shape.is_sensor;
-      proxy.is_line = is_line(shape);
-      proxy.filter = shape.filter;
-      proxy.center = body.position + rotate(body.rotation, shape.center);
-      // The margin covers what the narrow phase calls near, plus the rounding of coordinates this far out, so that no
-      // algorithm can miss a pair that another one finds.
-      const Real reach = larger(absolute(proxy.center.x), absolute(proxy.center.y)) + shape.bounding_radius;
-      const Real margin = speculative_margin(shape.size, fall) + 16 * epsilon * reach;
-      proxy.radius = (shape.bounding_radius + margin) + way;
-      if (shape.family == ShapeFamily::circle) {
-        const Vec2 extent{proxy.radius, proxy.radius};
-        proxy.box = {proxy.center - extent, proxy.center + extent};
-      } else {
-        const Vec2* vertices = &model.vertices[shape.first_vertex];
-        Vec2 lower = rotate(body.rotation, vertices[0]);
-        Vec2 upper = lower;
-        for (std::uint32_t i = 1; i < shape.vertex_count; ++i) {
-          const Vec2 v = rotate(body.rotation, vertices[i]);
-          lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
-          upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
-        }
-        const Real around = (shape.radius + margin) + way;
-        const Vec2 extent{around, around};
-        proxy.box = {(body.position + lower) - extent, (body.position + upper) + extent};
-      }
-      scratch.proxies.push_back(proxy);
-    }
+void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies) {
+  const BodyModel& constants = model.bodies[state.bodies[row].source];
+  for (std::uint32_t child = 0; child < constants.shape_count; ++child) {
+    const std::uint32_t place = constants.first_shape + child;
+    if (model.is_lonely[place] != 0) continue;
+    const ShapeModel& shape = model.shapes[model.body_shapes[place]];
+    proxies.push_back({row, model.body_shapes[place], child, constants.type == BodyType::dynamic_body,
+                       constants.type == BodyType::static_body, shape.is_sensor, is_line(shape), shape.filter});
   }
 }
 
-void sort_pairs(Scratch& scratch) {
-  // Counting sort by `first`, then insertion sort of each short run by `second`.
-  const std::vector<Pair>& in = scratch.unsorted_pairs;
-  std::vector<Pair>& out = scratch.pairs;
-  std::vector<std::uint32_t>& start = scratch.counts;
-  start.assign(scratch.proxies.size() + 1, 0);
-  for (const Pair& pair : in) ++start[pair.first + 1];
-  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  out.resize(in.size());
-  for (const Pair& pair : in) out[start[pair.first]++] = pair;
-  std::size_t begin = 0;
-  for (std::size_t proxy = 0; proxy < scratch.proxies.size(); ++proxy) {
-    const std::size_t end = start[proxy];  // after the loop above: where the run of `proxy` ends
-    if (end - begin > 64) {
-      // A large body, such as the ground: counting sort by `second` over its run.
-      std::vector<std::uint32_t>& seen = scratch.order;
-      seen.assign(scratch.proxies.size(), 0);
-      for (std::size_t i = begin; i < end; ++i) seen[out[i].second] = 1;
-      std::size_t next = begin;
-      for (std::uint32_t second = 0; second < seen.size(); ++second)
-        if (seen[second] != 0) out[next++].second = second;
-    } else {
-      for (std::size_t i = begin + 1; i < end; ++i) {
-        const Pair pair = out[i];
-        std::size_t at = i;
-        for (; at > begin && out[at - 1].second > pair.second; --at) out[at] = out[at - 1];
-        out[at] = pair;
-      }
-    }
-    begin = end;
+namespace {
+
+/// The margin covers what the narrow phase calls near, plus the rounding of coordinates this far out, so that no
+/// algorithm can miss a pair that another one finds.
+Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
+  const Real reach = larger(absolute(center.x), absolute(center.y)) + shape.bounding_radius;
+  return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
+}
+
+}  // namespace
+
+Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  const Vec2 center = body.position + rotate(body.rotation, shape.center);
+  return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};
+}
+
+Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  if (shape.family == ShapeFamily::circle) {
+    const Circle circle = circle_around(body, shape, fall, way);
+    const Vec2 extent{circle.radius, circle.radius};
+    return {circle.center - extent, circle.center + extent};
   }
+  const Vec2 center = body.position + rotate(body.rotation, shape.center);
+  const Vec2* vertices = &model.vertices[shape.first_vertex];
+  Vec2 lower = rotate(body.rotation, vertices[0]);
+  Vec2 upper = lower;
+  for (std::uint32_t i = 1; i < shape.vertex_count; ++i) {
+    const Vec2 v = rotate(body.rotation, vertices[i]);
+    lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
+    upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
+  }
+  const Real around = (shape.radius + margin_around(center, shape, fall)) + way;
+  const Vec2 extent{around, around};
+  return {(body.position + lower) - extent, (body.position + upper) + extent};
+}
+
+void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
+  forget(scratch.kept);
+  const Real fall = fall_of_a_tick(model, state);
+  const Real farthest = farthest_reach(model, state, dt);
+  scratch.proxy_rows.clear();
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
+  scratch.proxies = scratch.proxy_rows;
+  scratch.boxes.clear();
+  for (const Proxy& proxy : scratch.proxies)
+    scratch.boxes.push_back(box_around(model, state.bodies[proxy.body], model.shapes[proxy.shape], fall,
+                                       sweep_of(model, state, proxy.body, dt, farthest)));
+}
+
+void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& out) {
+  // Two counting sorts, by `second` and then, stable, by `first`.
+  std::vector<std::uint32_t>& start = scratch.counts;
+  const auto sort_by = [&](std::uint32_t Pair::*key, const std::vector<Pair>& from, std::vector<Pair>& to) {
+    start.assign(proxy_count + 1, 0);
+    for (const Pair& pair : from) ++start[pair.*key + 1];
+    for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+    to.resize(from.size());
+    for (const Pair& pair : from) to[start[pair.*key]++] = pair;
+  };
+  sort_by(&Pair::second, scratch.unsorted_pairs, out);
+  sort_by(&Pair::first, out, scratch.unsorted_pairs);
+  out.swap(scratch.unsorted_pairs);
 }
 
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
+  const std::vector<Box>& boxes = scratch.boxes;
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i)
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
-      if (may_touch(proxies[i], proxies[j]) && overlaps(proxies[i].box, proxies[j].box))
-        scratch.pairs.push_back({i, j});
+      if (overlaps(boxes[i], boxes[j]) && may_touch(proxies[i], proxies[j])) scratch.pairs.push_back({i, j});
 }
 
 void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
+  const Real fall = fall_of_a_tick(model, state);
+  const Real farthest = farthest_reach(model, state, dt);
+  std::vector<Circle>& circles = scratch.circles;
+  circles.clear();
+  for (const Proxy& proxy : proxies)
+    circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
+                                    sweep_of(model, state, proxy.body, dt, farthest)));
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i)
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
-      if (!may_touch(proxies[i], proxies[j])) continue;
-      const Real reach = proxies[i].radius + proxies[j].radius;
-      if (length_squared(proxies[j].center - proxies[i].center) <= reach * reach) scratch.pairs.push_back({i, j});
+      const Real reach = circles[i].radius + circles[j].radius;
+      if (length_squared(circles[j].center - circles[i].center) <= reach * reach && may_touch(proxies[i], proxies[j]))
+        scratch.pairs.push_back({i, j});
     }
 }
 

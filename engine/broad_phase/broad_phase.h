@@ -10,8 +10,16 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// The stage of this kind.
 StageFunction broad_phase_function(BroadPhaseKind kind);
 
-/// Fills scratch.proxies from the present poses. Boxes of fast bodies, and of all where impacts are located, hold their
-/// way through a tick of length dt.
+/// Lists the shapes of a body at `row` that can meet something.
+void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies);
+
+/// The circle and the box around a shape of a body and its margin, and around its `way` of this tick (sweep_of): no
+/// two shapes between which the narrow phase finds anything have boxes, or circles, that do not overlap.
+/// `fall`: fall_of_a_tick.
+Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+
+/// Fills scratch.proxies and scratch.boxes from the present poses.
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt);
 
 /// The rule of scene.h: one non-zero group decides; else each category must be in the other's mask.
@@ -28,8 +36,8 @@ inline bool may_touch(const Proxy& a, const Proxy& b) {
   return a.is_dynamic || b.is_dynamic;
 }
 
-/// Sorts scratch.unsorted_pairs (each pair once, any order) into scratch.pairs.
-void sort_pairs(Scratch& scratch);
+/// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`. Works in scratch.counts.
+void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& pairs);
 
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt);
 void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt);

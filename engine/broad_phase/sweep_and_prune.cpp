@@ -21,16 +21,16 @@ std::uint64_t sort_key(Real value) {
 
 void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
   std::vector<SortEntry>& entries = scratch.sort_entries;
   entries.clear();
-  for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(proxies[i].box.lower.x), i});
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(scratch.boxes[i].lower.x), i});
   sort_entries(entries, scratch.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
 
   // The sweep reads boxes in sorted order, packed: the inner loop touches nothing else.
-  std::vector<Box>& boxes = scratch.boxes;
+  std::vector<Box>& boxes = scratch.swept_boxes;
   boxes.clear();
-  for (const SortEntry& e : entries) boxes.push_back(proxies[e.proxy].box);
+  for (const SortEntry& e : entries) boxes.push_back(scratch.boxes[e.proxy]);
   scratch.unsorted_pairs.clear();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const Box box = boxes[i];
@@ -41,7 +41,7 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
       if (may_touch(proxies[a], proxies[b])) scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     }
   }
-  sort_pairs(scratch);
+  sort_pairs(scratch, proxies.size(), scratch.pairs);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

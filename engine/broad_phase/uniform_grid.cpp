@@ -12,16 +12,16 @@ constexpr Real coordinate_limit = Real(1 << 30);
 
 /// Side of a cell, m: twice the median of the boxes' larger sides, or more where many boxes are much larger than that.
 /// Sides are counted in bins of an eighth of a power of two: the exponent of the float and three bits of its fraction.
-Real cell_size(const std::vector<Proxy>& proxies, std::vector<std::uint32_t>& counts) {
+Real cell_size(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
   constexpr int fraction_bits_dropped = 20;
   counts.assign(1u << 11, 0);
-  for (const Proxy& proxy : proxies) {
-    const Vec2 extent = proxy.box.upper - proxy.box.lower;
+  for (const Box& box : boxes) {
+    const Vec2 extent = box.upper - box.lower;
     const Real side = smaller(larger(extent.x, extent.y), Real(1e38));
     ++counts[bits_of(static_cast<float>(side)) >> fraction_bits_dropped & 0x7ffu];
   }
   const auto side_above = [&](std::size_t share_of_16) {
-    const std::size_t rank = proxies.size() * share_of_16 / 16;
+    const std::size_t rank = boxes.size() * share_of_16 / 16;
     std::uint32_t bin = 0;
     for (std::size_t seen = counts[0]; seen <= rank && bin < 0x7efu; seen += counts[bin]) ++bin;
     return static_cast<Real>(float_of_bits((bin + 1) << fraction_bits_dropped));
@@ -55,7 +55,7 @@ void for_each_cell(const CellRange& range, Use use) {
 
 /// Counting sort of (cell, proxy) by bucket; within a bucket dynamic proxies come first. Returns the mask of buckets.
 std::uint32_t fill_cells(Scratch& scratch) {
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
   std::vector<std::uint32_t>& starts = scratch.cell_starts;
   std::uint32_t bucket_count = 16;
   while (bucket_count < 2 * proxies.size()) bucket_count *= 2;
@@ -92,7 +92,7 @@ void add_pair(Scratch& scratch, std::uint32_t a, std::uint32_t b) {
 
 /// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone.
 void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
   for (std::uint32_t i = begin; i < end; ++i) {
     const CellEntry entry = scratch.cell_entries[i];
     const Proxy& a = proxies[entry.proxy];
@@ -102,7 +102,7 @@ void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t e
       const CellEntry other = scratch.cell_entries[j];
       if (other.x != entry.x || other.y != entry.y) continue;
       const Proxy& b = proxies[other.proxy];
-      if (!overlaps(a.box, b.box) || !may_touch(a, b)) continue;
+      if (!overlaps(scratch.boxes[entry.proxy], scratch.boxes[other.proxy]) || !may_touch(a, b)) continue;
       const CellRange& other_cells = scratch.cell_ranges[other.proxy];
       const bool is_lowest_x = entry.x == cells.first_x || entry.x == other_cells.first_x;
       const bool is_lowest_y = entry.y == cells.first_y || entry.y == other_cells.first_y;
@@ -112,7 +112,7 @@ void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t e
 }
 
 void find_pairs_of_large(Scratch& scratch) {
-  const std::vector<Proxy>& proxies = scratch.proxies;
+  const std::span<const Proxy> proxies = scratch.proxies;
   for (std::size_t k = 0; k < scratch.large.size(); ++k) {
     const std::uint32_t a = scratch.large[k];
     std::size_t next_large = 0;
@@ -121,7 +121,7 @@ void find_pairs_of_large(Scratch& scratch) {
         // Large ones meet each other once.
         if (next_large++ <= k) continue;
       }
-      if (may_touch(proxies[a], proxies[b]) && overlaps(proxies[a].box, proxies[b].box)) add_pair(scratch, a, b);
+      if (overlaps(scratch.boxes[a], scratch.boxes[b]) && may_touch(proxies[a], proxies[b])) add_pair(scratch, a, b);
     }
   }
 }
@@ -130,12 +130,12 @@ void find_pairs_of_large(Scratch& scratch) {
 
 void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
-  const std::vector<Proxy>& proxies = scratch.proxies;
-  const Real inv_size = Real(1) / cell_size(proxies, scratch.counts);
+  const std::span<const Proxy> proxies = scratch.proxies;
+  const Real inv_size = Real(1) / cell_size(scratch.boxes, scratch.counts);
   scratch.cell_ranges.clear();
   scratch.large.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
-    scratch.cell_ranges.push_back(cells_of(proxies[i].box, inv_size));
+    scratch.cell_ranges.push_back(cells_of(scratch.boxes[i], inv_size));
     if (is_large(scratch.cell_ranges.back())) scratch.large.push_back(i);
   }
   const std::uint32_t mask = fill_cells(scratch);
@@ -146,7 +146,7 @@ void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
     begin = end;
   }
   find_pairs_of_large(scratch);
-  sort_pairs(scratch);
+  sort_pairs(scratch, proxies.size(), scratch.pairs);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

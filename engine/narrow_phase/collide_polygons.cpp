@@ -1,30 +1,106 @@
 // Contacts of two convex polygons: separating axes of both, then the edges of deepest overlap clipped.
 // SPDX-License-Identifier: MIT
 // Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland and Hodgman, 1974.
+//
+// Two polygons of four corners take all axes of one at once; each lane does what the loop over edges does, in its
+// order.
+#include "engine/math/four.h"
 #include "engine/narrow_phase/convex_hulls.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+// ---- Any number of corners ----
+
+Vec2 vertex_of(const Hull& hull, std::uint32_t i) {
+  return hull.vertices[i];
+}
+Vec2 normal_of(const Hull& hull, std::uint32_t i) {
+  return hull.normals[i];
+}
+std::uint32_t next_of(const Hull& hull, std::uint32_t i) {
+  return hull.next(i);
+}
+
+// ---- Four corners ----
+
+Vec2 vertex_of(const Quad& quad, std::uint32_t i) {
+  return {quad.x[i], quad.y[i]};
+}
+Vec2 normal_of(const Quad& quad, std::uint32_t i) {
+  return {quad.normal_x[i], quad.normal_y[i]};
+}
+std::uint32_t next_of(const Quad&, std::uint32_t i) {
+  return (i + 1) & 3;
+}
+
+Four dot_four(const Four& ax, const Four& ay, const Four& bx, const Four& by) {
+  return ax * bx + ay * by;
+}
+
+Axis best_axis(const Quad& a, const Quad& b) {
+  const Four normal_x = load_four(a.normal_x);
+  const Four normal_y = load_four(a.normal_y);
+  const auto along = [&](int j) { return b.x[j] * normal_x + b.y[j] * normal_y; };
+  const Four deepest = smaller(smaller(smaller(along(0), along(1)), along(2)), along(3));
+  Real separations[4];
+  store_four(separations, deepest - dot_four(normal_x, normal_y, load_four(a.x), load_four(a.y)));
+  Axis best{0, separations[0]};
+  for (std::uint32_t i = 1; i < 4; ++i) {  // two selections: which axis it is, is hard to guess
+    const bool is_better = separations[i] > best.separation;
+    best.edge = is_better ? i : best.edge;
+    best.separation = is_better ? separations[i] : best.separation;
+  }
+  return best;
+}
+
+std::uint32_t opposite_edge(const Quad& quad, Vec2 normal) {
+  Real along[4];
+  store_four(along, normal.x * load_four(quad.normal_x) + normal.y * load_four(quad.normal_y));
+  std::uint32_t edge = 0;
+  Real least = along[0];
+  for (std::uint32_t i = 1; i < 4; ++i) {
+    const bool is_better = along[i] < least;
+    edge = is_better ? i : edge;
+    least = is_better ? along[i] : least;
+  }
+  return edge;
+}
+
+Quad seen_from(const Placement& placement, const Quad& quad) {
+  const Rotation q = placement.rotation;
+  const Four x = load_four(quad.x), y = load_four(quad.y);
+  const Four normal_x = load_four(quad.normal_x), normal_y = load_four(quad.normal_y);
+  Quad seen;
+  store_four(seen.x, placement.position.x + (q.c * x - q.s * y));
+  store_four(seen.y, placement.position.y + (q.s * x + q.c * y));
+  store_four(seen.normal_x, q.c * normal_x - q.s * normal_y);
+  store_four(seen.normal_y, q.s * normal_x + q.c * normal_y);
+  return seen;
+}
+
+// ---- Both ----
+
 /// Clips the incident edge of `other` to the width of the reference edge of `reference`. The normal of the result
 /// points away from `reference`; features name the vertices of A first, whichever hull that is.
-Manifold clip(const Hull& reference, std::uint32_t edge, const Hull& other, Real margin, bool reference_is_a) {
+template <typename Outline>
+void clip(const Outline& reference, std::uint32_t edge, const Outline& other, Real margin, bool reference_is_a,
+          Manifold& manifold) {
   const std::uint32_t r1 = edge;
-  const std::uint32_t r2 = reference.next(edge);
-  const Vec2 normal = reference.normals[edge];
+  const std::uint32_t r2 = next_of(reference, edge);
+  const Vec2 normal = normal_of(reference, edge);
   const std::uint32_t i1 = opposite_edge(other, normal);
-  const std::uint32_t i2 = other.next(i1);
+  const std::uint32_t i2 = next_of(other, i1);
 
   // Along the reference edge, from r1 to r2; the incident edge runs the other way, from i2's end to i1's.
-  const Vec2 v1 = reference.vertices[r1];
+  const Vec2 v1 = vertex_of(reference, r1);
   const Vec2 tangent = cross(Real(1), normal);
-  const Real reference_end = dot(reference.vertices[r2] - v1, tangent);
-  const Vec2 lower_vertex = other.vertices[i2];
-  const Vec2 upper_vertex = other.vertices[i1];
+  const Real reference_end = dot(vertex_of(reference, r2) - v1, tangent);
+  const Vec2 lower_vertex = vertex_of(other, i2);
+  const Vec2 upper_vertex = vertex_of(other, i1);
   const Real lower = dot(lower_vertex - v1, tangent);
   const Real upper = dot(upper_vertex - v1, tangent);
-  Manifold manifold;
-  if (upper < 0 || lower > reference_end) return manifold;
+  if (upper < 0 || lower > reference_end) return;
 
   Vec2 lower_point = lower_vertex;
   Vec2 upper_point = upper_vertex;
@@ -46,6 +122,21 @@ Manifold clip(const Hull& reference, std::uint32_t edge, const Hull& other, Real
   };
   add(lower_point, r1, i2);
   add(upper_point, r2, i1);
+}
+
+template <typename Outline>
+Manifold collide_outlines(const Outline& a, const Outline& b, Real margin, Real preference) {
+  Manifold manifold;
+  const Axis axis_a = best_axis(a, b);
+  if (!(axis_a.separation <= margin)) return manifold;
+  const Axis axis_b = best_axis(b, a);
+  if (!(axis_b.separation <= margin)) return manifold;
+  if (axis_b.separation > axis_a.separation + preference) {
+    clip(b, axis_b.edge, a, margin, false, manifold);
+    manifold.normal = -manifold.normal;
+  } else {
+    clip(a, axis_a.edge, b, margin, true, manifold);
+  }
   return manifold;
 }
 
@@ -53,23 +144,12 @@ Manifold clip(const Hull& reference, std::uint32_t edge, const Hull& other, Real
 
 Manifold collide_polygons(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                           Real margin) {
-  HullBuffer buffer;
-  const Hull hull_a = hull_of(model, a);
-  const Hull hull_b = hull_of(model, b, b_in_a, buffer);
-
-  const Axis axis_a = best_axis(hull_a, hull_b);
-  if (!(axis_a.separation <= margin)) return {};
-  const Axis axis_b = best_axis(hull_b, hull_a);
-  if (!(axis_b.separation <= margin)) return {};
-
   // A is preferred by a tenth of the slop, so that equal overlaps do not make the reference edge flicker.
   const Real preference = Real(0.1) * linear_slop(pair_size(a, b));
-  if (axis_b.separation > axis_a.separation + preference) {
-    Manifold manifold = clip(hull_b, axis_b.edge, hull_a, margin, false);
-    manifold.normal = -manifold.normal;
-    return manifold;
-  }
-  return clip(hull_a, axis_a.edge, hull_b, margin, true);
+  if (a.quad != no_quad && b.quad != no_quad)
+    return collide_outlines(model.quads[a.quad], seen_from(b_in_a, model.quads[b.quad]), margin, preference);
+  HullBuffer buffer;
+  return collide_outlines(hull_of(model, a), hull_of(model, b, b_in_a, buffer), margin, preference);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/narrow_phase.h"
 
+#include <new>
+
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/pipeline.h"
 
@@ -60,11 +62,39 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
   return manifold;
 }
 
+namespace {
+
+/// The row of a pair without forces.
+ContactRow row_of_pair(const State& state, const Proxy& a, const Proxy& b) {
+  return {state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
+}
+
+/// What a pair is beside its manifold.
+void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy_b, const ShapeModel& a,
+                    const ShapeModel& b, TouchingPair& pair) {
+  const MixedMaterial mixed = mixed_material(model, a, b);
+  pair.body_a = proxy_a.body;
+  pair.body_b = proxy_b.body;
+  pair.friction = mixed.friction;
+  pair.restitution = mixed.restitution;
+  pair.size = pair_size(a, b);
+  pair.radius_a = a.radius;
+  pair.radius_b = b.radius;
+  pair.tangent_speed = a.tangent_speed + b.tangent_speed;
+  pair.rolling_resistance = larger(a.rolling_resistance, b.rolling_resistance);
+}
+
+}  // namespace
+
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
-  const Settings& settings = model.scene.settings;
   const Real fall = fall_of_a_tick(model, state);
-  scratch.touching.clear();
-  scratch.contacts.clear();
+  // Two shapes whose poses have the bits they had a tick ago touch as they did then.
+  Kept& kept = scratch.kept;
+  const bool may_reuse = kept.has_touching && kept.touching.size() == state.contacts.size();
+  // Rows are written in their places: manifolds are large.
+  scratch.touching.resize(scratch.pairs.size());
+  scratch.contacts.resize(scratch.pairs.size());
+  std::size_t count = 0;
   std::size_t old_index = 0;
   for (const Pair& pair : scratch.pairs) {
     const Proxy& proxy_a = scratch.proxies[pair.first];
@@ -73,24 +103,30 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     const BodyRow& body_a = state.bodies[proxy_a.body];
     const BodyRow& body_b = state.bodies[proxy_b.body];
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
+    ContactRow row = row_of_pair(state, proxy_a, proxy_b);
+    const bool is_still = may_reuse && kept.pairs.is_still[proxy_a.body] != 0 && kept.pairs.is_still[proxy_b.body] != 0;
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];
     const ShapeModel& shape_b = model.shapes[proxy_b.shape];
-    const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b, fall);
-    if (manifold.point_count == 0) continue;
-
-    scratch.touching.push_back(
-        {proxy_a.body, proxy_b.body, mix(settings.friction_mix, shape_a.friction, shape_b.friction),
-         mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution), pair_size(shape_a, shape_b),
-         shape_a.radius, shape_b.radius, shape_a.tangent_speed + shape_b.tangent_speed,
-         larger(shape_a.rolling_resistance, shape_b.rolling_resistance), manifold});
-    ContactRow row{body_a.id, proxy_a.child, body_b.id, proxy_b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
-    for (int i = 0; i < manifold.point_count; ++i) row.feature[i] = manifold.points[i].feature;
+    TouchingPair& touching = scratch.touching[count];
+    if (!is_still) {
+      new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, fall));
+      if (touching.manifold.point_count == 0) continue;
+      fill_constants(model, proxy_a, proxy_b, shape_a, shape_b, touching);
+    }
     while (old_index < state.contacts.size() && comes_before(state.contacts[old_index], row)) ++old_index;
-    if (old_index < state.contacts.size() && !comes_before(row, state.contacts[old_index]))
-      carry_forces(state.contacts[old_index], row);
-    scratch.contacts.push_back(row);
+    const bool has_old = old_index < state.contacts.size() && !comes_before(row, state.contacts[old_index]);
+    if (is_still) {
+      if (!has_old) continue;
+      touching = kept.touching[old_index];
+    }
+    for (int i = 0; i < touching.manifold.point_count; ++i) row.feature[i] = touching.manifold.points[i].feature;
+    if (has_old) carry_forces(state.contacts[old_index], row);
+    scratch.contacts[count++] = row;
   }
+  scratch.touching.resize(count);
+  scratch.contacts.resize(count);
   state.contacts.swap(scratch.contacts);
+  kept.has_touching = kept.pairs.is_valid;
 }
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {

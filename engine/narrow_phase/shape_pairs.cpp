@@ -1,4 +1,4 @@
-// Which pairs of shapes a scene's narrow phase has to know.
+// Which pairs of shapes can meet in a scene, and which shapes can meet none.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/shape_pairs.h"
 
@@ -46,21 +46,28 @@ void add(std::vector<ProxyKind>& kinds, const Proxy& proxy, std::uint32_t source
   if (kinds.size() < kind_count_max) kinds.push_back({proxy, source});
 }
 
+Proxy proxy_of(const BodyModel& body, const ShapeModel& shape) {
+  Proxy proxy{};
+  proxy.is_dynamic = body.type == BodyType::dynamic_body;
+  proxy.is_static = body.type == BodyType::static_body;
+  proxy.is_sensor = shape.is_sensor;
+  proxy.is_line = is_line(shape);
+  proxy.filter = shape.filter;
+  return proxy;
+}
+
+std::uint32_t owner_of(const Model& model, std::uint32_t source) {
+  return source < model.first_prototype ? source : several_bodies;
+}
+
 FamilyKinds find_kinds(const Model& model) {
   FamilyKinds kinds;
   for (std::uint32_t source = 0; source < model.bodies.size(); ++source) {
     if (!can_come(model, source)) continue;
     const BodyModel& body = model.bodies[source];
-    const std::uint32_t owner = source < model.first_prototype ? source : several_bodies;
     for (std::uint32_t child = 0; child < body.shape_count; ++child) {
       const ShapeModel& shape = model.shape(body, child);
-      Proxy proxy{};
-      proxy.is_dynamic = body.type == BodyType::dynamic_body;
-      proxy.is_static = body.type == BodyType::static_body;
-      proxy.is_sensor = shape.is_sensor;
-      proxy.is_line = is_line(shape);
-      proxy.filter = shape.filter;
-      add(kinds[static_cast<std::size_t>(shape.family)], proxy, owner);
+      add(kinds[static_cast<std::size_t>(shape.family)], proxy_of(body, shape), owner_of(model, source));
     }
   }
   return kinds;
@@ -90,6 +97,26 @@ std::string meeting_pairs(const Model& model) {
       if (can_meet(kinds[a], kinds[b]))
         text += (text.empty() ? "" : ", ") + std::string(family_names[a]) + " x " + std::string(family_names[b]);
   return text.empty() ? "the filters of shapes let no two meet" : text;
+}
+
+void find_lonely_shapes(Model& model) {
+  model.is_lonely.assign(model.body_shapes.size(), 0);
+  std::vector<ProxyKind> kinds;
+  const auto for_each_child = [&](auto use) {
+    for (std::uint32_t source = 0; source < model.bodies.size(); ++source) {
+      const BodyModel& body = model.bodies[source];
+      for (std::uint32_t child = 0; child < body.shape_count; ++child)
+        use(body.first_shape + child, proxy_of(body, model.shape(body, child)), owner_of(model, source));
+    }
+  };
+  for_each_child([&](std::uint32_t, const Proxy& proxy, std::uint32_t owner) { add(kinds, proxy, owner); });
+  if (kinds.size() == kind_count_max) return;
+  std::vector<std::uint8_t> meets;
+  for (const ProxyKind& kind : kinds) meets.push_back(can_meet({kind}, kinds) ? 1 : 0);
+  for_each_child([&](std::uint32_t place, const Proxy& proxy, std::uint32_t) {
+    for (std::size_t i = 0; i < kinds.size(); ++i)
+      if (alike(kinds[i].proxy, proxy)) model.is_lonely[place] = meets[i] == 0 ? 1 : 0;
+  });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

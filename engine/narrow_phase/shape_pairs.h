@@ -1,4 +1,4 @@
-// Which pairs of shapes a scene's narrow phase has to know.
+// Which pairs of shapes can meet in a scene, and which shapes can meet none.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,5 +12,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// in, or that there are none. Boxes are polygons; `round` are capsules, segments and rounded polygons; `chain` are
 /// edges of chains.
 std::string meeting_pairs(const Model& model);
+
+/// Fills model.is_lonely: the children that no other body of the scene, and none that inputs may spawn, can meet.
+void find_lonely_shapes(Model& model);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

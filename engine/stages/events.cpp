@@ -16,8 +16,15 @@ bool comes_before(const TouchRow& a, const TouchRow& b) {
   return a.child_b < b.child_b;
 }
 
-/// Merge sort, bottom up.
+bool is_sorted(const std::vector<TouchRow>& rows) {
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (comes_before(rows[i], rows[i - 1])) return false;
+  return true;
+}
+
+/// Merge sort, bottom up. Contacts come sorted.
 void sort_rows(std::vector<TouchRow>& rows, std::vector<TouchRow>& buffer) {
+  if (is_sorted(rows)) return;
   buffer.resize(rows.size());
   for (std::size_t width = 1; width < rows.size(); width *= 2) {
     for (std::size_t begin = 0; begin < rows.size(); begin += 2 * width) {

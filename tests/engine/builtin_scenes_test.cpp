@@ -220,7 +220,8 @@ TEST_CASE("no two bodies of mixed_pile or circles overlap at the start", "[engin
 }
 
 TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scenes][joints][analytic]") {
-  for (const char* text : {"chain", "chain?links=7&angle=1.2", "bridge", "joint_grid", "joint_grid?columns=100"}) {
+  for (const char* text : {"chain", "chain?links=7&angle=1.2", "bridge", "joint_grid", "joint_grid?columns=100",
+                           "tumbler", "spinner", "rain"}) {
     const Scene scene = made(text);
     CAPTURE(text);
     double worst = 0;
@@ -243,6 +244,35 @@ TEST_CASE("anchors of built-in joints meet at the start", "[engine][builtin_scen
   CHECK(grid.bodies[5300].type == BodyType::static_body);
 }
 
+TEST_CASE("the timed scenes have the measures of Box2D's benchmarks", "[engine][builtin_scenes][analytic]") {
+  const Scene tumbler = made("tumbler");
+  CHECK(dynamic_count(tumbler) == 2026);
+  CHECK(tumbler.bodies[1].shapes.size() == 4);
+  CHECK(tumbler.bodies[2].position == Point{-9, 1});
+  CHECK(tumbler.bodies[3].position.x - tumbler.bodies[2].position.x == Approx(0.4));
+  CHECK(tumbler.joints[0].motor->speed == Approx(25 * pi / 180));
+  const Scene smash = made("smash");
+  CHECK(dynamic_count(smash) == 9601);
+  CHECK(smash.bodies[1].position == Point{30, -16});
+  CHECK(smash.bodies[9600].position.x == Approx(30 + 119 * 0.4));
+  CHECK(smash.bodies[9600].position.y == Approx(-16 + 79 * 0.4));
+  CHECK(smash.gravity == Point{0, 0});
+  const Scene spinner = made("spinner");
+  CHECK(dynamic_count(spinner) == 6077);
+  CHECK(spinner.bodies[0].shapes[0].vertices.size() == 360);
+  CHECK(spinner.bodies[2].position == Point{-23, 2});
+  CHECK(spinner.bodies[2 + 92].position == Point{-23, 2.5});
+  const Scene rain = made("rain");
+  CHECK(dynamic_count(rain) == 11000);
+  CHECK(rain.joints.size() == 10000);
+  std::size_t floor_count = 0;
+  for (const Body& body : rain.bodies) floor_count += body.type == BodyType::static_body ? body.shapes.size() : 0;
+  CHECK(floor_count == 5 * 501);
+  CHECK(rain.bodies[5].position == Point{-125 + 250.0 / 80, 40.95});
+  CHECK(dynamic_count(made("thesis_mix?bodies=1000")) == 1000);
+  for (const Body& body : made("gas").bodies) CHECK(body.shapes[0].material.friction == 0);
+}
+
 TEST_CASE("a seed gives the same world every time, another seed another world",
           "[engine][builtin_scenes][determinism]") {
   CHECK(made("mixed_pile?seed=5") == made("mixed_pile?seed=5"));
@@ -256,22 +286,30 @@ TEST_CASE("built-in scenes have the pinned bits that every platform must build",
   std::string got;
   for (const BuiltinScene& builtin : builtin_scenes())
     got += std::string(builtin.name) + " " + hex64(hash64(encode_scene(made(std::string(builtin.name))))) + "\n";
-  CHECK(got == R"(thesis bcee37d43c195e7d
-stack 4597e9c00b52d59b
-pyramid ce425b4bc0c7b816
-large_pyramid 67a1169971bb5398
-many_pyramids d3e27ad9aa7c19f0
-circles 34ab3a564327081b
-mixed_pile b9a78e5f7a36d5ac
-projectile a20723120e29c1ea
-billiards 1ae005c070304dd7
-slide 437d1f2559a1fae2
-shapes d921f31cf1d354d1
-sensors d08b54aecb609fb9
-pendulum 9678df3a4f3ea931
-chain 4ffdde6a0a61764f
-bridge 61752e90a390a297
-joint_grid 6c572128d2c0a199
-card_house bedc0c651035e0d2
+  CHECK(got == R"(thesis cd76ec308f0d9557
+stack 1509262615b1b315
+pyramid 055d4763cd84e858
+large_pyramid a75e476eceba4642
+many_pyramids 7067a82e08589ea1
+circles a445f464d7fd4930
+mixed_pile 2b05468cddd3ee1e
+projectile d996cab508eb6dae
+billiards c74d09265d66e7c0
+slide 39d45dc486b2daa7
+shapes 1a1c33c40b8f08da
+sensors 2b92213d9b92e56b
+pendulum 9e37ec9ebf7d4bcf
+chain 9f47bcf7b150b1e7
+bridge 5e72f18e37b14844
+joint_grid d0c591a2e2e452d4
+card_house 1f8aac25520c0712
+thesis_mix 213bcd66bc7064fa
+tumbler b67c377d635fc6dc
+smash 09fe9583ac4a69ad
+spinner 72da70a024886f0f
+rain 87ef82f0f0d35bdf
+gas e78f8a2a374b2f7a
+loose bae041049659005a
+resting 23325e6054cec9ea
 )");
 }

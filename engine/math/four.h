@@ -1,0 +1,59 @@
+// Four: four Reals with the operators of Real, in registers of 16 bytes, which every target has or does without.
+// SPDX-License-Identifier: MIT
+//
+// Element-wise operations give each lane the bits that scalar code would give it.
+#pragma once
+
+#include <cstring>
+
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Four {
+  static constexpr int part_size = 16 / static_cast<int>(sizeof(Real));  // lanes
+  static constexpr int part_count = 4 / part_size;
+  using Part = Real __attribute__((vector_size(16)));
+  Part part[part_count];
+};
+
+inline Four load_four(const Real* from) {
+  Four value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+inline void store_four(Real* to, const Four& value) {
+  std::memcpy(to, &value, sizeof value);
+}
+inline Four operator+(const Four& a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] + b.part[i];
+  return result;
+}
+inline Four operator-(const Four& a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] - b.part[i];
+  return result;
+}
+inline Four operator*(const Four& a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] * b.part[i];
+  return result;
+}
+inline Four operator+(Real a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a + b.part[i];
+  return result;
+}
+inline Four operator*(Real a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a * b.part[i];
+  return result;
+}
+inline Four smaller(const Four& a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] < b.part[i] ? a.part[i] : b.part[i];
+  return result;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

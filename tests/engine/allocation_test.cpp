@@ -1,0 +1,110 @@
+// A tick of a scene that has settled allocates nothing: operator new is counted while it runs.
+// SPDX-License-Identifier: MIT
+//
+// Not counted: what stages with inputs decode, since inputs come with memory of their own.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "engine/builtin_scenes.h"
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+
+namespace {
+
+std::atomic<std::size_t> allocation_count{0};
+
+void* counted(std::size_t size) {
+  ++allocation_count;
+  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocation_count;
+  if (void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace ticktrue::test {
+
+TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]") {
+  {
+    const std::size_t before = allocation_count;
+    const std::vector<int> seen(100);
+    REQUIRE(seen.size() + allocation_count - before == 101);  // the count counts
+  }
+  for (const char* text : {"stack",
+                           "pyramid?base=10",
+                           "pyramid?base=10&sleep=1",
+                           "pyramid?base=10&substeps=auto",
+                           "mixed_pile?bodies=60",
+                           "mixed_pile?bodies=60&broad_phase=sweep_and_prune",
+                           "mixed_pile?bodies=60&broad_phase=uniform_grid",
+                           "shapes?bodies=30",
+                           "circles?columns=6&rows=4&locate_impacts=1",
+                           "bridge",
+                           "chain",
+                           "joint_grid?columns=8",
+                           "projectile",
+                           "slide",
+                           "sensors",
+                           "stack?solver=pgs",
+                           "stack?solver=impulse",
+                           "stack?precision=f64",
+                           "stack?integrator=rk4",
+                           "stack?integrator=velocity_verlet",
+                           "tumbler?columns=5"}) {
+    auto scene = engine::make_builtin_scene(text);
+    REQUIRE(scene.has_value());
+    const auto engine = make_engine_or_fail(*scene);
+    const TickInput input{scene->settings.dt, {}};
+    // Long enough to have seen the most that this scene ever holds.
+    for (int tick = 0; tick < 400; ++tick) engine->step(input, nullptr);
+    const std::size_t before = allocation_count;
+    for (int tick = 0; tick < 20; ++tick) engine->step(input, nullptr);
+    const std::size_t allocated = allocation_count - before;
+    CAPTURE(text);
+    CHECK(allocated == 0);
+  }
+}
+
+}  // namespace ticktrue::test
