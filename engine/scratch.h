@@ -137,10 +137,18 @@ inline constexpr std::uint32_t no_group = 0xffffffff;
 /// ContactBatches::batches.
 struct SolveGroup {
   int substeps = 1;
+  bool has_landings = false;
   Real h = 0;  // s, of a substep
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
   std::uint32_t first_batch = 0, batch_end = 0;
+};
+
+/// A contact that hits a body at rest in this tick.
+struct Landing {
+  std::uint32_t contact;  // in `touching`
+  Real closing;           // m/s, before the pass
+  Real allowed;           // m, how far the bodies may move meanwhile
 };
 
 /// The cells of the uniform grid that a proxy's box overlaps, both ends included.
@@ -196,7 +204,10 @@ struct Scratch {
   std::vector<ImpactPath> paths;              // [body], of those in `impacts`
   std::vector<std::uint32_t> hit_rows;        // in the present substep
   std::vector<std::uint32_t> active_impacts;  // those of the group that is being solved
-  bool offsets_in_use = false;                // the integrator fills velocity_offsets
+  std::vector<ImpactEvent> impact_events;     // a heap, earliest first
+  std::vector<std::uint32_t> impact_starts;   // [body] in impacts_of_bodies
+  std::vector<std::uint32_t> impacts_of_bodies;
+  bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
@@ -208,6 +219,9 @@ struct Scratch {
   std::vector<std::uint32_t> island_parent;    // [body] union-find
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
+  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
+  std::vector<Landing> landings;
+  std::vector<Twist> landing_velocities;  // [body] before the last passes
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] in `supports`
   std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it

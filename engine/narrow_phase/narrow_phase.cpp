@@ -3,6 +3,7 @@
 #include "engine/narrow_phase/narrow_phase.h"
 
 #include "engine/narrow_phase/convex_hulls.h"
+#include "engine/narrow_phase/foresee.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -60,7 +61,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
   return manifold;
 }
 
-void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
+void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
   const Real fall = fall_of_a_tick(model, state);
   scratch.touching.clear();
@@ -75,7 +76,9 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];
     const ShapeModel& shape_b = model.shapes[proxy_b.shape];
-    const Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b, fall);
+    Manifold manifold = collide(model, shape_a, shape_b, body_a, body_b, fall);
+    if (manifold.point_count == 0 && settings.auto_substeps)
+      manifold = foresee(model, shape_a, shape_b, body_a, body_b, fall, dt);
     if (manifold.point_count == 0) continue;
 
     scratch.touching.push_back(
