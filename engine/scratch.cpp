@@ -65,11 +65,15 @@ void poison(Scratch& scratch) {
   scratch.contact_batches.batch_count = 0;
   poison_rows(scratch.contact_batches.colors);
   poison_rows(scratch.contact_batches.body_colors);
+  poison_rows(scratch.contact_batches.saved);
   poison_rows(scratch.pulls);
   poison_rows(scratch.impacts);
   poison_rows(scratch.paths);
   poison_rows(scratch.hit_rows);
   poison_rows(scratch.active_impacts);
+  poison_rows(scratch.impact_events);
+  poison_rows(scratch.impact_starts);
+  poison_rows(scratch.impacts_of_bodies);
   poison_rows(scratch.groups);
   scratch.moving_rows = {};
   poison_rows(scratch.group_rows);
@@ -77,6 +81,9 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.body_group);
   poison_rows(scratch.island_parent);
   poison_rows(scratch.island_level);
+  poison_rows(scratch.island_lands);
+  poison_rows(scratch.landings);
+  poison_rows(scratch.landing_velocities);
   poison_rows(scratch.island_awake);
   poison_rows(scratch.supports);
   poison_rows(scratch.support_start);

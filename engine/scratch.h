@@ -48,11 +48,12 @@ struct BoxTree {
 /// inside its large box, the pairs that may touch are among these.
 struct KeptPairs {
   bool is_valid = false;
-  Real dt = 0;                             // s, for which `boxes` hold
-  Real fall = 0;                           // m, likewise
-  Real farthest = 0;                       // m, likewise
-  std::vector<BodyRow> bodies;             // as the boxes below were made
-  std::vector<std::uint8_t> is_still;      // [body] its pose has the bits that it had in the tick before
+  Real dt = 0;                  // s, for which `boxes` hold
+  Real fall = 0;                // m, likewise
+  Real farthest = 0;            // m, likewise
+  std::vector<BodyRow> bodies;  // as the boxes below were made
+  std::vector<std::uint8_t>
+      is_still;  // [body] its pose (where contacts are foreseen: all of it) has the bits of the tick before
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
   std::vector<Proxy> proxies;
   std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
@@ -189,11 +190,19 @@ inline constexpr std::uint32_t no_group = 0xffffffff;
 /// ContactBatches::batches.
 struct SolveGroup {
   int substeps = 1;
+  bool has_landings = false;
   Real h = 0;  // s, of a substep
   ContactStiffness stiffness;
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
   std::uint32_t first_batch = 0, batch_end = 0;
+};
+
+/// A contact that hits a body at rest in this tick.
+struct Landing {
+  std::uint32_t contact;  // in `touching`
+  Real closing;           // m/s, before the pass
+  Real allowed;           // m, how far the bodies may move meanwhile
 };
 
 /// The cells of the uniform grid that a proxy's box overlaps, both ends included.
@@ -250,7 +259,10 @@ struct Scratch {
   std::vector<ImpactPath> paths;              // [body], of those in `impacts`
   std::vector<std::uint32_t> hit_rows;        // in the present substep
   std::vector<std::uint32_t> active_impacts;  // those of the group that is being solved
-  bool offsets_in_use = false;                // the integrator fills velocity_offsets
+  std::vector<ImpactEvent> impact_events;     // a heap, earliest first
+  std::vector<std::uint32_t> impact_starts;   // [body] in impacts_of_bodies
+  std::vector<std::uint32_t> impacts_of_bodies;
+  bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
@@ -262,6 +274,9 @@ struct Scratch {
   std::vector<std::uint32_t> island_parent;    // [body] union-find
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
+  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
+  std::vector<Landing> landings;
+  std::vector<Twist> landing_velocities;  // [body] before the last passes
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] in `supports`
   std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it

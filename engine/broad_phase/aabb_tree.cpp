@@ -262,11 +262,12 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
 
 /// Boxes of what has moved, or of everything; lists what has left its large box.
 void follow(const Model& model, const State& state, KeptPairs& kept, bool everything) {
+  const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
   kept.leaving.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
     BodyRow& before = kept.bodies[row];
-    kept.is_still[row] = same_pose(body, before) ? 1 : 0;
+    kept.is_still[row] = (foresees ? same_bits(body, before) : same_pose(body, before)) ? 1 : 0;
     if (!everything && same_bits(body, before)) continue;
     before = body;
     const std::uint32_t end = kept.first_proxy[row + 1];
@@ -369,7 +370,8 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   const bool fitted = fits(kept, state);
   if (!fitted) list_proxies(model, state, kept);
   const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == farthest;
-  if (!fitted || kept.fall != fall) scratch.kept.has_touching = false;
+  const bool foresees = model.scene.settings.auto_substeps.has_value();
+  if (!fitted || kept.fall != fall || (foresees && kept.dt != dt)) scratch.kept.has_touching = false;
   kept.dt = dt;
   kept.fall = fall;
   kept.farthest = farthest;

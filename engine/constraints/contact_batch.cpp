@@ -236,6 +236,27 @@ bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) 
   return scratch.kernels->contacts.bounce(work_of(scratch, group), threshold);
 }
 
+void save_impulses(Scratch& scratch, const SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  out.saved.clear();
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+    for (const ContactPointLanes& point : out.batches[i].points) out.saved.push_back(point.normal_impulse);
+}
+
+void limit_impulses(Scratch& scratch, const SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  std::size_t next = 0;
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+    for (ContactPointLanes& point : out.batches[i].points) {
+      const Lanes& saved = out.saved[next++];
+      for (int lane = 0; lane < lane_count; ++lane) {
+        point.normal_impulse.at[lane] = smaller(point.normal_impulse.at[lane], saved.at[lane]);
+        const Real limit = out.batches[i].friction.at[lane] * point.normal_impulse.at[lane];
+        point.tangent_impulse.at[lane] = larger(smaller(point.tangent_impulse.at[lane], limit), -limit);
+      }
+    }
+}
+
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
   const Real inv_h = 1 / group.h;
   for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i) {

@@ -33,6 +33,7 @@ struct ContactBatches {
   std::size_t batch_count = 0;
   std::vector<std::uint8_t> colors;     // [contact of the group]
   std::vector<BodyColors> body_colors;  // [body]
+  std::vector<Lanes> saved;             // [batch of the group, point] normal impulses
 };
 
 enum class Bias : std::uint8_t { off, on };
@@ -62,6 +63,10 @@ void warm_start_contacts(Scratch& scratch, const SolveGroup& group);
 void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias);
 /// Gives points that hit faster than `threshold` their bounce. True if any did.
 bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold);
+/// Keeps the normal impulses of a group for limit_impulses.
+void save_impulses(Scratch& scratch, const SolveGroup& group);
+/// No normal impulse above the saved one, and friction within its cone: what an impact added is no force that lasts.
+void limit_impulses(Scratch& scratch, const SolveGroup& group);
 /// Impulses back to state.contacts, as forces.
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state);
 

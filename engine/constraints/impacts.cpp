@@ -59,6 +59,15 @@ Real turning_speed(const BodyModel& body, const ShapeModel& shape, const ImpactP
   return absolute(path.angular_velocity) * arm;
 }
 
+/// Whether the circles around two shapes stay apart until h, so that nothing exact is needed.
+bool stay_apart(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
+                Real closing_max, Real time_left) {
+  const Vec2 apart =
+      (b.position + rotate(b.rotation, shape_b.center)) - (a.position + rotate(a.rotation, shape_a.center));
+  const Real reach = (shape_a.bounding_radius + shape_b.bounding_radius) + closing_max * time_left;
+  return length_squared(apart) > Real(1.01) * (reach * reach);
+}
+
 /// Sets the pair's next impact at or after `start`.
 void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
   pair.time = no_impact;
@@ -76,6 +85,10 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   for (int i = 0; i < advance_count_max; ++i) {
     const Placement a = pose_at(state, path_a, pair.body_a, time);
     const Placement b = pose_at(state, path_b, pair.body_b, time);
+    if (i == 0) {
+      const Vec2 relative = velocity_at(path_b, time) - velocity_at(path_a, time);
+      if (stay_apart(a, b, shape_a, shape_b, (length(relative) + quickening * (h - time)) + spin, h - time)) return;
+    }
     const Distance gap = distance(model, shape_a, a, shape_b, b);
     // An edge of a chain is felt from its right side only, and its corners as the narrow phase has it.
     if (shape_a.family == ShapeFamily::chain_edge &&
@@ -84,16 +97,16 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     if (shape_b.family == ShapeFamily::chain_edge &&
         !may_push(model, shape_b, rotate_back(b.rotation, -gap.normal), gap.at_corner_b))
       return;
-    if (gap.separation <= touch_tolerance(model, pair, a, b)) {
+    const Real tolerance = touch_tolerance(model, pair, a, b);
+    if (gap.separation <= tolerance) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       // Nor is there an impact where what is left of the substep is too short to get anywhere.
-      const Real tolerance = touch_tolerance(model, pair, a, b);
       if (!(closing * (h - time) > tolerance)) {
         // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
         // Not needed where it could not get to the middle of the thinner shape anyway.
         const Real size = pair_size(shape_a, shape_b);
-        if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.5) * size)) return;
-        time += Real(0.1) * size / (spin + quickening * (h - time));
+        if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.1) * size)) return;
+        time += Real(0.05) * size / (spin + quickening * (h - time));
         if (!(time < h)) return;
         if (i + 1 == advance_count_max) {
           pair.time = time;
@@ -141,15 +154,21 @@ void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
   path.time = time;
 }
 
-/// Keeps a body where it is at `time` for the rest of the substep.
-void stop(ImpactPath& path, Real time) {
+/// Keeps a body where it is at `time` for the rest of the substep: in the world, or on the kinematic body `carrier`.
+void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
+          std::uint32_t carrier_row) {
   if (path.is_stopped) return;
   kick(path, time, {0, 0}, 0);
   path.kept_velocity = path.velocity;
   path.kept_spin = path.angular_velocity;
+  path.kept_acceleration = path.acceleration;
   path.velocity = path.acceleration = {0, 0};
   path.angular_velocity = 0;
   path.is_stopped = true;
+  if (carrier == nullptr) return;
+  const Vec2 arm = pose_at(state, path, row, time).position - pose_at(state, *carrier, carrier_row, time).position;
+  path.velocity = velocity_at(*carrier, time) + cross(carrier->angular_velocity, arm);
+  path.angular_velocity = carrier->angular_velocity;
 }
 
 void resolve(const Model& model, const State& state, Scratch& scratch, const ImpactPair& pair) {
@@ -215,7 +234,8 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
   const Real angle = path.angle + (h - path.time) * path.angular_velocity;
   // Schemes keep a velocity that differs from the true one by `offset - h a / 2` at the end of a substep.
   const Vec2 true_end = path.is_stopped ? path.kept_velocity : velocity_at(path, h);
-  const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * path.acceleration;
+  const Vec2 acceleration = path.is_stopped ? path.kept_acceleration : path.acceleration;
+  const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
   const Real spin = (path.is_stopped ? path.kept_spin : path.angular_velocity) + spin_offset;
   if (scratch.offsets_in_use && model.position_forces == nullptr && !model.has_velocity_forces) {
     scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
@@ -226,6 +246,63 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
   scratch.hit_rows.push_back(row);
   body.velocity = velocity;
   body.angular_velocity = spin;
+}
+
+// ---- The order of impacts: a heap, earliest first, equal times by the order of the pairs ----
+
+bool comes_before(const ImpactEvent& a, const ImpactEvent& b) {
+  return a.time != b.time ? a.time < b.time : a.pair < b.pair;
+}
+
+void push_event(std::vector<ImpactEvent>& heap, const ImpactEvent& event) {
+  std::size_t at = heap.size();
+  heap.push_back(event);
+  for (; at > 0 && comes_before(event, heap[(at - 1) / 2]); at = (at - 1) / 2) heap[at] = heap[(at - 1) / 2];
+  heap[at] = event;
+}
+
+ImpactEvent pop_event(std::vector<ImpactEvent>& heap) {
+  const ImpactEvent first = heap[0];
+  const ImpactEvent last = heap.back();
+  heap.pop_back();
+  if (heap.empty()) return first;
+  std::size_t at = 0;
+  for (;;) {
+    std::size_t child = 2 * at + 1;
+    if (child >= heap.size()) break;
+    if (child + 1 < heap.size() && comes_before(heap[child + 1], heap[child])) ++child;
+    if (!comes_before(heap[child], last)) break;
+    heap[at] = heap[child];
+    at = child;
+  }
+  heap[at] = last;
+  return first;
+}
+
+bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
+  return body_model(model, state, row).type == BodyType::dynamic_body;
+}
+
+/// Finds the pair's next impact and puts it on the heap.
+void expect_impact(const Model& model, const State& state, Scratch& scratch, std::uint32_t index, Real start, Real h) {
+  ImpactPair& pair = scratch.impacts[index];
+  find_impact(model, state, scratch, pair, start, h);
+  if (pair.time < h) push_event(scratch.impact_events, {pair.time, index});
+}
+
+/// Lists the active pairs of each body that impacts move.
+void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scratch) {
+  std::vector<std::uint32_t>& start = scratch.impact_starts;
+  start.assign(state.bodies.size() + 2, 0);
+  const auto for_each = [&](auto use) {
+    for (const std::uint32_t i : scratch.active_impacts)
+      for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b})
+        if (is_dynamic(model, state, row)) use(row, i);
+  };
+  for_each([&](std::uint32_t row, std::uint32_t) { ++start[row + 2]; });
+  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.impacts_of_bodies.resize(start.back());
+  for_each([&](std::uint32_t row, std::uint32_t i) { scratch.impacts_of_bodies[start[row + 1]++] = i; });
 }
 
 }  // namespace
@@ -252,6 +329,7 @@ Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt
   const Settings& settings = model.scene.settings;
   if (model.bodies[state.bodies[row].source].type == BodyType::static_body) return 0;
   if (settings.locate_impacts) return farthest;
+  if (settings.auto_substeps) return reach_in(model, state, row, dt);  // contacts are foreseen
   return settings.continuous && is_fast(model, state, row, dt) ? reach_in(model, state, row, dt) : Real(0);
 }
 
@@ -306,16 +384,19 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
     begin_path(model, state, scratch, scratch.impacts[i].body_a, h);
     begin_path(model, state, scratch, scratch.impacts[i].body_b, h);
   }
-  for (const std::uint32_t i : active) scratch.impacts[i].is_done = false;
-  for (const std::uint32_t i : active) find_impact(model, state, scratch, scratch.impacts[i], 0, h);
+  list_pairs_of_bodies(model, state, scratch);
+  scratch.impact_events.clear();
+  for (const std::uint32_t i : active) {
+    scratch.impacts[i].is_done = false;
+    expect_impact(model, state, scratch, i, 0, h);
+  }
 
   std::size_t left = impact_count_least + impacts_per_pair * active.size();
-  for (;;) {
-    ImpactPair* first = nullptr;
-    for (const std::uint32_t i : active)
-      if (scratch.impacts[i].time < (first != nullptr ? first->time : h)) first = &scratch.impacts[i];
-    if (first == nullptr) break;
-    const ImpactPair hit = *first;
+  while (!scratch.impact_events.empty()) {
+    const ImpactEvent event = pop_event(scratch.impact_events);
+    ImpactPair& first = scratch.impacts[event.pair];
+    if (first.time != event.time) continue;  // no longer so
+    const ImpactPair hit = first;
     if (hit.is_settled) resolve(model, state, scratch, hit);
     if (left > 0 && hit.is_settled) {
       --left;
@@ -323,20 +404,18 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
       // Each round stops a body, or is the pair's last.
       bool stopped = false;
       for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
-        if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) continue;
+        if (!is_dynamic(model, state, row)) continue;
+        const std::uint32_t other = row == hit.body_a ? hit.body_b : hit.body_a;
+        const bool is_carried = body_model(model, state, other).type == BodyType::kinematic_body;
         stopped |= !scratch.paths[row].is_stopped;
-        stop(scratch.paths[row], hit.time);
+        stop(state, row, scratch.paths[row], hit.time, is_carried ? &scratch.paths[other] : nullptr, other);
       }
-      first->is_done = !stopped;
+      first.is_done = !stopped;
     }
-    for (const std::uint32_t i : active) {
-      ImpactPair& pair = scratch.impacts[i];
-      const auto is_changed = [&](std::uint32_t row) {
-        return (row == hit.body_a || row == hit.body_b) &&
-               model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
-      };
-      if (!is_changed(pair.body_a) && !is_changed(pair.body_b)) continue;
-      find_impact(model, state, scratch, pair, hit.time, h);
+    for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
+      if (!is_dynamic(model, state, row)) continue;
+      for (std::uint32_t k = scratch.impact_starts[row]; k < scratch.impact_starts[row + 1]; ++k)
+        expect_impact(model, state, scratch, scratch.impacts_of_bodies[k], hit.time, h);
     }
   }
   for (const std::uint32_t i : active) {

@@ -29,6 +29,12 @@ struct ImpactPair {
   Vec2 point;       // world, m
 };
 
+/// An impact in the order of time.
+struct ImpactEvent {
+  Real time;           // s from the start of the substep
+  std::uint32_t pair;  // in Scratch::impacts
+};
+
 /// A body's way through a substep: x(t) = moved + velocity (t - time) + acceleration (t - time)^2 / 2.
 struct ImpactPath {
   Vec2 moved;  // since the tick began, at `time`, m
@@ -37,10 +43,11 @@ struct ImpactPath {
   Vec2 velocity;  // at `time`, m/s
   Vec2 acceleration;
   Real angular_velocity;
-  Real angle;            // turned since the start of the substep, at `time`, rad
-  Vec2 start_velocity;   // before the integrator's prediction, m/s
-  Vec2 kept_velocity;    // of a body that is stopped for the rest of the substep: what it goes on with, m/s
-  Real kept_spin;        // rad/s
+  Real angle;           // turned since the start of the substep, at `time`, rad
+  Vec2 start_velocity;  // before the integrator's prediction, m/s
+  Vec2 kept_velocity;   // of a body that is stopped for the rest of the substep: what it goes on with, m/s
+  Real kept_spin;       // rad/s
+  Vec2 kept_acceleration;
   Vec2 correction;       // what the drift with the end velocity misses of the way, m
   Real turn_correction;  // rad
   bool is_hit;

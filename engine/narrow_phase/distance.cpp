@@ -14,6 +14,14 @@ Hull core_of(const Model& model, const ShapeModel& shape, const Placement& pose,
   return {buffer.vertices, buffer.normals, 1};
 }
 
+/// The vertex that lies farthest along `direction`.
+Vec2 farthest_vertex(const Hull& hull, Vec2 direction) {
+  Vec2 farthest = hull.vertices[0];
+  for (std::uint32_t i = 1; i < hull.count; ++i)
+    if (dot(direction, hull.vertices[i]) > dot(direction, farthest)) farthest = hull.vertices[i];
+  return farthest;
+}
+
 }  // namespace
 
 Distance distance(const Model& model, const ShapeModel& shape_a, const Placement& pose_a, const ShapeModel& shape_b,
@@ -24,17 +32,20 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   const Hull b = core_of(model, shape_b, {pose_b.position - pose_a.position, pose_b.rotation}, buffer_b);
   Distance best;
   bool has_axis = false;
+  bool axis_is_of_a = false;
+  bool is_apart = false;
   if (a.count > 1) {
     const Axis axis = best_axis(a, b);
     best.separation = axis.separation;
     best.normal = a.normals[axis.edge];
-    has_axis = true;
+    has_axis = axis_is_of_a = true;
   }
   if (b.count > 1) {
     const Axis axis = best_axis(b, a);
     if (!has_axis || axis.separation > best.separation) {
       best.separation = axis.separation;
       best.normal = -b.normals[axis.edge];
+      axis_is_of_a = false;
     }
     has_axis = true;
   }
@@ -44,9 +55,13 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     // Two corners too close for a direction: an edge's normal will do.
     const Real blur = 64 * epsilon * (shape_a.bounding_radius + shape_b.bounding_radius);
     const bool corners = closest.vertex_a != no_vertex && closest.vertex_b != no_vertex;
-    if (gap > 0 && !(has_axis && corners && gap < blur)) {
+    const Vec2 normal = gap > 0 ? closest_normal(a, b, closest) : Vec2{0, 0};
+    // Within rounding of each other the closest points may be the wrong way round.
+    const bool agrees = !has_axis || dot(normal, best.normal) > 0;
+    if (gap > 0 && agrees && !(has_axis && corners && gap < blur)) {
       best.separation = gap;
-      best.normal = closest_normal(a, b, closest);
+      best.normal = normal;
+      is_apart = true;
       best.at_corner_a = closest.vertex_a != no_vertex;
       best.at_corner_b = closest.vertex_b != no_vertex;
     } else if (!has_axis) {
@@ -65,8 +80,13 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
       return best;
     }
   }
-  best.point = pose_a.position + Real(0.5) * (closest.on_a + closest.on_b) +
-               (Real(0.5) * (shape_a.radius - shape_b.radius)) * best.normal;
+  Vec2 middle = Real(0.5) * (closest.on_a + closest.on_b);
+  // Overlapping: at the corner that is deepest in the other shape.
+  if (has_axis && !is_apart) {
+    const Vec2 deepest = axis_is_of_a ? farthest_vertex(b, -best.normal) : farthest_vertex(a, best.normal);
+    middle = deepest + (axis_is_of_a ? Real(-0.5) : Real(0.5)) * best.separation * best.normal;
+  }
+  best.point = pose_a.position + middle + (Real(0.5) * (shape_a.radius - shape_b.radius)) * best.normal;
   best.separation = best.separation - (shape_a.radius + shape_b.radius);
   return best;
 }

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "engine/narrow_phase/convex_hulls.h"
+#include "engine/narrow_phase/foresee.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -86,9 +87,10 @@ void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy
 
 }  // namespace
 
-void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
+void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const bool foresees = model.scene.settings.auto_substeps.has_value();
   const Real fall = fall_of_a_tick(model, state);
-  // Two shapes whose poses have the bits they had a tick ago touch as they did then.
+  // Two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did then.
   Kept& kept = scratch.kept;
   const bool may_reuse = kept.has_touching && kept.touching.size() == state.contacts.size();
   // Rows are written in their places: manifolds are large.
@@ -110,6 +112,8 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real) {
     TouchingPair& touching = scratch.touching[count];
     if (!is_still) {
       new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, fall));
+      if (foresees && touching.manifold.point_count == 0)
+        touching.manifold = foresee(model, shape_a, shape_b, body_a, body_b, fall, dt);
       if (touching.manifold.point_count == 0) continue;
       fill_constants(model, proxy_a, proxy_b, shape_a, shape_b, touching);
     }

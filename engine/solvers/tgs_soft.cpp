@@ -4,6 +4,7 @@
 // relax). Cost per tick: bodies 2 + 2n, contacts 2 + 3n, n = substep count.
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
+#include "engine/constraints/landings.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/solver.h"
 
@@ -26,16 +27,24 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       note_impact_velocities(state, scratch);
       scheme.predict(model, state, scratch, h);
       if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, h);
+      if (group.has_landings) begin_landings(scratch, group);
       warm_start_joints(scratch);
       warm_start_pulls(scratch);
       warm_start_contacts(scratch, group);
       solve_joints(scratch, h, Bias::on);
       solve_pulls(scratch);
       solve_contacts(scratch, group, Bias::on);
+      Real settled = group.has_landings ? settled_speed(state, scratch, group) : Real(0);
+      if (settled > 0) pass_on_landings(model, state, scratch, group, settled);
       scheme.drift(model, state, scratch, h);
       if (!scratch.impacts.empty()) finish_impacts(scratch);
       solve_joints(scratch, h, Bias::off);
       solve_contacts(scratch, group, Bias::off);  // relax: takes out the velocity that the bias put in
+      if (group.has_landings && !(settled > 0)) settled = settled_speed(state, scratch, group);
+      if (settled > 0) {
+        pass_on_landings(model, state, scratch, group, settled);
+        limit_impulses(scratch, group);
+      }
     }
     store_contacts(scratch, group, state);  // forces, since the next tick may have another h
     store_pulls(scratch, state, h);

@@ -30,6 +30,8 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     const bool fast =
         settings.continuous && guarded && (is_fast(model, state, a.body, dt) || is_fast(model, state, b.body, dt));
     if (!bounces && !fast) continue;
+    const Real near = a.radius + b.radius;  // with the ways of both
+    if (length_squared(b.center - a.center) > Real(1.01) * (near * near)) continue;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;

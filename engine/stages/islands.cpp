@@ -5,6 +5,7 @@
 // omega proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
 #include "base/limits.h"
 #include "engine/constraints/groups.h"
+#include "engine/constraints/landings.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 
@@ -84,6 +85,14 @@ void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
     if (joint.body_a == no_reference) continue;
     touch_moving(row_of(state, joint.body_a), row_of(state, joint.body_b));
     touch_moving(row_of(state, joint.body_b), row_of(state, joint.body_a));
+  }
+  for (const SpringForce& spring : model.springs) {
+    if (spring.other == no_reference) continue;
+    const std::uint32_t a = row_of(state, spring.body);
+    const std::uint32_t b = row_of(state, spring.other);
+    if (!(a < count && b < count)) continue;
+    touch_moving(a, b);
+    touch_moving(b, a);
   }
   for (std::uint32_t row = 0; row < count; ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
@@ -238,6 +247,8 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   scratch.island_level.assign(state.bodies.size(), least);
+  scratch.landings.clear();
+  scratch.island_lands.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
   list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, scratch);
@@ -279,42 +290,45 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
       level[find_root(scratch.island_parent, row)] = state.substeps[row].count;
+  find_landings(model, state, scratch, dt);
 }
 
 // ---- Groups ----
 
-/// Islands of equal substeps into one group each, fewest first. Everything kinematic moves in each of them.
+/// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
+/// in each of them.
 void make_groups(const Model& model, const State& state, Scratch& scratch) {
   scratch.groups.clear();
   scratch.group_rows.clear();
   scratch.group_contacts.clear();
   scratch.body_group.assign(state.bodies.size(), no_group);
-  const auto level_of = [&](std::uint32_t row) {
+  const auto key_of = [&](std::uint32_t row) {
     const std::uint32_t root = find_root(scratch.island_parent, row);
-    return scratch.island_awake[root] != 0 ? scratch.island_level[root] : 0u;
+    return scratch.island_awake[root] != 0 ? 2 * scratch.island_level[root] + scratch.island_lands[root] : 0u;
   };
-  bool in_use[limits::substep_count_max + 1] = {};
-  in_use[model.scene.settings.substeps] = true;  // always, for what is kinematic
+  bool in_use[2 * limits::substep_count_max + 2] = {};
+  in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
-    if (type_of(model, state, row) == BodyType::dynamic_body) in_use[level_of(row)] = true;
-  for (std::uint32_t level = 1; level <= limits::substep_count_max; ++level) {
-    if (!in_use[level]) continue;
+    if (type_of(model, state, row) == BodyType::dynamic_body) in_use[key_of(row)] = true;
+  for (std::uint32_t key = 2; key <= 2 * limits::substep_count_max + 1; ++key) {
+    if (!in_use[key]) continue;
     const auto index = static_cast<std::uint32_t>(scratch.groups.size());
     SolveGroup group;
-    group.substeps = static_cast<int>(level);
+    group.substeps = static_cast<int>(key / 2);
+    group.has_landings = key % 2 != 0;
     group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
     group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
     for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
       const BodyType type = type_of(model, state, row);
       if (type == BodyType::static_body) continue;
-      if (type == BodyType::dynamic_body && level_of(row) != level) continue;
+      if (type == BodyType::dynamic_body && key_of(row) != key) continue;
       scratch.group_rows.push_back(row);
       scratch.body_group[row] = index;
     }
     for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
       const TouchingPair& pair = scratch.touching[contact];
       const bool a_moves = type_of(model, state, pair.body_a) == BodyType::dynamic_body;
-      if (level_of(a_moves ? pair.body_a : pair.body_b) == level && !is_left_to_impacts(model, state, scratch, contact))
+      if (key_of(a_moves ? pair.body_a : pair.body_b) == key && !is_left_to_impacts(model, state, scratch, contact))
         scratch.group_contacts.push_back(contact);
     }
     group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
