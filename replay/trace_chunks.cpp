@@ -262,6 +262,11 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
                                     std::to_string(record.body.size() / 8) + " where the setup has none or " +
                                     std::to_string(setup.stages.size()));
         break;
+      case RecordTag::cells:
+        if (setup.detail != Detail::cells || !check_cells(setup.schema, record.body))
+          return damaged(place, chunk_text(header.kind) + ": cells: found " + std::to_string(record.body.size()) +
+                                    " bytes where the setup has no cells, or whose counts do not add up");
+        break;
       case RecordTag::root_image:
         if (!is_full(tick))
           return damaged(place, chunk_text(header.kind) + ": image: found one of a tick not stored in full");
@@ -283,7 +288,8 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
           return damaged(place, chunk_text(header.kind) + ": tick count: found " + std::to_string(count) +
                                     ", expected " + std::to_string(tick - cursor.tick));
         if (last_tag > static_cast<std::uint8_t>(RecordTag::inputs))
-          return damaged(place, chunk_text(header.kind) + ": found stage hashes without a root hash");
+          return damaged(place, chunk_text(header.kind) + ": found " + (last_tag == static_cast<std::uint8_t>(RecordTag::stages) ? "stage hashes" : "cells") +
+                                    " without a root hash");
         keep_ticks(bytes, ticks_end, tick);
         if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
         cursor.offset += at;
@@ -317,7 +323,7 @@ bool TraceReader::Impl::is_full(std::uint64_t tick) const {
 std::string TraceReader::Impl::fault_text(const Record& record) {
   switch (record.fault) {
     case RecordFault::unknown_tag:
-      return "record tag: found " + std::to_string(record.tag) + ", expected 1..3, 5, 6, 15 or 128..255";
+      return "record tag: found " + std::to_string(record.tag) + ", expected 1..6, 15 or 128..255";
     case RecordFault::bad_size:
       return "record size: found one that is not allowed for tag " + std::to_string(record.tag);
     default:

@@ -28,14 +28,15 @@ Status TraceReader::Impl::read_start() {
   const std::uint32_t check = in.u32();
   if (check != static_cast<std::uint32_t>(hash64(found.first(12))))
     return Error{ErrorCode::corrupt, name + ": offset 8: file header: its check does not match", ""};
-  if (version != format_version || flags != 0)
+  if (version < format_version_first || version > format_version || flags != 0)
     return Error{ErrorCode::incompatible,
                  name + ": format version: found " + std::to_string(version) + " with flags " + std::to_string(flags) +
-                     ", expected " + std::to_string(format_version) + " with flags 0",
+                     ", expected " + std::to_string(format_version_first) + ".." + std::to_string(format_version) +
+                     " with flags 0",
                  version > format_version ? "use a newer ticktrue" : ""};
 
   cursor.offset = file_header_size;
-  cursor.chain = chain_start();
+  cursor.chain = chain_start(version);
   const std::optional<ChunkHeader> header = read_header(cursor.chain);
   if (!header) return start_error();
   if (header->kind != static_cast<std::uint8_t>(ChunkKind::setup)) {
@@ -44,7 +45,7 @@ Status TraceReader::Impl::read_start() {
   }
   const std::optional<ByteView> payload = read_payload(*header, limits::setup_size_max);
   if (!payload) return start_error();
-  Result<TraceSetup> decoded = decode_setup(*payload);
+  Result<TraceSetup> decoded = decode_setup(*payload, version);
   if (!decoded) {
     damaged(cursor.offset, decoded.error().message);
     return start_error();
@@ -149,6 +150,7 @@ const TraceReader::Item& TraceReader::Impl::walk() {
   record.inputs = {};
   record.stage_hashes.clear();
   record.image.reset();
+  record.cells = {};
   for (;;) {
     const Record part = parse_record(ByteView(records).subspan(walk_offset), nullptr);
     TICKTRUE_ASSERT(part.fault == RecordFault::none);
@@ -157,6 +159,7 @@ const TraceReader::Item& TraceReader::Impl::walk() {
     const auto tag = static_cast<RecordTag>(part.tag);
     if (tag == RecordTag::dt) walk_dt = in.f64();
     if (tag == RecordTag::inputs) record.inputs = part.body;
+    if (tag == RecordTag::cells) record.cells = part.body;
     if (tag == RecordTag::stages)
       while (!in.at_end()) record.stage_hashes.push_back(in.u64());
     if (tag != RecordTag::root && tag != RecordTag::root_image) continue;
