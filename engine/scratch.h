@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,6 +70,16 @@ struct alignas(8 * sizeof(Real)) MovingBody {
   Real angular_velocity;  // rad/s
   Vec2 moved;             // since the tick began, m
   Rotation turned;        // since the tick began
+};
+
+/// A bit to flip in a hot record after a substep.
+enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
+struct PlantedFault {
+  std::size_t row = 0;
+  BodyField field = BodyField::velocity;
+  std::size_t lane = 0;
+  std::uint32_t bit = 0;
+  int substep = 0;
 };
 
 /// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
@@ -222,6 +233,7 @@ struct Scratch {
   std::vector<TouchRow> touch_buffer;
 
   // solver
+  std::optional<PlantedFault> planted;  // for this tick
   std::vector<MovingBody> bodies;
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
   Real free_motion_step = 0;                  // s; 0: not computed yet

@@ -5,6 +5,7 @@
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
 #include "engine/integrators/integrator.h"
+#include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -36,6 +37,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       if (!scratch.impacts.empty()) finish_impacts(scratch);
       solve_joints(scratch, h, Bias::off);
       solve_contacts(scratch, group, Bias::off);  // relax: takes out the velocity that the bias put in
+      after_substep(scratch, static_cast<std::size_t>(&group - scratch.groups.data()), substep);
     }
     store_contacts(scratch, group, state);  // forces, since the next tick may have another h
     store_pulls(scratch, state, h);
