@@ -1,12 +1,13 @@
 // Cell and column hashes: multiplications over packed words, no call per row.
 // SPDX-License-Identifier: MIT
 // Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums over columns).
+#include "base/cells.h"
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
 #include "base/assert.h"
-#include "base/cells.h"
 #include "base/words.h"
 
 namespace ticktrue {
@@ -116,7 +117,8 @@ std::uint32_t partition_cells_for(std::uint64_t owner_count) {
 }
 
 std::array<std::uint32_t, partition_count> cells_of(const CellOwner& owner, std::uint32_t partition_cells) {
-  const std::uint64_t hash = mix(mix(0, owner.table + 1), owner.key);
+  // Twice after the key: one multiplication would leave neighbouring keys in neighbouring cells.
+  const std::uint64_t hash = mix(mix(mix(0, owner.table + 1), owner.key), 0);
   std::array<std::uint32_t, partition_count> cells;
   for (std::size_t p = 0; p < partition_count; ++p)
     cells[p] = static_cast<std::uint32_t>((((hash >> (16 * p)) & 0xffff) * partition_cells) >> 16);

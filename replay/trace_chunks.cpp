@@ -288,8 +288,10 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
           return damaged(place, chunk_text(header.kind) + ": tick count: found " + std::to_string(count) +
                                     ", expected " + std::to_string(tick - cursor.tick));
         if (last_tag > static_cast<std::uint8_t>(RecordTag::inputs))
-          return damaged(place, chunk_text(header.kind) + ": found " + (last_tag == static_cast<std::uint8_t>(RecordTag::stages) ? "stage hashes" : "cells") +
-                                    " without a root hash");
+          return damaged(place,
+                         chunk_text(header.kind) + ": found " +
+                             (last_tag == static_cast<std::uint8_t>(RecordTag::stages) ? "stage hashes" : "cells") +
+                             " without a root hash");
         keep_ticks(bytes, ticks_end, tick);
         if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
         cursor.offset += at;
