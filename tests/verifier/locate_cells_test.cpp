@@ -208,8 +208,10 @@ TEST_CASE("inject: faults inside the solver are found at their tick, with their 
     const InjectReport report = inject_into(trace, engine::engine_info(), options);
     CHECK(report.failed == 0);
     CHECK(report.passed >= 40);  // low bits of small values may be lost in rounding
-    for (const InjectRow& row : report.rows)
-      CAPTURE(row.index, row.reason), CHECK(row.outcome != InjectRow::Outcome::missed);
+    for (const InjectRow& row : report.rows) {
+      CAPTURE(row.index, row.reason);
+      CHECK(row.outcome != InjectRow::Outcome::missed);
+    }
   }
 }
 
