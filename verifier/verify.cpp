@@ -458,7 +458,8 @@ class Verifier {
       const auto* record = std::get_if<TickRecord>(next);
       if (record == nullptr) continue;
       const TickInput input{record->dt, record->inputs};
-      if ((options_.to && record->tick > *options_.to) || find_non_finite(simulation.state()) ||
+      const bool is_stored = !record->cells.empty() || record->image;
+      if (!is_stored || (options_.to && record->tick > *options_.to) || find_non_finite(simulation.state()) ||
           !simulation.accept(input))
         return true;
       simulation.step(input, nullptr);
