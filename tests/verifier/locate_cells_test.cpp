@@ -76,7 +76,7 @@ TEST_CASE("locate: cells name columns, bodies, row counts and spread of a diverg
   const std::string text = verifier::report_text(report);
   CAPTURE(text);
   CHECK(contains(text, "bodies.velocity, bodies.hits"));
-  CHECK(contains(text, "name \"toy_4\""));
+  CHECK(contains(text, "name \"toy_5\""));
   CHECK(contains(text, "spread"));
   CHECK(contains(text, "ticktrue record toy.ttr --ticks 21 --detail full:20..20"));
   const auto json = nlohmann::json::parse(verifier::report_json({&report, 1}, false));
