@@ -31,6 +31,13 @@ class StageObserver {
   virtual void after_stage(std::size_t stage, const StateView& state) = 0;
 };
 
+/// A bit to flip in the middle of a step: to test what verification makes of it.
+struct InnerFault {
+  std::uint32_t substep = 0;  // after this one
+  StatePlace place;
+  std::uint32_t bit = 0;  // 0: the lowest
+};
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -49,6 +56,12 @@ class Simulation {
   /// Replaces the state by an image made by encode_image. On error the state is unchanged.
   /// Errors: corrupt (a value out of its range), unsupported (the state can only be observed).
   virtual Status load(ByteView image) = 0;
+
+  /// Flips a bit in the middle of the next step, that one alone. Errors: unsupported, also for places without a value
+  /// inside a step.
+  virtual Status plant(const InnerFault&) {
+    return Error{ErrorCode::unsupported, "nothing can be planted inside a step", ""};
+  }
 
   virtual std::span<const std::string> stage_names() const = 0;
 

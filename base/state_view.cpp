@@ -7,9 +7,11 @@
 #include <compare>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "base/words.h"
 
 namespace ticktrue {
 namespace {
@@ -104,6 +106,12 @@ std::optional<std::size_t> StateSchema::find_table(std::string_view name) const 
   for (std::size_t i = 0; i < tables.size(); ++i)
     if (tables[i].name == name) return i;
   return std::nullopt;
+}
+
+bool owns_rows(const StateSchema& schema, std::size_t table) {
+  return std::none_of(
+      schema.tables[table].columns.begin(), schema.tables[table].columns.end(),
+      [&](const Column& column) { return column.target >= 0 && column.target != static_cast<int>(table); });
 }
 
 Status check_schema(const StateSchema& schema) {
@@ -318,37 +326,70 @@ void decode_rows(const TableSchema& table, const ImageTable& rows, std::uint8_t*
         reverse_scalar_bytes(out + row * table.row_size + column.offset, scalar_size(column.type), column.lane_count);
 }
 
+namespace {
+
+/// What the 32-bit words of a row are tested with: not finite if (word & mask) == want. Words without an exponent never
+/// are.
+struct ExponentTests {
+  std::vector<std::uint32_t> mask;  // [word]; empty if floats do not lie on words
+  std::vector<std::uint32_t> want;
+};
+
+ExponentTests exponent_tests(const TableSchema& table) {
+  if (table.row_size % 4 != 0) return {};
+  ExponentTests tests{std::vector<std::uint32_t>(table.row_size / 4, 0),
+                      std::vector<std::uint32_t>(table.row_size / 4, 1)};
+  for (const Column& column : table.columns) {
+    const ScalarInfo& info = *scalar_info(column.type);
+    if (!info.is_float) continue;
+    if (column.offset % 4 != 0) return {};
+    const std::size_t high_word = info.size == 8 && machine_is_little_endian ? 1 : 0;
+    for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
+      const std::size_t word = (column.offset + lane * info.size) / 4 + high_word;
+      tests.mask[word] = tests.want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
+    }
+  }
+  return tests;
+}
+
+/// Whether one of `blocks` times four words of any row, from word `first` on, fails its test. Branch-free.
+template <std::size_t blocks>
+bool fails_test(const TableSchema& table, const TableRows& rows, const ExponentTests& tests, std::size_t first) {
+  const auto load = [&](const std::vector<std::uint32_t>& words, std::size_t i) {
+    return load_words(reinterpret_cast<const std::uint8_t*>(words.data() + first + 4 * i));
+  };
+  Words4 found[blocks] = {};
+  const std::uint8_t* words = rows.data + 4 * first;
+  for (std::size_t row = 0; row < rows.row_count; ++row, words += table.row_size)
+    for (std::size_t i = 0; i < blocks; ++i)
+      found[i] |= reinterpret_cast<Words4>((load_words(words + 16 * i) & load(tests.mask, i)) == load(tests.want, i));
+  std::uint32_t any = 0;
+  for (std::size_t i = 0; i < 4 * blocks; ++i) any |= found[i / 4][i % 4];
+  return any != 0;
+}
+
+/// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
+bool is_suspect(const TableSchema& table, const TableRows& rows) {
+  const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
+  if (std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
+  const ExponentTests tests = exponent_tests(table);
+  if (tests.mask.size() < 4) return true;
+  bool suspect = false;
+  cover_words(tests.mask.size(), [&](std::size_t first, auto blocks) {
+    const auto begin = tests.mask.begin() + static_cast<std::ptrdiff_t>(first);
+    if (std::any_of(begin, begin + 4 * blocks.value, [](std::uint32_t mask) { return mask != 0; }))
+      suspect |= fails_test<blocks.value>(table, rows, tests, first);
+  });
+  return suspect;
+}
+
+}  // namespace
+
 std::optional<StatePlace> find_non_finite(const StateView& state) {
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
     const TableSchema& table = state.schema->tables[t];
     const TableRows& rows = state.tables[t];
-    // A cheap pass first: a row is suspect if the sum of its floats times zero is not zero. Exact, since 0 * x is NaN
-    // just for NaN and infinity, and branch-free.
-    bool suspect = false;
-    for (const Column& column : table.columns) {
-      if (!scalar_info(column.type)->is_float) continue;
-      const std::uint8_t* at = rows.data + column.offset;
-      if (column.type == ScalarType::f32) {
-        float sum = 0;
-        for (std::size_t row = 0; row < rows.row_count; ++row, at += table.row_size)
-          for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
-            float value;
-            std::memcpy(&value, at + lane * 4, 4);
-            sum += value * 0.0f;
-          }
-        suspect |= !(sum == 0.0f);
-      } else {
-        double sum = 0;
-        for (std::size_t row = 0; row < rows.row_count; ++row, at += table.row_size)
-          for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
-            double value;
-            std::memcpy(&value, at + lane * 8, 8);
-            sum += value * 0.0;
-          }
-        suspect |= !(sum == 0.0);
-      }
-    }
-    if (!suspect) continue;
+    if (!is_suspect(table, rows)) continue;
     Bytes buffer;
     const ByteView bytes = canonical_rows(table, rows, buffer);
     for (std::size_t row = 0; row < rows.row_count; ++row)

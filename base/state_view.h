@@ -3,6 +3,11 @@
 //
 // A state is a list of tables (world, bodies, contacts, ...). A table is an array of packed rows; a row is a list
 // of columns; a column is 1..n lanes of one scalar type. Packed: columns cover every byte of a row, no padding.
+//
+// Owners: a table no column of which refers to another table *owns* its rows (a world, bodies). A row of any other
+// table (contacts, joints, sleep) belongs to each row of an owning table that its reference columns name by id; one
+// that names none owns itself. So a simulation says which rows make up a body by giving columns a target, and in no
+// other way.
 #pragma once
 
 #include <cstddef>
@@ -62,6 +67,9 @@ struct StateSchema {
   /// Index of the table, or nothing.
   std::optional<std::size_t> find_table(std::string_view name) const;
 };
+
+/// Whether rows of the table are owners: none of its columns refers to another table.
+bool owns_rows(const StateSchema& schema, std::size_t table);
 
 /// Refuses gaps, overlaps, empty names, duplicates, bad targets and anything beyond base/limits.h.
 Status check_schema(const StateSchema& schema);

@@ -5,7 +5,7 @@ if(TICKTRUE_UNITY)
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
   # misses one.
   foreach(source engine/geometry/hull.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp engine/forces/forces.cpp
-      engine/integrators/integrator.cpp engine/stages/islands.cpp engine/scene_json.cpp engine/clock/tick_clock.cpp replay/trace_reader.cpp
+      engine/integrators/integrator.cpp engine/stages/islands.cpp engine/scene_json.cpp engine/clock/tick_clock.cpp replay/trace_chunks.cpp
       verifier/crosscheck_measure.cpp verifier/cli/scenes.cpp)
     string(REGEX MATCH "^[a-z]+" folder ${source})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY ${folder}

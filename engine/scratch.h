@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -109,6 +110,16 @@ struct BodyMass {
   Real inv_inertia;     // 1/(kg m^2)
   std::uint32_t read;   // in Scratch::bodies; of static bodies the resting record
   std::uint32_t write;  // of bodies that impulses do not move the record nobody reads
+};
+
+/// A bit to flip in a hot record after a substep.
+enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
+struct PlantedFault {
+  std::size_t row = 0;
+  BodyField field = BodyField::velocity;
+  std::size_t lane = 0;
+  std::uint32_t bit = 0;
+  int substep = 0;
 };
 
 /// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
@@ -292,6 +303,7 @@ struct Scratch {
 
   // solver
   const SolverKernels* kernels = nullptr;  // the model's
+  std::optional<PlantedFault> planted;  // for this tick
   std::vector<MovingBody> bodies;
   std::vector<BodyMass> masses;               // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step

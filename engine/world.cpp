@@ -3,6 +3,8 @@
 #include "engine/world.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "base/limits.h"
 #include "engine/broad_phase/broad_phase.h"
@@ -75,6 +77,7 @@ class World final : public Engine {
     TICKTRUE_ASSERT(decoded.has_value());
     scratch_.force.clear();
     scratch_.torque.clear();
+    scratch_.planted = std::exchange(planted_, std::nullopt);
     ++state_.world.tick;
     state_.world.time += input.dt;
     const Real dt = static_cast<Real>(input.dt);
@@ -96,6 +99,27 @@ class World final : public Engine {
     if (status) forget(scratch_.kept);
     update_view(state_, pipeline_.tables, view_);
     return status;
+  }
+
+  Status plant(const InnerFault& fault) override {
+    struct Field {
+      std::string_view column;
+      BodyField field;
+    };
+    constexpr Field fields[] = {{"position", BodyField::position},
+                                {"rotation", BodyField::rotation},
+                                {"velocity", BodyField::velocity},
+                                {"angular_velocity", BodyField::angular_velocity}};
+    const TableSchema& table = schema_.tables[fault.place.table];
+    const bool has_substeps = model_.scene.settings.solver == SolverKind::tgs_soft;
+    const bool has_row = table.name == "bodies" && fault.place.row < state_.bodies.size() &&
+                         model_.bodies[state_.bodies[fault.place.row].source].type != BodyType::static_body;
+    for (const Field& field : fields)
+      if (has_substeps && has_row && field.column == table.columns[fault.place.column].name) {
+        planted_ = {fault.place.row, field.field, fault.place.lane, fault.bit, static_cast<int>(fault.substep)};
+        return {};
+      }
+    return Error{ErrorCode::unsupported, "the solver works on what moves, in substeps, with tgs_soft alone", ""};
   }
 
   std::span<const std::string> stage_names() const override {
@@ -218,6 +242,7 @@ class World final : public Engine {
   StateSchema schema_;
   State state_;
   Scratch scratch_;
+  std::optional<PlantedFault> planted_;  // for the next tick
   StateView view_;
   std::vector<std::string> stage_names_;
 };

@@ -6,7 +6,6 @@
 
 #include "base/assert.h"
 #include "base/hash.h"
-#include "replay/trace.h"
 
 namespace ticktrue::replay {
 namespace {
@@ -16,12 +15,13 @@ constexpr std::size_t record_check_size = 2;
 
 bool has_size_field(std::uint8_t tag) {
   return tag == static_cast<std::uint8_t>(RecordTag::inputs) || tag == static_cast<std::uint8_t>(RecordTag::stages) ||
-         tag >= private_kind_first;
+         tag == static_cast<std::uint8_t>(RecordTag::cells) || tag >= private_kind_first;
 }
 
 std::size_t body_size_max(std::uint8_t tag) {
   if (tag == static_cast<std::uint8_t>(RecordTag::inputs)) return input_size_max;
   if (tag == static_cast<std::uint8_t>(RecordTag::stages)) return limits::stage_count_max * 8;
+  if (tag == static_cast<std::uint8_t>(RecordTag::cells)) return cells_size_max;
   return limits::record_size_max;
 }
 
@@ -58,17 +58,17 @@ const ChunkKindInfo* chunk_kind_info(std::uint8_t kind) {
   return nullptr;
 }
 
-void encode_file_header(ByteWriter& out) {
+void encode_file_header(ByteWriter& out, std::uint16_t version) {
   const std::size_t start = out.size();
   out.bytes(magic);
-  out.u16(format_version);
+  out.u16(version);
   out.u16(0);
   out.u32(static_cast<std::uint32_t>(hash64(out.view().subspan(start))));
 }
 
-std::uint64_t chain_start() {
+std::uint64_t chain_start(std::uint16_t version) {
   ByteWriter header;
-  encode_file_header(header);
+  encode_file_header(header, version);
   return hash64(header.view());
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/bytes.h"
 #include "base/limits.h"
+#include "replay/trace.h"
 
 namespace ticktrue::replay {
 
@@ -22,6 +23,7 @@ inline constexpr std::size_t chunk_header_size = 40;
 inline constexpr std::size_t chunk_trailer_size = 8;
 inline constexpr std::uint32_t streamed_size = 0xffffffffu;  // of a ticks chunk: its records say where it ends
 
+inline constexpr std::size_t cells_size_max = 128u << 10;    // 64 KiB of column hashes, 32 KiB of cells, counts
 inline constexpr std::size_t input_size_max = 8u << 20;      // bytes of one tick: inputs_per_tick_max of 128 B
 inline constexpr std::uint32_t chunk_tick_count = 1024;      // the writer closes a ticks chunk at so many ticks
 inline constexpr std::size_t chunk_close_size = 256u << 10;  // or at so many bytes
@@ -57,9 +59,9 @@ struct ChunkHeader {
   std::uint64_t check = 0;  // of the fields above
 };
 
-void encode_file_header(ByteWriter& out);
+void encode_file_header(ByteWriter& out, std::uint16_t version = format_version_first);
 /// Chain value before the first chunk, and seed of the header check of the setup chunk.
-std::uint64_t chain_start();
+std::uint64_t chain_start(std::uint16_t version = format_version_first);
 
 /// Appends the header; gives its check. `seed` is chain_start() for the setup, else the chain value after the setup.
 std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out);
@@ -76,7 +78,7 @@ enum class RecordTag : std::uint8_t {
   dt = 1,
   inputs = 2,
   stages = 3,
-  cells = 4,  // reserved: not in version 1
+  cells = 4,
   root = 5,
   root_image = 6,  // root, and the image of the state follows in image chunks
   close = 15,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/assert.h"
 #include "base/limits.h"
 #include "replay/chunk.h"
 
@@ -81,7 +82,7 @@ void encode_setup(const TraceSetup& setup, ByteWriter& out) {
   out.bytes(setup.setup);
 }
 
-Result<TraceSetup> decode_setup(ByteView payload) {
+Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version) {
   ByteReader in(payload);
   TraceSetup setup;
   setup.simulation = in.text(limits::name_size_max);
@@ -93,8 +94,10 @@ Result<TraceSetup> decode_setup(ByteView payload) {
   setup.full_last = in.u64();
   setup.checkpoint_interval = in.u32();
   if (!in.ok()) return corrupt("setup: ends early");
-  if (std::none_of(details.begin(), details.end(), [&](const DetailInfo& info) { return info.detail == detail; }))
-    return corrupt("setup: detail: found " + std::to_string(static_cast<unsigned>(detail)) + ", expected 1 or 3");
+  const auto is_known = [&](const DetailInfo& info) { return info.detail == detail && info.format_version <= version; };
+  if (std::none_of(details.begin(), details.end(), is_known))
+    return corrupt("setup: detail: found " + std::to_string(static_cast<unsigned>(detail)) + ", expected " +
+                   (version == 1 ? "1 or 3 in format version 1" : "1..3"));
   setup.detail = detail;
   Result<StateSchema> schema = decode_schema(in);
   if (!schema) return corrupt("setup: " + schema.error().message);
@@ -108,6 +111,61 @@ Result<TraceSetup> decode_setup(ByteView payload) {
   setup.setup.assign(rest.begin(), rest.end());
   if (const Status status = check_setup(setup, "trace"); !status) return corrupt(status.error().message);
   return setup;
+}
+
+namespace {
+
+/// Reads the counts of a cells record and how many bytes they leave for; 0 if they are not as they must be.
+std::size_t cells_size(const StateSchema& schema, ByteReader& in, StateCells* out) {
+  std::size_t columns_size = 0;
+  for (const TableSchema& table : schema.tables) {
+    const std::uint64_t row_count = in.varint();
+    if (row_count > 0xffffffffu) return 0;
+    if (row_count > 0) columns_size += 4 * table.columns.size();
+    if (out != nullptr) out->row_counts.push_back(static_cast<std::uint32_t>(row_count));
+  }
+  const std::uint64_t partition_cells = in.varint();
+  if (!in.ok() || partition_cells == 0 || partition_cells > partition_cells_max) return 0;
+  if (out != nullptr) out->partition_cells = static_cast<std::uint32_t>(partition_cells);
+  return columns_size + 2 * partition_count * static_cast<std::size_t>(partition_cells);
+}
+
+}  // namespace
+
+void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter& out) {
+  for (const std::uint32_t count : cells.row_counts) out.varint(count);
+  out.varint(cells.partition_cells);
+  const std::uint32_t* column = cells.columns.data();
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c, ++column)
+      if (cells.row_counts[t] > 0) out.u32(*column);
+  for (const std::uint16_t cell : cells.cells) out.u16(cell);
+}
+
+bool check_cells(const StateSchema& schema, ByteView body) {
+  ByteReader in(body);
+  const std::size_t size = cells_size(schema, in, nullptr);
+  return size != 0 && in.remaining() == size;
+}
+
+StateCells decode_cells(const StateSchema& schema, ByteView body) {
+  StateCells cells;
+  ByteReader in(body);
+  const std::size_t size = cells_size(schema, in, &cells);
+  TICKTRUE_ASSERT(size != 0 && in.remaining() == size);
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c)
+      cells.columns.push_back(cells.row_counts[t] > 0 ? in.u32() : 0);
+  cells.cells.resize(partition_count * cells.partition_cells);
+  for (std::uint16_t& cell : cells.cells) cell = in.u16();
+  return cells;
+}
+
+const DetailInfo& detail_info(Detail detail) {
+  const auto found =
+      std::find_if(details.begin(), details.end(), [&](const DetailInfo& info) { return info.detail == detail; });
+  TICKTRUE_ASSERT(found != details.end());
+  return *found;
 }
 
 Status check_facts(const BuildFacts& facts, const std::string& place) {

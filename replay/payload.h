@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/cells.h"
 #include "base/result.h"
 #include "replay/trace.h"
 
@@ -26,7 +27,7 @@ bool has_codec(Codec codec);
 Status check_setup(const TraceSetup& setup, const std::string& place);
 void encode_setup(const TraceSetup& setup, ByteWriter& out);
 /// Errors: corrupt.
-Result<TraceSetup> decode_setup(ByteView payload);
+Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version = format_version);
 
 /// `codecs` says which compression the state images of this file may use: it stands here, outside the chain.
 struct FactsPayload {
@@ -53,6 +54,12 @@ void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteW
 Result<ImagePart> decode_image_part(ByteView payload);
 /// Appends the part's raw bytes, exactly part.size, to `out`. Errors: corrupt, unsupported.
 Status unpack_image_part(const ImagePart& part, Bytes& out);
+
+void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter& out);
+/// Whether a cells record of this schema can have this body.
+bool check_cells(const StateSchema& schema, ByteView body);
+/// Requires: check_cells.
+StateCells decode_cells(const StateSchema& schema, ByteView body);
 
 void encode_end(const EndRecord& end, ByteWriter& out);
 /// Errors: corrupt. tick_count stands in the chunk's header.

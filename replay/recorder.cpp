@@ -56,8 +56,8 @@ class Recording {
       if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
         return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
       result_.root_hash = root_hash(simulation_.state());
-      if (const Status status =
-              writer_.end_tick(result_.root_hash, stage_hasher_.hashes, is_full ? &simulation_.state() : nullptr);
+      if (const Status status = writer_.end_tick(result_.root_hash, stage_hasher_.hashes,
+                                                 writer_.wants_state() ? &simulation_.state() : nullptr);
           !status)
         return status.error();
     }

@@ -15,7 +15,7 @@ Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
     return writer.checkpoint_encoded(checkpoint->image, checkpoint->root_hash);
   const auto& tick = std::get<TickRecord>(item);
   if (const Status status = writer.begin_tick({tick.dt, tick.inputs}); !status) return status;
-  return writer.end_tick_encoded(tick.root_hash, tick.stage_hashes, tick.image);
+  return writer.end_tick_encoded(tick.root_hash, tick.stage_hashes, tick.image, tick.cells);
 }
 
 /// A trace without ticks proves nothing, unless it was recorded so.

@@ -15,19 +15,23 @@
 
 namespace ticktrue::replay {
 
-inline constexpr std::uint16_t format_version = 1;
+inline constexpr std::uint16_t format_version_first = 1;
+inline constexpr std::uint16_t format_version = 2;  // the newest: adds detail cells
 
-/// How much is stored of each tick. `cells` has its place in the format and comes later.
-enum class Detail : std::uint8_t { root = 1, full = 3 };
+/// How much is stored of each tick.
+enum class Detail : std::uint8_t { root = 1, cells = 2, full = 3 };
 struct DetailInfo {
   Detail detail;
   std::string_view name;
+  std::uint16_t format_version;  // of traces with it: readers of older versions go on reading the others
   std::string_view summary;
 };
-inline constexpr std::array<DetailInfo, 2> details{{
-    {Detail::root, "root", "one 64-bit hash per tick"},
-    {Detail::full, "full", "the whole state per tick and a hash after each stage"},
+inline constexpr std::array<DetailInfo, 3> details{{
+    {Detail::root, "root", 1, "one 64-bit hash per tick"},
+    {Detail::cells, "cells", 2, "also a hash per column, and cells that name the bodies which differ"},
+    {Detail::full, "full", 1, "the whole state per tick and a hash after each stage"},
 }};
+const DetailInfo& detail_info(Detail detail);
 
 /// Everything needed to make the simulation again, and to read its state images. Equal on every platform for the
 /// same recording.
@@ -56,6 +60,7 @@ struct TickRecord {
   std::uint64_t root_hash = 0;              // of the state after the tick
   std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored in full
   std::optional<ByteView> image;            // state image after the tick; absent unless stored in full
+  ByteView cells;                           // of the state after the tick: decode_cells; empty unless stored
 };
 
 /// Full state with `tick` ticks done. The one at tick 0 is the initial state.

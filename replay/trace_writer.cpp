@@ -27,15 +27,17 @@ struct TraceWriter::Impl {
   WriterOptions options;
   // Of the setup: what later calls need.
   Detail detail = Detail::root;
+  std::optional<CellHasher> cell_hasher;  // with Detail::cells
+  StateSchema schema;                     // with Detail::cells
   std::uint64_t full_first = 0;
   std::uint64_t full_last = 0;
   std::uint32_t checkpoint_interval = 0;
   std::size_t stage_count = 0;
   std::uint64_t setup_dt_bits = 0;
 
-  std::uint64_t seed = chain_start();   // of header checks
-  std::uint64_t chain = chain_start();  // after the last whole chunk
-  std::uint32_t sequence = 0;           // of the next chunk
+  std::uint64_t seed = 0;      // of header checks
+  std::uint64_t chain = 0;     // after the last whole chunk
+  std::uint32_t sequence = 0;  // of the next chunk
   std::uint64_t tick_count = 0;
   std::uint64_t size = 0;
   std::uint64_t facts_check = 0;
@@ -54,6 +56,8 @@ struct TraceWriter::Impl {
 
   ByteWriter out;  // what the current call hands over
   Bytes image;
+  StateCells cells;
+  ByteWriter cells_out;
 
   explicit Impl(OutputFile opened) : file(std::move(opened)) {}
 
@@ -156,8 +160,8 @@ struct TraceWriter::Impl {
     return sync(false);
   }
 
-  Status write_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                    std::optional<ByteView> bytes) {
+  Status write_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, std::optional<ByteView> bytes,
+                    ByteView cells_body) {
     TICKTRUE_ASSERT(in_tick);
     if (failure) return *failure;
     if (bytes)
@@ -170,6 +174,7 @@ struct TraceWriter::Impl {
       for (const std::uint64_t hash : stage_hashes) body.u64(hash);
       append_record(RecordTag::stages, body.view(), running, out);
     }
+    if (detail == Detail::cells && !cells_body.empty()) append_record(RecordTag::cells, cells_body, running, out);
     const bool has_image = is_full && bytes.has_value();
     ByteWriter body;
     body.u64(root_hash);
@@ -198,13 +203,19 @@ Result<TraceWriter> TraceWriter::create(const std::string& path, const TraceSetu
   impl->options = options;
   impl->options.compress = options.compress && has_codec(Codec::zstd);
   impl->detail = setup.detail;
+  const std::uint16_t version = detail_info(setup.detail).format_version;
+  impl->seed = impl->chain = chain_start(version);
+  if (setup.detail == Detail::cells) {
+    impl->schema = setup.schema;
+    impl->cell_hasher.emplace(setup.schema);
+  }
   impl->full_first = setup.full_first;
   impl->full_last = setup.full_last;
   impl->checkpoint_interval = setup.checkpoint_interval;
   impl->stage_count = setup.stages.size();
   impl->setup_dt_bits = bits_of(setup.dt);
 
-  encode_file_header(impl->out);
+  encode_file_header(impl->out, version);
   ByteWriter payload;
   encode_setup(setup, payload);
   const ChunkHeader setup_header = impl->next_header(ChunkKind::setup, payload.size());
@@ -248,19 +259,30 @@ Status TraceWriter::begin_tick(const TickInput& input) {
 }
 
 Status TraceWriter::end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                             const StateView* image) {
-  if (image == nullptr || !impl_->wants_full()) return impl_->write_tick(root_hash, stage_hashes, std::nullopt);
-  encode_image(*image, impl_->image);
-  return impl_->write_tick(root_hash, stage_hashes, ByteView(impl_->image));
+                             const StateView* state) {
+  Impl& impl = *impl_;
+  if (state == nullptr || !wants_state()) return impl.write_tick(root_hash, stage_hashes, std::nullopt, {});
+  if (impl.cell_hasher) {
+    impl.cell_hasher->hash(*state, 0, impl.cells);
+    impl.cells_out.clear();
+    encode_cells(impl.cells, impl.schema, impl.cells_out);
+    return impl.write_tick(root_hash, stage_hashes, std::nullopt, impl.cells_out.view());
+  }
+  encode_image(*state, impl.image);
+  return impl.write_tick(root_hash, stage_hashes, ByteView(impl.image), {});
 }
 
 Status TraceWriter::end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                                     std::optional<ByteView> image) {
-  return impl_->write_tick(root_hash, stage_hashes, image);
+                                     std::optional<ByteView> image, ByteView cells) {
+  return impl_->write_tick(root_hash, stage_hashes, image, cells);
 }
 
 bool TraceWriter::wants_full() const {
   return impl_->wants_full();
+}
+
+bool TraceWriter::wants_state() const {
+  return impl_->cell_hasher.has_value() || impl_->wants_full();
 }
 
 bool TraceWriter::wants_checkpoint() const {

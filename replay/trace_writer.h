@@ -36,16 +36,18 @@ class TraceWriter {
   /// Hands dt (if it changed) and inputs (if any) to the operating system. Call before the tick runs.
   Status begin_tick(const TickInput& input);
 
-  /// Hands the hashes of the tick to the operating system. `stage_hashes` and `image` count only for ticks stored in
-  /// full (wants_full()).
-  Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* image);
+  /// Hands the hashes of the tick to the operating system. `stage_hashes` count only for ticks stored in full
+  /// (wants_full()), `state`, after the tick, also with detail cells (wants_state()); else it may be null.
+  Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* state);
 
   /// The same with an image that is encoded already, as recovery has it.
   Status end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                          std::optional<ByteView> image);
+                          std::optional<ByteView> image, ByteView cells = {});
 
   /// Whether the tick that is in flight or begins next is to be stored in full.
   bool wants_full() const;
+  /// Whether anything but hashes is stored of it.
+  bool wants_state() const;
 
   /// Whether a checkpoint is due now, before the next begin_tick.
   bool wants_checkpoint() const;

@@ -6,8 +6,10 @@
 #include <cstdio>
 
 #include "base/hash.h"
+#include "replay/payload.h"
 #include "verifier/json_parts.h"
 #include "verifier/locate.h"
+#include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
 
 namespace ticktrue::verifier {
@@ -24,8 +26,8 @@ class Side {
  public:
   explicit Side(replay::TraceReader& reader) : reader_(reader) { reader_.rewind(); }
 
-  /// The next tick, or null at the end. Keeps the checkpoint it passes on the way if that is asked for.
-  const TickRecord* advance(bool keep_checkpoint) {
+  /// The next tick, or null at the end. Keeps the checkpoint it passes on the way.
+  const TickRecord* advance() {
     checkpoint_.reset();
     if (ended_) return nullptr;
     for (;;) {
@@ -39,10 +41,12 @@ class Side {
         return nullptr;
       }
       const auto& checkpoint = std::get<CheckpointRecord>(item);
-      if (!keep_checkpoint) continue;
       checkpoint_ = Bytes(checkpoint.image.begin(), checkpoint.image.end());
       checkpoint_tick_ = checkpoint.tick;
       checkpoint_root_ = checkpoint.root_hash;
+      if (!keeps_last_) continue;
+      last_image_ = *checkpoint_;
+      last_image_tick_ = checkpoint_tick_;
     }
   }
 
@@ -50,6 +54,10 @@ class Side {
   std::uint64_t checkpoint_tick() const { return checkpoint_tick_; }
   std::uint64_t checkpoint_root() const { return checkpoint_root_; }
   std::uint64_t ticks() const { return ticks_; }
+  /// The last state passed, until keep_last_image.
+  const std::optional<Bytes>& last_image() const { return last_image_; }
+  std::uint64_t last_image_tick() const { return last_image_tick_; }
+  void keep_last_image() { keeps_last_ = false; }
   const replay::TraceTail& tail() const { return reader_.tail(); }
 
  private:
@@ -57,9 +65,25 @@ class Side {
   std::optional<Bytes> checkpoint_;
   std::uint64_t checkpoint_tick_ = 0;
   std::uint64_t checkpoint_root_ = 0;
+  std::optional<Bytes> last_image_;
+  std::uint64_t last_image_tick_ = 0;
+  bool keeps_last_ = true;
   std::uint64_t ticks_ = 0;
   bool ended_ = false;
 };
+
+constexpr std::uint64_t spread_ticks = 64;
+
+/// What to run, each with the build that recorded it, for the values behind a difference of two traces.
+std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick) {
+  const auto record = [&](const std::string& file, const char* out) {
+    const std::string number = std::to_string(tick);
+    return "ticktrue record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
+           ".." + number + " -o " + out;
+  };
+  return record(a, "a.ttr") + " and " + record(b, "b.ttr") +
+         ", each with the build that recorded it; then ticktrue diff a.ttr b.ttr";
+}
 
 std::string number_text(double value) {
   return lane_text(ScalarType::f64, bits_of(value));
@@ -80,7 +104,9 @@ std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector
   if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
   if (a.physics_version != b.physics_version)
     out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
-  if (const auto difference = first_schema_difference(a.schema, b.schema))
+  if (const auto precision = precision_difference(a.schema, b.schema))
+    out.push_back({precision->place, precision->a, precision->b});
+  else if (const auto difference = first_schema_difference(a.schema, b.schema))
     out.push_back({"schema: " + difference->place, difference->a, difference->b});
   const std::size_t blocking = out.size();
   if (a.stages != b.stages) out.push_back({"stages", stages_summary(a.stages), stages_summary(b.stages)});
@@ -95,10 +121,11 @@ struct Stored {
   std::uint64_t root_hash = 0;
   std::vector<std::uint64_t> stage_hashes;
   std::optional<Bytes> image;
+  Bytes cells;
 };
 
 Stored store(const TickRecord& record) {
-  Stored stored{record.root_hash, record.stage_hashes, std::nullopt};
+  Stored stored{record.root_hash, record.stage_hashes, std::nullopt, Bytes(record.cells.begin(), record.cells.end())};
   if (record.image) stored.image = Bytes(record.image->begin(), record.image->end());
   return stored;
 }
@@ -129,8 +156,8 @@ class Differ {
   }
 
   void walk() {
-    const TickRecord* a = a_.advance(true);
-    const TickRecord* b = b_.advance(true);
+    const TickRecord* a = a_.advance();
+    const TickRecord* b = b_.advance();
     if (comparable_ && a_.checkpoint() && b_.checkpoint() && a_.checkpoint_tick() == 0 && b_.checkpoint_tick() == 0 &&
         *a_.checkpoint() != *b_.checkpoint()) {
       Divergence divergence;
@@ -157,17 +184,21 @@ class Differ {
         report_.divergence = std::move(divergence);
         stored_a_ = store(*a);
         stored_b_ = store(*b);
+        a_.keep_last_image();
+        b_.keep_last_image();
+      } else if (report_.divergence && comparable_) {
+        follow_spread(*a, *b);
       }
       time_s += a->dt;
       ++tick;
       if (comparable_) ++report_.ticks_compared;
       if (options_.progress) options_.progress(tick);
-      a = a_.advance(found);
-      b = b_.advance(found);
+      a = a_.advance();
+      b = b_.advance();
       if (found) locate(tick);
     }
-    while (a != nullptr) a = a_.advance(false);
-    while (b != nullptr) b = b_.advance(false);
+    while (a != nullptr) a = a_.advance();
+    while (b != nullptr) b = b_.advance();
   }
 
   void compare_inputs(std::uint64_t tick, const TickRecord& a, const TickRecord& b) {
@@ -183,7 +214,10 @@ class Differ {
     Divergence& divergence = *report_.divergence;
     if (!stored_a_.image && a_.checkpoint() && a_.checkpoint_tick() == ticks_done) stored_a_.image = a_.checkpoint();
     if (!stored_b_.image && b_.checkpoint() && b_.checkpoint_tick() == ticks_done) stored_b_.image = b_.checkpoint();
-    if (stored_a_.image && stored_b_.image) fill_lanes(*stored_a_.image, *stored_b_.image, divergence);
+    if (stored_a_.image && stored_b_.image)
+      fill_lanes(*stored_a_.image, *stored_b_.image, divergence);
+    else if (!stored_a_.cells.empty() && !stored_b_.cells.empty())
+      fill_cells(divergence);
     if (!stored_a_.stage_hashes.empty() && !stored_b_.stage_hashes.empty() && setup_a_.stages == setup_b_.stages)
       locate_stage(setup_a_.stages, stored_a_.stage_hashes, stored_b_.stage_hashes, divergence);
     else
@@ -195,6 +229,41 @@ class Differ {
   void fill_lanes(const Bytes& a, const Bytes& b, Divergence& divergence) {
     if (const Status located = locate_lanes(setup_a_.schema, a, b, {}, options_.row_count_max, divergence); !located)
       report_.notes.push_back("a stored state cannot be read: " + located.error().message);
+  }
+
+  /// Columns from the hashes of both; rows are tried among those of the last state both store before.
+  void fill_cells(Divergence& divergence) {
+    const StateSchema& schema = setup_a_.schema;
+    const StateCells a = replay::decode_cells(schema, stored_a_.cells);
+    const StateCells b = replay::decode_cells(schema, stored_b_.cells);
+    std::optional<ImageState> rows;
+    RowNamer row_name;
+    if (a_.last_image()) {
+      if (Result<ImageState> state = ImageState::of(schema, *a_.last_image())) rows.emplace(std::move(*state));
+      if (words_ && words_->load(*a_.last_image()))
+        row_name = [this](std::size_t table, std::size_t row) { return words_->row_name(table, row); };
+      report_.notes.push_back("rows are those of the state stored before tick " + std::to_string(a_.last_image_tick()) +
+                              ": later ones cannot be named");
+    }
+    locate_cells(schema, a, b, rows ? &rows->view() : nullptr, row_name, options_.row_count_max, divergence);
+    if (a.partition_cells != b.partition_cells)
+      report_.notes.push_back("rows cannot be named: the traces have another number of cells for this tick");
+  }
+
+  /// At 1, 2, 4, 8, ... ticks behind the divergence.
+  void follow_spread(const TickRecord& a, const TickRecord& b) {
+    Divergence& divergence = *report_.divergence;
+    const std::uint64_t behind = a.tick - divergence.tick;
+    if (behind == 0 || (behind & (behind - 1)) != 0 || behind > spread_ticks) return;
+    if (!a.cells.empty() && !b.cells.empty()) {
+      const StateCells cells_a = replay::decode_cells(setup_a_.schema, a.cells);
+      const StateCells cells_b = replay::decode_cells(setup_a_.schema, b.cells);
+      if (cells_a.partition_cells == cells_b.partition_cells)
+        divergence.spread.push_back(spread_of_cells(setup_a_.schema, cells_a, cells_b, a.tick));
+    } else if (a.image && b.image) {
+      if (const auto spread = spread_of_images(setup_a_.schema, *a.image, *b.image, a.tick))
+        divergence.spread.push_back(*spread);
+    }
   }
 
   void finish() {
@@ -232,12 +301,8 @@ class Differ {
       report_.verdict = DiffVerdict::incomplete;
       report_.reason = "no tick was compared";
     }
-    if (report_.divergence && report_.divergence->tables.empty() && comparable_) {
-      const std::string tick = std::to_string(report_.divergence->tick);
-      report_.again.push_back("ticktrue record SCENE --detail full:" + tick + ".." + tick + " -o OUT.ttr, " +
-                              (report_.a.build == report_.b.build ? "for each" : "with both builds") +
-                              "; then diff the two traces");
-    }
+    if (report_.divergence && report_.divergence->rows.empty() && comparable_)
+      report_.again.push_back(more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick));
   }
 
   const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }

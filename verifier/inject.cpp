@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "base/cells.h"
+#include "engine/math/random.h"
 #include "verifier/json_parts.h"
 #include "verifier/verify.h"
 
@@ -16,22 +19,14 @@ using replay::CheckpointRecord;
 using replay::TickRecord;
 using replay::TraceReader;
 
-/// Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (SplitMix64).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next() {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  /// 0 .. count - 1; the bias of the remainder is below count / 2^64. Requires: count > 0.
-  std::uint64_t below(std::uint64_t count) { return next() % count; }
+using engine::Random;
 
- private:
-  std::uint64_t state_;
+/// One flipped bit.
+struct FlippedBit {
+  StatePlace place;
+  std::uint32_t bit = 0;
+  std::optional<std::uint64_t> true_bits;  // not known inside the solver
+  std::string row_name;
 };
 
 /// Which flip is wanted, and, once it was made, which it was.
@@ -41,16 +36,33 @@ struct Flip {
   const InjectOptions* options = nullptr;
 
   bool done = false;
-  StatePlace place;
-  std::uint32_t bit = 0;
-  std::uint64_t true_bits = 0;
-  std::string row_name;
-  std::uint64_t rows_seen = 0;  // of the largest table the flip could be in
+  std::vector<FlippedBit> bits;
+  std::vector<CellOwner> concerned;  // rows whose values it changes
+  Bytes row_after;                   // inside the solver: what became of the row by the end of the tick
+  std::uint64_t rows_seen = 0;       // of the largest table the flip could be in
 };
 
-/// Draws table, row, column, lane and bit among those of `state` the options allow. False if there is none.
-bool draw_place(const StateView& state, Flip& flip) {
-  const InjectOptions& options = *flip.options;
+Bytes row_bytes(const StateView& state, const StatePlace& place) {
+  const std::size_t size = state.schema->tables[place.table].row_size;
+  if (place.row >= state.tables[place.table].row_count) return {};
+  const std::uint8_t* row = state.tables[place.table].data + place.row * size;
+  return Bytes(row, row + size);
+}
+
+/// The table whose rows are the bodies: the one most columns refer to; without references the first with a key.
+std::size_t table_of_bodies(const StateSchema& schema) {
+  std::vector<std::size_t> references(schema.tables.size());
+  for (const TableSchema& table : schema.tables)
+    for (const Column& column : table.columns)
+      if (column.target >= 0) ++references[static_cast<std::size_t>(column.target)];
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    references[t] = 2 * references[t] + (schema.tables[t].key_column_count > 0);
+  return static_cast<std::size_t>(std::max_element(references.begin(), references.end()) - references.begin());
+}
+
+/// Draws a table, row, column, lane and bit among those of `state` the options allow. False if there is none.
+bool draw_place(const StateView& state, const InjectOptions& options, Random& random, Flip& flip, FlippedBit& drawn) {
+  const bool in_bodies = options.body_count > 0 || options.after_substep;
   const auto fits = [&](const Column& column) {
     return (options.column.empty() || column.name == options.column) &&
            (!options.lane || *options.lane < column.lane_count) &&
@@ -60,27 +72,50 @@ bool draw_place(const StateView& state, Flip& flip) {
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
     const TableSchema& table = state.schema->tables[t];
     if (!options.table.empty() && table.name != options.table) continue;
+    if (in_bodies && t != table_of_bodies(*state.schema)) continue;
     if (std::any_of(table.columns.begin(), table.columns.end(), fits))
       flip.rows_seen = std::max<std::uint64_t>(flip.rows_seen, state.tables[t].row_count);
     if (state.tables[t].row_count == 0 || (options.row && *options.row >= state.tables[t].row_count)) continue;
     if (std::any_of(table.columns.begin(), table.columns.end(), fits)) tables.push_back(t);
   }
   if (tables.empty()) return false;
-  Random random(flip.seed);
-  flip.place.table = tables[static_cast<std::size_t>(random.below(tables.size()))];
-  const TableSchema& table = state.schema->tables[flip.place.table];
-  const std::uint64_t row = random.below(state.tables[flip.place.table].row_count);
-  flip.place.row = static_cast<std::size_t>(options.row.value_or(row));
+  StatePlace& place = drawn.place;
+  place.table = tables[static_cast<std::size_t>(random.below(tables.size()))];
+  const TableSchema& table = state.schema->tables[place.table];
+  const std::uint64_t row = random.below(state.tables[place.table].row_count);
+  place.row = static_cast<std::size_t>(options.row.value_or(row));
   std::vector<std::size_t> columns;
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (fits(table.columns[c])) columns.push_back(c);
-  flip.place.column = columns[static_cast<std::size_t>(random.below(columns.size()))];
-  const Column& column = table.columns[flip.place.column];
+  place.column = columns[static_cast<std::size_t>(random.below(columns.size()))];
+  const Column& column = table.columns[place.column];
   const std::uint64_t lane = random.below(column.lane_count);
-  flip.place.lane = static_cast<std::size_t>(options.lane.value_or(static_cast<std::uint32_t>(lane)));
+  place.lane = static_cast<std::size_t>(options.lane.value_or(static_cast<std::uint32_t>(lane)));
   const std::uint64_t bit = random.below(8u * scalar_info(column.type)->size);
-  flip.bit = options.bit.value_or(static_cast<std::uint32_t>(bit));
+  drawn.bit = options.bit.value_or(static_cast<std::uint32_t>(bit));
   return true;
+}
+
+/// Draws all bits of a flip, in different rows. False if there are too few.
+bool draw_places(const StateView& state, Flip& flip) {
+  Random random(flip.seed);
+  flip.bits.clear();
+  const std::size_t wanted = std::max(1u, flip.options->body_count);
+  for (std::size_t tries = 0; flip.bits.size() < wanted && tries < 1'000 * wanted; ++tries) {
+    FlippedBit drawn;
+    if (!draw_place(state, *flip.options, random, flip, drawn)) return false;
+    if (std::none_of(flip.bits.begin(), flip.bits.end(),
+                     [&](const FlippedBit& other) { return other.place.row == drawn.place.row; }))
+      flip.bits.push_back(std::move(drawn));
+  }
+  return flip.bits.size() == wanted;
+}
+
+void add_concerned(const StateView& state, const FlippedBit& flipped, std::vector<CellOwner>& concerned) {
+  for (const CellOwner& owner : CellHasher(*state.schema).owners_of(state, flipped.place.table, flipped.place.row))
+    if (std::none_of(concerned.begin(), concerned.end(),
+                     [&](const CellOwner& other) { return other.table == owner.table && other.row == owner.row; }))
+      concerned.push_back(owner);
 }
 
 /// Passes everything through to the real simulation, but shows its state at the end of one tick with one bit flipped.
@@ -91,9 +126,13 @@ class FlippingSimulation : public Simulation {
 
   Status accept(const TickInput& input) const override { return real_->accept(input); }
   void step(const TickInput& input, StageObserver* observer) override {
+    const bool is_due = ticks_done_ == flip_.tick;
+    const bool is_inside = flip_.options->after_substep.has_value();
+    if (is_due && is_inside) plant_flip();
     real_->step(input, observer);
     ++ticks_done_;
-    shows_flip_ = ticks_done_ == flip_.tick + 1 && make_flip();
+    if (is_due && is_inside && flip_.done) note_planted();
+    shows_flip_ = is_due && !is_inside && make_flip();
   }
   const StateView& state() const override { return shows_flip_ ? view_ : real_->state(); }
   Status load(ByteView image) override {
@@ -110,22 +149,55 @@ class FlippingSimulation : public Simulation {
  private:
   bool make_flip() {
     view_ = real_->state();
-    if (!draw_place(view_, flip_)) return false;
-    const TableSchema& table = view_.schema->tables[flip_.place.table];
-    const Column& column = table.columns[flip_.place.column];
-    TableRows& rows = view_.tables[flip_.place.table];
+    if (!draw_places(view_, flip_)) return false;
+    const std::size_t table_index = flip_.bits[0].place.table;
+    const TableSchema& table = view_.schema->tables[table_index];
+    TableRows& rows = view_.tables[table_index];
     rows_.assign(rows.data, rows.data + static_cast<std::size_t>(rows.row_count) * table.row_size);
     rows.data = rows_.data();
-    const std::size_t size = scalar_info(column.type)->size;
-    std::uint8_t* lane = rows_.data() + flip_.place.row * table.row_size + column.offset + flip_.place.lane * size;
-    const auto byte_of = [&](std::size_t index) { return machine_is_little_endian ? index : size - 1 - index; };
-    flip_.true_bits = 0;
-    for (std::size_t i = 0; i < size; ++i) flip_.true_bits |= static_cast<std::uint64_t>(lane[byte_of(i)]) << (8 * i);
-    std::uint8_t& byte = lane[byte_of(flip_.bit / 8)];
-    byte = static_cast<std::uint8_t>(byte ^ (1u << (flip_.bit % 8)));
-    flip_.row_name = real_->row_name(flip_.place.table, flip_.place.row);
+    for (FlippedBit& flipped : flip_.bits) flip_bit(table, flipped);
+    // A flipped reference concerns the rows it led to and those it leads to. A flipped key belongs to the row as shown.
+    flip_.concerned.clear();
+    for (const FlippedBit& flipped : flip_.bits) {
+      add_concerned(view_, flipped, flip_.concerned);
+      if (!owns_rows(*view_.schema, table_index)) add_concerned(real_->state(), flipped, flip_.concerned);
+    }
     flip_.done = true;
     return true;
+  }
+
+  void flip_bit(const TableSchema& table, FlippedBit& flipped) {
+    const Column& column = table.columns[flipped.place.column];
+    const std::size_t size = scalar_info(column.type)->size;
+    std::uint8_t* lane = rows_.data() + flipped.place.row * table.row_size + column.offset + flipped.place.lane * size;
+    const auto byte_of = [&](std::size_t index) { return machine_is_little_endian ? index : size - 1 - index; };
+    std::uint64_t true_bits = 0;
+    for (std::size_t i = 0; i < size; ++i) true_bits |= static_cast<std::uint64_t>(lane[byte_of(i)]) << (8 * i);
+    flipped.true_bits = true_bits;
+    std::uint8_t& byte = lane[byte_of(flipped.bit / 8)];
+    byte = static_cast<std::uint8_t>(byte ^ (1u << (flipped.bit % 8)));
+    flipped.row_name = real_->row_name(flipped.place.table, flipped.place.row);
+  }
+
+  /// Draws until a place has a value inside the solver.
+  void plant_flip() {
+    Random random(flip_.seed);
+    flip_.done = false;
+    for (int tries = 0; tries < 1'000 && !flip_.done; ++tries) {
+      FlippedBit drawn;
+      if (!draw_place(real_->state(), *flip_.options, random, flip_, drawn)) return;
+      flip_.done = static_cast<bool>(real_->plant({*flip_.options->after_substep, drawn.place, drawn.bit}));
+      flip_.bits = {drawn};
+    }
+  }
+
+  /// Rows do not move between the solver and the end of the tick.
+  void note_planted() {
+    FlippedBit& planted = flip_.bits[0];
+    planted.row_name = real_->row_name(planted.place.table, planted.place.row);
+    flip_.concerned.clear();
+    flip_.row_after = row_bytes(real_->state(), planted.place);
+    if (!flip_.row_after.empty()) add_concerned(real_->state(), planted, flip_.concerned);
   }
 
   std::unique_ptr<Simulation> real_;
@@ -171,6 +243,8 @@ class Excerpt : public TraceSource {
   std::size_t position_ = 0;
 };
 
+constexpr std::size_t every_candidate = 1'000'000;
+
 class Injector {
  public:
   Injector(TraceReader& reader, const InjectOptions& options)
@@ -195,6 +269,7 @@ class Injector {
       if (row.outcome == InjectRow::Outcome::missed) ++report_.failed;
       if (row.outcome == InjectRow::Outcome::not_applicable) ++report_.not_applicable;
     }
+    measure_lists();
     if (const Status found = check_row(); !found) return found.error();
     return std::move(report_);
   }
@@ -209,6 +284,19 @@ class Injector {
                  "--row: no such row" + (options_.table.empty() ? "" : " in table " + options_.table) + ": found " +
                      std::to_string(*options_.row) + ", expected 0.." + std::to_string(rows_seen - 1),
                  ""};
+  }
+
+  void measure_lists() {
+    std::vector<std::uint64_t> lengths, concerned;
+    for (const InjectRow& row : report_.rows) {
+      if (row.outcome == InjectRow::Outcome::not_applicable || !row.cells_required) continue;
+      lengths.push_back(row.list_length);
+      concerned.push_back(row.concerned);
+    }
+    if (lengths.empty()) return;
+    std::sort(lengths.begin(), lengths.end());
+    std::sort(concerned.begin(), concerned.end());
+    report_.lists = {lengths.size(), lengths[lengths.size() / 2], lengths.back(), concerned[concerned.size() / 2]};
   }
 
   Status check_names() const {
@@ -252,9 +340,9 @@ class Injector {
     for (std::uint64_t i = 0; i < options_.count; ++i) {
       Flip flip;
       flip.options = &options_;
-      flip.tick = first + random.below(count);
+      flip.tick = first + random.bits() % count;
       if (options_.tick) flip.tick = *options_.tick;
-      flip.seed = random.next();
+      flip.seed = random.bits();
       flips_.push_back(std::move(flip));
       InjectRow row;
       row.index = i;
@@ -271,8 +359,12 @@ class Injector {
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return flips_[a].tick != flips_[b].tick ? flips_[a].tick < flips_[b].tick : a < b;
     });
-    if (setup_.detail != replay::Detail::full || !can_load()) {
+    if (setup_.detail == replay::Detail::root || !can_load()) {
       left_ = std::move(order);
+      return;
+    }
+    if (setup_.detail == replay::Detail::cells) {
+      run_beside(order);
       return;
     }
     Bytes before;
@@ -310,22 +402,58 @@ class Injector {
     }
   }
 
+  /// The same where states are not stored: a simulation runs along, whose state before the tick is taken.
+  void run_beside(const std::vector<std::size_t>& order) {
+    Result<std::unique_ptr<Simulation>> made = options_.simulation->make(setup_.setup);
+    if (!made) {
+      left_ = order;
+      return;
+    }
+    Simulation& beside = **made;
+    Bytes before;
+    std::size_t next = 0;
+    reader_.rewind();
+    while (next < order.size()) {
+      const TraceReader::Item& item = reader_.next();
+      if (std::holds_alternative<std::monostate>(item)) break;
+      const auto* record = std::get_if<TickRecord>(&item);
+      if (record == nullptr) continue;
+      if (flips_[order[next]].tick == record->tick) {
+        encode_image(beside.state(), before);
+        Excerpt excerpt(setup_, before, *record);
+        excerpt.set_root(root_hash(beside.state()));
+        beside.step({record->dt, record->inputs}, nullptr);
+        for (; next < order.size() && flips_[order[next]].tick == record->tick; ++next)
+          run_flip(order[next], excerpt, {}, &beside.state());
+      } else {
+        beside.step({record->dt, record->inputs}, nullptr);
+      }
+    }
+  }
+
   void run_on_file(std::size_t index) {
     ReaderSource source(reader_);
     run_flip(index, source, flips_[index].tick);
   }
 
-  void run_flip(std::size_t index, TraceSource& source, std::optional<std::uint64_t> to) {
+  /// `truth`: the state after the tick without the flip, where it is known.
+  void run_flip(std::size_t index, TraceSource& source, std::optional<std::uint64_t> to,
+                const StateView* truth = nullptr) {
     Flip& flip = flips_[index];
     VerifyOptions options;
     options.simulation = options_.simulation;
     options.from = flip.tick;
+    options.spread_ticks = 0;
+    if (setup_.detail == replay::Detail::cells) options.row_count_max = every_candidate;
     options.to = to;
     options.wrap = [&flip](std::unique_ptr<Simulation> real, std::uint64_t ticks_done) {
       return std::make_unique<FlippingSimulation>(std::move(real), ticks_done, flip);
     };
     source.rewind();
     const Report found = verify_source(source, options);
+    // A fault inside the solver may leave its own row as it is and show in those around it alone.
+    if (truth != nullptr && !flip.row_after.empty() && flip.row_after == row_bytes(*truth, flip.bits[0].place))
+      flip.concerned.clear();
     judge(flip, found, report_.rows[index]);
     if (options_.progress) options_.progress(++flips_done_);
   }
@@ -339,32 +467,82 @@ class Injector {
       row.reason = "the state has no such place at this tick";
       return;
     }
-    const TableSchema& table = setup_.schema.tables[flip.place.table];
-    const Column& column = table.columns[flip.place.column];
-    row.bit = flip.bit;
-    row.place.table = table.name;
-    row.place.column = column.name;
-    row.place.row = flip.place.row;
-    row.place.name = flip.row_name;
-    row.place.lane = static_cast<std::uint32_t>(flip.place.lane);
-    row.place.lane_count = column.lane_count;
-    row.place.type = column.type;
-    row.place.expected = flip.true_bits;
-    row.place.got = flip.true_bits ^ (std::uint64_t{1} << flip.bit);
+    row.place = place_of(flip.bits[0]);
+    row.bit = flip.bits[0].bit;
+    for (std::size_t i = 1; i < flip.bits.size(); ++i) row.more.push_back({place_of(flip.bits[i]), flip.bits[i].bit});
+    const bool is_inside = options_.after_substep.has_value();
+    if (is_inside && found.verdict == Verdict::match) {
+      row.outcome = InjectRow::Outcome::not_applicable;
+      row.reason = "rounding took the fault away: the state at the end of the tick is as recorded";
+      return;
+    }
+    row.cells_required = found.divergence && found.divergence->from_cells;
     // A checkpoint right behind the tick gives the place away too.
-    row.place_required = stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty());
-    row.reason = why_missed(found, row);
+    row.place_required = !row.cells_required && !is_inside &&
+                         (stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty()));
+    row.concerned = flip.concerned.size();
+    if (row.cells_required) row.list_length = found.divergence->candidate_count;
+    row.reason = why_missed(flip, found, row);
     row.outcome = row.reason.empty() ? InjectRow::Outcome::found : InjectRow::Outcome::missed;
+    if (row.outcome == InjectRow::Outcome::found && row.divergence) row.divergence->candidates.clear();
   }
 
-  static std::string why_missed(const Report& found, const InjectRow& row) {
+  LaneReport place_of(const FlippedBit& flipped) const {
+    const TableSchema& table = setup_.schema.tables[flipped.place.table];
+    const Column& column = table.columns[flipped.place.column];
+    LaneReport place;
+    place.table = table.name;
+    place.column = column.name;
+    place.row = flipped.place.row;
+    place.name = flipped.row_name;
+    place.lane = static_cast<std::uint32_t>(flipped.place.lane);
+    place.lane_count = column.lane_count;
+    place.type = column.type;
+    place.expected = flipped.true_bits;
+    if (flipped.true_bits) place.got = *flipped.true_bits ^ (std::uint64_t{1} << flipped.bit);
+    return place;
+  }
+
+  /// With cells: the table and its columns exactly, and each row concerned in the list. A fault inside the solver
+  /// reaches other columns and tables by the end of the tick.
+  std::string why_missed_by_cells(const Flip& flip, const Divergence& divergence, const InjectRow& row) const {
+    const auto table = std::find_if(divergence.tables.begin(), divergence.tables.end(),
+                                    [&](const TableDifference& found) { return found.table == row.place.table; });
+    const bool is_unchanged = flip.concerned.empty();  // its row is as it should be: it shows elsewhere
+    if (table == divergence.tables.end() && is_unchanged) return "";
+    if (table == divergence.tables.end()) return "table " + row.place.table + " is not named";
+    if (!options_.after_substep) {
+      if (divergence.tables.size() != 1) return "other tables are named";
+      std::vector<std::string> columns;
+      for (const Column& column : setup_.schema.tables[flip.bits[0].place.table].columns)
+        for (const FlippedBit& flipped : flip.bits)
+          if (place_of(flipped).column == column.name && (columns.empty() || columns.back() != column.name))
+            columns.push_back(column.name);
+      if (table->columns != columns) return "other columns are named";
+    }
+    for (const CellOwner& owner : flip.concerned)
+      if (std::none_of(divergence.candidates.begin(), divergence.candidates.end(), [&](const Candidate& candidate) {
+            return candidate.table == setup_.schema.tables[owner.table].name && candidate.row == owner.row;
+          }))
+        return setup_.schema.tables[owner.table].name + " row " + std::to_string(owner.row) + " is not in the list";
+    return "";
+  }
+
+  std::string why_missed(const Flip& flip, const Report& found, const InjectRow& row) const {
     if (found.verdict != Verdict::diverged || !found.divergence)
       return "verdict " + std::string(verdict_info(found.verdict).name) +
              (found.reason.empty() ? "" : " (" + found.reason + ")") + ", expected diverged";
     const Divergence& divergence = *found.divergence;
     if (divergence.tick != row.tick) return "tick " + std::to_string(divergence.tick);
     if (divergence.stage == stage_setup || divergence.stage == stage_load) return "reported before the tick ran";
+    if (row.cells_required) return why_missed_by_cells(flip, divergence, row);
     if (!row.place_required) return "";
+    if (!row.more.empty()) {
+      const bool same = divergence.lane_count == 1 + row.more.size() && divergence.tables.size() == 1 &&
+                        divergence.tables[0].table == row.place.table;
+      return same ? ""
+                  : std::to_string(divergence.lane_count) + " lanes, expected " + std::to_string(1 + row.more.size());
+    }
     if (divergence.lane_count != 1 || divergence.rows.size() != 1 || divergence.tables.size() != 1)
       return std::to_string(divergence.lane_count) + " lanes, expected 1";
     const LaneReport& lane = divergence.rows[0];
@@ -398,9 +576,12 @@ std::string place_words(const InjectRow& row) {
   std::string text = "tick " + std::to_string(row.tick) + ", " + row.place.table + "." + row.place.column + " row " +
                      std::to_string(row.place.row);
   if (!row.place.name.empty()) text += " \"" + row.place.name + "\"";
-  return text + " lane " + std::to_string(row.place.lane) + " bit " + std::to_string(row.bit) + ": " +
-         lane_hex(row.place.type, *row.place.expected) + " (" + lane_text(row.place.type, *row.place.expected) +
-         ") to " + lane_hex(row.place.type, *row.place.got) + " (" + lane_text(row.place.type, *row.place.got) + ")";
+  text += " lane " + std::to_string(row.place.lane) + " bit " + std::to_string(row.bit);
+  if (!row.more.empty()) text += " and " + std::to_string(row.more.size()) + " more rows";
+  if (!row.place.expected) return text + " inside the solver";
+  return text + ": " + lane_hex(row.place.type, *row.place.expected) + " (" +
+         lane_text(row.place.type, *row.place.expected) + ") to " + lane_hex(row.place.type, *row.place.got) + " (" +
+         lane_text(row.place.type, *row.place.got) + ")";
 }
 
 const char* outcome_name(InjectRow::Outcome outcome) {
@@ -430,13 +611,24 @@ std::string inject_text(const InjectReport& report) {
   if (report.baseline.verdict != Verdict::match)
     return report_text(report.baseline) + "  note    nothing was injected: the trace itself does not match\n";
   constexpr std::size_t rows_shown_max = 10;
-  bool places = true;
+  bool places = true, cells = report.lists.count > 0;
   for (const InjectRow& row : report.rows)
-    if (row.outcome == InjectRow::Outcome::found) places = places && row.place_required;
+    if (row.outcome == InjectRow::Outcome::found) {
+      places = places && row.place_required;
+      cells = cells && row.cells_required;
+    }
   std::string text = std::string(report.failed == 0 && report.passed > 0 ? "found" : "missed") + "  " + report.file +
                      "  " + std::to_string(report.passed) + " of " + std::to_string(report.rows.size()) +
-                     " flips found at the exact " + (places ? "tick, table, column, row and lane" : "tick") + "\n";
-  if (!places)
+                     " flips found at the exact " +
+                     (places  ? "tick, table, column, row and lane"
+                      : cells ? "tick and table, the rows concerned in the list"
+                              : "tick") +
+                     "\n";
+  if (cells)
+    text += "  list    " + std::to_string(report.lists.median) + " rows (median), at most " +
+            std::to_string(report.lists.max) + "; concerned " + std::to_string(report.lists.median_concerned) +
+            " (median)\n";
+  if (!places && !cells)
     text +=
         "  note    where the trace stores only the hash of a tick, only the tick was required: record with "
         "--detail full for more\n";
@@ -466,6 +658,12 @@ std::string inject_json(const InjectReport& report) {
                  {"failed", report.failed},
                  {"expected", 0},
                  {"not_applicable", report.not_applicable}};
+  object["lists"] = nullptr;
+  if (report.lists.count > 0)
+    object["lists"] = {{"count", report.lists.count},
+                       {"median", report.lists.median},
+                       {"max", report.lists.max},
+                       {"median_concerned", report.lists.median_concerned}};
   Json rows = Json::array();
   for (const InjectRow& row : report.rows) {
     Json entry = {{"index", row.index}, {"outcome", outcome_name(row.outcome)}, {"tick", row.tick}};
@@ -476,9 +674,14 @@ std::string inject_json(const InjectReport& report) {
       entry["lane"] = row.place.lane;
       entry["bit"] = row.bit;
       entry["name"] = row.place.name;
-      entry["expected"] = lane_hex(row.place.type, *row.place.expected);
-      entry["got"] = lane_hex(row.place.type, *row.place.got);
-      entry["required"] = row.place_required ? "place" : "tick";
+      entry["expected"] = row.place.expected ? Json(lane_hex(row.place.type, *row.place.expected)) : Json(nullptr);
+      entry["got"] = row.place.got ? Json(lane_hex(row.place.type, *row.place.got)) : Json(nullptr);
+      entry["flipped_rows"] = 1 + row.more.size();
+      entry["required"] = row.place_required ? "place" : row.cells_required ? "cells" : "tick";
+      if (row.cells_required) {
+        entry["concerned"] = row.concerned;
+        entry["list_length"] = row.list_length;
+      }
     }
     entry["reason"] = row.reason;
     Json found = {{"verdict", verdict_info(row.verdict).name}};

@@ -25,7 +25,9 @@ struct InjectOptions {
   std::string column;  // empty: any
   std::optional<std::uint64_t> row;
   std::optional<std::uint32_t> lane;
-  std::optional<std::uint32_t> bit;                        // 0: the lowest
+  std::optional<std::uint32_t> bit;            // 0: the lowest
+  std::uint32_t body_count = 0;                // so many rows of the table of bodies at once; 0: one row of any table
+  std::optional<std::uint32_t> after_substep;  // inside the solver, in one body, instead of at the end of the tick
   std::function<void(std::uint64_t flips_done)> progress;  // may be empty
 };
 
@@ -35,10 +37,18 @@ struct InjectRow {
   std::uint64_t index = 0;
   Outcome outcome = Outcome::missed;
   std::uint64_t tick = 0;
-  LaneReport place;  // expected: the true bits, got: the flipped ones
+  struct Flipped {
+    LaneReport place;  // expected: the true bits, got: the flipped ones; inside the solver neither is known
+    std::uint32_t bit = 0;
+  };
+  LaneReport place;  // the first of the flipped
   std::uint32_t bit = 0;
-  bool place_required = false;  // false: the trace stores only the hash of this tick, so only the tick was required
-  std::string reason;           // why missed or not applicable
+  std::vector<Flipped> more;      // flipped at once with it
+  bool place_required = false;    // the trace stores the state of this tick: the exact place was required
+  bool cells_required = false;    // it stores cells: exact table and columns, and every row concerned in the list
+  std::uint64_t concerned = 0;    // with cells: rows (bodies) that the flips concern
+  std::uint64_t list_length = 0;  // and how many verify listed
+  std::string reason;             // why missed or not applicable
   Verdict verdict = Verdict::match;
   std::optional<Divergence> divergence;  // what verify reported
 };
@@ -52,6 +62,11 @@ struct InjectReport {
   std::uint64_t failed = 0;
   std::uint64_t not_applicable = 0;
   std::vector<InjectRow> rows;  // by index
+  // Over the flips found by cells.
+  struct Lengths {
+    std::uint64_t count = 0, median = 0, max = 0, median_concerned = 0;
+  };
+  Lengths lists;
 
   int exit_code() const;
 };

@@ -63,6 +63,29 @@ struct TableDifference {
   std::vector<std::string> columns;  // that differ, in schema order
 };
 
+/// A row that can have diverged, as far as cells tell.
+struct Candidate {
+  std::string table;
+  std::uint64_t row = 0;
+  std::optional<std::uint64_t> id;
+  std::string name;
+};
+
+/// A table of which the two states have another number of rows.
+struct RowCountDifference {
+  std::string table;
+  std::uint64_t expected = 0;
+  std::uint64_t got = 0;
+};
+
+/// How far a divergence has spread by the end of a later tick.
+struct Spread {
+  std::uint64_t tick = 0;
+  std::uint64_t row_count = 0;  // owners (bodies) that differ: counted in stored states, else estimated from cells
+  std::uint64_t of = 0;         // owners there are
+  bool estimated = false;
+};
+
 /// The stages a divergence can name beside those of the simulation.
 inline constexpr std::string_view stage_setup = "setup";  // the state made from the setup, before tick 0
 inline constexpr std::string_view stage_load = "load";    // the state after loading a checkpoint, before the tick
@@ -76,6 +99,14 @@ struct Divergence {
   std::vector<TableDifference> tables;  // empty: the trace stores only the hash of this tick
   std::vector<LaneReport> rows;         // the first lanes that differ, in table, row, column, lane order
   std::uint64_t lane_count = 0;         // all lanes that differ; rows may list fewer
+  bool from_cells = false;              // the trace has cells of this tick: columns are exact, rows are candidates
+  std::vector<RowCountDifference> row_counts;
+  std::vector<Candidate> candidates;    // the first of them
+  std::uint64_t candidate_count = 0;    // all rows that can have differed
+  std::uint64_t owner_count = 0;        // among so many
+  bool healed = false;                  // some stand there by three of their four cells
+  std::uint32_t unexplained_cells = 0;  // differing cells of no row known here: of one only the other state has
+  std::vector<Spread> spread;           // over the ticks behind
   std::uint64_t expected_root = 0;
   std::uint64_t got_root = 0;
   std::string inputs;  // of the tick, JSON Lines

@@ -48,6 +48,30 @@ Json lane_json(const LaneReport& row) {
           {"ulp", ulp ? Json(*ulp) : Json(nullptr)}};
 }
 
+namespace {
+
+/// What cells say of the rows: the list of those that can have differed.
+Json cells_json(const Divergence& divergence) {
+  Json object = {{"candidate_count", divergence.candidate_count},
+                 {"rows", divergence.owner_count},
+                 {"healed", divergence.healed},
+                 {"unexplained_cells", divergence.unexplained_cells}};
+  Json counts = Json::array();
+  for (const RowCountDifference& table : divergence.row_counts)
+    counts.push_back({{"table", table.table}, {"expected", table.expected}, {"got", table.got}});
+  object["row_counts"] = std::move(counts);
+  Json candidates = Json::array();
+  for (const Candidate& candidate : divergence.candidates)
+    candidates.push_back({{"table", candidate.table},
+                          {"row", candidate.row},
+                          {"id", candidate.id ? Json(*candidate.id) : Json(nullptr)},
+                          {"name", candidate.name}});
+  object["candidates"] = std::move(candidates);
+  return object;
+}
+
+}  // namespace
+
 Json divergence_json(const Divergence& divergence) {
   const TableDifference* first = divergence.tables.empty() ? nullptr : &divergence.tables.front();
   Json object = {{"tick", divergence.tick},
@@ -64,6 +88,11 @@ Json divergence_json(const Divergence& divergence) {
   for (const LaneReport& row : divergence.rows) rows.push_back(lane_json(row));
   object["rows"] = std::move(rows);
   object["lane_count"] = divergence.lane_count;
+  object["cells"] = divergence.from_cells ? cells_json(divergence) : Json(nullptr);
+  Json spread = Json::array();
+  for (const Spread& at : divergence.spread)
+    spread.push_back({{"tick", at.tick}, {"rows", at.row_count}, {"of", at.of}, {"estimated", at.estimated}});
+  object["spread"] = std::move(spread);
   object["expected_hash"] = hex64(divergence.expected_root);
   object["got_hash"] = hex64(divergence.got_root);
   object["inputs"] = input_lines_json(divergence.inputs);

@@ -85,6 +85,56 @@ std::string values(const LaneReport& row, const std::string& expected_name, cons
   return text;
 }
 
+std::string candidate_name(const Candidate& candidate) {
+  std::string text = candidate.table + " row " + std::to_string(candidate.row);
+  if (!candidate.id && candidate.name.empty()) return text;
+  text += " (";
+  if (candidate.id) text += "id " + std::to_string(*candidate.id);
+  if (candidate.id && !candidate.name.empty()) text += ", ";
+  if (!candidate.name.empty()) text += "name \"" + candidate.name + "\"";
+  return text + ")";
+}
+
+/// What cells say of the rows.
+void add_candidates(const Divergence& divergence, const std::string& expected_name, const std::string& got_name,
+                    Lines& lines) {
+  for (const RowCountDifference& table : divergence.row_counts)
+    lines.add("rows", table.table + ": " + expected_name + " " + std::to_string(table.expected) + ", " + got_name +
+                          " " + std::to_string(table.got));
+  if (!divergence.from_cells) return;
+  for (std::size_t i = 0; i < std::min(divergence.candidates.size(), rows_shown_max); ++i)
+    lines.add("where", candidate_name(divergence.candidates[i]));
+  const std::size_t shown = std::min(divergence.candidates.size(), rows_shown_max);
+  if (divergence.candidate_count > shown)
+    lines.add("", "and " + plural(divergence.candidate_count - shown, "more row") + " (--json lists the first)");
+  if (divergence.owner_count == 0) return;
+  std::string text = std::to_string(divergence.candidate_count) + " of " + plural(divergence.owner_count, "row") +
+                     " can have differed, with the rows that refer to them";
+  if (divergence.candidate_count == 0 && divergence.unexplained_cells == 0)
+    text = "every row has the values it should have: rows stand in another order";
+  else if (divergence.unexplained_cells > 0)
+    text += "; " + plural(divergence.unexplained_cells, "cell") + " differ" +
+            (divergence.unexplained_cells == 1 ? "s" : "") + " by a row that is not there";
+  lines.add("", text);
+}
+
+/// At the ticks 1, 2, 4, 8, ... behind the divergence and the last one looked at.
+void add_spread(const Divergence& divergence, Lines& lines) {
+  std::string text;
+  for (const Spread& spread : divergence.spread) {
+    text += text.empty() ? "" : "; ";
+    text += "tick " + std::to_string(spread.tick) + ": ";
+    if (spread.row_count == 0)
+      text += "none";
+    else if (spread.row_count == spread.of)
+      text += "all of " + std::to_string(spread.of);
+    else
+      text += (spread.estimated && spread.row_count > 4 ? "about " : "") + std::to_string(spread.row_count) + " of " +
+              std::to_string(spread.of);
+  }
+  if (!text.empty()) lines.add("spread", text);
+}
+
 void add_divergence(const Divergence& divergence, const std::string& expected_name, const std::string& got_name,
                     Lines& lines) {
   constexpr std::size_t column_width = 16;
@@ -111,6 +161,7 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
     lines.add("column", padded(row.table + "." + row.column) + lane_name(row));
     lines.add("value", values(row, expected_name, got_name));
   }
+  add_candidates(divergence, expected_name, got_name, lines);
   const std::size_t shown = std::min(divergence.rows.size(), rows_shown_max);
   if (divergence.lane_count > shown)
     lines.add("", "and " + plural(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
@@ -119,6 +170,7 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
                           hex64(divergence.got_root));
 
   lines.add_inputs(divergence.inputs, inputs_shown_max);
+  add_spread(divergence, lines);
 }
 
 std::string range_text(const replay::IntactRange& range) {

@@ -25,6 +25,32 @@ std::string table_names(const StateSchema& schema) {
 
 }  // namespace
 
+std::optional<SchemaDifference> precision_difference(const StateSchema& a, const StateSchema& b) {
+  if (a.tables.size() != b.tables.size()) return std::nullopt;
+  std::optional<SchemaDifference> found;
+  for (std::size_t t = 0; t < a.tables.size(); ++t) {
+    const TableSchema& table_a = a.tables[t];
+    const TableSchema& table_b = b.tables[t];
+    if (table_a.name != table_b.name || table_a.columns.size() != table_b.columns.size()) return std::nullopt;
+    for (std::size_t c = 0; c < table_a.columns.size(); ++c) {
+      const Column& column_a = table_a.columns[c];
+      Column same = table_b.columns[c];
+      const std::string_view name_a = scalar_info(column_a.type)->name;
+      const std::string_view name_b = scalar_info(same.type)->name;
+      if (column_a.type != same.type) {
+        if (!scalar_info(column_a.type)->is_float || !scalar_info(same.type)->is_float) return std::nullopt;
+        const SchemaDifference here{"precision", std::string(name_a), std::string(name_b)};
+        if (found && found->a != here.a) return std::nullopt;
+        found = here;
+        same.type = column_a.type;
+      }
+      same.offset = column_a.offset;
+      if (!(same == column_a)) return std::nullopt;
+    }
+  }
+  return found;
+}
+
 std::optional<SchemaDifference> first_schema_difference(const StateSchema& a, const StateSchema& b) {
   for (const TableSchema& table : a.tables) {
     const auto index = b.find_table(table.name);

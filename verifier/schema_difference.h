@@ -18,4 +18,7 @@ struct SchemaDifference {
 /// Nothing if the schemas are the same.
 std::optional<SchemaDifference> first_schema_difference(const StateSchema& a, const StateSchema& b);
 
+/// Nothing unless the schemas are the same but for the precision of every float: then "f32" and "f64", or the reverse.
+std::optional<SchemaDifference> precision_difference(const StateSchema& a, const StateSchema& b);
+
 }  // namespace ticktrue::verifier

@@ -9,7 +9,9 @@
 
 #include "base/float_behaviour.h"
 #include "base/hash.h"
+#include "replay/payload.h"
 #include "verifier/locate.h"
+#include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
 
 namespace ticktrue::verifier {
@@ -36,12 +38,15 @@ struct KeptTick {
   std::uint64_t root_hash = 0;
   std::vector<std::uint64_t> stage_hashes;
   std::optional<Bytes> image;
+  Bytes cells;
 };
 
 KeptTick keep(const TickRecord& record) {
-  KeptTick kept{record.tick,      record.dt,           Bytes(record.inputs.begin(), record.inputs.end()),
-                record.root_hash, record.stage_hashes, std::nullopt};
+  KeptTick kept{
+      record.tick,  record.dt, Bytes(record.inputs.begin(), record.inputs.end()), record.root_hash, record.stage_hashes,
+      std::nullopt, {}};
   if (record.image) kept.image = Bytes(record.image->begin(), record.image->end());
+  kept.cells = Bytes(record.cells.begin(), record.cells.end());
   return kept;
 }
 
@@ -392,15 +397,16 @@ class Verifier {
     if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item);
         checkpoint != nullptr && checkpoint->tick == tick_ + 1 && !expected.image)
       expected.image = Bytes(checkpoint->image.begin(), checkpoint->image.end());
-    if (std::holds_alternative<std::monostate>(item)) {
-      take_tail();
-    } else if (!options_.to) {
-      drain();
-    }
 
     Divergence divergence = describe(simulation, expected, got, got_root);
     if (const auto place = find_non_finite(simulation.state()))
       report_.notes.push_back("the state here is not finite: " + place_text(simulation, *place));
+    // A state that no load would accept is not run on: nobody knows what a simulation makes of it.
+    const bool goes_on = options_.spread_ticks > 0 && check_image(setup_.schema, got);
+    if (!follow_spread(simulation, item, goes_on ? options_.spread_ticks : 0, divergence))
+      take_tail();
+    else if (!options_.to)
+      drain();
 
     const Rerun rerun = run_again(expected, got);
     if (rerun.done && !rerun.stage_hashes.empty() && !expected.stage_hashes.empty())
@@ -427,8 +433,45 @@ class Verifier {
     divergence.got_root = got_root;
     divergence.inputs = simulation.inputs_text(expected.tick, expected.inputs);
     divergence.stage_note = "not known: the trace stores no hash after each stage of this tick";
-    if (expected.image) fill_lanes(simulation, *expected.image, got, divergence);
+    if (expected.image)
+      fill_lanes(simulation, *expected.image, got, divergence);
+    else if (!expected.cells.empty())
+      fill_cells(simulation, expected.cells, divergence);
     return divergence;
+  }
+
+  void fill_cells(Simulation& simulation, ByteView expected, Divergence& divergence) {
+    const StateCells recorded = replay::decode_cells(setup_.schema, expected);
+    StateCells here;
+    CellHasher(setup_.schema).hash(simulation.state(), recorded.partition_cells, here);
+    locate_cells(
+        setup_.schema, recorded, here, &simulation.state(),
+        [&](std::size_t table, std::size_t row) { return simulation.row_name(table, row); }, options_.row_count_max,
+        divergence);
+  }
+
+  /// Runs on behind the divergence and says, at 1, 2, 4, 8, ... ticks behind it, how many rows differ. `item` is what
+  /// the source gave last. False: the source came to its end.
+  bool follow_spread(Simulation& simulation, const replay::TraceReader::Item& item, std::uint64_t tick_count,
+                     Divergence& divergence) {
+    CellHasher hasher(setup_.schema);
+    const replay::TraceReader::Item* next = &item;
+    for (std::uint64_t behind = 1; behind <= tick_count; next = &source_.next()) {
+      if (std::holds_alternative<std::monostate>(*next)) return false;
+      const auto* record = std::get_if<TickRecord>(next);
+      if (record == nullptr) continue;
+      const TickInput input{record->dt, record->inputs};
+      const bool is_stored = !record->cells.empty() || record->image;
+      if (!is_stored || (options_.to && record->tick > *options_.to) || find_non_finite(simulation.state()) ||
+          !simulation.accept(input))
+        return true;
+      simulation.step(input, nullptr);
+      if ((behind & (behind - 1)) == 0)
+        if (const auto spread = measure_spread(setup_.schema, *record, simulation.state(), hasher))
+          divergence.spread.push_back(*spread);
+      ++behind;
+    }
+    return !std::holds_alternative<std::monostate>(*next);
   }
 
   struct Rerun {
@@ -721,9 +764,7 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t from = interval == 0 ? 0 : tick / interval * interval;
   report.again.push_back("ticktrue verify " + file + " --mode " + report.mode + " --from " + std::to_string(from) +
                          " --to " + std::to_string(tick));
-  if (report.divergence->tables.empty())
-    report.again.push_back("ticktrue record SCENE --detail full:" + std::to_string(tick) + ".." + std::to_string(tick) +
-                           " -o OUT.ttr, with both builds; then ticktrue diff of the two names columns and values");
+  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick));
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ struct VerifyOptions {
   std::uint64_t from = 0;           // first tick to compare; the run begins at the last checkpoint before it
   std::optional<std::uint64_t> to;  // last tick to compare; the trace is not read beyond it
   bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
-  std::size_t row_count_max = 64;   // lanes listed in a report
+  std::size_t row_count_max = 64;   // lanes and candidates listed in a report
+  std::uint64_t spread_ticks = 64;  // how far behind a divergence its spread is followed; 0: not at all
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
 
   /// Stands between the simulation and verify (fault injection); may be empty. `ticks_done`: of its present state.

@@ -6,6 +6,7 @@
 #include "engine/constraints/groups.h"
 #include "engine/constraints/landings.h"
 #include "engine/integrators/integrator.h"
+#include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -45,6 +46,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
         pass_on_landings(model, state, scratch, group, settled);
         limit_impulses(scratch, group);
       }
+      after_substep(scratch, static_cast<std::size_t>(&group - scratch.groups.data()), substep);
     }
     store_contacts(scratch, group, state);  // forces, since the next tick may have another h
     store_pulls(scratch, state, h);

@@ -165,6 +165,8 @@ TEST_CASE("the constants of the format stand in its document", "[replay][format]
     says(std::to_string(static_cast<int>(info.reason)) + " `" + std::string(info.name) + "`");
   for (const replay::DetailInfo& info : replay::details)
     says(std::to_string(static_cast<int>(info.detail)) + " `" + std::string(info.name) + "`");
-  says("format version " + std::to_string(replay::format_version));
-  says(hex64(replay::chain_start()));
+  for (std::uint16_t version = replay::format_version_first; version <= replay::format_version; ++version) {
+    says("format version " + std::to_string(version));
+    says(hex64(replay::chain_start(version)));
+  }
 }

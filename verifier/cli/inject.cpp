@@ -23,6 +23,8 @@ struct InjectCommand {
   std::optional<std::uint64_t> row;
   std::optional<std::uint64_t> lane;
   std::optional<std::uint64_t> bit;
+  std::uint64_t bodies = 0;
+  std::optional<std::uint64_t> after_substep;
   bool json = false;
 };
 
@@ -42,6 +44,8 @@ int run_inject(const InjectCommand& command) {
   options.row = command.row;
   if (command.lane) options.lane = static_cast<std::uint32_t>(*command.lane);
   if (command.bit) options.bit = static_cast<std::uint32_t>(*command.bit);
+  options.body_count = static_cast<std::uint32_t>(command.bodies);
+  if (command.after_substep) options.after_substep = static_cast<std::uint32_t>(*command.after_substep);
   Progress progress("inject " + command.file, command.count, "flips");
   options.progress = [&](std::uint64_t flips_done) { progress.update(flips_done); };
   const Result<verifier::InjectReport> report = verifier::inject(*reader, options);
@@ -57,7 +61,7 @@ void add_inject(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<InjectCommand>();
   CLI::App* command =
       app.add_subcommand("inject", "Flip bits of the state and require that verify finds each")->group(group_upkeep);
-  command->add_option("FILE", options->file, "Trace, best recorded with --detail full")->required();
+  command->add_option("FILE", options->file, "Trace, recorded with --detail cells or full")->required();
   add_number(*command, "--count", options->count, "How many flips, one at a time", {1, flip_count_max});
   add_number(*command, "--seed", options->seed, "Of the places that are drawn");
   add_number(*command, "--tick", options->tick, "Flip at the end of this tick; without it: any");
@@ -66,6 +70,9 @@ void add_inject(CLI::App& app, CliContext& context) {
   add_number(*command, "--row", options->row, "Flip in this row; without it: any");
   add_number(*command, "--lane", options->lane, "Flip in this lane; without it: any", {0, 255});
   add_number(*command, "--bit", options->bit, "Flip this bit, 0 is the lowest; without it: any", {0, 63});
+  add_number(*command, "--bodies", options->bodies, "Flip a bit in each of so many bodies at once", {1, 64});
+  add_number(*command, "--after-substep", options->after_substep,
+             "Flip a bit of a body inside the solver, after this substep, the first is 0", {0, 255});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.inject/1)");
   set_examples(*command,
                "ticktrue record 'stack?boxes=10' --ticks 300 --detail full -o stack.ttr\n"

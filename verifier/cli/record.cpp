@@ -22,7 +22,7 @@ struct RecordCommand {
   std::string inputs;
   std::optional<std::uint64_t> tick_count;
   HostOptions host;
-  std::string detail = "root";
+  std::string detail = "cells";
   std::uint64_t checkpoint_interval = 600;  // 10 s at 60 Hz: seeking re-simulates less than a second's work
   bool no_compress = false;
   bool force = false;
@@ -45,15 +45,19 @@ Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
     choices.full_last = range->last;
     return {};
   }
-  if (choices.detail == replay::Detail::root && text == "root") return {};
-  return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, full or full:A..B", ""};
+  if (colon == std::string::npos && replay::detail_info(choices.detail).name == text) return {};
+  return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, cells, full or full:A..B", ""};
 }
 
 int run_record(const RecordCommand& options) {
   verifier::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
   if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
-  const Result<engine::Scene> scene = load_scene_argument(options.scene);
+  const bool runs_trace = is_trace_argument(options.scene);
+  Result<TraceSession> again = TraceSession();
+  if (runs_trace) again = open_trace_session(options.scene, options.inputs, options.host, options.tick_count);
+  if (!again) return fail_usage(again.error());
+  const Result<engine::Scene> scene = runs_trace ? std::move(again->scene) : load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
   const auto made = engine::make_engine(*scene);
   if (!made) return fail_usage(made.error());
@@ -63,9 +67,11 @@ int run_record(const RecordCommand& options) {
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
     return fail_usage(status.error());
   catch_stop_signals();
-  auto inputs = open_session_inputs(*scene, options.inputs, options.tick_count);
+  Result<SessionInputs> inputs =
+      runs_trace ? std::move(again->inputs) : open_session_inputs(*scene, options.inputs, options.tick_count);
   if (!inputs) return fail_usage(inputs.error());
-  if (const Status status = use_clock(*inputs, options.host, engine); !status) return fail_usage(status.error());
+  if (!runs_trace)
+    if (const Status status = use_clock(*inputs, options.host, engine); !status) return fail_usage(status.error());
   if (stop_requested()) {
     print_note("stopped before the first tick: nothing was written");
     return exit_ok;
@@ -141,7 +147,10 @@ void add_record(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<RecordCommand>();
   CLI::App* command =
       app.add_subcommand("record", "Simulate a scene and write a trace (a replay file)")->group(group_session);
-  command->add_option("SCENE", options->scene, "Scene file (.json) or built-in scene, with parameters: stack?boxes=20")
+  command
+      ->add_option("SCENE", options->scene,
+                   "Scene file (.json), built-in scene with parameters (stack?boxes=20), or a trace (.ttr): "
+                   "its session is run again")
       ->required();
   command->add_option("-o,--output", options->output, "The trace to write")->type_name("OUT.ttr")->required();
   command->add_option("--inputs", options->inputs, "Inputs as JSON Lines, - for standard input (live)")
@@ -151,9 +160,10 @@ void add_record(CLI::App& app, CliContext& context) {
              {1, limits::tick_count_max});
   add_host_options(*command, options->host);
   command
-      ->add_option("--detail", options->detail,
-                   "root: a hash per tick (default). full[:A..B]: also the state and a hash after each stage, of ticks "
-                   "A to B")
+      ->add_option(
+          "--detail", options->detail,
+          "root: a hash per tick. cells (default): also what names columns and bodies that differ. full[:A..B]: "
+          "the state and a hash after each stage, of ticks A to B")
       ->type_name("D");
   add_number(*command, "--checkpoint-interval", options->checkpoint_interval,
              "Ticks between full states, 0: only the first (default 600)", {0, 0xffffffffu});

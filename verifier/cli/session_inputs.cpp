@@ -9,6 +9,8 @@
 
 #include "verifier/cli/cli.h"
 #include "verifier/cli/progress.h"
+#include "verifier/playback.h"
+#include "verifier/trace_inputs.h"
 
 namespace ticktrue::cli {
 
@@ -46,6 +48,29 @@ Result<SessionInputs> open_session_inputs(const engine::Scene& scene, const std:
   if (tick_count && summary->count > 0 && summary->last_tick >= *tick_count)
     print_note(path + ": inputs from tick " + std::to_string(*tick_count) + " on are not used (--ticks " +
                std::to_string(*tick_count) + ")");
+  return session;
+}
+
+bool is_trace_argument(const std::string& scene) {
+  constexpr std::string_view extension = ".ttr";
+  return scene.size() > extension.size() &&
+         scene.compare(scene.size() - extension.size(), extension.size(), extension) == 0;
+}
+
+Result<TraceSession> open_trace_session(const std::string& path, const std::string& inputs, const HostOptions& host,
+                                        std::optional<std::uint64_t> tick_count) {
+  if (!inputs.empty() || !host.host.empty())
+    return Error{ErrorCode::usage, path + ": a trace has its own inputs and lengths of ticks: found --inputs or --host",
+                 "give the scene instead of the trace, or leave them out"};
+  Result<replay::TraceReader> reader = replay::TraceReader::open(path);
+  if (!reader) return reader.error();
+  Result<engine::Scene> scene = verifier::scene_of(reader->setup());
+  if (!scene) return scene.error();
+  TraceSession session;
+  session.scene = std::move(*scene);
+  session.inputs.ticks_expected = reader->tick_count_hint().value_or(0);
+  if (tick_count) session.inputs.ticks_expected = std::min(*tick_count, session.inputs.ticks_expected);
+  session.inputs.source = std::make_unique<verifier::TraceInputs>(std::move(*reader));
   return session;
 }
 

@@ -45,6 +45,17 @@ std::string clock_text(const engine::Scene& scene, const engine::ClockReport& re
 Result<SessionInputs> open_session_inputs(const engine::Scene& scene, const std::string& path,
                                           std::optional<std::uint64_t> tick_count);
 
+/// Whether a SCENE argument is the name of a trace: then its scene, inputs and dt are run again.
+bool is_trace_argument(const std::string& scene);
+/// The scene of a trace, and its inputs. Errors: usage (--inputs or a host as well), what TraceReader::open and
+/// scene_of refuse.
+struct TraceSession {
+  engine::Scene scene;
+  SessionInputs inputs;
+};
+Result<TraceSession> open_trace_session(const std::string& path, const std::string& inputs, const HostOptions& host,
+                                        std::optional<std::uint64_t> tick_count);
+
 /// Adds "file:line" to an error of a tick that the simulation refused; other errors stay as they are.
 Error with_input_place(const Error& error, const SessionInputs& inputs, const Simulation& simulation);
 

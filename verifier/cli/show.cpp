@@ -54,9 +54,15 @@ int list_inputs(replay::TraceReader& reader, const ShowOptions& options, const T
   }
   if (!output_is_open()) return exit_ok;
   const replay::TraceTail& tail = reader.tail();
+  const bool is_non_finite = tail.end && tail.end->reason == replay::EndReason::non_finite;
+  if (is_non_finite) {
+    // The tick that was not recorded runs again too, and ends the session the same way.
+    if (range.contains(tick_count)) print(listing.text(tick_count, tail.pending_inputs));
+    ++tick_count;
+  }
   print(listing.end_text(tick_count));
   print_listing_end(options, tail);
-  if (tail.has_pending_inputs)
+  if (tail.has_pending_inputs && !is_non_finite)
     print_note(options.file + ": inputs of tick " + std::to_string(tail.ticks_intact) +
                " were written, its result was not; they are not listed");
   if (has_own_dt) print_note(options.file + ": some ticks have a dt of their own, which these lines do not say");
@@ -83,6 +89,7 @@ int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const Ti
       line["hash"] = hex64(record->root_hash);
       line["input_size"] = record->inputs.size();
       line["full"] = record->image.has_value();
+      line["cells"] = !record->cells.empty();
       print_json(line, -1);
       continue;
     }

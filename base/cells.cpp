@@ -1,0 +1,356 @@
+// Cell and column hashes: multiplications over packed words, no call per row.
+// SPDX-License-Identifier: MIT
+// Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums over columns).
+#include "base/cells.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "base/assert.h"
+#include "base/words.h"
+
+namespace ticktrue {
+namespace {
+
+constexpr std::uint64_t multiplier = 0xd6e8feb86659fd93u;  // odd, bits without pattern
+constexpr std::uint32_t row_step = 0x9e3779b9u;            // 2^32 / golden ratio: keys of rows spread evenly
+constexpr std::uint32_t no_owner = 0xffffffffu;
+
+/// One step of a chain; a bijection of `hash` for each `word` and of `word` for each `hash`.
+std::uint64_t mix(std::uint64_t hash, std::uint64_t word) {
+  hash = (hash ^ word) * multiplier;
+  return hash ^ (hash >> 32);
+}
+
+std::uint64_t two_words(const std::uint32_t* words) {
+  std::uint64_t both;
+  std::memcpy(&both, words, sizeof both);
+  return machine_is_little_endian ? both : both << 32 | both >> 32;
+}
+
+inline std::uint64_t hash_row(const std::uint32_t* words, std::size_t count, std::uint64_t seed) {
+  std::uint64_t hash = seed;
+  std::size_t i = 0;
+  for (; i + 1 < count; i += 2) hash = mix(hash, two_words(words + i));
+  return i < count ? mix(hash, words[i]) : hash;
+}
+
+template <std::size_t count>
+void hash_rows_of(const std::uint32_t* words, std::size_t row_count, std::uint64_t seed, std::uint64_t* out) {
+  for (std::size_t row = 0; row < row_count; ++row, words += count) {
+    std::uint64_t hash = seed;
+    for (std::size_t i = 0; i + 1 < count; i += 2) hash = mix(hash, two_words(words + i));
+    out[row] = count % 2 != 0 ? mix(hash, words[count - 1]) : hash;
+  }
+}
+
+/// The hash of each row. The chains of short rows are unrolled, so that those of several rows overlap.
+template <std::size_t... counts>
+void hash_rows(std::index_sequence<counts...>, const std::uint32_t* words, std::size_t count, std::size_t row_count,
+               std::uint64_t seed, std::uint64_t* out) {
+  using HashRows = void (*)(const std::uint32_t*, std::size_t, std::uint64_t, std::uint64_t*);
+  constexpr HashRows by_count[] = {hash_rows_of<counts + 1>...};
+  if (count - 1 < sizeof...(counts)) return by_count[count - 1](words, row_count, seed, out);
+  for (std::size_t row = 0; row < row_count; ++row) out[row] = hash_row(words + row * count, count, seed);
+}
+constexpr std::make_index_sequence<24> short_rows;
+
+/// The sums over pairs of rows of products of words, for `blocks` times four words. `words`: the first of them in the
+/// first row.
+template <std::size_t blocks>
+void add_products(const std::uint32_t* words, std::size_t stride, std::size_t row_count, std::uint64_t* out) {
+  const auto block = [&](std::size_t row, std::size_t i) {
+    return load_words(reinterpret_cast<const std::uint8_t*>(words + row * stride + 4 * i));
+  };
+  Sums2 even[blocks] = {}, odd[blocks] = {};
+  const auto add = [&](std::size_t i, Words4 a, Words4 b) {
+    even[i] += multiply_even(a, b);
+    odd[i] += multiply_even(odd_words(a), odd_words(b));
+  };
+  const Words4 step{row_step, row_step, row_step, row_step};
+  Words4 key = step;
+  std::size_t row = 0;
+  for (; row + 1 < row_count; row += 2, key += 2 * step)
+    for (std::size_t i = 0; i < blocks; ++i) add(i, block(row, i) + key, block(row + 1, i) + key + step);
+  if (row < row_count)
+    for (std::size_t i = 0; i < blocks; ++i) add(i, block(row, i) + key, key + step);
+  for (std::size_t i = 0; i < blocks; ++i)
+    for (std::size_t word = 0; word < 4; ++word) out[4 * i + word] = (word % 2 == 0 ? even : odd)[i][word / 2];
+}
+
+/// The same for one word.
+std::uint64_t add_products_of_word(const std::uint32_t* words, std::size_t stride, std::size_t row_count) {
+  std::uint64_t sum = 0;
+  std::uint32_t key = row_step;
+  for (std::size_t row = 0; row < row_count; row += 2, key += 2 * row_step) {
+    const std::uint32_t a = words[row * stride] + key;
+    const std::uint32_t b = (row + 1 < row_count ? words[(row + 1) * stride] : 0) + key + row_step;
+    sum += std::uint64_t{a} * b;
+  }
+  return sum;
+}
+
+/// Owners up to `owner_count_max` share so many cells a partition.
+struct CellStep {
+  std::uint64_t owner_count_max;
+  std::uint32_t partition_cells;
+};
+constexpr std::array<CellStep, 10> cell_steps{{{8, 4},
+                                               {32, 8},
+                                               {256, 16},
+                                               {1'500, 24},
+                                               {3'000, 34},
+                                               {6'000, 48},
+                                               {12'000, 68},
+                                               {24'000, 96},
+                                               {48'000, 136},
+                                               {96'000, 192}}};
+constexpr std::uint32_t partition_cells_beyond = 272;
+
+}  // namespace
+
+std::uint32_t partition_cells_for(std::uint64_t owner_count) {
+  for (const CellStep& step : cell_steps)
+    if (owner_count <= step.owner_count_max) return step.partition_cells;
+  return partition_cells_beyond;
+}
+
+std::array<std::uint32_t, partition_count> cells_of(const CellOwner& owner, std::uint32_t partition_cells) {
+  // Twice after the key: one multiplication would leave neighbouring keys in neighbouring cells.
+  const std::uint64_t hash = mix(mix(mix(0, owner.table + 1), owner.key), 0);
+  std::array<std::uint32_t, partition_count> cells;
+  for (std::size_t p = 0; p < partition_count; ++p)
+    cells[p] = static_cast<std::uint32_t>((((hash >> (16 * p)) & 0xffff) * partition_cells) >> 16);
+  return cells;
+}
+
+/// The row, or no_owner. No row has the id no_reference.
+inline std::uint32_t CellHasher::Lookup::find(std::uint32_t id) const {
+  if (is_dense) return id - first < count ? id - first : no_owner;
+  if (id == no_reference) return no_owner;
+  const std::size_t mask = slots.size() - 1;
+  for (std::size_t at = (id * row_step) & mask;; at = (at + 1) & mask) {
+    if (slots[at] == 0) return no_owner;
+    if (slots[at] >> 32 == id) return static_cast<std::uint32_t>(slots[at]) - 1;
+  }
+}
+
+CellHasher::CellHasher(const StateSchema& schema) : schema_(schema) {
+  tables_.resize(schema.tables.size());
+  is_target_.resize(schema.tables.size());
+  expanded_.resize(schema.tables.size());
+  lookups_.resize(schema.tables.size());
+  words_.resize(schema.tables.size());
+  first_owner_.resize(schema.tables.size());
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    const TableSchema& described = schema.tables[t];
+    Table& table = tables_[t];
+    table.owns = owns_rows(schema, t);
+    table.is_words = machine_is_little_endian;
+    table.seed = mix(0, ~std::uint64_t{t});
+    for (const Column& column : described.columns) {
+      const std::size_t size = scalar_info(column.type)->size;
+      table.is_words = table.is_words && size >= 4;
+      table.column_word.push_back(table.words);
+      table.words += column.lane_count * (size == 8 ? 2u : 1u);
+    }
+    table.column_word.push_back(table.words);
+    column_count_ += described.columns.size();
+    table.key_words = table.column_word[described.key_column_count];
+  }
+  for (std::size_t t = 0; t < tables_.size(); ++t)
+    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c) {
+      const Column& column = schema.tables[t].columns[c];
+      if (tables_[t].owns || column.target < 0 || !tables_[static_cast<std::size_t>(column.target)].owns) continue;
+      const auto target = static_cast<std::size_t>(column.target);
+      for (std::size_t lane = 0; lane < column.lane_count; ++lane)
+        tables_[t].references.push_back({tables_[t].column_word[c] + lane, target});
+      is_target_[target] = true;
+    }
+}
+
+/// The words of all rows: the rows themselves, or an expanded copy.
+const std::uint32_t* CellHasher::words_of(std::size_t index, const TableRows& rows) {
+  const Table& table = tables_[index];
+  if (table.is_words && reinterpret_cast<std::uintptr_t>(rows.data) % alignof(std::uint32_t) == 0)
+    return reinterpret_cast<const std::uint32_t*>(rows.data);
+  const TableSchema& described = schema_.tables[index];
+  std::vector<std::uint32_t>& words = expanded_[index];
+  words.resize(rows.row_count * table.words);
+  std::uint32_t* out = words.data();
+  for (std::size_t row = 0; row < rows.row_count; ++row)
+    for (const Column& column : described.columns) {
+      const std::size_t size = scalar_info(column.type)->size;
+      const std::uint8_t* lane = rows.data + row * described.row_size + column.offset;
+      for (std::size_t i = 0; i < column.lane_count; ++i, lane += size) {
+        std::uint64_t value = 0;
+        for (std::size_t byte = 0; byte < size; ++byte)
+          value |= std::uint64_t{lane[machine_is_little_endian ? byte : size - 1 - byte]} << (8 * byte);
+        *out++ = static_cast<std::uint32_t>(value);
+        if (size == 8) *out++ = static_cast<std::uint32_t>(value >> 32);
+      }
+    }
+  return words.data();
+}
+
+void CellHasher::hash_columns(const Table& table, const std::uint32_t* words, std::size_t row_count,
+                              std::uint32_t* out) {
+  sums_.resize(table.words);
+  if (table.words >= 4)
+    cover_words(table.words, [&](std::size_t first, auto blocks) {
+      add_products<blocks.value>(words + first, table.words, row_count, sums_.data() + first);
+    });
+  else
+    for (std::size_t word = 0; word < table.words; ++word)
+      sums_[word] = add_products_of_word(words + word, table.words, row_count);
+  for (std::size_t c = 0; c + 1 < table.column_word.size(); ++c) {
+    std::uint64_t hash = row_count;
+    for (std::size_t word = table.column_word[c]; word < table.column_word[c + 1]; ++word)
+      hash = mix(hash, sums_[word]);
+    out[c] = static_cast<std::uint32_t>(hash);
+  }
+}
+
+void CellHasher::make_lookup(const Table& table, const std::uint32_t* words, std::size_t row_count, Lookup& lookup) {
+  lookup.first = row_count == 0 ? 0 : words[0];
+  lookup.count = static_cast<std::uint32_t>(row_count);
+  std::uint32_t deviation = 0;
+  for (std::size_t row = 0; row < row_count; ++row)
+    deviation |= words[row * table.words] - lookup.first - static_cast<std::uint32_t>(row);
+  lookup.is_dense = deviation == 0;
+  if (lookup.is_dense) return;
+  std::size_t size = 16;
+  while (size < 2 * row_count) size *= 2;
+  lookup.slots.assign(size, 0);
+  for (std::size_t row = 0; row < row_count; ++row) {
+    const std::uint32_t id = words[row * table.words];
+    std::size_t at = (id * row_step) & (size - 1);
+    while (lookup.slots[at] != 0) at = (at + 1) & (size - 1);
+    lookup.slots[at] = std::uint64_t{id} << 32 | (row + 1);
+  }
+}
+
+std::uint64_t CellHasher::key_of(const Table& table, const std::uint32_t* row_words, std::size_t row) const {
+  if (table.key_words == 0) return row;
+  if (table.key_words == 1) return row_words[0];
+  return hash_row(row_words, table.key_words, 0);
+}
+
+/// Puts the owners of a row of a table that does not own into found_; false if there is none.
+bool CellHasher::find_owners(const Table& table, const std::uint32_t* row_words) {
+  found_.clear();
+  for (const Reference& reference : table.references) {
+    const std::uint32_t row = lookups_[reference.target].find(row_words[reference.word]);
+    if (row != no_owner) found_.push_back(first_owner_[reference.target] + row);
+  }
+  return !found_.empty();
+}
+
+/// Fills words_, first_owner_ and lookups_.
+void CellHasher::prepare(const StateView& state) {
+  TICKTRUE_ASSERT(state.tables.size() == tables_.size());
+  std::size_t owner_count = 0;
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    words_[t] = words_of(t, state.tables[t]);
+    first_owner_[t] = owner_count;
+    if (tables_[t].owns) owner_count += state.tables[t].row_count;
+    if (is_target_[t]) make_lookup(tables_[t], words_[t], state.tables[t].row_count, lookups_[t]);
+  }
+  values_.resize(owner_count);
+  places_.resize(owner_count);
+}
+
+void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, StateCells& out) {
+  TICKTRUE_ASSERT(partition_cells <= partition_cells_max);
+  prepare(state);
+  out.partition_cells = partition_cells == 0 ? partition_cells_for(values_.size()) : partition_cells;
+  out.cells.assign(partition_count * out.partition_cells, 0);
+  out.row_counts.clear();
+  out.columns.assign(column_count_, 0);
+
+  const auto put = [&](const std::array<std::uint32_t, partition_count>& cells, std::uint64_t key,
+                       std::uint64_t value) {
+    value = mix(value, key);
+    for (std::size_t p = 0; p < partition_count; ++p) {
+      std::uint16_t& cell = out.cells[p * out.partition_cells + cells[p]];
+      cell = static_cast<std::uint16_t>(cell ^ (value >> (16 * p)));
+    }
+  };
+  std::uint32_t* columns = out.columns.data();
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    const Table& table = tables_[t];
+    const std::size_t row_count = state.tables[t].row_count;
+    out.row_counts.push_back(state.tables[t].row_count);
+    if (row_count > 0) hash_columns(table, words_[t], row_count, columns);
+    columns += table.column_word.size() - 1;
+    if (!table.owns) continue;
+    hash_rows(short_rows, words_[t], table.words, row_count, table.seed, values_.data() + first_owner_[t]);
+  }
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    const Table& table = tables_[t];
+    const std::size_t row_count = state.tables[t].row_count;
+    if (table.owns || row_count == 0) continue;
+    std::vector<std::uint64_t>& hashes = sums_;
+    hashes.resize(row_count);
+    hash_rows(short_rows, words_[t], table.words, row_count, table.seed, hashes.data());
+    std::vector<std::size_t>& is_owned = found_;
+    is_owned.assign(row_count, 0);
+    for (const Reference& reference : table.references) {
+      const Lookup& lookup = lookups_[reference.target];
+      std::uint64_t* values = values_.data() + first_owner_[reference.target];
+      const std::uint32_t* word = words_[t] + reference.word;
+      for (std::size_t row = 0; row < row_count; ++row, word += table.words) {
+        const std::uint32_t owner = lookup.find(*word);
+        if (owner == no_owner) continue;
+        values[owner] += hashes[row];
+        is_owned[row] = 1;
+      }
+    }
+    for (std::size_t row = 0; row < row_count; ++row) {
+      if (is_owned[row] != 0) continue;
+      const std::uint64_t key = key_of(table, words_[t] + row * table.words, row);
+      put(cells_of({t, row, key}, out.partition_cells), key, hashes[row]);
+    }
+  }
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    if (!tables_[t].owns) continue;
+    for (std::size_t row = 0; row < state.tables[t].row_count; ++row) {
+      const std::uint64_t key = key_of(tables_[t], words_[t] + row * tables_[t].words, row);
+      Place& place = places_[first_owner_[t] + row];
+      if (place.table != t || place.key != key || place.partition_cells != out.partition_cells)
+        place = {key, t, out.partition_cells, cells_of({t, row, key}, out.partition_cells)};
+      put(place.cells, key, values_[first_owner_[t] + row]);
+    }
+  }
+}
+
+const std::vector<CellOwner>& CellHasher::owners(const StateView& state) {
+  prepare(state);
+  owners_.clear();
+  for (std::size_t t = 0; t < tables_.size(); ++t)
+    for (std::size_t row = 0; row < state.tables[t].row_count; ++row) {
+      const std::uint32_t* words = words_[t] + row * tables_[t].words;
+      if (tables_[t].owns || !find_owners(tables_[t], words))
+        owners_.push_back({t, row, key_of(tables_[t], words, row)});
+    }
+  return owners_;
+}
+
+std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t table, std::size_t row) {
+  prepare(state);
+  const std::uint32_t* words = words_[table] + row * tables_[table].words;
+  if (tables_[table].owns || !find_owners(tables_[table], words))
+    return {{table, row, key_of(tables_[table], words, row)}};
+  std::vector<CellOwner> owners;
+  for (const std::size_t found : found_) {
+    std::size_t target = 0;
+    while (!tables_[target].owns || found - first_owner_[target] >= state.tables[target].row_count) ++target;
+    const std::size_t target_row = found - first_owner_[target];
+    owners.push_back(
+        {target, target_row, key_of(tables_[target], words_[target] + target_row * tables_[target].words, target_row)});
+  }
+  return owners;
+}
+
+}  // namespace ticktrue

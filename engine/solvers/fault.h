@@ -1,0 +1,17 @@
+// A bit flipped inside the solver, so that tests see what verification makes of it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Flips the planted bit if it is due after this substep of this group.
+void flip_planted(Scratch& scratch, std::size_t group, int substep);
+
+/// One question for each substep of a group, none inside its loops.
+inline void after_substep(Scratch& scratch, std::size_t group, int substep) {
+  if (scratch.planted) flip_planted(scratch, group, substep);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

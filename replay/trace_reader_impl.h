@@ -1,0 +1,171 @@
+// The parts of TraceReader, shared by the files that implement it: reading chunks, giving out records, scanning.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "replay/chunk.h"
+#include "replay/file.h"
+#include "replay/payload.h"
+#include "replay/trace_reader.h"
+
+namespace ticktrue::replay {
+
+inline constexpr std::size_t read_ahead_size = 512u << 10;
+
+/// What comes next in the file.
+enum class Phase : std::uint8_t { body, index, footer, closed };
+
+/// What reading one chunk gave.
+enum class Step : std::uint8_t { passed, ticks, checkpoint, image, stop };
+
+struct Fault {
+  TraceCondition condition = TraceCondition::damaged;
+  std::uint64_t offset = 0;
+  std::string message;
+};
+
+/// Everything that says where reading is: copied to try a place, put back afterwards.
+struct Cursor {
+  std::uint64_t offset = 0;  // of the next chunk
+  std::uint32_t sequence = 0;
+  std::uint64_t chain = 0;
+  std::uint64_t tick = 0;  // ticks done before the next chunk
+  Phase phase = Phase::body;
+  bool has_checkpoint = false;
+  std::uint64_t last_checkpoint = 0;
+
+  // A state image whose parts are being read.
+  std::uint8_t part_kind = 0;  // 0: none
+  ImagePart part;              // the part before; `stored` is not used
+
+  bool expects_image = false;  // the last tick said that its image follows
+  bool has_pending = false;    // inputs of a tick without hash stand at the end of the last ticks chunk
+  double pending_dt = 0;
+  Bytes pending_inputs;
+};
+
+struct TraceReader::Impl {
+  InputFile file;
+  std::string name;
+  TraceSetup setup;
+  FactsPayload facts;
+  std::uint64_t facts_check = 0;
+  std::uint64_t seed = 0;            // of header checks, from the setup on
+  Cursor start;                      // after setup and build facts
+  std::optional<Fault> start_fault;  // nothing behind the setup can be read
+  std::optional<Fault> facts_fault;  // damaged build facts do not keep ticks from being read
+
+  Cursor cursor;
+  Cursor image_start;                 // where the last state image began
+  std::optional<Fault> fault;         // why reading stopped
+  std::optional<Fault> first_damage;  // damage that did not stop it
+  bool is_sequential = true;          // read from the start, so that the index can be compared
+  CheckpointIndex seen;
+  std::optional<EndRecord> end;
+  std::uint64_t index_offset = 0;
+  std::optional<std::uint64_t> index_check;
+
+  // Window on the file.
+  Bytes window;
+  std::uint64_t window_offset = 0;
+
+  // Records of the ticks chunk that is being given out.
+  Bytes records;
+  std::size_t walk_offset = 0;
+  std::size_t walk_end = 0;  // behind the last root record
+  std::uint64_t walk_tick = 0;
+  double walk_dt = 0;
+  std::uint64_t walk_file_offset = 0;  // of records[0]
+
+  Bytes image;
+  Item item;
+  std::uint64_t item_offset = 0;
+  TraceTail tail;
+  bool has_tail = false;
+
+  explicit Impl(InputFile opened, std::string called) : file(std::move(opened)), name(std::move(called)) {}
+
+  /// At most `size` bytes from `offset`; fewer where the file ends. Valid until the next call.
+  ByteView view(std::uint64_t offset, std::size_t size);
+
+  std::uint64_t remaining() const { return file.size() - cursor.offset; }
+  static std::uint64_t whole_size(const ChunkHeader& header) {
+    return std::uint64_t{chunk_header_size} + header.size + chunk_trailer_size;
+  }
+
+  std::string chunk_text(std::uint8_t kind) const;
+
+  Step stop(TraceCondition condition, std::uint64_t offset, const std::string& what);
+  Step damaged(std::uint64_t offset, const std::string& what) { return stop(TraceCondition::damaged, offset, what); }
+  Step truncated(const std::string& what) { return stop(TraceCondition::truncated, file.size(), what); }
+
+  ChunkHeader expected_header() const;
+
+  /// The header at the cursor, if it is whole, right and the one that must come; else stops.
+  std::optional<ChunkHeader> read_header(std::uint64_t header_seed);
+
+  /// The payload of a chunk with stated size, if all of it is there and right; else stops.
+  std::optional<ByteView> read_payload(const ChunkHeader& header, std::size_t size_max);
+
+  void pass(const ChunkHeader& header);
+
+  // ---- Setup and build facts ----
+
+  Status read_start();
+  /// The stop while reading the setup, as an error of open().
+  Error start_error() const;
+  void read_facts();
+  /// Moves `offset` to the next valid header at or behind it.
+  std::optional<ChunkHeader> find_header(std::uint64_t& offset);
+
+  // ---- Chunks ----
+
+  Step read_chunk();
+  /// Null if a chunk of this kind may come here, else what may.
+  const char* wanted_kind(const ChunkHeader& header) const;
+  Step read_private(const ChunkHeader& header);
+  Step read_image_part(const ChunkHeader& header);
+  /// Proves a ticks chunk record by record and keeps its records for walk(). At the end of a truncated file the
+  /// records up to the cut are kept.
+  Step read_ticks(const ChunkHeader& header);
+  bool is_full(std::uint64_t tick) const;
+  static std::string fault_text(const Record& record);
+  void keep_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick);
+  void keep_pending(double dt, ByteView inputs);
+  Step read_end(const ChunkHeader& header);
+  Step read_index(const ChunkHeader& header);
+  Step read_footer(const ChunkHeader& header);
+  void note_damage(Fault damage) {
+    if (!first_damage) first_damage = std::move(damage);
+  }
+
+  // ---- Giving out ----
+
+  void rewind();
+  const Item& next();
+  /// Gives out the next tick of the chunk in `records`, which is proven.
+  const Item& walk();
+  void make_tail();
+  /// What is whole behind the damage at the cursor.
+  std::vector<IntactRange> find_intact();
+  /// Puts the cursor at a header whose check is right, whatever came before it.
+  void resume_at(std::uint64_t offset, const ChunkHeader& header);
+
+  // ---- Seeking ----
+
+  /// Header and payload of the footer and the index, if both are right.
+  std::optional<ChunkHeader> footer_header(Footer& footer);
+  std::optional<CheckpointIndex> read_index_directly();
+  bool seek(std::uint64_t tick);
+  std::optional<std::uint64_t> tick_count_hint();
+};
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,59 @@
+// Locates a difference from the cells of two states: columns exactly, and the rows that can have differed.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/cells.h"
+#include "replay/trace.h"
+#include "verifier/locate.h"
+#include "verifier/report.h"
+
+namespace ticktrue::verifier {
+
+/// What the cells of two states say of their rows.
+struct CellFinding {
+  std::vector<CellOwner> candidates;  // of the given owners, those that can have differed, in their order
+  bool healed = false;                // some are there by three of four partitions
+  std::uint32_t differing_cells = 0;
+  std::uint32_t unexplained_cells = 0;  // differ, and no candidate's value goes into them
+};
+
+/// Every owner all of whose cells differ. Where these do not explain every differing cell, also those with three
+/// differing cells, one of them unexplained: a value may change and leave one of its cells as it was.
+/// Requires: equal partition_cells.
+CellFinding find_candidates(const StateCells& expected, const StateCells& got, const std::vector<CellOwner>& owners);
+
+/// How many of `owner_count` owners differ, as estimated from how many cells do; exact where they are few.
+std::uint64_t estimate_differing(const StateCells& expected, const StateCells& got, std::uint64_t owner_count);
+
+/// Fills tables, row_counts and candidates of `divergence`. `rows`: a state whose owners are tried, the one here or the
+/// last one known; null where there is none. At most `row_count_max` candidates are listed, all are counted.
+void locate_cells(const StateSchema& schema, const StateCells& expected, const StateCells& got, const StateView* rows,
+                  const RowNamer& row_name, std::size_t row_count_max, Divergence& divergence);
+
+/// How many owners differ between a tick as recorded and the state here after it. Nothing where the trace stores only
+/// a hash of the tick, and that differs.
+std::optional<Spread> measure_spread(const StateSchema& schema, const replay::TickRecord& recorded,
+                                     const StateView& here, CellHasher& hasher);
+/// The same for two sets of cells, or for two images.
+Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const StateCells& b, std::uint64_t tick);
+std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, ByteView b, std::uint64_t tick);
+
+/// What to run with the build that recorded `file`, for the values behind a difference at `tick`.
+std::string more_detail_command(const std::string& file, std::uint64_t tick);
+
+/// An image seen as a state. Requires: an image of the schema, which must outlive this.
+class ImageState {
+ public:
+  /// Errors: corrupt.
+  static Result<ImageState> of(const StateSchema& schema, ByteView image);
+  const StateView& view() const { return view_; }
+
+ private:
+  StateView view_;
+  std::vector<Bytes> rows_;
+};
+
+}  // namespace ticktrue::verifier
