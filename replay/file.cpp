@@ -76,30 +76,34 @@ Error io_error(const std::string& path, const std::string& action, int code) {
 
 Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
   OutputFile file;
-  file.path_ = path;
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  // What a link points at is replaced, not the link.
+  file.path_ = path;
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, failure)) &&
+      std::filesystem::is_regular_file(status))
+    file.path_ = std::filesystem::canonical(path, failure).string();
   if (std::filesystem::is_directory(status))
     return Error{ErrorCode::io, path + ": cannot write: found a directory, expected a file name", "name a file in it"};
   file.is_regular_ = !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
   if (std::filesystem::exists(status)) {
     if (!overwrite) return Error{ErrorCode::io, path + ": exists: it is not overwritten", "use --force to replace it"};
     if (file.is_regular_) {
-      const std::string old_path = path + ".old";
+      const std::string old_path = file.path_ + ".old";
       // It may be the last good recording, set aside by a recorder that was killed: never ours to replace.
       if (std::filesystem::exists(std::filesystem::symlink_status(old_path, failure)))
         return Error{ErrorCode::io, old_path + ": exists: it is not overwritten",
                      "--force sets the old file aside under this name while it records; move or remove it first"};
-      std::filesystem::rename(path, old_path, failure);
+      std::filesystem::rename(file.path_, old_path, failure);
       if (failure) return io_error(path, "cannot set aside as " + old_path, failure.value());
       file.old_path_ = old_path;
     }
   }
   const int flags = file.is_regular_ ? O_WRONLY | O_CREAT | O_EXCL : O_WRONLY;
-  file.descriptor_ = open_file(path, flags);
+  file.descriptor_ = open_file(file.path_, flags);
   if (file.descriptor_ < 0) {
     const int code = errno;
-    if (!file.old_path_.empty()) std::filesystem::rename(file.old_path_, path, failure);
+    if (!file.old_path_.empty()) std::filesystem::rename(file.old_path_, file.path_, failure);
     return io_error(path, "cannot create", code);
   }
   return file;

@@ -52,14 +52,17 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   if (const Status target = check_writable_target(path, overwrite); !target) return target.error();
   DataFile file;
   file.path_ = path;
-  file.new_path_ = path;
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
+  // What a link points at is replaced, not the link.
+  if (fs::is_symlink(fs::symlink_status(path, code)) && fs::is_regular_file(status))
+    file.path_ = fs::canonical(path, code).string();
+  file.new_path_ = file.path_;
   const char* mode = "wbx";  // x: fails if somebody created it meanwhile
   if (fs::exists(status)) {
     mode = "wb";
     file.removable_ = fs::is_regular_file(status);
-    if (file.removable_) file.new_path_ = path + ".ticktrue-new";
+    if (file.removable_) file.new_path_ = file.path_ + ".ticktrue-new";
   }
   file.file_ = std::fopen(file.new_path_.c_str(), mode);
   if (file.file_ == nullptr) {

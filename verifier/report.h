@@ -14,6 +14,7 @@
 #include "base/state_view.h"
 #include "replay/trace.h"
 #include "verifier/exit_codes.h"
+#include "verifier/non_finite.h"
 
 namespace ticktrue::verifier {
 
@@ -118,6 +119,17 @@ struct TraceEnd {
   std::string pending_inputs;  // JSON Lines
 };
 
+/// Another build that was asked about the same trace, and what it said.
+struct OtherBuild {
+  std::string binary;
+  std::string verdict;  // its name; empty: none came
+  std::string reason;
+  std::uint64_t ticks_compared = 0;
+  std::optional<std::uint64_t> diverged_at;  // tick
+  replay::BuildFacts facts;
+  bool is_expected = false;  // the divergence of the report is between it ("expected") and this build ("got")
+};
+
 struct Report {
   std::string file;
   std::string title;  // of the scene
@@ -132,11 +144,15 @@ struct Report {
   double time_s = 0;             // simulated time at the end of the last tick compared
   std::uint64_t root_hash = 0;   // of the last state compared
   std::uint64_t checkpoints_compared = 0;
+  std::uint64_t stretches = 1;  // between checkpoints, walked apart from each other
+  double wall_s = 0;            // how long it took; 0: not measured
   std::optional<Divergence> divergence;
-  std::optional<TraceEnd> end;  // absent: the trace was not read to its end
+  std::optional<NonFinite> non_finite;  // where a value here is not finite, as recorded or not
+  std::optional<TraceEnd> end;          // absent: the trace was not read to its end
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
   replay::BuildFacts recorded_build;
+  std::optional<OtherBuild> against;
   std::vector<std::string> again;  // commands that would tell more
 
   int exit_code(bool allow_truncated = false) const;

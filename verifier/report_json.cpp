@@ -99,6 +99,11 @@ Json divergence_json(const Divergence& divergence) {
   return object;
 }
 
+Json non_finite_json(const NonFinite& found) {
+  return {{"tick", found.tick},     {"table", found.table}, {"row", found.row},    {"name", found.row_name},
+          {"column", found.column}, {"lane", found.lane},   {"value", found.value}};
+}
+
 Json input_lines_json(const std::string& lines) {
   return Json(split_lines(lines));
 }
@@ -138,6 +143,15 @@ Json intact_json(const Report& report) {
   return list;
 }
 
+Json against_json(const OtherBuild& other) {
+  return {{"binary", other.binary},
+          {"verdict", other.verdict.empty() ? Json(nullptr) : Json(other.verdict)},
+          {"reason", other.reason},
+          {"ticks_compared", other.ticks_compared},
+          {"diverged_at", other.diverged_at ? Json(*other.diverged_at) : Json(nullptr)},
+          {"build", facts_json(other.facts)}};
+}
+
 Json row_json(const Report& report) {
   Json object;
   object["file"] = report.file;
@@ -154,6 +168,8 @@ Json row_json(const Report& report) {
   object["time_s"] = report.time_s;
   object["root_hash"] = hex64(report.root_hash);
   object["checkpoints_compared"] = report.checkpoints_compared;
+  object["stretches"] = report.stretches;
+  object["non_finite"] = report.non_finite ? non_finite_json(*report.non_finite) : Json(nullptr);
   object["end"] = report.end ? end_json(*report.end) : Json(nullptr);
   object["intact_after"] = intact_json(report);
   object["inputs"] = report.divergence ? input_lines_json(report.divergence->inputs) : Json::array();
@@ -161,6 +177,7 @@ Json row_json(const Report& report) {
   object["notes"] = report.notes;
   object["builds"] = {{"recorded", facts_json(report.recorded_build)}, {"here", build_json()}};
   object["again"] = report.again;
+  if (report.against) object["against"] = against_json(*report.against);
   return object;
 }
 

@@ -216,7 +216,9 @@ std::string report_text(const Report& report) {
   Lines lines;
   const bool end_says_it = report.end && !report.end->tail.message.empty() && report.reason == report.end->tail.message;
   if (!report.reason.empty() && !end_says_it) lines.add("reason", report.reason);
-  if (report.divergence) add_divergence(*report.divergence, "expected", "got", lines);
+  const bool between_builds = report.against && report.against->is_expected;
+  if (report.divergence)
+    add_divergence(*report.divergence, between_builds ? "there" : "expected", between_builds ? "here" : "got", lines);
   if (report.end) add_end(report, lines);
   for (const std::string& note : report.notes) lines.add("note", note);
   for (const std::string& warning : report.warnings) lines.add("warning", warning);
@@ -224,6 +226,7 @@ std::string report_text(const Report& report) {
   if (judged_by_build && !report.recorded_build.empty()) {
     lines.add("builds", "recorded " + facts_line(report.recorded_build));
     lines.add("", "here " + build_line());
+    if (report.against && !report.against->facts.empty()) lines.add("", "there " + facts_line(report.against->facts));
   }
   if (!report.hint.empty()) lines.add("next", report.hint);
   for (const std::string& command : report.again) lines.add("again", command);

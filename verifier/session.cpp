@@ -66,32 +66,6 @@ double TickTimes::quantile_s(double share) const {
   return limit;
 }
 
-std::optional<NonFinite> find_non_finite_of(const Simulation& simulation, std::uint64_t tick) {
-  const StateView& state = simulation.state();
-  const std::optional<StatePlace> place = find_non_finite(state);
-  if (!place) return std::nullopt;
-  const TableSchema& table = state.schema->tables[place->table];
-  const Column& column = table.columns[place->column];
-  Bytes image;
-  encode_image(state, image);
-  NonFinite found;
-  found.tick = tick;
-  found.table = table.name;
-  found.row = place->row;
-  found.row_name = simulation.row_name(place->table, place->row);
-  found.column = column.name;
-  found.lane = static_cast<std::uint32_t>(place->lane);
-  if (const auto tables = split_image(*state.schema, image))
-    found.value = lane_text(column.type, lane_bits(table, (*tables)[place->table].rows, *place));
-  return found;
-}
-
-std::string non_finite_text(const NonFinite& found) {
-  return "tick " + std::to_string(found.tick) + ": table " + found.table + ", row " + std::to_string(found.row) +
-         (found.row_name.empty() ? "" : " (" + found.row_name + ")") + ", column " + found.column + ", lane " +
-         std::to_string(found.lane) + ": found " + found.value + ", expected a finite number";
-}
-
 Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& source,
                               std::optional<std::uint64_t> tick_count,
                               const std::function<bool(std::uint64_t)>& progress) {
@@ -106,9 +80,10 @@ Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& sourc
     if (const Status accepted = engine.accept(**input); !accepted) return accepted.error();
     const Clock::time_point start = Clock::now();
     engine.step(**input, nullptr);
-    result.times.add(std::chrono::duration<double>(Clock::now() - start).count());
+    const double step_s = std::chrono::duration<double>(Clock::now() - start).count();
     result.non_finite = find_non_finite_of(engine, result.tick_count);
     if (result.non_finite) break;
+    result.times.add(step_s);  // of the ticks that count
     ++result.tick_count;
     if (progress && !progress(result.tick_count)) {
       result.stopped = true;

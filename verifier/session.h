@@ -12,6 +12,7 @@
 #include "engine/engine.h"
 #include "replay/recorder.h"
 #include "replay/trace.h"
+#include "verifier/non_finite.h"
 
 namespace ticktrue::verifier {
 
@@ -43,19 +44,6 @@ class TickTimes {
   std::uint64_t count_ = 0;
   double sum_s_ = 0;
 };
-
-/// The first NaN or infinity of a state, for people: "table bodies, row 41 (crate_7), column velocity, lane 1".
-struct NonFinite {
-  std::uint64_t tick = 0;
-  std::string table;
-  std::uint64_t row = 0;
-  std::string row_name;
-  std::string column;
-  std::uint32_t lane = 0;
-  std::string value;
-};
-std::optional<NonFinite> find_non_finite_of(const Simulation& simulation, std::uint64_t tick);
-std::string non_finite_text(const NonFinite& found);
 
 struct RunResult {
   std::uint64_t tick_count = 0;

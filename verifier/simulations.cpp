@@ -19,6 +19,10 @@ const SimulationInfo* find_simulation(std::string_view name) {
   return nullptr;
 }
 
+bool runs_on_threads(const SimulationInfo& info) {
+  return &info == &engine::engine_info();
+}
+
 std::string simulation_names() {
   const auto list = simulations();
   std::string text;

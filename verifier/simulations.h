@@ -15,6 +15,10 @@ std::span<const SimulationInfo* const> simulations();
 /// The simulation with this name, or null.
 const SimulationInfo* find_simulation(std::string_view name);
 
+/// Whether simulations of it may run on several threads at once. Only what is part of this build is known to share
+/// nothing between them.
+bool runs_on_threads(const SimulationInfo& info);
+
 /// "a, b or c": for error messages.
 std::string simulation_names();
 

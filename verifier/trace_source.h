@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "replay/trace_reader.h"
 
@@ -34,6 +35,22 @@ class ReaderSource : public TraceSource {
 
  private:
   replay::TraceReader& reader_;
+};
+
+/// With a reader of its own.
+class OwnedReaderSource : public TraceSource {
+ public:
+  explicit OwnedReaderSource(replay::TraceReader reader) : reader_(std::move(reader)), source_(reader_) {}
+  const replay::TraceSetup& setup() const override { return source_.setup(); }
+  const replay::TraceReader::Item& next() override { return source_.next(); }
+  bool seek(std::uint64_t tick) override { return source_.seek(tick); }
+  void rewind() override { source_.rewind(); }
+  const replay::TraceTail& tail() const override { return source_.tail(); }
+  std::optional<std::uint64_t> tick_count_hint() const override { return source_.tick_count_hint(); }
+
+ private:
+  replay::TraceReader reader_;
+  ReaderSource source_;
 };
 
 }  // namespace ticktrue::verifier

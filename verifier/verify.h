@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Verified: the root hash of every tick, every checkpoint and every stored image; that the state made from the setup is
-// the recorded one; that a divergence shows again in a second run.
+// the recorded one; that a divergence shows again in a second run. With several threads each stretch between
+// checkpoints begins with the recorded state, and its end is compared with where the next one begins: a finding is
+// shown by a run carried over the seam before it, or else the whole is walked in order.
 // Not verified: the hashes after each stage of ticks whose end agrees (they only locate).
 #pragma once
 
@@ -20,16 +22,17 @@
 
 namespace ticktrue::verifier {
 
-enum class VerifyMode : std::uint8_t { replay, restore, twice };
+enum class VerifyMode : std::uint8_t { replay, restore, twice, threads };
 struct VerifyModeInfo {
   VerifyMode mode;
   std::string_view name;
   std::string_view summary;
 };
-inline constexpr std::array<VerifyModeInfo, 3> verify_modes{{
+inline constexpr std::array<VerifyModeInfo, 4> verify_modes{{
     {VerifyMode::replay, "replay", "run from the start, compare every tick and checkpoint"},
     {VerifyMode::restore, "restore", "load each checkpoint into a fresh simulation and run on from there"},
     {VerifyMode::twice, "twice", "run twice side by side; needs no recorded hashes"},
+    {VerifyMode::threads, "threads", "run with several numbers of threads; simulations with one thread refuse"},
 }};
 
 struct VerifyOptions {
@@ -40,7 +43,14 @@ struct VerifyOptions {
   bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
   std::size_t row_count_max = 64;   // lanes and candidates listed in a report
   std::uint64_t spread_ticks = 64;  // how far behind a divergence its spread is followed; 0: not at all
-  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
+
+  /// Where a trace stores only the hash of the tick that differs: look for a single bit that explains it (replay).
+  bool search_single_bit = false;
+
+  unsigned thread_count = 1;  // replay, restore: stretches between checkpoints at once, where `reopen` is given
+  /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
+  std::function<std::unique_ptr<TraceSource>()> reopen;
 
   /// Stands between the simulation and verify (fault injection); may be empty. `ticks_done`: of its present state.
   std::function<std::unique_ptr<Simulation>(std::unique_ptr<Simulation> simulation, std::uint64_t ticks_done)> wrap;

@@ -223,6 +223,13 @@ TEST_CASE("files are not overwritten unasked, and what the system refuses is tol
 TEST_CASE("a session goes from scene to trace to states and back", "[cli][session][equivalence]") {
   run_cases("session.case");
 }
+TEST_CASE("traces are verified in parts, in parallel, on shards and against other builds",
+          "[cli][verify][equivalence]") {
+  run_cases("verify.case");
+}
+TEST_CASE("golden traces are recorded, checked and told apart", "[cli][golden][equivalence]") {
+  run_cases("golden.case");
+}
 TEST_CASE("live inputs are recorded as they arrive", "[cli][live][equivalence]") {
   run_cases("live.case");
 }

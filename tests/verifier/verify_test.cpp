@@ -25,6 +25,7 @@ TEST_CASE("verify: a trace matches the simulation that made it, in every mode an
   for (const bool full : {false, true}) {
     const Bytes trace = toy_trace_with(full ? full_toy_setup(6, 5, 20) : toy_setup(6), 50, 8);
     for (const verifier::VerifyModeInfo& info : verifier::verify_modes) {
+      if (info.mode == VerifyMode::threads) continue;  // the toy has one
       CAPTURE(full, info.name);
       const Report report = verify_bytes(trace, toy_info, info.mode);
       CHECK(report.verdict == Verdict::match);
@@ -37,6 +38,12 @@ TEST_CASE("verify: a trace matches the simulation that made it, in every mode an
       CHECK(report.end->tail.condition == replay::TraceCondition::complete);
     }
   }
+}
+
+TEST_CASE("verify: a simulation with one thread refuses to be compared over threads", "[verifier][verify][analytic]") {
+  const Report report = verify_bytes(toy_trace_with(toy_setup(6), 10, 8), toy_info, VerifyMode::threads);
+  CHECK(report.verdict == Verdict::not_comparable);
+  CHECK(contains(report.reason, "ticktrue.toy of this build has one thread"));
 }
 
 TEST_CASE("verify: restore to the end matches and counts each tick once", "[verifier][verify][equivalence]") {
@@ -236,6 +243,24 @@ TEST_CASE("verify: a recording that ended in a non-finite value matches if the s
   report = verify_bytes(by_bug, planted_info);
   CHECK(report.verdict == Verdict::diverged);
   CHECK(contains(report.reason, "here it is not finite at bodies row 3"));
+}
+
+TEST_CASE("verify: a recording whose first tick is not finite has nothing to compare", "[verifier][verify][analytic]") {
+  const TemporaryFolder folder;
+  ToySimulation simulation(4);
+  ScriptedInputs source([](std::uint64_t) -> Result<std::optional<std::pair<double, Bytes>>> {
+    return std::optional(std::pair(0.015625, ToyInputs().poison(2).take()));
+  });
+  replay::RecordOptions options;
+  options.writer = plain_writer();
+  REQUIRE(replay::record(simulation, source, folder.file("toy.ttr"), toy_setup(4), toy_facts, options));
+  const Report report = verify_bytes(read_file(folder.file("toy.ttr")), toy_info);
+  CHECK(report.verdict == Verdict::incomplete);
+  CHECK(report.exit_code() == 3);
+  CHECK(report.reason == "no tick was compared: the first one is not finite, as recorded");
+  REQUIRE(report.non_finite);
+  CHECK(report.non_finite->tick == 0);
+  CHECK(report.non_finite->row == 2);
 }
 
 TEST_CASE("verify: a state that never changes matches with a warning", "[verifier][verify][analytic]") {

@@ -40,6 +40,7 @@ constexpr const char* footer =
   compare our physics with Box2D 2.4.1 on a scene                 crosscheck
   know which stages and columns a scene is made of, and why       describe
   list the built-in scenes, print one as JSON                     scenes
+  keep golden traces for continuous integration                   golden
   prove that verify finds a changed bit in a trace                inject
   know what this build and this machine compute with              env
 
@@ -125,6 +126,7 @@ int parse_and_run(int argc, char** argv) {
   add_crosscheck(app, context);
   add_describe(app, context);
   add_scenes(app, context);
+  add_golden(app, context);
   add_inject(app, context);
   add_env(app, context);
 

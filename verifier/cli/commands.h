@@ -3,6 +3,7 @@
 #pragma once
 
 #include "verifier/cli/cli.h"
+#include "verifier/session.h"
 
 namespace ticktrue::cli {
 
@@ -22,7 +23,12 @@ void add_crosscheck(CLI::App& app, CliContext& context);
 // upkeep
 void add_describe(CLI::App& app, CliContext& context);
 void add_scenes(CLI::App& app, CliContext& context);
+void add_golden(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
+
+// shared by record and golden
+/// The --detail of a recording. Errors: usage.
+Status parse_detail(const std::string& text, verifier::TraceChoices& choices);
 
 }  // namespace ticktrue::cli

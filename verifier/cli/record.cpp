@@ -30,25 +30,6 @@ struct RecordCommand {
   std::string output;
 };
 
-Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
-  const std::size_t colon = text.find(':');
-  const std::string name = text.substr(0, colon);
-  for (const replay::DetailInfo& info : replay::details) {
-    if (info.name != name) continue;
-    choices.detail = info.detail;
-    if (info.detail != replay::Detail::full) break;
-    choices.full_last = std::numeric_limits<std::uint64_t>::max();
-    if (colon == std::string::npos) return {};
-    const Result<TickRange> range = parse_tick_range(text.substr(colon + 1), "--detail");
-    if (!range) return range.error();
-    choices.full_first = range->first;
-    choices.full_last = range->last;
-    return {};
-  }
-  if (colon == std::string::npos && replay::detail_info(choices.detail).name == text) return {};
-  return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, cells, full or full:A..B", ""};
-}
-
 int run_record(const RecordCommand& options) {
   verifier::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
@@ -62,6 +43,9 @@ int run_record(const RecordCommand& options) {
   const auto made = engine::make_engine(*scene);
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
+  if (options.output == "-")
+    return fail_usage(
+        Error{ErrorCode::usage, "--output: found -, expected a file: a trace is not written to a pipe", ""});
   if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
@@ -142,6 +126,25 @@ int run_record(const RecordCommand& options) {
 }
 
 }  // namespace
+
+Status parse_detail(const std::string& text, verifier::TraceChoices& choices) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon);
+  for (const replay::DetailInfo& info : replay::details) {
+    if (info.name != name) continue;
+    choices.detail = info.detail;
+    if (info.detail != replay::Detail::full) break;
+    choices.full_last = std::numeric_limits<std::uint64_t>::max();
+    if (colon == std::string::npos) return {};
+    const Result<TickRange> range = parse_tick_range(text.substr(colon + 1), "--detail");
+    if (!range) return range.error();
+    choices.full_first = range->first;
+    choices.full_last = range->last;
+    return {};
+  }
+  if (colon == std::string::npos && replay::detail_info(choices.detail).name == text) return {};
+  return Error{ErrorCode::usage, "--detail: found \"" + text + "\", expected root, cells, full or full:A..B", ""};
+}
 
 void add_record(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<RecordCommand>();

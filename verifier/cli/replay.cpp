@@ -14,6 +14,8 @@
 #include "verifier/cli/trace_words.h"
 #include "verifier/data_file.h"
 #include "verifier/playback.h"
+#include "verifier/simulations.h"
+#include "verifier/stage_states.h"
 #include "verifier/svg.h"
 
 namespace ticktrue::cli {
@@ -194,6 +196,30 @@ int write_pictures(replay::TraceReader& reader, const ReplayOptions& options, co
   return *code;
 }
 
+/// One tick in full detail, for another build to compare with its own (verify --against-build).
+int write_stages(replay::TraceReader& reader, const ReplayOptions& options, const TickRange& range) {
+  if (options.ticks.empty() || range.first != range.last)
+    return fail_usage(Error{ErrorCode::usage,
+                            "--ticks: found " + (options.ticks.empty() ? "none" : options.ticks) +
+                                ", expected one tick with --format stages",
+                            ""});
+  const SimulationInfo* info = verifier::find_simulation(reader.setup().simulation);
+  if (info == nullptr)
+    return fail(Error{ErrorCode::unsupported,
+                      options.file + ": simulation: found " + reader.setup().simulation + ", expected " +
+                          verifier::simulation_names(),
+                      ""});
+  verifier::ReaderSource source(reader);
+  const auto states = verifier::stage_states(source, *info, range.first);
+  if (!states) return fail(Error{states.error().code, options.file + ": " + states.error().message, ""});
+  auto target = TextTarget::open(options.output, options.force);
+  if (!target) return fail_usage(target.error());
+  if (const Status status = target->write(verifier::stage_states_lines(*states)); !status)
+    return fail_usage(status.error());
+  if (const Status status = target->close(); !status) return fail_usage(status.error());
+  return exit_ok;
+}
+
 int run_replay(const ReplayOptions& options) {
   TickRange range;
   if (!options.ticks.empty()) {
@@ -212,6 +238,7 @@ int run_replay(const ReplayOptions& options) {
   if (reader->setup().physics_version != engine::physics_version)
     print_warning(options.file + ": physics version: found " + std::to_string(reader->setup().physics_version) +
                   ", expected " + std::to_string(engine::physics_version) + "; the states shown are this build's");
+  if (options.format == "stages") return write_stages(*reader, options, range);
   catch_stop_signals();
   return options.format == "svg" ? write_pictures(*reader, options, range) : write_text(*reader, options, range);
 }
@@ -230,8 +257,9 @@ void add_replay(CLI::App& app, CliContext& context) {
   command
       ->add_option("--format", options->format,
                    "table: centre of mass (m), angle (rad), velocities. jsonl: the same, hash and contacts. svg: a "
-                   "picture per tick")
-      ->check(CLI::IsMember({"table", "jsonl", "svg"}))
+                   "picture per tick. stages: of one tick, the whole state before it and after each stage, as JSON "
+                   "Lines")
+      ->check(CLI::IsMember({"table", "jsonl", "svg", "stages"}))
       ->type_name("F");
   command
       ->add_option("-o,--output", options->output, "File (table, jsonl) or directory (svg); default: standard output")

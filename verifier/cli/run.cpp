@@ -10,6 +10,7 @@
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/session_inputs.h"
+#include "verifier/json_parts.h"
 #include "verifier/session.h"
 
 namespace ticktrue::cli {
@@ -40,13 +41,7 @@ Json run_json(const engine::Engine& engine, const verifier::RunResult& result, s
   object["ms_per_tick"] = result.times.median_s() * 1e3;
   object["simulate_s"] = result.times.sum_s();
   object["hash"] = hex64(result.root_hash);
-  object["non_finite"] = nullptr;
-  if (result.non_finite) {
-    const verifier::NonFinite& found = *result.non_finite;
-    object["non_finite"] = {{"tick", found.tick},     {"table", found.table},   {"row", found.row},
-                            {"name", found.row_name}, {"column", found.column}, {"lane", found.lane},
-                            {"value", found.value}};
-  }
+  object["non_finite"] = result.non_finite ? verifier::non_finite_json(*result.non_finite) : Json(nullptr);
   return object;
 }
 

@@ -4,14 +4,27 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <mutex>
 #include <system_error>
 
+#include "base/limits.h"
+#include "verifier/against_build.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/progress.h"
+#include "verifier/cli/session_inputs.h"
 #include "verifier/cli/trace_words.h"
+#include "verifier/data_file.h"
+#include "verifier/parallel.h"
 #include "verifier/report.h"
+#include "verifier/report_ci.h"
+#include "verifier/scene_source.h"
 #include "verifier/simulations.h"
+#include "verifier/trace_list.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -27,7 +40,15 @@ struct VerifyCommand {
   bool to_end = false;
   bool json = false;
   bool git_bisect = false;
+  bool github = false;
   bool allow_truncated = false;
+  std::uint64_t jobs = 0;  // 0: every core
+  std::string shard;
+  std::string junit;
+  std::string other_build;
+  std::uint64_t timeout_s = 600;
+  std::string inputs;  // of scenes
+  std::optional<std::uint64_t> tick_count;
 };
 
 std::vector<std::string> mode_names() {
@@ -43,51 +64,147 @@ std::string mode_help() {
   return text;
 }
 
-/// The files meant: a directory stands for the traces in it, by name.
-Result<std::vector<std::string>> expand(const std::vector<std::string>& words) {
-  std::vector<std::string> files;
-  for (const std::string& word : words) {
-    std::error_code failure;
-    if (!std::filesystem::is_directory(word, failure)) {
-      files.push_back(word);
-      continue;
-    }
-    std::vector<std::string> found;
-    std::filesystem::directory_iterator entry(word, failure);
-    for (; !failure && entry != std::filesystem::directory_iterator(); entry.increment(failure))
-      if (entry->path().extension() == ".ttr") found.push_back(entry->path().string());
-    if (failure) return Error{ErrorCode::io, word + ": cannot be listed: " + failure.message(), ""};
-    if (found.empty()) return Error{ErrorCode::io, word + ": no trace in this directory: found no *.ttr", ""};
-    std::sort(found.begin(), found.end());
-    files.insert(files.end(), found.begin(), found.end());
-  }
-  return files;
-}
-
-Report verify_file(const std::string& file, const VerifyCommand& command) {
-  Result<replay::TraceReader> reader = replay::TraceReader::open(file);
-  if (!reader) return verifier::open_error_report(file, reader.error());
-  if (command.from)
-    if (const Status known = check_tick(file + ": --from", *command.from, reader->tick_count_hint()); !known)
-      return verifier::open_error_report(file, known.error());
+verifier::VerifyOptions walk_options(const VerifyCommand& command) {
   verifier::VerifyOptions options;
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
   for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
     if (info.name == command.mode) options.mode = info.mode;
   options.from = command.from.value_or(0);
   options.to = command.to;
   options.to_end = command.to_end;
-  Progress progress("verify " + file, reader->tick_count_hint().value_or(0));
-  options.progress = [&](std::uint64_t ticks_done) { progress.update(ticks_done); };
+  return options;
+}
+
+using ProgressCall = std::function<void(std::uint64_t ticks_done, std::uint64_t tick_count)>;
+
+Report verify_trace(const std::string& file, const VerifyCommand& command, unsigned thread_count,
+                    const ProgressCall& progress) {
+  Result<replay::TraceReader> reader = replay::TraceReader::open(file);
+  if (!reader) return verifier::open_error_report(file, reader.error());
+  const std::optional<std::uint64_t> tick_count = reader->tick_count_hint();
+  if (command.from)
+    if (const Status known = check_tick(file + ": --from", *command.from, tick_count); !known)
+      return verifier::open_error_report(file, known.error());
+  verifier::VerifyOptions options = walk_options(command);
+  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
+  options.thread_count = on_threads ? thread_count : 1;
+  static std::mutex alone;  // held by the one file whose simulation must not run beside another of its kind
+  const std::unique_lock<std::mutex> guard = on_threads ? std::unique_lock<std::mutex>() : std::unique_lock(alone);
+  options.search_single_bit = true;
+  options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
+    auto again = replay::TraceReader::open(file);
+    if (!again) return nullptr;
+    return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
+  };
+  if (progress) options.progress = [&](std::uint64_t ticks_done) { progress(ticks_done, tick_count.value_or(0)); };
   Report report = verifier::verify(*reader, options);
-  progress.finish();
   if (options.simulation == nullptr && report.hint.empty())
     report.hint = "this build has " + verifier::simulation_names();
+  if (!command.other_build.empty() && options.simulation != nullptr) {
+    verifier::AgainstOptions against;
+    against.binary = command.other_build;
+    against.timeout_s = static_cast<double>(command.timeout_s);
+    against.simulation = options.simulation;
+    report = verifier::compare_builds(*reader, std::move(report), against);
+  }
+  return report;
+}
+
+/// Mode twice on a scene: nothing was recorded, and nothing needs to be.
+Report verify_scene(const std::string& word, const VerifyCommand& command, const ProgressCall& progress) {
+  const auto refused = [&](const Error& error) {
+    Report report;
+    report.file = word;
+    report.verdict = Verdict::error;
+    report.reason = error.message;
+    report.hint = error.hint;
+    return report;
+  };
+  const Result<engine::Scene> scene = load_scene_argument(word);
+  if (!scene) return refused(scene.error());
+  const auto made = engine::make_engine(*scene);
+  if (!made) return refused(made.error());
+  auto inputs = open_session_inputs(*scene, command.inputs, command.tick_count);
+  if (!inputs) return refused(inputs.error());
+  if (const Status clock = use_clock(*inputs, {}, **made); !clock) return refused(clock.error());
+  verifier::SceneSource source(**made, *inputs->source, command.tick_count);
+  verifier::VerifyOptions options = walk_options(command);
+  options.simulation = &engine::engine_info();
+  if (progress) options.progress = [&](std::uint64_t done) { progress(done, inputs->ticks_expected); };
+  Report report = verifier::verify_source(source, options);
+  if (source.error()) return refused(*source.error());
+  report.file = word;
+  return report;
+}
+
+bool is_scene(const std::string& word) {
+  std::error_code failure;
+  const std::filesystem::path path(word);
+  if (path.extension() == ".json") return true;
+  return path.extension() != ".ttr" && !std::filesystem::exists(path, failure);
+}
+
+Report verify_word(const std::string& word, const VerifyCommand& command, unsigned thread_count,
+                   const ProgressCall& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  Report report = command.mode == "twice" && is_scene(word) ? verify_scene(word, command, progress)
+                                                            : verify_trace(word, command, thread_count, progress);
+  report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
     report.hint.clear();
     report.notes.push_back("accepted: every tick up to the cut matches (--allow-truncated)");
   }
   return report;
+}
+
+void print_report(const Report& report, const VerifyCommand& command) {
+  if (report.verdict == Verdict::error) {
+    print_error(Error{ErrorCode::io, report.reason, report.hint});
+    if (report.divergence && !command.json) print(verifier::report_text(report));
+  } else if (!command.json) {
+    print(verifier::report_text(report));
+  }
+}
+
+/// All files on all threads; reports are printed in the order of the files, each as soon as those before it are.
+Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, const VerifyCommand& command) {
+  const unsigned thread_count =
+      command.jobs == 0 ? verifier::core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
+  const auto at_once =
+      static_cast<unsigned>(std::min<std::size_t>(thread_count, std::max<std::size_t>(1, files.size())));
+  // The largest first: else the last thread works on it alone while the others have nothing left.
+  std::vector<std::pair<std::uintmax_t, std::size_t>> order;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(files[i], failure);
+    order.emplace_back(failure || at_once == 1 ? 0 : size, i);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+
+  std::vector<std::optional<Report>> found(files.size());
+  std::size_t printed = 0;
+  std::mutex lock;
+  const bool one_by_one = at_once == 1;
+  std::optional<Progress> overall;
+  if (!one_by_one) overall.emplace("verify", files.size(), "traces");
+  const Status status = verifier::run_jobs(files.size(), at_once, [&](std::size_t job) {
+    const std::size_t i = order[job].second;
+    std::optional<Progress> bar;
+    if (one_by_one) bar.emplace("verify " + files[i], 0);
+    const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
+    Report report = verify_word(files[i], command, std::max(1u, thread_count / at_once), bar ? show : ProgressCall{});
+    if (bar) bar->finish();
+    const std::lock_guard<std::mutex> guard(lock);
+    found[i] = std::move(report);
+    if (overall) overall->finish();
+    for (; printed < files.size() && found[printed]; ++printed) print_report(*found[printed], command);
+    if (overall) overall->update(printed);
+  });
+  if (overall) overall->finish();
+  if (!status) return status.error();
+  std::vector<Report> reports;
+  for (std::optional<Report>& report : found) reports.push_back(std::move(*report));
+  return reports;
 }
 
 void print_summary(const std::vector<Report>& reports) {
@@ -103,38 +220,76 @@ void print_summary(const std::vector<Report>& reports) {
   print(text + "\n");
 }
 
-int run_verify(const VerifyCommand& command) {
+Status check_options(const VerifyCommand& command) {
+  const auto refuse = [](const std::string& what, const std::string& hint = "") {
+    return Error{ErrorCode::usage, what, hint};
+  };
   if (command.from && command.to && *command.from > *command.to)
-    return fail_usage(Error{
-        ErrorCode::usage,
-        "--from: found " + std::to_string(*command.from) + ", expected at most --to " + std::to_string(*command.to),
-        ""});
+    return refuse("--from: found " + std::to_string(*command.from) + ", expected at most --to " +
+                  std::to_string(*command.to));
   if (command.to_end && command.mode != "restore")
-    return fail_usage(Error{ErrorCode::usage, "--to-end: found --mode " + command.mode + ", expected restore",
-                            "the other modes always run to the end"});
+    return refuse("--to-end: found --mode " + command.mode + ", expected restore",
+                  "the other modes always run to the end");
   if (command.mode == "twice" && command.from)
-    return fail_usage(Error{ErrorCode::usage, "--from: found --mode twice, expected replay or restore",
-                            "both runs begin with the setup"});
-  const Result<std::vector<std::string>> files = expand(command.files);
-  if (!files) return fail_usage(files.error());
+    return refuse("--from: found --mode twice, expected replay or restore", "both runs begin with the setup");
+  if (!command.other_build.empty() && command.mode != "replay")
+    return refuse("--against-build: found --mode " + command.mode + ", expected replay");
+  if (command.mode != "twice" && (command.tick_count || !command.inputs.empty()))
+    return refuse("--ticks, --inputs: found --mode " + command.mode + ", expected twice",
+                  "they are for a scene; a trace has its own");
+  return {};
+}
 
-  std::vector<Report> reports;
-  std::vector<int> codes;
-  for (const std::string& file : *files) {
-    Report report = verify_file(file, command);
-    codes.push_back(report.exit_code(command.allow_truncated));
-    if (report.verdict == Verdict::error)
-      print_error(Error{ErrorCode::io, report.reason, report.hint});
-    else if (!command.json)
-      print(verifier::report_text(report));
-    reports.push_back(std::move(report));
+/// What continuous integration reads, beside the reports themselves.
+Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& command) {
+  if (!command.junit.empty()) {
+    auto file = verifier::DataFile::create(command.junit, true);
+    if (!file) return file.error();
+    if (const Status status = file->write(verifier::report_junit(reports, command.allow_truncated)); !status)
+      return status;
+    if (const Status status = file->close(); !status) return status;
   }
+  if (!command.github) return {};
+  // Annotations are messages: the runner reads them on either stream, and standard output may hold JSON.
+  const std::string lines = verifier::report_github(reports, command.allow_truncated);
+  std::fwrite(lines.data(), 1, lines.size(), stderr);
+  const char* summary = std::getenv("GITHUB_STEP_SUMMARY");
+  if (summary == nullptr || *summary == '\0') return {};
+  std::ofstream out(summary, std::ios::binary | std::ios::app);
+  out << verifier::report_markdown(reports, command.allow_truncated) << std::flush;
+  if (!out) return Error{ErrorCode::io, std::string(summary) + ": cannot write the summary of the step", ""};
+  return {};
+}
+
+int run_verify(const VerifyCommand& command) {
+  const auto exit_with = [&](int code) { return command.git_bisect ? verifier::git_bisect_exit_code(code) : code; };
+  if (const Status status = check_options(command); !status) return exit_with(fail_usage(status.error()));
+  Result<std::vector<std::string>> files = verifier::list_traces(command.files);
+  if (!files) return exit_with(fail_usage(files.error()));
+  if (const Status status = verifier::check_not_read(command.junit, *files); !status)
+    return exit_with(fail_usage(status.error()));
+  if (!command.shard.empty()) {
+    const Result<verifier::Shard> shard = verifier::parse_shard(command.shard);
+    if (!shard) return exit_with(fail_usage(shard.error()));
+    const std::size_t whole = files->size();
+    *files = verifier::take_shard(*files, *shard);
+    print_note("shard " + command.shard + ": " + std::to_string(files->size()) + " of " + std::to_string(whole) +
+               " traces");
+  }
+
+  const Result<std::vector<Report>> reports = verify_all(*files, command);
+  if (!reports) return exit_with(fail_usage(reports.error()));
+  std::vector<int> codes;
+  for (const Report& report : *reports) codes.push_back(report.exit_code(command.allow_truncated));
   if (command.json)
-    print(verifier::report_json(reports, command.allow_truncated));
-  else if (reports.size() > 1)
-    print_summary(reports);
-  const int worst = worst_exit_code(codes);
-  return command.git_bisect ? verifier::git_bisect_exit_code(worst) : worst;
+    print(verifier::report_json(*reports, command.allow_truncated));
+  else if (reports->size() > 1)
+    print_summary(*reports);
+  if (const Status status = write_for_ci(*reports, command); !status) {
+    print_error(status.error());
+    codes.push_back(exit_usage);
+  }
+  return exit_with(worst_exit_code(codes));
 }
 
 }  // namespace
@@ -143,14 +298,39 @@ void add_verify(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<VerifyCommand>();
   CLI::App* command =
       app.add_subcommand("verify", "Re-simulate a trace and report the first divergence")->group(group_session);
-  command->add_option("FILE", options->files, "Traces, or directories: then every *.ttr in them")->required();
+  command
+      ->add_option("FILE", options->files,
+                   "Traces, or directories: then every *.ttr in them; with --mode twice scenes too")
+      ->required();
   command->add_option("--mode", options->mode, mode_help())->check(CLI::IsMember(mode_names()))->capture_default_str();
   add_number(*command, "--from", options->from,
              "First tick to compare; the run begins at the last checkpoint before it");
   add_number(*command, "--to", options->to, "Last tick to compare; the trace is not read beyond it");
   command->add_flag("--to-end", options->to_end,
                     "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
+  add_number(*command, "-j,--jobs", options->jobs,
+             "Threads: for the files, and within one for the stretches between its checkpoints (default: every core; "
+             "1: in order from the start)",
+             {1, 1024});
+  command
+      ->add_option("--shard", options->shard,
+                   "Part I of N of the sorted list of files: the parts of different machines make up the whole")
+      ->type_name("I/N");
+  command
+      ->add_option("--against-build", options->other_build,
+                   "Another build of ticktrue: run it on the same trace too; where the two part, both again with every "
+                   "state of that tick")
+      ->type_name("BINARY");
+  add_number(*command, "--timeout", options->timeout_s, "Seconds the other build may take for a run (default 600)",
+             {1, 1'000'000});
+  add_number(*command, "--ticks", options->tick_count, "Of a scene: how many ticks", {1, limits::tick_count_max});
+  command->add_option("--inputs", options->inputs, "Of a scene: inputs as JSON Lines, - for standard input")
+      ->type_name("FILE");
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
+      ->type_name("OUT.xml");
+  command->add_flag("--github", options->github,
+                    "Annotations for GitHub Actions on standard error, and a table for the page of the run");
   command->add_flag(
       "--git-bisect", options->git_bisect,
       "Exit with 125 (skip this commit) instead of 2, 4, 5 and 6: for `git bisect run`. 3 stays 3, which counts as "
@@ -161,7 +341,11 @@ void add_verify(CLI::App& app, CliContext& context) {
                "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
                "ticktrue verify stack.ttr\n"
                "ticktrue verify stack.ttr --mode restore\n"
-               "ticktrue verify . --json\n"
+               "ticktrue verify stack.ttr --from 200 --to 300\n"
+               "ticktrue verify 'stack?boxes=10' --mode twice --ticks 300\n"
+               "ticktrue verify . -j 2 --json\n"
+               "ticktrue verify . --shard 1/2 --junit results.xml --github\n"
+               "ticktrue verify stack.ttr --against-build ticktrue\n"
                "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'");
   command->callback([options, &context] { context.exit_code = run_verify(*options); });

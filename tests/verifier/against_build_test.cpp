@@ -1,0 +1,111 @@
+// One tick in full detail, as lines another build reads; and running another program.
+// SPDX-License-Identifier: MIT
+#include "tests/support/catch.h"
+#include "tests/verifier/toy_variants.h"
+#include "verifier/process.h"
+#include "verifier/stage_states.h"
+
+namespace ticktrue::test {
+namespace {
+
+using verifier::ProcessResult;
+using verifier::run_process;
+
+Result<verifier::StageStates> states_of(ByteView trace, const SimulationInfo& info, std::uint64_t tick) {
+  replay::TraceReader reader = open_trace(trace);
+  verifier::ReaderSource source(reader);
+  return verifier::stage_states(source, info, tick);
+}
+
+TEST_CASE("stage_states: the states of a tick are those that a full trace stores", "[verifier][against][equivalence]") {
+  const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
+  const ReadTrace all = read_all(trace);
+  for (const std::uint64_t tick : {0u, 7u, 8u, 23u, 49u}) {
+    CAPTURE(tick);
+    const auto states = states_of(trace, toy_info, tick);
+    REQUIRE(states);
+    CHECK(states->as_recorded);
+    CHECK(states->start_tick == tick / 8 * 8);
+    REQUIRE(states->states.size() == 4);  // before the tick, and after each of three stages
+    CHECK(states->states[0].stage.empty());
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(states->states[i + 1].stage == ToySimulation::stages()[i]);
+      CHECK(states->states[i + 1].root_hash == all.ticks[tick].stage_hashes[i]);
+    }
+    CHECK(states->states[3].image == *all.ticks[tick].image);
+    if (tick > 0) CHECK(states->states[0].image == *all.ticks[tick - 1].image);
+  }
+  CHECK(!states_of(trace, toy_info, 50));
+}
+
+TEST_CASE("stage_states: a planted fault shows first after its stage", "[verifier][against][analytic]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
+  planted = {37, ToySimulation::force_stage, [](ToySimulation& toy) { toy.bodies[1].velocity[1] += 1; }};
+  const auto right = states_of(trace, toy_info, 37);
+  const auto wrong = states_of(trace, planted_info, 37);
+  REQUIRE(right);
+  REQUIRE(wrong);
+  CHECK(right->states[0].image == wrong->states[0].image);
+  CHECK(right->states[1].image == wrong->states[1].image);
+  CHECK(right->states[2].image != wrong->states[2].image);
+}
+
+TEST_CASE("stage_states: lines are read back as they were, and others are refused", "[verifier][against][corruption]") {
+  const auto states = states_of(toy_trace_with(toy_setup(6), 50, 8), toy_info, 20);
+  REQUIRE(states);
+  const std::string lines = verifier::stage_states_lines(*states);
+  const auto again = verifier::parse_stage_states(lines);
+  REQUIRE(again);
+  CHECK(again->tick == 20);
+  CHECK(again->start_tick == 16);
+  REQUIRE(again->states.size() == states->states.size());
+  for (std::size_t i = 0; i < states->states.size(); ++i) {
+    CHECK(again->states[i].stage == states->states[i].stage);
+    CHECK(again->states[i].root_hash == states->states[i].root_hash);
+    CHECK(again->states[i].image == states->states[i].image);
+  }
+  for (std::size_t size = 0; size + 1 < lines.size(); size += 31) {
+    CAPTURE(size);
+    CHECK(!verifier::parse_stage_states(std::string_view(lines).substr(0, size)));
+  }
+  for (const char* wrong : {"", "\n", "{}", "[]", "null\n", "{\"schema\":\"ticktrue.stages/2\"}",
+                            "{\"schema\":\"ticktrue.stages/1\",\"tick\":-1}"}) {
+    CAPTURE(wrong);
+    CHECK(!verifier::parse_stage_states(wrong));
+  }
+}
+
+TEST_CASE("process: output, messages and exit code of a program are taken", "[verifier][process][analytic]") {
+  const verifier::ProcessLimits limits{20, 1u << 20};
+  const ProcessResult result = run_process({"sh", "-c", "cat; echo out; echo message >&2; exit 7"}, limits);
+  CHECK(result.end == ProcessResult::End::exited);
+  CHECK(result.code == 7);
+  CHECK(result.output == "out\n");
+  CHECK(result.message == "message\n");
+  CHECK(verifier::process_failure(result, limits).empty());
+  const ProcessResult large =
+      run_process({"sh", "-c", "head -c 300000 /dev/zero; head -c 300000 /dev/zero >&2"}, limits);
+  CHECK(large.output.size() == 300000);
+  CHECK(large.code == 0);
+}
+
+TEST_CASE("process: what cannot start, crashes, hangs or never stops printing is told",
+          "[verifier][process][corruption]") {
+  const verifier::ProcessLimits limits{0.3, 1u << 20};
+  const auto failure = [&](const std::vector<std::string>& words) {
+    return verifier::process_failure(run_process(words, limits), limits);
+  };
+  CHECK(contains(failure({"/nosuch/program"}), "cannot be started: No such file"));
+  CHECK(contains(failure({"/"}), "cannot be started: "));
+  CHECK(contains(failure({"sh", "-c", "kill -SEGV $$"}), "killed by signal 11"));
+  CHECK(contains(failure({"sh", "-c", "sleep 60"}), "did not end within 0 s"));
+  CHECK(contains(failure({"sh", "-c", "exec >&- 2>&-; sleep 60"}), "did not end within"));
+  CHECK(contains(failure({"sh", "-c", "sleep 60 & wait"}), "did not end within"));
+  CHECK(contains(run_process({"sh", "-c", "cat /dev/zero"}, {20, 100000}).end == ProcessResult::End::too_much_output
+                     ? "too much"
+                     : "something else",
+                 "too much"));
+}
+
+}  // namespace
+}  // namespace ticktrue::test

@@ -1,0 +1,281 @@
+// One trace on several threads gives the report of one thread.
+// SPDX-License-Identifier: MIT
+#include "verifier/segments.h"
+
+#include <atomic>
+#include <set>
+
+#include "tests/support/catch.h"
+#include "tests/verifier/toy_variants.h"
+#include "verifier/report.h"
+#include "verifier/trace_list.h"
+
+namespace ticktrue::test {
+namespace {
+
+using verifier::Report;
+using verifier::Verdict;
+using verifier::VerifyMode;
+using verifier::VerifyOptions;
+
+/// The same trace, opened again for every thread.
+Report verify_on(ByteView trace, VerifyOptions options, unsigned thread_count) {
+  options.thread_count = thread_count;
+  options.reopen = [trace]() -> std::unique_ptr<verifier::TraceSource> {
+    return std::make_unique<verifier::OwnedReaderSource>(open_trace(trace));
+  };
+  return verify_bytes(trace, options);
+}
+
+std::string json_of(Report report) {
+  report.stretches = 1;
+  return verifier::report_json({&report, 1}, false);
+}
+
+void plant_nudge(std::uint64_t tick) {
+  planted = {tick, ToySimulation::move_stage,
+             [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
+}
+
+TEST_CASE("segments: a matching trace gives the same report on one thread and on several",
+          "[verifier][segments][equivalence]") {
+  for (const bool full : {false, true}) {
+    const Bytes trace = toy_trace_with(full ? full_toy_setup(6, 5, 20) : toy_setup(6), 100, 8);
+    for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore}) {
+      const VerifyOptions options = verify_options(toy_info, mode);
+      const Report one = verify_on(trace, options, 1);
+      const Report four = verify_on(trace, options, 4);
+      CHECK(one.verdict == Verdict::match);
+      CHECK(json_of(one) == json_of(four));
+      if (mode == VerifyMode::replay) CHECK(four.stretches == 13);
+    }
+  }
+}
+
+TEST_CASE("segments: wherever a trace diverges, the report is that of the walk in order",
+          "[verifier][segments][equivalence]") {
+  for (const bool full : {false, true}) {
+    const Bytes trace = toy_trace_with(full ? full_toy_setup(6, 0, 100) : toy_setup(6), 60, 8);
+    for (std::uint64_t tick = 0; tick < 60; ++tick) {
+      CAPTURE(full, tick);
+      plant_nudge(tick);
+      for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore}) {
+        const VerifyOptions options = verify_options(planted_info, mode);
+        const Report one = verify_on(trace, options, 1);
+        const Report three = verify_on(trace, options, 3);
+        REQUIRE(three.divergence);
+        CHECK(three.divergence->tick == tick);
+        CHECK(json_of(one) == json_of(three));
+      }
+    }
+  }
+}
+
+TEST_CASE("segments: a part of a trace is the same part", "[verifier][segments][equivalence]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 60, 8);
+  plant_nudge(41);
+  for (std::uint64_t from = 0; from < 60; from += 7)
+    for (std::uint64_t to = from; to < 60; to += 5) {
+      CAPTURE(from, to);
+      VerifyOptions options = verify_options(planted_info);
+      options.from = from;
+      options.to = to;
+      CHECK(json_of(verify_on(trace, options, 1)) == json_of(verify_on(trace, options, 3)));
+    }
+}
+
+TEST_CASE("segments: a cut or damaged trace gives the report of the walk in order",
+          "[verifier][segments][corruption]") {
+  const Bytes trace = toy_trace_with(toy_setup(4), 80, 8);
+  for (std::size_t size = 0; size < trace.size(); size += 23) {
+    CAPTURE(size);
+    const ByteView cut = ByteView(trace).first(size);
+    if (!replay::TraceReader::open_bytes(cut, "toy.ttr")) continue;
+    const VerifyOptions options = verify_options(toy_info);
+    CHECK(json_of(verify_on(cut, options, 1)) == json_of(verify_on(cut, options, 3)));
+  }
+  Bytes changed = trace;
+  for (std::size_t at = 0; at < trace.size(); at += 17) {
+    CAPTURE(at);
+    changed[at] ^= 0x20;
+    if (replay::TraceReader::open_bytes(changed, "toy.ttr")) {
+      const VerifyOptions options = verify_options(toy_info);
+      const Report three = verify_on(changed, options, 3);
+      CHECK(three.verdict != Verdict::match);
+      CHECK(json_of(verify_on(changed, options, 1)) == json_of(three));
+    }
+    changed[at] ^= 0x20;
+  }
+}
+
+TEST_CASE("segments: a recording that ended in a value that is not finite", "[verifier][segments][equivalence]") {
+  const TemporaryFolder folder;
+  ToySimulation simulation(4);
+  ScriptedInputs source([](std::uint64_t tick) -> Result<std::optional<std::pair<double, Bytes>>> {
+    ToyInputs inputs;
+    if (tick == 30) inputs.poison(2);
+    return std::optional(std::pair(0.015625, inputs.take()));
+  });
+  replay::RecordOptions record_options;
+  record_options.writer = plain_writer();
+  replay::TraceSetup setup = toy_setup(4);
+  setup.checkpoint_interval = 8;
+  REQUIRE(replay::record(simulation, source, folder.file("toy.ttr"), setup, toy_facts, record_options));
+  const Bytes trace = read_file(folder.file("toy.ttr"));
+  const Report one = verify_on(trace, verify_options(toy_info), 1);
+  CHECK(one.verdict == Verdict::match);
+  REQUIRE(one.non_finite);
+  CHECK(one.non_finite->tick == 30);
+  CHECK(one.non_finite->table == "bodies");
+  CHECK(json_of(one) == json_of(verify_on(trace, verify_options(toy_info), 2)));
+}
+
+// What loading forgets shows in stretches that begin with it, and must not be blamed on the run from the start.
+class ForgetsOnLoad : public ToySimulation {
+ public:
+  explicit ForgetsOnLoad(std::uint32_t body_count) : ToySimulation(body_count) {
+    disturb = [this](ToySimulation& self, std::size_t stage) {
+      if (stage == move_stage && ++steps_ % 20 == 0) self.bodies[0].hits += 1;
+    };
+  }
+
+ private:
+  int steps_ = 0;  // influences later ticks and is not shown
+};
+
+TEST_CASE("segments: state that is not shown gives the verdict of the walk in order, and a warning",
+          "[verifier][segments][equivalence]") {
+  const SimulationInfo info{"ticktrue.toy", 1, &make_toy<ForgetsOnLoad>};
+  const TemporaryFolder folder;
+  ForgetsOnLoad simulation(6);
+  ScriptedInputs source(lively_script);
+  replay::RecordOptions record_options;
+  record_options.tick_count = 100;
+  record_options.writer = plain_writer();
+  replay::TraceSetup setup = toy_setup(6);
+  setup.checkpoint_interval = 30;
+  REQUIRE(replay::record(simulation, source, folder.file("toy.ttr"), setup, toy_facts, record_options));
+  const Bytes trace = read_file(folder.file("toy.ttr"));
+  const Report one = verify_on(trace, verify_options(info), 1);
+  CHECK(one.verdict == Verdict::match);
+  CHECK(one.warnings.empty());
+  const Report two = verify_on(trace, verify_options(info), 2);
+  CHECK(two.verdict == Verdict::match);
+  CHECK(two.ticks_compared == 100);
+  REQUIRE(two.warnings.size() == 1);
+  CHECK(contains(two.warnings[0], "begun at the checkpoint of tick 30"));
+}
+
+TEST_CASE("segments: two runs that differ are not reproducible on several threads too",
+          "[verifier][segments][determinism]") {
+  static std::atomic<std::uint32_t> made{0};
+  class Garbage : public ToySimulation {
+   public:
+    explicit Garbage(std::uint32_t body_count) : ToySimulation(body_count) {
+      const std::uint32_t garbage = ++made;
+      disturb = [garbage](ToySimulation& self, std::size_t stage) {
+        if (stage == move_stage && self.world.tick_count == 21)
+          self.bodies[0].hits = static_cast<std::uint16_t>(1000 + garbage);
+      };
+    }
+  };
+  const SimulationInfo info{"ticktrue.toy", 1, &make_toy<Garbage>};
+  const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
+  const Report report = verify_on(trace, verify_options(info), 3);
+  CHECK(report.verdict == Verdict::not_reproducible);
+  REQUIRE(report.divergence);
+  CHECK(report.divergence->tick == 20);
+}
+
+TEST_CASE("segments: a single bit that differs is found from the root hash alone, whichever it is",
+          "[verifier][single_bit][analytic]") {
+  // The recorder's memory loses one bit at the end of tick 27 and records on from there.
+  std::size_t named = 0;
+  const std::size_t body_count = 6;
+  for (std::size_t bit = 0; bit < 8 * body_count * sizeof(ToyBody); bit += 41) {
+    CAPTURE(bit);
+    if (bit / 8 % sizeof(ToyBody) < 8) continue;  // an id or partner that refers to nothing ends the toy
+    const TemporaryFolder folder;
+    ToySimulation simulation(body_count);
+    simulation.disturb = [&](ToySimulation& self, std::size_t stage) {
+      if (stage != ToySimulation::move_stage || self.world.tick_count != 28) return;
+      auto* bytes = reinterpret_cast<std::uint8_t*>(self.bodies.data());
+      bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1u << bit % 8));
+    };
+    ScriptedInputs source([](std::uint64_t) -> Result<std::optional<std::pair<double, Bytes>>> {
+      return std::optional(std::pair(0.015625, Bytes()));
+    });
+    replay::RecordOptions record_options;
+    record_options.tick_count = 40;
+    record_options.writer = plain_writer();
+    replay::TraceSetup setup = toy_setup(body_count);
+    setup.checkpoint_interval = 10;
+    const auto recorded = replay::record(simulation, source, folder.file("toy.ttr"), setup, toy_facts, record_options);
+    REQUIRE(recorded);
+    if (recorded->tick_count < 40) continue;  // it made a value that is not finite
+    const Bytes trace = read_file(folder.file("toy.ttr"));
+    VerifyOptions options = verify_options(toy_info);
+    const Report plain = verify_on(trace, options, 2);
+    REQUIRE(plain.divergence);
+    CHECK(plain.divergence->tick == 27);
+    CHECK(plain.divergence->tables.empty());
+    options.search_single_bit = true;
+    const Report report = verify_on(trace, options, 2);
+    CHECK(report.verdict == Verdict::diverged);
+    REQUIRE(report.divergence);
+    REQUIRE(report.divergence->rows.size() == 1);
+    const verifier::LaneReport& lane = report.divergence->rows[0];
+    CHECK(lane.table == "bodies");
+    CHECK(lane.row == bit / 8 / sizeof(ToyBody));
+    CHECK(lane.name == "toy_" + std::to_string(*lane.id));
+    REQUIRE(lane.expected);
+    REQUIRE(lane.got);
+    const std::uint64_t difference = *lane.expected ^ *lane.got;
+    CHECK(difference != 0);
+    CHECK((difference & (difference - 1)) == 0);
+    ++named;
+  }
+  CHECK(named > 20);
+}
+
+TEST_CASE("segments: two bits that differ are not taken for one", "[verifier][single_bit][analytic]") {
+  const Bytes trace = toy_trace_with(toy_setup(6), 50, 0);
+  planted = {37, ToySimulation::move_stage, [](ToySimulation& toy) {
+               toy.bodies[1].charge ^= 1;
+               toy.bodies[2].charge ^= 1;
+             }};
+  VerifyOptions options = verify_options(planted_info);
+  options.search_single_bit = true;
+  const Report report = verify_on(trace, options, 1);
+  CHECK(report.verdict == Verdict::diverged);
+  REQUIRE(report.divergence);
+  CHECK(report.divergence->tables.empty());
+}
+
+TEST_CASE("segments: the parts of a list have no file in common and are the list", "[verifier][shard][analytic]") {
+  std::vector<std::string> files;
+  for (int i = 0; i < 23; ++i) files.push_back("t" + std::to_string(i * 7 % 23) + ".ttr");
+  std::vector<std::string> sorted = files;
+  std::sort(sorted.begin(), sorted.end());
+  for (const std::uint64_t count : {1u, 2u, 5u, 23u, 40u}) {
+    std::multiset<std::string> together;
+    for (std::uint64_t index = 1; index <= count; ++index) {
+      const auto part = verifier::take_shard(files, {index, count});
+      CHECK(part.size() <= (files.size() + count - 1) / count);
+      together.insert(part.begin(), part.end());
+    }
+    CHECK(std::vector<std::string>(together.begin(), together.end()) == sorted);
+  }
+  CHECK(verifier::take_shard({"c", "a", "b"}, {1, 2}) == std::vector<std::string>{"a", "c"});
+  for (const char* wrong : {"", "1", "0/2", "3/2", "1/0", "a/2", "1/2x", "-1/2", "1//2"}) {
+    CAPTURE(wrong);
+    CHECK(!verifier::parse_shard(wrong));
+  }
+  const auto shard = verifier::parse_shard("3/8");
+  REQUIRE(shard);
+  CHECK(shard->index == 3);
+  CHECK(shard->count == 8);
+}
+
+}  // namespace
+}  // namespace ticktrue::test

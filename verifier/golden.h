@@ -1,0 +1,47 @@
+// Golden traces: a directory of traces and the manifest that says how each was recorded and in which state it ends.
+// SPDX-License-Identifier: MIT
+//
+// MANIFEST.tsv: lines of tab-separated columns file, scene, inputs, ticks, detail, hash, bytes, why; lines that begin
+// with # and the line of the column names are kept as they are. inputs -: none. ticks -: to the `end` input.
+// hash -: a trace that is still to be recorded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "replay/trace_reader.h"
+
+namespace ticktrue::verifier {
+
+inline constexpr const char* manifest_name = "MANIFEST.tsv";
+
+struct GoldenRow {
+  std::string file;  // name in the directory
+  std::string scene;
+  std::string inputs;                       // empty: none
+  std::optional<std::uint64_t> tick_count;  // absent: to the `end` input
+  std::string detail;
+  std::string hash;        // root hash after the last tick, 16 digits; "-": not recorded yet
+  std::uint64_t size = 0;  // bytes
+  std::string why;
+  std::string before;  // lines that stand above it in the manifest
+};
+
+struct GoldenManifest {
+  std::vector<GoldenRow> rows;
+  std::string after;  // lines below the last row
+};
+
+/// Errors: invalid_input, with the line.
+Result<GoldenManifest> parse_manifest(std::string_view text, const std::string& name);
+std::string manifest_text(const GoldenManifest& manifest);
+
+/// "137..599, 601 of 700" ticks whose root hashes differ, from the start of both; a tick only one has counts as
+/// differing. Empty: none.
+std::string changed_ticks(replay::TraceReader& a, replay::TraceReader& b);
+
+}  // namespace ticktrue::verifier

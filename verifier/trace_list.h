@@ -1,0 +1,29 @@
+// Which traces a command means: files, directories, and one machine's share of them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace ticktrue::verifier {
+
+/// A directory stands for the *.ttr in it, by name; other words for themselves.
+/// Errors: io (a directory that cannot be listed or has no trace).
+Result<std::vector<std::string>> list_traces(const std::vector<std::string>& words);
+
+/// Part `index` (from 1) of `count`.
+struct Shard {
+  std::uint64_t index = 1;
+  std::uint64_t count = 1;
+};
+/// "2/8". Errors: usage.
+Result<Shard> parse_shard(const std::string& text);
+
+/// Every count-th of the sorted list: the parts have no file in common, together they are the list, and they depend on
+/// nothing but the names.
+std::vector<std::string> take_shard(std::vector<std::string> files, const Shard& shard);
+
+}  // namespace ticktrue::verifier
