@@ -8,6 +8,7 @@
 #include "base/limits.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
+#include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/session_inputs.h"
 #include "verifier/cli/trace_words.h"
@@ -53,6 +54,9 @@ int run_record(const RecordCommand& options) {
   verifier::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
   if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
+  if (has_plugin())
+    return record_plugin({options.scene, options.inputs, options.tick_count, choices, options.output,
+                          !options.no_compress, options.force, options.json});
   const Result<engine::Scene> scene = load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
   const auto made = engine::make_engine(*scene);

@@ -82,7 +82,8 @@ Report verify_file(const std::string& file, const VerifyCommand& command) {
   Report report = verifier::verify(*reader, options);
   progress.finish();
   if (options.simulation == nullptr && report.hint.empty())
-    report.hint = "this build has " + verifier::simulation_names();
+    report.hint = "this build has " + verifier::simulation_names() +
+                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
   if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
     report.hint.clear();
     report.notes.push_back("accepted: every tick up to the cut matches (--allow-truncated)");
