@@ -12,6 +12,11 @@ target_compile_options(ticktrue_flags INTERFACE -ffp-contract=off -fno-math-errn
 target_include_directories(ticktrue_c INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set_target_properties(ticktrue PROPERTIES EXPORT_NAME tool)
+if(TARGET ticktrue_c_static)
+  target_include_directories(ticktrue_c_static INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  install(TARGETS ticktrue_c_static EXPORT ticktrue-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
+endif()
 
 install(TARGETS ticktrue_c ticktrue_flags EXPORT ticktrue-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
 install(TARGETS ticktrue EXPORT ticktrue-targets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sdk)

@@ -63,6 +63,7 @@ expect 0 "score" ./lockstep
 expect 0 "recorded  lockstep.ttr  600 ticks" ./lockstep --record lockstep.ttr
 expect 2 "use --force to replace it" ./lockstep --record lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep --verify lockstep.ttr
+expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep_static --verify lockstep.ttr
 expect 1 "balls.velocity    row 3, lane 0" ./lockstep --verify lockstep.ttr --bug clock
 expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
 expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
@@ -108,6 +109,10 @@ for mode in replay restore twice; do
   expect 0 "match  pendulum.ttr" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode "$mode"
 done
 expect 0 "match  pendulum.ttr" "$tool" --plugin "$pendulum" verify pendulum.ttr --from 120
+expect 0 "links 4 (pendulum 4)  id 4  angle " "$tool" replay pendulum.ttr --plugin "$pendulum" --ticks 299
+expect 0 "\"name\":\"pendulum 7\"" "$tool" replay pendulum.ttr --plugin "$pendulum" --format jsonl --ticks 10..12
+expect 0 "" "$tool" diff pendulum.ttr pendulum.ttr --plugin "$pendulum"
+expect 0 "20 of 20 flips found" "$tool" inject pendulum.ttr --plugin "$pendulum" --count 20
 expect 1 "name \"pendulum 4\"" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "first stage whose output differs" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "crashed with SIGSEGV in step of tick 100" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum"
@@ -123,6 +128,38 @@ if [ -f libplugin_box2d.so ]; then
   expect 5 "can only be observed" "$tool" verify box2d.ttr --plugin "$box2d" --mode restore
   expect 5 "" "$tool" verify box2d.ttr --plugin "$pendulum"
 fi
+
+# --- plug-ins that are wrong -----------------------------------------------------------------------------------------
+expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Werror -shared -fPIC -I"$prefix/include" "$source/tests/examples/bad_plugin.c" -o bad.so
+while read -r exit_code fault text; do
+  rm -f bad.ttr
+  expect "$exit_code" "$text" env TICKTRUE_BAD_PLUGIN="$fault" "$tool" record x --plugin ./bad.so --ticks 5 -o bad.ttr
+done <<FAULTS
+0 none 5 ticks
+2 size struct_size: found 12
+2 version interface version: found 99, expected 1..1
+2 old it does not work with interface version 1
+2 name name: found 0 bytes
+2 engine found another one of this name
+2 many stages: found 100000
+2 missing found a null function
+2 loud create: refused the setup: xxx
+2 nothing create: found success and no simulation
+2 empty state: found no column
+2 columns columns: failed
+2 stride stride: found 4 bytes, expected at least 8
+2 rows column z has 3, column x has 4
+2 null pointer: found null
+1 late found a new column after the first tick
+1 type found another type or lane count than before
+1 step step of tick 2: failed: out of fuel
+1 stages stages said to be done: found 1, expected 2
+1 order stages said to be done
+1 beyond stages said to be done
+1 infinite column x, lane 0: found a value that is not finite
+1 entry crashed with SIGABRT while it was loaded
+1 destroy crashed with SIGABRT in destroy
+FAULTS
 
 # --- traces as CTest tests -------------------------------------------------------------------------------------------
 cd .. || exit 2

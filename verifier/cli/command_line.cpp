@@ -91,7 +91,8 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
     what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
   std::string hint = "see `ticktrue " + (path.empty() ? "" : path + " ") + "--help`";
   if (dynamic_cast<const CLI::ExtrasError*>(&parse_error) != nullptr) {
-    const std::vector<std::string> options = option_names(*command);
+    std::vector<std::string> options = option_names(*command);
+    for (const std::string& name : option_names(app)) options.push_back(name);
     for (const std::string& word : words) {
       const std::string name = word.substr(0, word.find('='));
       if (name.compare(0, 2, "--") != 0 || std::find(options.begin(), options.end(), name) != options.end()) continue;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "replay/trace_reader.h"
 #include "verifier/session.h"
 
 namespace ticktrue::cli {
@@ -26,5 +27,10 @@ bool has_plugin();
 /// The exit code. Require: has_plugin().
 int run_plugin(const PluginSession& session);
 int record_plugin(const PluginSession& session);
+
+/// `replay` of a plug-in's trace: after each of the ticks first..last, every n-th, its tables as lines of text, or as
+/// one JSON object. Whether the trace is one of a loaded plug-in says is_plugin_trace.
+bool is_plugin_trace(const replay::TraceSetup& setup);
+int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
 
 }  // namespace ticktrue::cli
