@@ -40,6 +40,11 @@ tool=$(find "$prefix" -name ticktrue -type f -perm -u+x)
 library=$(find "$prefix" -name 'libticktrue.so' | head -n 1)
 cd build || exit 2
 
+if command -v nm >/dev/null 2>&1; then
+  others=$(nm -D --defined-only "$library" | awk '$3 !~ /^ticktrue_/ { print $3 }' | head -n 3)
+  [ -z "$others" ] || complain "libticktrue.so: exported names: found $others, expected ticktrue_* alone"
+fi
+
 # The header is C99 and C++98, and asks nothing of who includes it.
 printf '#include <ticktrue.h>\nint main(void) { return ticktrue_api_version() == TICKTRUE_API_VERSION ? 0 : 1; }\n' >header.c
 expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Wstrict-prototypes -Werror -I"$prefix/include" -c header.c -o header.o
@@ -54,6 +59,26 @@ if command -v pkg-config >/dev/null 2>&1; then
   # shellcheck disable=SC2086 # flags are words
   expect 0 "" cc -std=c99 header.c $flags -Wl,-rpath,"$(dirname "$library")" -o header
   expect 0 "" ./header
+fi
+
+# --- the loop of docs/any_simulation.md ------------------------------------------------------------------------------
+block() { awk -v want="$1" '/^```c$/ { n++; on = n == want; next } /^```/ { on = 0 } on' "$source/docs/any_simulation.md"; }
+{
+  echo '#include <ticktrue.h>'
+  block 1 | sed '/^int main(void)/,$d'
+  block 2
+} >game.c
+compile_game() { cc -O2 "$@" -I"$prefix/include" "$library" -Wl,-rpath,"$(dirname "$library")" -o game; }
+expect 0 "" compile_game game.c
+expect 0 "recorded  game.ttr  600 ticks" ./game --record game.ttr
+expect 0 "match  game.ttr  600 of 600 ticks compared" ./game --verify game.ttr
+sed 's/-9.8f/-9.81f/' game.c >other.c
+expect 0 "" compile_game other.c
+expect 1 "balls.vy          row 0" ./game --verify game.ttr
+if grep -qw fma /proc/cpuinfo 2>/dev/null && compile_game -mfma game.c 2>/dev/null; then
+  expect 1 "expected 3e4cccce (0.20000002).  got 3e4ccccd (0.2).  1 ulp" ./game --verify game.ttr
+  expect 0 "" compile_game -mfma -ffp-contract=off game.c
+  expect 0 "match  game.ttr" ./game --verify game.ttr
 fi
 
 # --- a lockstep game in C --------------------------------------------------------------------------------------------
