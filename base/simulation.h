@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -77,7 +78,7 @@ struct SimulationInfo {
   std::string_view name;          // e.g. "ticktrue.engine"
   std::uint32_t physics_version;  // rises with every change that changes bits on purpose
   /// Errors: corrupt, invalid_scene, limit.
-  Result<std::unique_ptr<Simulation>> (*make)(ByteView setup);
+  std::function<Result<std::unique_ptr<Simulation>>(ByteView setup)> make;
 };
 
 }  // namespace ticktrue

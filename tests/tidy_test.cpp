@@ -243,8 +243,10 @@ constexpr Direction directions[] = {
     {"base", "base"},
     {"engine", "base,engine"},
     {"replay", "base,replay"},
-    {"verifier", "base,engine,replay,verifier"},
-    {"tests", "base,engine,replay,verifier,tests"},
+    {"include", ""},
+    {"verifier", "base,engine,replay,verifier,include"},
+    {"capi", "base,replay,verifier,capi,include"},
+    {"tests", "base,engine,replay,verifier,capi,include,tests"},
     {"bench", "base,engine,replay,verifier,bench"},
 };
 
@@ -377,7 +379,7 @@ Findings check_file(const SourceFile& file) {
 
 // --- checking the tree ----------------------------------------------------------------------------------------------
 
-constexpr std::array source_folders{"base", "engine", "replay", "verifier", "tests", "bench"};
+constexpr std::array source_folders{"include", "base", "engine", "replay", "verifier", "capi", "tests", "bench"};
 
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -480,7 +482,8 @@ TEST_CASE("every file that ARCHITECTURE.md names is there", "[tidy][docs]") {
     const std::string name = text.substr(open + 1, close - open - 1);
     const bool is_path =
         contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string::npos &&
-        is_one_of(top_of(name), "base,engine,replay,verifier,tests,bench,traces,scenes,docs,cmake,.ci");
+        is_one_of(top_of(name),
+                  "include,base,engine,replay,verifier,capi,examples,tests,bench,traces,scenes,docs,cmake,.ci");
     if (is_path) {
       ++count;
       if (!fs::exists(root / name)) FAIL_CHECK("ARCHITECTURE.md: error: names " << name << ", which is not there");

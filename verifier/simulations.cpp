@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/simulations.h"
 
-#include <array>
+#include <vector>
 
 #include "engine/engine.h"
+#include "verifier/plugin.h"
 
 namespace ticktrue::verifier {
 
-std::span<const SimulationInfo* const> simulations() {
-  static const std::array<const SimulationInfo*, 1> list{&engine::engine_info()};
+std::vector<const SimulationInfo*> simulations() {
+  std::vector<const SimulationInfo*> list{&engine::engine_info()};
+  for (const SimulationInfo* info : plugin_simulations()) list.push_back(info);
   return list;
 }
 

@@ -1,16 +1,16 @@
-// The simulations this build can make from a trace: the only list of them.
+// The simulations this build can make from a trace, those of loaded plug-ins with them: the only list of them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/simulation.h"
 
 namespace ticktrue::verifier {
 
-std::span<const SimulationInfo* const> simulations();
+std::vector<const SimulationInfo*> simulations();
 
 /// The simulation with this name, or null.
 const SimulationInfo* find_simulation(std::string_view name);

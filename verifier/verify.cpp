@@ -89,7 +89,7 @@ class Verifier {
     }
     const SimulationInfo* info = options_.simulation;
     if (info == nullptr || info->name != setup_.simulation) {
-      not_comparable("simulation: recorded with " + setup_.simulation + ", which this build does not have");
+      not_comparable("simulation " + setup_.simulation + " is not available in this build");
       return false;
     }
     if (options_.mode == VerifyMode::threads) {

@@ -299,6 +299,6 @@ class ToySimulation : public Simulation {
   StateView view_;
 };
 
-inline constexpr SimulationInfo toy_info{"ticktrue.toy", 1, &ToySimulation::make};
+inline const SimulationInfo toy_info{"ticktrue.toy", 1, &ToySimulation::make};
 
 }  // namespace ticktrue::test

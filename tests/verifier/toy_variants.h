@@ -34,7 +34,7 @@ inline Result<std::unique_ptr<Simulation>> make_planted(ByteView setup) {
   };
   return std::unique_ptr<Simulation>(std::move(toy));
 }
-inline constexpr SimulationInfo planted_info{"ticktrue.toy", 1, &make_planted};
+inline const SimulationInfo planted_info{"ticktrue.toy", 1, &make_planted};
 
 /// The toy under a class of one's own.
 template <typename Toy>

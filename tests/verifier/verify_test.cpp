@@ -143,7 +143,7 @@ class Uninitialised : public ToySimulation {
     };
   }
 };
-constexpr SimulationInfo uninitialised_info{"ticktrue.toy", 1, &make_toy<Uninitialised>};
+const SimulationInfo uninitialised_info{"ticktrue.toy", 1, &make_toy<Uninitialised>};
 
 TEST_CASE("verify: two runs that differ are not reproducible, not diverged", "[verifier][verify][determinism]") {
   for (const bool full : {false, true}) {
@@ -173,7 +173,7 @@ class EverySecond : public ToySimulation {
     };
   }
 };
-constexpr SimulationInfo every_second_info{"ticktrue.toy", 1, &make_toy<EverySecond>};
+const SimulationInfo every_second_info{"ticktrue.toy", 1, &make_toy<EverySecond>};
 
 TEST_CASE("verify: a second run that leaves the trace earlier than the first is told at that tick",
           "[verifier][verify][determinism]") {
@@ -339,8 +339,8 @@ TEST_CASE("verify: what this build is not cannot be compared", "[verifier][verif
   const SimulationInfo picky{"ticktrue.toy", 1, &make_toy<Picky>};
   const SimulationInfo refusing{"ticktrue.toy", 1, &refuse_setup};
   const std::pair<const SimulationInfo*, const char*> cases[] = {
-      {nullptr, "simulation: recorded with ticktrue.toy"},
-      {&other_name, "simulation: recorded with ticktrue.toy"},
+      {nullptr, "simulation ticktrue.toy is not available"},
+      {&other_name, "simulation ticktrue.toy is not available"},
       {&other_physics, "physics version: recorded with 1, here 2"},
       {&other_schema, "schema: column 5 of bodies: recorded hits, here colour"},
       {&other_stages, "stages: recorded inputs, forces, move; here inputs, move"},

@@ -18,6 +18,8 @@
 #include "base/build_info.h"
 #include "engine/engine.h"
 #include "verifier/cli/commands.h"
+#include "verifier/cli/plugins.h"
+#include "verifier/plugin.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -92,7 +94,8 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
     what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
   std::string hint = "see `ticktrue " + (path.empty() ? "" : path + " ") + "--help`";
   if (dynamic_cast<const CLI::ExtrasError*>(&parse_error) != nullptr) {
-    const std::vector<std::string> options = option_names(*command);
+    std::vector<std::string> options = option_names(*command);
+    for (const std::string& name : option_names(app)) options.push_back(name);
     for (const std::string& word : words) {
       const std::string name = word.substr(0, word.find('='));
       if (name.compare(0, 2, "--") != 0 || std::find(options.begin(), options.end(), name) != options.end()) continue;
@@ -115,6 +118,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", build_line());
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
+  app.fallthrough();  // so that --plugin may stand behind the command
+  const auto plugin_options = add_plugin_options(app);
   add_run(app, context);
   add_record(app, context);
   add_replay(app, context);
@@ -145,8 +150,13 @@ int parse_and_run(int argc, char** argv) {
                               nearest.empty() ? "see `ticktrue --help`" : "did you mean " + nearest + "?"});
     }
   }
+  app.parse_complete_callback([&plugin_options] {
+    if (const auto exit_code = begin_plugins(*plugin_options)) throw CLI::RuntimeError(*exit_code);
+  });
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& stop) {
+    return stop.get_exit_code();
   } catch (const CLI::CallForHelp&) {
     print(app.help());
   } catch (const CLI::CallForVersion&) {
@@ -181,6 +191,9 @@ int run_command_line(int argc, char** argv) {
   int exit_code = exit_usage;
   try {
     exit_code = parse_and_run(argc, argv);
+  } catch (const verifier::PluginFailure& failure) {
+    print_error(Error{ErrorCode::usage, failure.what(), ""});
+    return exit_finding;
   } catch (const std::bad_alloc&) {
     return fail_usage(Error{ErrorCode::limit, "memory: the system refused to give more", ""});
   } catch (const std::exception& exception) {

@@ -8,6 +8,7 @@
 #include "base/limits.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
+#include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/session_inputs.h"
 #include "verifier/cli/trace_words.h"
@@ -34,6 +35,9 @@ int run_record(const RecordCommand& options) {
   verifier::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
   if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
+  if (has_plugin())
+    return record_plugin({options.scene, options.inputs, options.tick_count, choices, options.output,
+                          !options.no_compress, options.force, options.json});
   const bool runs_trace = is_trace_argument(options.scene);
   Result<TraceSession> again = TraceSession();
   if (runs_trace) again = open_trace_session(options.scene, options.inputs, options.host, options.tick_count);

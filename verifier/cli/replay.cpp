@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
+#include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/trace_words.h"
 #include "verifier/data_file.h"
@@ -235,6 +236,13 @@ int run_replay(const ReplayOptions& options) {
   if (!options.ticks.empty())
     if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
       return fail_usage(known.error());
+  if (is_plugin_trace(reader->setup())) {
+    if (!options.output.empty() || options.format == "svg")
+      return fail_usage(Error{ErrorCode::usage,
+                              "replay of a plug-in: found -o or --format svg, expected table or jsonl",
+                              "it goes to standard output"});
+    return replay_plugin(*reader, range.first, range.last, options.every, options.format == "jsonl");
+  }
   if (reader->setup().physics_version != engine::physics_version)
     print_warning(options.file + ": physics version: found " + std::to_string(reader->setup().physics_version) +
                   ", expected " + std::to_string(engine::physics_version) + "; the states shown are this build's");

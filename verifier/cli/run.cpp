@@ -8,6 +8,7 @@
 #include "base/limits.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
+#include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/session_inputs.h"
 #include "verifier/json_parts.h"
@@ -46,6 +47,14 @@ Json run_json(const engine::Engine& engine, const verifier::RunResult& result, s
 }
 
 int run_run(const RunOptions& options) {
+  if (has_plugin()) {
+    PluginSession session;
+    session.scene = options.scene;
+    session.inputs = options.inputs;
+    session.tick_count = options.tick_count;
+    session.json = options.json;
+    return run_plugin(session);
+  }
   const Result<engine::Scene> scene = load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
   const auto made = engine::make_engine(*scene);

@@ -99,7 +99,8 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
   if (progress) options.progress = [&](std::uint64_t ticks_done) { progress(ticks_done, tick_count.value_or(0)); };
   Report report = verifier::verify(*reader, options);
   if (options.simulation == nullptr && report.hint.empty())
-    report.hint = "this build has " + verifier::simulation_names();
+    report.hint = "this build has " + verifier::simulation_names() +
+                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
   if (!command.other_build.empty() && options.simulation != nullptr) {
     verifier::AgainstOptions against;
     against.binary = command.other_build;

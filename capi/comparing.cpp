@@ -1,0 +1,298 @@
+// Comparing a session with its trace.
+// SPDX-License-Identifier: MIT
+#include "capi/comparing.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "base/limits.h"
+#include "verifier/locate.h"
+#include "verifier/schema_difference.h"
+
+namespace ticktrue::capi {
+namespace {
+
+using verifier::Divergence;
+using verifier::Verdict;
+
+constexpr std::size_t lane_report_count_max = 64;
+constexpr std::size_t input_bytes_shown_max = 256;
+
+std::string inputs_json(std::uint64_t tick, ByteView inputs) {
+  if (inputs.empty()) return "";
+  static constexpr char digits[] = "0123456789abcdef";
+  std::string text = "{\"tick\": " + std::to_string(tick) + ", \"bytes\": \"";
+  for (const std::uint8_t byte : inputs.first(std::min(inputs.size(), input_bytes_shown_max))) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  if (inputs.size() > input_bytes_shown_max) text += "...";
+  return text + "\"}\n";
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+/// Whether bits look like an address of this kind of machine: user space of 64-bit systems, far above small numbers.
+bool looks_like_address(std::uint64_t bits) {
+  const std::uint64_t top = bits >> 40;
+  return top == 0x55 || top == 0x56 || top == 0x7f || top == 0x7e;
+}
+
+std::string ticks_text(std::uint64_t count) {
+  return std::to_string(count) + (count == 1 ? " tick" : " ticks");
+}
+
+}  // namespace
+
+Comparing::Comparing(replay::TraceReader reader, std::string file)
+    : reader_(std::move(reader)), last_dt_(reader_.setup().dt) {
+  report_.file = std::move(file);
+  report_.title = setup().title;
+  report_.simulation = setup().simulation;
+  report_.mode = "replay";
+  report_.ticks_recorded = reader_.tick_count_hint();
+  report_.recorded_build = reader_.facts();
+}
+
+void Comparing::not_comparable(const std::string& reason, const std::string& hint) {
+  report_.verdict = Verdict::not_comparable;
+  report_.reason = reason;
+  report_.hint = hint;
+  decided_ = true;
+}
+
+bool Comparing::check_identity(const Identity& identity) {
+  build_ = identity.build;
+  if (setup().simulation != identity.name) {
+    not_comparable("simulation: recorded with " + setup().simulation + ", this program is " + identity.name,
+                   "verify it with the program that recorded it");
+    return false;
+  }
+  if (setup().physics_version != identity.version) {
+    not_comparable("version: recorded with " + std::to_string(setup().physics_version) + ", here " +
+                       std::to_string(identity.version),
+                   "build the version that recorded it, or record again");
+    return false;
+  }
+  return true;
+}
+
+bool Comparing::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
+  if (const auto difference = verifier::first_schema_difference(setup().schema, *state.schema)) {
+    not_comparable("schema: " + difference->place + ": recorded " + difference->a + ", here " + difference->b,
+                   "the program registers other columns than the one that recorded: record again");
+    return false;
+  }
+  if (setup().stages != stages) {
+    not_comparable("stages: recorded " + list_of(setup().stages) + "; here " + list_of(stages), "record again");
+    return false;
+  }
+  note_floats();
+  first_root_ = root_hash(state);
+  read_until(0);
+  if (!initial_) return true;  // damaged: the end of the trace says so
+  if (initial_root_ == first_root_) return true;
+  Divergence divergence;
+  divergence.stage = std::string(verifier::stage_setup);
+  divergence.stage_note = "the state before the first tick is not the recorded one";
+  divergence.expected_root = initial_root_;
+  divergence.got_root = first_root_;
+  Bytes got;
+  encode_image(state, got);
+  if (!verifier::locate_lanes(setup().schema, *initial_, got, row_name, lane_report_count_max, divergence))
+    report_.warnings.push_back("the recorded initial state cannot be read");
+  note_addresses(divergence);
+  report_.divergence = std::move(divergence);
+  report_.verdict = Verdict::diverged;
+  report_.hint = "is the world made from the setup alone, and every registered value initialised?";
+  decided_ = true;
+  return false;
+}
+
+void Comparing::note_floats() {
+  std::string recorded;
+  for (const auto& [name, value] : reader_.facts())
+    if (name == "floats") recorded = value;
+  const std::string here = float_deviation();
+  if (recorded != here)
+    report_.warnings.push_back("floating point: recorded with " +
+                               (recorded.empty() ? std::string("IEEE 754's defaults") : recorded) + ", here " +
+                               (here.empty() ? std::string("IEEE 754's defaults") : here));
+}
+
+bool Comparing::read_until(std::uint64_t tick) {
+  while (!at_end_ && (ahead_.empty() || ahead_.back().tick < tick)) {
+    const replay::TraceReader::Item& item = reader_.next();
+    if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
+      // It follows its tick: where that is still waiting, it is its image.
+      if (checkpoint->tick == 0) {
+        initial_ = Bytes(checkpoint->image.begin(), checkpoint->image.end());
+        initial_root_ = checkpoint->root_hash;
+      } else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint->tick && !ahead_.back().image)
+        ahead_.back().image = Bytes(checkpoint->image.begin(), checkpoint->image.end());
+      ++report_.checkpoints_compared;
+      continue;
+    }
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (record != nullptr) {
+      RecordedTick kept{record->tick,
+                        record->dt,
+                        Bytes(record->inputs.begin(), record->inputs.end()),
+                        record->root_hash,
+                        record->stage_hashes,
+                        std::nullopt,
+                        false};
+      if (record->image) kept.image = Bytes(record->image->begin(), record->image->end());
+      last_dt_ = record->dt;
+      ahead_.push_back(std::move(kept));
+      continue;
+    }
+    at_end_ = true;
+    const replay::TraceTail& tail = reader_.tail();
+    report_.end = verifier::TraceEnd{tail, inputs_json(tail.ticks_intact, tail.pending_inputs)};
+    if (tail.condition == replay::TraceCondition::complete && tail.end &&
+        tail.end->reason == replay::EndReason::non_finite) {
+      RecordedTick last;
+      last.tick = tail.ticks_intact;
+      last.dt = tail.has_pending_inputs ? tail.pending_dt : last_dt_;
+      last.inputs = tail.pending_inputs;
+      last.is_not_finite = true;
+      ahead_.push_back(std::move(last));
+    }
+  }
+  return !ahead_.empty() && ahead_.back().tick >= tick;
+}
+
+const RecordedTick* Comparing::at(std::uint64_t tick) {
+  read_until(tick);
+  for (const RecordedTick& recorded : ahead_)
+    if (recorded.tick == tick) return &recorded;
+  return nullptr;
+}
+
+bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
+  if (decided_) return false;
+  TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
+  const RecordedTick& recorded = ahead_.front();
+  if (recorded.is_not_finite) return compare_non_finite(recorded, done, row_name);
+  const std::uint64_t got = root_hash(*done.state);
+  report_.root_hash = got;
+  ++report_.ticks_compared;
+  if (got != recorded.root_hash) {
+    diverge(recorded, done, got, row_name);
+    return false;
+  }
+  changed_ = changed_ || got != first_root_;
+  report_.time_s += done.dt;
+  ahead_.pop_front();
+  return true;
+}
+
+void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, std::uint64_t got,
+                        const RowNamer& row_name) {
+  decided_ = true;
+  report_.verdict = Verdict::diverged;
+  if (!recorded.image) read_until(done.tick + 1);  // a checkpoint may follow
+  Divergence divergence;
+  divergence.tick = done.tick;
+  divergence.time_s = report_.time_s;
+  divergence.expected_root = recorded.root_hash;
+  divergence.got_root = got;
+  divergence.inputs = inputs_json(done.tick, recorded.inputs);
+  if (recorded.stage_hashes.empty() || done.stage_hashes.empty())
+    divergence.stage_note = setup().stages.empty()
+                                ? "not known: the program names no stages"
+                                : "not known: the trace stores no hash after each stage of this tick";
+  else
+    verifier::locate_stage(setup().stages, recorded.stage_hashes, done.stage_hashes, divergence);
+  if (recorded.image) {
+    Bytes image;
+    encode_image(*done.state, image);
+    if (!verifier::locate_lanes(setup().schema, *recorded.image, image, row_name, lane_report_count_max, divergence))
+      report_.warnings.push_back("the stored state of tick " + std::to_string(done.tick) + " cannot be read");
+  }
+  if (const auto place = find_non_finite(*done.state))
+    report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
+  note_addresses(divergence);
+  if (!build_.empty()) report_.notes.push_back("this program's build: " + build_);
+  const std::string tick = std::to_string(done.tick);
+  if (divergence.tables.empty())
+    report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
+                            ", by both builds; then `ticktrue diff A B` names columns and values");
+  report_.again.push_back(
+      "verify once more with this build: another tick or other values mean that this program does not repeat itself");
+  report_.divergence = std::move(divergence);
+}
+
+void Comparing::note_addresses(const Divergence& divergence) {
+  for (const verifier::LaneReport& row : divergence.rows) {
+    const bool is_wide = row.type == ScalarType::u64 || row.type == ScalarType::i64;
+    if (!is_wide || !row.expected || !row.got || !looks_like_address(*row.expected) || !looks_like_address(*row.got))
+      continue;
+    report_.notes.push_back("both values of " + row.table + "." + row.column +
+                            " look like addresses, which differ in every run: register an index or id instead");
+    return;
+  }
+}
+
+bool Comparing::compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name) {
+  const auto place = find_non_finite(*done.state);
+  const std::string here = place ? place_text(*done.state->schema, *place, row_name) : "";
+  const std::string& note = report_.end->tail.end->note;
+  if (place && (note.empty() || note.find(here) != std::string::npos)) {
+    report_.notes.push_back("tick " + std::to_string(done.tick) + " is not finite, as recorded: " + here);
+    ahead_.pop_front();
+    return true;
+  }
+  decided_ = true;
+  report_.verdict = Verdict::diverged;
+  report_.reason = "tick " + std::to_string(done.tick) + ": recorded as not finite (" + note + "), here " +
+                   (place ? "it is not finite at " + here : std::string("it is finite"));
+  Divergence divergence;
+  divergence.tick = done.tick;
+  divergence.time_s = report_.time_s;
+  divergence.stage_note = "not known: a tick that is not finite is not stored";
+  divergence.got_root = root_hash(*done.state);
+  divergence.inputs = inputs_json(done.tick, recorded.inputs);
+  report_.divergence = std::move(divergence);
+  return false;
+}
+
+void Comparing::other_inputs(std::uint64_t tick, const std::string& what) {
+  not_comparable("tick " + std::to_string(tick) + ": inputs: " + what,
+                 "the loop reads its inputs in other pieces than the one that recorded them");
+}
+
+void Comparing::finish(std::uint64_t ticks_run) {
+  if (!at_end_) read_until(ticks_run);
+  if (report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
+  if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
+    report_.warnings.push_back("no registered value changed in " + ticks_text(report_.ticks_compared) +
+                               ": is all of the state registered?");
+  if (decided_) return;
+  decided_ = true;
+  const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
+  report_.verdict = Verdict::incomplete;
+  if (tail != nullptr && tail->condition == replay::TraceCondition::damaged) {
+    report_.verdict = Verdict::damaged;
+    report_.reason = tail->message;
+  } else if (!at_end_ || !ahead_.empty()) {
+    report_.reason =
+        "the program ended its loop after " + ticks_text(report_.ticks_compared) + ", before the trace ends";
+    report_.hint = "leave the loop when ticktrue_begin_tick does not return TICKTRUE_OK";
+  } else if (tail != nullptr && tail->condition == replay::TraceCondition::truncated) {
+    report_.reason = tail->message;
+    report_.hint = "every tick up to the cut matches; `ticktrue recover` makes a complete trace of it";
+  } else if (report_.ticks_compared == 0) {
+    report_.reason = "no tick was compared";
+  } else {
+    report_.verdict = Verdict::match;
+  }
+}
+
+}  // namespace ticktrue::capi

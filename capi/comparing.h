@@ -1,0 +1,79 @@
+// The verifying side of a session: gives out recorded inputs, compares each confirmed tick, and makes the report.
+// SPDX-License-Identifier: MIT
+//
+// The program is run once, by itself. So what `ticktrue verify` finds out by running again (whether two runs here
+// agree) is not known here, and the report says how to find it out.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "capi/tick.h"
+#include "replay/trace_reader.h"
+#include "verifier/report.h"
+
+namespace ticktrue::capi {
+
+/// A recorded tick, kept until it is confirmed.
+struct RecordedTick {
+  std::uint64_t tick = 0;
+  double dt = 0;
+  Bytes inputs;
+  std::uint64_t root_hash = 0;
+  std::vector<std::uint64_t> stage_hashes;
+  std::optional<Bytes> image;
+  bool is_not_finite = false;  // the recording ended because of this tick
+};
+
+class Comparing {
+ public:
+  Comparing(replay::TraceReader reader, std::string file);
+
+  const replay::TraceSetup& setup() const { return reader_.setup(); }
+
+  /// Whether the program is the one that recorded. False: the report says what differs.
+  bool check_identity(const Identity& identity);
+  /// Compares columns, stages and the initial state. False: the report says what differs.
+  bool start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name);
+
+  /// The tick as recorded, or null when there are no more. Valid until compare() of that tick.
+  const RecordedTick* at(std::uint64_t tick);
+
+  /// Compares the next tick. False: it differs, and the report says where.
+  bool compare(const DoneTick& done, const RowNamer& row_name);
+
+  /// The inputs that a tick took are not those it was recorded with.
+  void other_inputs(std::uint64_t tick, const std::string& what);
+
+  /// The verdict; from here on nothing is compared. `ticks_run`: by the program.
+  void finish(std::uint64_t ticks_run);
+  const verifier::Report& report() const { return report_; }
+  bool has_finding() const { return decided_; }
+
+ private:
+  bool read_until(std::uint64_t tick);
+  void diverge(const RecordedTick& recorded, const DoneTick& done, std::uint64_t got, const RowNamer& row_name);
+  void not_comparable(const std::string& reason, const std::string& hint);
+  bool compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name);
+  void note_addresses(const verifier::Divergence& divergence);
+  void note_floats();
+
+  replay::TraceReader reader_;
+  verifier::Report report_;
+  std::string build_;               // of the program, as it says
+  std::optional<Bytes> initial_;    // the recorded initial state, once it was read
+  std::uint64_t initial_root_ = 0;  // its hash
+  std::deque<RecordedTick> ahead_;  // read and not yet compared
+  bool at_end_ = false;
+  bool decided_ = false;
+  bool changed_ = false;
+  std::uint64_t first_root_ = 0;
+  double last_dt_ = 0;
+};
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,127 @@
+// Recording a session.
+// SPDX-License-Identifier: MIT
+#include "capi/recording.h"
+
+#include <cstdio>
+
+#include "base/build_info.h"
+#include "base/hash.h"
+
+namespace ticktrue::capi {
+namespace {
+
+replay::BuildFacts facts_of(const Identity& identity) {
+  const BuildInfo& library = build_info();
+  replay::BuildFacts facts{{"version", library.version}, {"commit", library.commit}, {"target", library.target}};
+  if (!identity.build.empty()) facts.emplace_back("build", identity.build);
+  if (const std::string floats = float_deviation(); !floats.empty()) facts.emplace_back("floats", floats);
+  return facts;
+}
+
+std::string reason_name(replay::EndReason reason) {
+  for (const replay::EndReasonInfo& info : replay::end_reasons)
+    if (info.reason == reason) return std::string(info.name);
+  return "";
+}
+
+std::string json_string(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20) out += c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+bool Recording::wants_stages(std::uint64_t tick) const {
+  return options_.detail == replay::Detail::full && options_.full_first <= tick && tick <= options_.full_last;
+}
+
+Status Recording::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
+  if (const auto place = find_non_finite(state))
+    return Error{ErrorCode::usage,
+                 options_.path + ": initial state: " + place_text(*state.schema, *place, row_name) +
+                     ": found a value that is not finite",
+                 "initialise it; a value that means \"none\" is better an integer"};
+  replay::TraceSetup setup;
+  setup.simulation = options_.identity.name;
+  setup.physics_version = options_.identity.version;
+  setup.title = options_.title;
+  setup.dt = options_.dt;
+  setup.detail = options_.detail;
+  setup.full_first = options_.full_first;
+  setup.full_last = options_.full_last;
+  setup.checkpoint_interval = options_.checkpoint_interval;
+  setup.schema = *state.schema;
+  setup.stages = stages;
+  setup.setup = options_.setup;
+  Result<replay::TraceWriter> writer =
+      replay::TraceWriter::create(options_.path, setup, facts_of(options_.identity), options_.writer);
+  if (!writer) return writer.error();
+  writer_.emplace(std::move(*writer));
+  first_root_ = root_ = root_hash(state);
+  return writer_->checkpoint(state, root_);
+}
+
+Status Recording::begin(double dt, ByteView inputs) {
+  return writer_->begin_tick(TickInput{dt, inputs});
+}
+
+Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
+  if (const auto place = find_non_finite(*tick.state)) {
+    const std::string note = "tick " + std::to_string(tick.tick) + ": " +
+                             place_text(*tick.state->schema, *place, row_name) + ": found a value that is not finite";
+    if (const Status status = finish(replay::EndReason::non_finite, note); !status) return status.error();
+    return false;
+  }
+  root_ = root_hash(*tick.state);
+  changed_ = changed_ || root_ != first_root_;
+  if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status) return status.error();
+  time_s_ += tick.dt;
+  if (writer_->wants_checkpoint())
+    if (const Status status = writer_->checkpoint(*tick.state, root_); !status) return status.error();
+  return true;
+}
+
+Status Recording::finish(replay::EndReason reason, const std::string& note) {
+  if (closed_ || !writer_) return {};
+  closed_ = true;
+  reason_ = reason;
+  note_ = note;
+  if (writer_->tick_count() == 0 && reason == replay::EndReason::complete) {
+    writer_->discard();
+    return Error{ErrorCode::usage, options_.path + ": the session ends before its first tick: nothing was recorded",
+                 "begin_tick and end_tick belong into the loop; a program that rolls back must confirm ticks"};
+  }
+  if (!changed_ && writer_->tick_count() > 0)
+    warnings.push_back("no registered value changed in " + std::to_string(writer_->tick_count()) +
+                       " ticks: is all of the state registered, and by its own address rather than a copy's?");
+  return writer_->finish(reason, note);
+}
+
+std::string Recording::text() const {
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, "%llu ticks (%.3f s), %llu bytes",
+                static_cast<unsigned long long>(writer_ ? writer_->tick_count() : 0), time_s_,
+                static_cast<unsigned long long>(writer_ ? writer_->size() : 0));
+  std::string text = "recorded  " + options_.path + "  " + numbers + "\n  hash    " + hex64(root_) + "\n";
+  if (reason_ != replay::EndReason::complete)
+    text += "  ended   " + reason_name(reason_) + (note_.empty() ? "" : ": " + note_) + "\n";
+  for (const std::string& warning : warnings) text += "  warning " + warning + "\n";
+  return text;
+}
+
+std::string Recording::json() const {
+  std::string text = "{\"schema\": \"ticktrue.record/1\", \"file\": " + json_string(options_.path) +
+                     ", \"scene\": " + json_string(options_.title) +
+                     ", \"ticks\": " + std::to_string(writer_ ? writer_->tick_count() : 0) +
+                     ", \"size\": " + std::to_string(writer_ ? writer_->size() : 0) +
+                     ", \"reason\": " + json_string(reason_name(reason_)) + ", \"note\": " + json_string(note_) +
+                     ", \"hash\": \"" + hex64(root_) + "\", \"warnings\": [";
+  for (std::size_t i = 0; i < warnings.size(); ++i) text += (i > 0 ? ", " : "") + json_string(warnings[i]);
+  return text + "]}\n";
+}
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,65 @@
+// The recording side of a session: writes confirmed ticks into a trace.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "capi/tick.h"
+#include "replay/trace_writer.h"
+
+namespace ticktrue::capi {
+
+struct RecordingOptions {
+  std::string path;
+  Identity identity;
+  std::string title;
+  double dt = 0;  // s
+  replay::Detail detail = replay::Detail::root;
+  std::uint64_t full_first = 0;
+  std::uint64_t full_last = 0;
+  std::uint32_t checkpoint_interval = 0;
+  Bytes setup;
+  replay::WriterOptions writer;
+};
+
+class Recording {
+ public:
+  explicit Recording(RecordingOptions options) : options_(std::move(options)) {}
+
+  const RecordingOptions& options() const { return options_; }
+  /// Whether the state and the hashes after each stage of this tick are stored.
+  bool wants_stages(std::uint64_t tick) const;
+
+  /// Creates the trace. Errors: io, limit, usage (a value that is not finite).
+  Status start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name);
+  bool is_started() const { return writer_.has_value(); }
+
+  /// Hands the inputs of a tick to the operating system. Errors: io, limit.
+  Status begin(double dt, ByteView inputs);
+  /// Writes its result. False: a value is not finite, and the trace is closed before this tick. Errors: io, limit.
+  Result<bool> end(const DoneTick& tick, const RowNamer& row_name);
+
+  /// Closes the trace. A recording without a tick leaves no file. Errors: io, usage.
+  Status finish(replay::EndReason reason, const std::string& note);
+
+  std::string text() const;
+  std::string json() const;
+  bool is_finite() const { return reason_ != replay::EndReason::non_finite; }
+  std::vector<std::string> warnings;
+
+ private:
+  RecordingOptions options_;
+  std::optional<replay::TraceWriter> writer_;
+  std::uint64_t first_root_ = 0;
+  std::uint64_t root_ = 0;
+  double time_s_ = 0;
+  bool changed_ = false;
+  bool closed_ = false;
+  replay::EndReason reason_ = replay::EndReason::complete;
+  std::string note_;
+};
+
+}  // namespace ticktrue::capi

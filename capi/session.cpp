@@ -1,0 +1,439 @@
+// The order of calls of a session, and rollback.
+// SPDX-License-Identifier: MIT
+#include "capi/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/limits.h"
+#include "replay/chunk.h"
+#include "verifier/exit_codes.h"
+
+namespace ticktrue::capi {
+namespace {
+
+constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute, and each waits with a copy of the state
+constexpr std::uint32_t checkpoint_interval_default = 600;
+constexpr std::uint32_t known_flags = TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC;
+
+std::string_view text_of(const char* text) {
+  // Bounded: a name that was never terminated is too long, not a read beyond the end of the world.
+  return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
+}
+
+Error usage(const std::string& message, const std::string& hint = "") {
+  return {ErrorCode::usage, message, hint};
+}
+
+std::string number(std::uint64_t value) {
+  return std::to_string(value);
+}
+
+bool is_dt(double dt) {
+  return std::isfinite(dt) && dt >= 0;
+}
+
+}  // namespace
+
+Session::Session(const ticktrue_options& options) {
+  if (const Status status = check_options(options); !status) {
+    fail(status.error());
+    return;
+  }
+  if (!comparing_) return;
+  if (!comparing_->check_identity(identity_)) stop(TICKTRUE_FAILED);
+}
+
+Status Session::check_options(const ticktrue_options& options) {
+  const bool is_record = options.mode == TICKTRUE_RECORD;
+  if (!is_record && options.mode != TICKTRUE_VERIFY)
+    return usage("options: mode: found " + std::to_string(options.mode) +
+                 ", expected TICKTRUE_RECORD or TICKTRUE_VERIFY");
+  if (options.path == nullptr || options.path[0] == 0) return usage("options: path: found none, expected a file name");
+  path_ = options.path;
+  identity_.name = std::string(text_of(options.name));
+  if (const Status status = check_name("options: simulation", identity_.name); !status) return status;
+  if (identity_.name.compare(0, 9, "ticktrue.") == 0)
+    return usage("options: name: found " + identity_.name + ", expected one that does not begin with ticktrue.");
+  identity_.version = options.version;
+  identity_.build = std::string(text_of(options.build));
+  if ((options.flags & ~known_flags) != 0)
+    return usage("options: flags: found " + number(options.flags) + ", expected those of this header",
+                 "the library may be older than the header");
+  flags_ = options.flags;
+  default_dt_ = options.dt == 0 ? 1.0 / 60 : options.dt;
+  if (!is_dt(default_dt_)) return usage("options: dt: found a value that is negative or not finite");
+  if (options.rollback_max > rollback_count_max)
+    return usage("options: rollback_max: found " + number(options.rollback_max) + ", expected at most " +
+                 number(rollback_count_max));
+  rollback_max_ = options.rollback_max;
+
+  if (!is_record) {
+    Result<replay::TraceReader> reader = replay::TraceReader::open(path_);
+    if (!reader) return reader.error();
+    comparing_.emplace(std::move(*reader), path_);
+    return {};
+  }
+  if (options.setup == nullptr && options.setup_size > 0)
+    return usage("options: setup: found null, expected " + number(options.setup_size) + " bytes");
+  if (options.setup_size > limits::setup_size_max)
+    return usage("options: setup: found " + number(options.setup_size) + " bytes, expected at most " +
+                 number(limits::setup_size_max));
+  const auto* setup = static_cast<const std::uint8_t*>(options.setup);
+  setup_.assign(setup, setup + options.setup_size);
+  RecordingOptions recording;
+  recording.path = path_;
+  recording.identity = identity_;
+  recording.title = options.title == nullptr ? identity_.name : std::string(text_of(options.title));
+  recording.dt = default_dt_;
+  recording.checkpoint_interval =
+      options.checkpoint_interval == 0 ? checkpoint_interval_default : options.checkpoint_interval;
+  recording.setup = setup_;
+  recording.writer.overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
+  recording.writer.sync = (flags_ & TICKTRUE_NO_SYNC) == 0;
+  bool is_known = options.detail == TICKTRUE_DETAIL_DEFAULT;
+  const std::int32_t wanted = is_known ? TICKTRUE_DETAIL_CELLS : options.detail;
+  for (const replay::DetailInfo& info : replay::details) {
+    if (static_cast<std::int32_t>(info.detail) != wanted) continue;
+    recording.detail = info.detail;
+    is_known = true;
+  }
+  if (!is_known)
+    return usage("options: detail: found " + std::to_string(options.detail) + ", expected one of TICKTRUE_DETAIL_*");
+  if (recording.detail == replay::Detail::full) {
+    recording.full_first = options.full_first;
+    recording.full_last = options.full_last == 0 ? std::numeric_limits<std::uint64_t>::max() : options.full_last;
+    if (recording.full_first > recording.full_last)
+      return usage("options: full_first: found " + number(options.full_first) + ", expected at most full_last, " +
+                   number(options.full_last));
+  }
+  recording_.emplace(std::move(recording));
+  return {};
+}
+
+int Session::stop(int status) {
+  if (status_ == TICKTRUE_OK) status_ = status;
+  return status_;
+}
+
+int Session::fail(const Error& error) {
+  if (status_ != TICKTRUE_OK) return status_;
+  message_ = error.message;
+  if (!error.hint.empty()) message_ += "\n  " + error.hint;
+  exit_code_ = verifier::exit_code_of(error.code);
+  status_ = TICKTRUE_FAILED;
+  return status_;
+}
+
+int Session::wrong_order(const std::string& what, const std::string& hint) {
+  return fail(usage("tick " + number(tick_) + ": " + what, hint));
+}
+
+bool Session::can_call(const char* what) {
+  if (status_ != TICKTRUE_OK) return false;
+  if (phase_ != Phase::finished) return true;
+  wrong_order(std::string(what) + ": found a session that is finished", "open another one");
+  return false;
+}
+
+ByteView Session::setup() const {
+  return comparing_ ? ByteView(comparing_->setup().setup) : ByteView(setup_);
+}
+
+int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,
+                    std::uint32_t rows, std::size_t stride) {
+  if (!can_call("column")) return status_;
+  ColumnSource source;
+  source.data = data;
+  source.type = static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+  source.lane_count = lanes;
+  source.row_count = rows;
+  source.stride = stride;
+  const Status status = state_.column(text_of(table), text_of(name), source);
+  return status ? TICKTRUE_OK : fail(status.error());
+}
+
+int Session::key(const char* table, std::uint32_t columns) {
+  if (!can_call("key")) return status_;
+  const Status status = state_.key(text_of(table), columns);
+  return status ? TICKTRUE_OK : fail(status.error());
+}
+
+int Session::reference(const char* table, const char* column, const char* target) {
+  if (!can_call("reference")) return status_;
+  const Status status = state_.reference(text_of(table), text_of(column), text_of(target));
+  return status ? TICKTRUE_OK : fail(status.error());
+}
+
+int Session::row_names(const char* table, ticktrue_namer call, void* user) {
+  if (!can_call("row_names")) return status_;
+  if (!state_.schema().find_table(text_of(table)))
+    return fail(usage("row_names: table " + std::string(text_of(table)) + ": found none of this name",
+                      "register its columns first"));
+  namers_[std::string(text_of(table))] = {call, user};
+  return TICKTRUE_OK;
+}
+
+int Session::add_stage(const char* name) {
+  if (!can_call("add_stage")) return status_;
+  if (phase_ != Phase::registering)
+    return wrong_order("add_stage: found a new stage after the first tick", "add every stage before the first tick");
+  const std::string text(text_of(name));
+  if (const Status status = check_name("stage", text); !status) return fail(status.error());
+  if (std::find(stages_.begin(), stages_.end(), text) != stages_.end())
+    return fail(usage("stage " + text + ": stands twice"));
+  if (stages_.size() >= limits::stage_count_max)
+    return fail(usage("stages: found more than " + number(limits::stage_count_max)));
+  stages_.push_back(text);
+  return TICKTRUE_OK;
+}
+
+bool Session::wants_stages(const RecordedTick* recorded) const {
+  if (stages_.empty()) return false;
+  if (recorded != nullptr) return !recorded->stage_hashes.empty();
+  return recording_ && recording_->wants_stages(tick_);
+}
+
+int Session::stage(const char* name) {
+  if (!can_call("stage")) return status_;
+  if (phase_ != Phase::inside) return wrong_order("stage: found no tick that runs", "call it after begin_tick");
+  const std::string_view text = text_of(name);
+  if (stages_done_ >= stages_.size() || stages_[stages_done_] != text)
+    return wrong_order("stage: found " + std::string(text) + ", expected " +
+                           (stages_done_ < stages_.size() ? stages_[stages_done_] : "no further one"),
+                       "the stages of every tick come in the order of ticktrue_add_stage");
+  ++stages_done_;
+  if (!wants_stages(comparing_ ? comparing_->at(tick_) : nullptr)) return TICKTRUE_OK;
+  if (const Status status = state_.gather(); !status) return fail(status.error());
+  stage_hashes_.push_back(root_hash(state_.view()));
+  return TICKTRUE_OK;
+}
+
+const RecordedTick* Session::recorded() {
+  return comparing_->at(tick_);
+}
+
+int Session::input(void* data, std::size_t size) {
+  if (!can_call("input")) return status_;
+  if (phase_ == Phase::inside)
+    return wrong_order("input: found a tick that runs already, expected its inputs before begin_tick",
+                       "so they are in the file before the tick runs, and a crash does not lose them");
+  if (size == 0) return TICKTRUE_OK;
+  if (data == nullptr) return wrong_order("input: found null, expected " + number(size) + " bytes", "");
+  if (recording_) {
+    if (size > replay::input_size_max - std::min(inputs_.size(), replay::input_size_max))
+      return wrong_order("input: found more than " + number(replay::input_size_max) + " bytes",
+                         "spread them over several ticks");
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    inputs_.insert(inputs_.end(), bytes, bytes + size);
+    return TICKTRUE_OK;
+  }
+  const RecordedTick* tick = recorded();
+  if (tick == nullptr) return stop(TICKTRUE_END);
+  const std::size_t left = tick->inputs.size() - inputs_taken_;
+  if (size > left) {
+    comparing_->other_inputs(tick_, "recorded " + number(tick->inputs.size()) + " bytes, the program asks for " +
+                                        number(inputs_taken_ + size));
+    return stop(TICKTRUE_DIVERGED);
+  }
+  std::memcpy(data, tick->inputs.data() + inputs_taken_, size);
+  inputs_taken_ += size;
+  return TICKTRUE_OK;
+}
+
+RowNamer Session::namer() {
+  return [this](std::size_t table, std::size_t row) -> std::string {
+    const auto found = namers_.find(state_.schema().tables[table].name);
+    if (found == namers_.end() || found->second.call == nullptr || row >= state_.row_count(table)) return "";
+    char text[limits::name_size_max] = "";
+    found->second.call(found->second.user, static_cast<std::uint32_t>(row), text, sizeof text);
+    text[sizeof text - 1] = 0;
+    return text;
+  };
+}
+
+int Session::start() {
+  if (const Status status = state_.freeze(); !status) return fail(status.error());
+  if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (recording_) {
+    const Status status = recording_->start(state_.view(), stages_, namer());
+    if (!status) return fail(status.error());
+  } else if (!comparing_->start(state_.view(), stages_, namer())) {
+    return stop(comparing_->report().verdict == verifier::Verdict::diverged ? TICKTRUE_DIVERGED : TICKTRUE_FAILED);
+  }
+  return TICKTRUE_OK;
+}
+
+int Session::begin_tick(double* dt) {
+  if (!can_call("begin_tick")) return status_;
+  if (phase_ == Phase::inside) return wrong_order("begin_tick: found a tick that runs already", "end_tick comes first");
+  if (rollback_max_ > 0 && pending_.size() >= rollback_max_)
+    return wrong_order("begin_tick: found " + number(pending_.size()) + " ticks that wait for ticktrue_confirm, " +
+                           "expected at most rollback_max, " + number(rollback_max_),
+                       "confirm every tick whose inputs are known of all players, or raise rollback_max");
+  if (phase_ == Phase::registering) {
+    // Inputs of a verification come from the trace, whose columns must be known to be these.
+    if (start() != TICKTRUE_OK) return status_;
+    phase_ = Phase::between;
+  }
+  dt_ = dt != nullptr ? *dt : default_dt_;
+  if (recording_) {
+    if (!is_dt(dt_)) return wrong_order("begin_tick: dt: found a value that is negative or not finite", "");
+    if (rollback_max_ == 0)
+      if (const Status status = recording_->begin(dt_, inputs_); !status) return fail(status.error());
+  } else {
+    const RecordedTick* tick = recorded();
+    if (tick == nullptr) return stop(TICKTRUE_END);
+    if (inputs_taken_ != tick->inputs.size()) {
+      comparing_->other_inputs(
+          tick_, "recorded " + number(tick->inputs.size()) + " bytes, the program asked for " + number(inputs_taken_));
+      return stop(TICKTRUE_DIVERGED);
+    }
+    if (dt == nullptr && bits_of(dt_) != bits_of(tick->dt)) {
+      comparing_->other_inputs(tick_, "recorded with a dt of " + lane_text(ScalarType::f64, bits_of(tick->dt)) +
+                                          " s, this program always takes " + lane_text(ScalarType::f64, bits_of(dt_)) +
+                                          " s");
+      return stop(TICKTRUE_DIVERGED);
+    }
+    dt_ = tick->dt;
+    inputs_ = tick->inputs;
+    if (dt != nullptr) *dt = dt_;
+  }
+  stages_done_ = 0;
+  stage_hashes_.clear();
+  phase_ = Phase::inside;
+  return TICKTRUE_OK;
+}
+
+int Session::take(const DoneTick& done) {
+  if (comparing_) return comparing_->compare(done, namer()) ? TICKTRUE_OK : stop(TICKTRUE_DIVERGED);
+  const Result<bool> written = recording_->end(done, namer());
+  if (!written) return fail(written.error());
+  return *written ? TICKTRUE_OK : stop(TICKTRUE_DIVERGED);
+}
+
+int Session::end_tick() {
+  if (!can_call("end_tick")) return status_;
+  if (phase_ != Phase::inside) return wrong_order("end_tick: found no tick that runs", "begin_tick comes first");
+  if (stages_done_ != stages_.size())
+    return wrong_order("end_tick: stage " + stages_[stages_done_] + ": found no ticktrue_stage for it in this tick",
+                       "every stage is said to be done in every tick, also where it has no work");
+  if (const Status status = state_.gather(); !status) return fail(status.error());
+  phase_ = Phase::between;
+  inputs_taken_ = 0;
+  const std::uint64_t tick = tick_++;
+  if (rollback_max_ == 0) {
+    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view()};
+    const int status = take(done);
+    inputs_.clear();
+    confirmed_ = tick_;
+    return status;
+  }
+  PendingTick& pending = pending_.emplace_back();
+  pending.tick = tick;
+  pending.dt = dt_;
+  pending.inputs = std::move(inputs_);
+  inputs_.clear();
+  pending.stage_hashes = stage_hashes_;
+  pending.state.schema = &state_.schema();
+  for (std::size_t t = 0; t < state_.view().tables.size(); ++t) {
+    const TableRows& rows = state_.view().tables[t];
+    const std::size_t size = static_cast<std::size_t>(rows.row_count) * state_.schema().tables[t].row_size;
+    pending.rows.emplace_back(rows.data, rows.data + size);
+    pending.state.tables.push_back({pending.rows.back().data(), rows.row_count});
+  }
+  return TICKTRUE_OK;
+}
+
+int Session::rewind(std::uint64_t tick) {
+  if (!can_call("rewind")) return status_;
+  if (rollback_max_ == 0)
+    return wrong_order("rewind: found a session without rollback", "set rollback_max in the options");
+  if (phase_ == Phase::inside)
+    return wrong_order("rewind: found a tick that runs, expected none", "end_tick comes first: its result is dropped");
+  if (tick > tick_)
+    return wrong_order("rewind: found tick " + number(tick) + ", expected at most the ticks done, " + number(tick_),
+                       "");
+  if (tick < confirmed_)
+    return wrong_order(
+        "rewind: found tick " + number(tick) + ", expected at least the ticks confirmed, " + number(confirmed_),
+        "a confirmed tick is final: confirm a tick when the inputs of all players are known for it");
+  while (!pending_.empty() && pending_.back().tick >= tick) pending_.pop_back();
+  tick_ = tick;
+  inputs_.clear();
+  inputs_taken_ = 0;
+  return TICKTRUE_OK;
+}
+
+int Session::confirm(std::uint64_t tick) {
+  if (!can_call("confirm")) return status_;
+  if (tick > tick_)
+    return wrong_order("confirm: found tick " + number(tick) + ", expected at most the ticks done, " + number(tick_),
+                       "confirm(n) says that the first n ticks are final");
+  return confirm_pending(tick);
+}
+
+int Session::confirm_pending(std::uint64_t tick) {
+  while (!pending_.empty() && pending_.front().tick < tick) {
+    const PendingTick& pending = pending_.front();
+    if (recording_)
+      if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
+    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state}) != TICKTRUE_OK)
+      return status_;
+    confirmed_ = pending.tick + 1;
+    pending_.pop_front();
+  }
+  return TICKTRUE_OK;
+}
+
+int Session::finish_recording() {
+  if (!recording_->is_started()) {
+    if (status_ == TICKTRUE_OK)
+      fail(usage(path_ + ": the session ends before its first tick: nothing was recorded",
+                 "begin_tick and end_tick belong into the loop"));
+    return exit_code_;
+  }
+  const bool is_whole = status_ != TICKTRUE_FAILED;
+  if (is_whole && phase_ == Phase::inside)
+    recording_->warnings.push_back("tick " + number(tick_) + " was begun and not ended: it is not in the trace");
+  if (is_whole && !pending_.empty())
+    recording_->warnings.push_back("ticks " + number(pending_.front().tick) + ".." + number(pending_.back().tick) +
+                                   " were never confirmed and are not in the trace");
+  const std::string first_line = message_.substr(0, std::min(message_.find('\n'), limits::name_size_max));
+  const Status status = recording_->finish(is_whole ? replay::EndReason::complete : replay::EndReason::interrupted,
+                                           is_whole ? "" : first_line);
+  if (!status) fail(status.error());
+  if (status_ == TICKTRUE_FAILED) return exit_code_;
+  return recording_->is_finite() ? verifier::exit_ok : verifier::exit_finding;
+}
+
+int Session::finish() {
+  if (phase_ == Phase::finished) return exit_code_;
+  if (recording_) {
+    exit_code_ = finish_recording();
+  } else if (comparing_) {
+    const bool is_wrong_call = status_ == TICKTRUE_FAILED && !message_.empty();
+    // What the loop left unconfirmed is final now: nothing follows it.
+    if (!is_wrong_call && status_ != TICKTRUE_DIVERGED) confirm_pending(tick_);
+    comparing_->finish(tick_);
+    if (!is_wrong_call) exit_code_ = comparing_->report().exit_code();
+  }
+  phase_ = Phase::finished;
+  return exit_code_;
+}
+
+std::string Session::report_text() const {
+  if (!message_.empty()) return "";
+  if (comparing_) return verifier::report_text(comparing_->report());
+  return recording_ ? recording_->text() : "";
+}
+
+std::string Session::report_json() const {
+  if (!message_.empty()) return "";
+  if (comparing_) return verifier::report_json({&comparing_->report(), 1}, false);
+  return recording_ ? recording_->json() : "";
+}
+
+}  // namespace ticktrue::capi

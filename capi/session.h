@@ -1,0 +1,118 @@
+// A session behind the C interface: registered state, the order of calls, ticks that wait for confirmation.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/gathered_state.h"
+#include "base/result.h"
+#include "capi/comparing.h"
+#include "capi/recording.h"
+#include "capi/tick.h"
+#include "include/ticktrue.h"
+
+namespace ticktrue::capi {
+
+/// Every call returns a status of the C interface. The first that is not TICKTRUE_OK stays.
+class Session {
+ public:
+  /// Checks and copies the options, and opens the trace of a verification.
+  explicit Session(const ticktrue_options& options);
+  /// A session that has failed before it began.
+  explicit Session(const Error& error) { fail(error); }
+
+  int status() const { return status_; }
+  const std::string& message() const { return message_; }
+  std::uint64_t tick() const { return tick_; }
+  ByteView setup() const;
+
+  int column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes, std::uint32_t rows,
+             std::size_t stride);
+  int key(const char* table, std::uint32_t columns);
+  int reference(const char* table, const char* column, const char* target);
+  int row_names(const char* table, ticktrue_namer call, void* user);
+  int add_stage(const char* name);
+  int stage(const char* name);
+  int input(void* data, std::size_t size);
+  int begin_tick(double* dt);
+  int end_tick();
+  int rewind(std::uint64_t tick);
+  int confirm(std::uint64_t tick);
+
+  /// Closes and judges; the exit code. Again: the same.
+  int finish();
+  bool is_finished() const { return phase_ == Phase::finished; }
+  bool is_quiet() const { return (flags_ & TICKTRUE_QUIET) != 0; }
+  bool wants_json() const { return (flags_ & TICKTRUE_JSON) != 0; }
+  /// Requires: is_finished(). Empty where the session failed.
+  std::string report_text() const;
+  std::string report_json() const;
+
+  /// A failure from outside, such as memory that ran out.
+  int fail(const Error& error);
+
+ private:
+  enum class Phase { registering, between, inside, finished };
+
+  /// A tick that ran and is not confirmed yet, with the state after it.
+  struct PendingTick {
+    std::uint64_t tick = 0;
+    double dt = 0;
+    Bytes inputs;
+    std::vector<std::uint64_t> stage_hashes;
+    std::vector<Bytes> rows;
+    StateView state;
+  };
+
+  Status check_options(const ticktrue_options& options);
+  int stop(int status);
+  int wrong_order(const std::string& what, const std::string& hint);
+  bool can_call(const char* what);
+  int start();
+  bool wants_stages(const RecordedTick* recorded) const;
+  /// The recorded tick that begins next; null at the end of the trace.
+  const RecordedTick* recorded();
+  int take(const DoneTick& done);
+  int confirm_pending(std::uint64_t tick);
+  RowNamer namer();
+  int finish_recording();
+
+  Identity identity_;
+  std::string path_;
+  std::uint32_t flags_ = 0;
+  std::uint32_t rollback_max_ = 0;
+  double default_dt_ = 0;  // s
+  Bytes setup_;
+  std::optional<Recording> recording_;
+  std::optional<Comparing> comparing_;
+
+  GatheredState state_;
+  struct Namer {
+    ticktrue_namer call = nullptr;
+    void* user = nullptr;
+  };
+  std::map<std::string, Namer, std::less<>> namers_;  // by table
+  std::vector<std::string> stages_;
+
+  Phase phase_ = Phase::registering;
+  int status_ = TICKTRUE_OK;
+  std::string message_;
+  int exit_code_ = 0;
+
+  std::uint64_t tick_ = 0;        // ticks done
+  std::uint64_t confirmed_ = 0;   // of them
+  double dt_ = 0;                 // of the tick that runs
+  Bytes inputs_;                  // of the tick that begins next, or runs
+  std::size_t inputs_taken_ = 0;  // verify: bytes given out
+  std::size_t stages_done_ = 0;
+  std::vector<std::uint64_t> stage_hashes_;
+  std::deque<PendingTick> pending_;
+};
+
+}  // namespace ticktrue::capi

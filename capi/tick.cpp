@@ -1,0 +1,27 @@
+// Words for places and for the floating point settings.
+// SPDX-License-Identifier: MIT
+#include "capi/tick.h"
+
+#include "base/float_behaviour.h"
+
+namespace ticktrue::capi {
+
+std::string place_text(const StateSchema& schema, const StatePlace& place, const RowNamer& row_name) {
+  const TableSchema& table = schema.tables[place.table];
+  const std::string name = row_name ? row_name(place.table, place.row) : "";
+  return table.name + " row " + std::to_string(place.row) + (name.empty() ? "" : " (" + name + ")") + ", column " +
+         table.columns[place.column].name + ", lane " + std::to_string(place.lane);
+}
+
+std::string float_deviation() {
+  // Whether products and sums are fused depends on how the program was compiled, which the library cannot see.
+  const FloatBehaviour behaviour = probe_float_behaviour();
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (behaviour.rounding != "nearest") add("rounding " + std::string(behaviour.rounding));
+  if (behaviour.flushes_to_zero) add("subnormal results flushed to zero");
+  if (behaviour.subnormals_are_zero) add("subnormal operands taken as zero");
+  return text;
+}
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,232 @@
+// The functions of include/ticktrue.h over Session: null sessions, exceptions, printing.
+// SPDX-License-Identifier: MIT
+#include "include/ticktrue.h"
+
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "base/build_info.h"
+#include "capi/session.h"
+
+using ticktrue::Error;
+using ticktrue::ErrorCode;
+using ticktrue::capi::Session;
+
+/// What the C program holds. Without `session`, memory ran out while it was made.
+struct ticktrue_session {
+  std::unique_ptr<Session> session;
+  std::string report;
+};
+
+namespace {
+
+constexpr const char* no_memory = "memory: the system refused to give more";
+/// Given out when not even a session fits into memory; never freed.
+ticktrue_session memory_failure;
+
+/// Runs a call: null is "off", and no exception leaves.
+template <typename Call>
+int guarded(ticktrue_session* handle, Call&& call) {
+  if (handle == nullptr) return TICKTRUE_OK;
+  if (handle->session == nullptr) return TICKTRUE_FAILED;
+  try {
+    return call(*handle->session);
+  } catch (const std::bad_alloc&) {
+    try {
+      return handle->session->fail(Error{ErrorCode::limit, no_memory, ""});
+    } catch (...) {
+      handle->session.reset();
+      return TICKTRUE_FAILED;
+    }
+  } catch (const std::exception& exception) {
+    try {
+      return handle->session->fail(Error{ErrorCode::usage, std::string("internal: ") + exception.what(), ""});
+    } catch (...) {
+      handle->session.reset();
+      return TICKTRUE_FAILED;
+    }
+  }
+}
+
+/// The options as this library knows them: what an older program lacks is zero.
+bool read_options(const ticktrue_options* given, ticktrue_options& options, std::string& error) {
+  options = {};
+  if (given == nullptr) {
+    error = "options: found null";
+    return false;
+  }
+  constexpr std::size_t size_min = offsetof(ticktrue_options, rollback_max) + sizeof(std::uint32_t);
+  constexpr std::size_t size_max = 4096;
+  if (given->struct_size < size_min || given->struct_size > size_max) {
+    error = "options: struct_size: found " + std::to_string(given->struct_size) +
+            ", expected sizeof(ticktrue_options), " + std::to_string(sizeof(ticktrue_options));
+    return false;
+  }
+  std::memcpy(&options, given, given->struct_size < sizeof options ? given->struct_size : sizeof options);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  for (std::size_t i = sizeof options; i < given->struct_size; ++i)
+    if (bytes[i] != 0) {
+      error = "options: found a setting that this library (" + ticktrue::build_info().version +
+              ") does not know: it is older than the program's header";
+      return false;
+    }
+  return true;
+}
+
+ticktrue_session* open_session(const ticktrue_options& options, const std::string& error) {
+  auto handle = std::make_unique<ticktrue_session>();
+  handle->session = error.empty() ? std::make_unique<Session>(options)
+                                  : std::make_unique<Session>(Error{ErrorCode::usage, error, ""});
+  return handle.release();
+}
+
+}  // namespace
+
+extern "C" {
+
+ticktrue_session* ticktrue_open(const ticktrue_options* given) {
+  try {
+    ticktrue_options options;
+    std::string error;
+    read_options(given, options, error);
+    return open_session(options, error);
+  } catch (...) {
+    return &memory_failure;
+  }
+}
+
+ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int argc, char* const* argv) {
+  try {
+    ticktrue_options options;
+    std::string error;
+    const bool is_read = read_options(given, options, error);
+    bool is_asked = false;
+    for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
+      const bool record = std::strcmp(argv[i], "--record") == 0;
+      const bool verify = std::strcmp(argv[i], "--verify") == 0;
+      if (std::strcmp(argv[i], "--force") == 0) options.flags |= TICKTRUE_OVERWRITE;
+      if (!record && !verify) continue;
+      if (is_asked && is_read) error = "command line: found --record and --verify twice, expected one of them";
+      is_asked = true;
+      options.mode = record ? TICKTRUE_RECORD : TICKTRUE_VERIFY;
+      options.path = i + 1 < argc ? argv[++i] : nullptr;
+      if (options.path == nullptr && is_read)
+        error = std::string("command line: ") + argv[i] + ": found no file name behind it";
+    }
+    if (!is_asked) return nullptr;
+    return open_session(options, error);
+  } catch (...) {
+    return &memory_failure;
+  }
+}
+
+const void* ticktrue_setup(ticktrue_session* session, size_t* size) {
+  if (size != nullptr) *size = 0;
+  if (session == nullptr || session->session == nullptr) return nullptr;
+  const ticktrue::ByteView setup = session->session->setup();
+  if (size != nullptr) *size = setup.size();
+  return setup.empty() ? nullptr : setup.data();
+}
+
+int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data, int type,
+                    uint32_t lanes, uint32_t rows, size_t stride) {
+  return guarded(session, [&](Session& s) { return s.column(table, name, data, type, lanes, rows, stride); });
+}
+int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns) {
+  return guarded(session, [&](Session& s) { return s.key(table, columns); });
+}
+int ticktrue_reference(ticktrue_session* session, const char* table, const char* column, const char* target) {
+  return guarded(session, [&](Session& s) { return s.reference(table, column, target); });
+}
+int ticktrue_row_names(ticktrue_session* session, const char* table, ticktrue_namer namer, void* user) {
+  return guarded(session, [&](Session& s) { return s.row_names(table, namer, user); });
+}
+int ticktrue_add_stage(ticktrue_session* session, const char* name) {
+  return guarded(session, [&](Session& s) { return s.add_stage(name); });
+}
+int ticktrue_stage(ticktrue_session* session, const char* name) {
+  return guarded(session, [&](Session& s) { return s.stage(name); });
+}
+int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
+  return guarded(session, [&](Session& s) { return s.input(data, size); });
+}
+int ticktrue_begin_tick(ticktrue_session* session, double* dt) {
+  return guarded(session, [&](Session& s) { return s.begin_tick(dt); });
+}
+int ticktrue_end_tick(ticktrue_session* session) {
+  return guarded(session, [&](Session& s) { return s.end_tick(); });
+}
+int ticktrue_rewind(ticktrue_session* session, uint64_t tick) {
+  return guarded(session, [&](Session& s) { return s.rewind(tick); });
+}
+int ticktrue_confirm(ticktrue_session* session, uint64_t tick) {
+  return guarded(session, [&](Session& s) { return s.confirm(tick); });
+}
+
+uint64_t ticktrue_tick(const ticktrue_session* session) {
+  return session == nullptr || session->session == nullptr ? 0 : session->session->tick();
+}
+int ticktrue_status(const ticktrue_session* session) {
+  if (session == nullptr) return TICKTRUE_OK;
+  return session->session == nullptr ? TICKTRUE_FAILED : session->session->status();
+}
+const char* ticktrue_message(const ticktrue_session* session) {
+  if (session == nullptr) return "";
+  return session->session == nullptr ? no_memory : session->session->message().c_str();
+}
+
+int ticktrue_finish(ticktrue_session* session) {
+  if (session != nullptr && session->session == nullptr) return 2;
+  int exit_code = 0;
+  const int status = guarded(session, [&](Session& s) {
+    exit_code = s.finish();
+    return TICKTRUE_OK;
+  });
+  return status == TICKTRUE_OK ? exit_code : 2;
+}
+
+const char* ticktrue_report(ticktrue_session* session) {
+  if (session == nullptr || session->session == nullptr) return "";
+  const int status = guarded(session, [&](Session& s) {
+    session->report = s.is_finished() ? s.report_text() : "";
+    return TICKTRUE_OK;
+  });
+  return status == TICKTRUE_OK ? session->report.c_str() : "";
+}
+
+const char* ticktrue_report_json(ticktrue_session* session) {
+  if (session == nullptr || session->session == nullptr) return "";
+  const int status = guarded(session, [&](Session& s) {
+    session->report = s.is_finished() ? s.report_json() : "";
+    return TICKTRUE_OK;
+  });
+  return status == TICKTRUE_OK ? session->report.c_str() : "";
+}
+
+int ticktrue_close(ticktrue_session* session) {
+  if (session == nullptr) return 0;
+  const int exit_code = ticktrue_finish(session);
+  const bool is_quiet = session->session != nullptr && session->session->is_quiet();
+  const bool is_json = session->session != nullptr && session->session->wants_json();
+  if (!is_quiet) {
+    std::fputs(is_json ? ticktrue_report_json(session) : ticktrue_report(session), stdout);
+    std::fflush(stdout);
+    if (const char* message = ticktrue_message(session); message[0] != 0)
+      std::fprintf(stderr, "ticktrue: error: %s\n", message);
+  }
+  if (session != &memory_failure) delete session;
+  return exit_code;
+}
+
+const char* ticktrue_version(void) {
+  return ticktrue::build_info().version.c_str();
+}
+uint32_t ticktrue_api_version(void) {
+  return TICKTRUE_API_VERSION;
+}
+
+}  // extern "C"

@@ -1,0 +1,196 @@
+#!/bin/sh
+# run.sh BUILD: installs that build into a folder of its own, builds examples/ from there alone, and runs each green and red.
+# SPDX-License-Identifier: MIT
+set -u
+build=$(cd "$1" && pwd) || exit 2
+source=$(cd "$(dirname "$0")/../.." && pwd) || exit 2
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+out=$work/out
+failures=0
+
+complain() {
+  printf 'examples: error: %s\n' "$1"
+  failures=$((failures + 1))
+}
+
+# expect EXIT TEXT COMMAND...: the command ends with EXIT and prints TEXT.
+expect() {
+  wanted=$1
+  text=$2
+  shift 2
+  "$@" >"$out" 2>&1
+  code=$?
+  [ "$code" = "$wanted" ] || { complain "$*: exit code: found $code, expected $wanted"; cat "$out"; }
+  [ -z "$text" ] || grep -qF -- "$text" "$out" || { complain "$*: output: expected \"$text\", found:"; cat "$out"; }
+}
+
+# --- install, and build what is outside of this tree -----------------------------------------------------------------
+cmake --install "$build" --prefix "$prefix" >"$out" 2>&1 || { cat "$out"; complain "cmake --install"; exit 1; }
+cp -r "$source/examples" "$work/examples"
+cd "$work" || exit 2
+configure() {
+  cmake -S examples -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+}
+configure >"$out" 2>&1 || { cat "$out"; complain "examples: configuration"; exit 1; }
+cmake --build build -j 2 >"$out" 2>&1 || { cat "$out"; complain "examples: build"; exit 1; }
+tool=$(find "$prefix" -name ticktrue -type f -perm -u+x)
+library=$(find "$prefix" -name 'libticktrue.so' | head -n 1)
+cd build || exit 2
+
+if command -v nm >/dev/null 2>&1; then
+  others=$(nm -D --defined-only "$library" | awk '$3 !~ /^ticktrue_/ { print $3 }' | head -n 3)
+  [ -z "$others" ] || complain "libticktrue.so: exported names: found $others, expected ticktrue_* alone"
+fi
+
+# The header is C99 and C++98, and asks nothing of who includes it.
+printf '#include <ticktrue.h>\nint main(void) { return ticktrue_api_version() == TICKTRUE_API_VERSION ? 0 : 1; }\n' >header.c
+expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Wstrict-prototypes -Werror -I"$prefix/include" -c header.c -o header.o
+expect 0 "" c++ -std=c++98 -pedantic -Wall -Wextra -Werror -I"$prefix/include" -x c++ -fsyntax-only header.c
+for example in lockstep rollback plugin_pendulum; do
+  expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$prefix/include" "../examples/$example.c"
+done
+grep -q 'ffp-contract=off.*lockstep\.c' compile_commands.json || complain "ticktrue::determinism: its flags did not arrive"
+grep -q 'ffp-contract=off.*consumer\.cpp' compile_commands.json && complain "consumer: flags it did not ask for arrived"
+if command -v pkg-config >/dev/null 2>&1; then
+  flags=$(PKG_CONFIG_PATH=$(dirname "$library")/pkgconfig pkg-config --cflags --libs ticktrue) || complain "pkg-config: no ticktrue"
+  # shellcheck disable=SC2086 # flags are words
+  expect 0 "" cc -std=c99 header.c $flags -Wl,-rpath,"$(dirname "$library")" -o header
+  expect 0 "" ./header
+fi
+
+# --- the loop of docs/any_simulation.md ------------------------------------------------------------------------------
+block() { awk -v want="$1" '/^```c$/ { n++; on = n == want; next } /^```/ { on = 0 } on' "$source/docs/any_simulation.md"; }
+{
+  echo '#include <ticktrue.h>'
+  block 1 | sed '/^int main(void)/,$d'
+  block 2
+} >game.c
+compile_game() { cc -O2 "$@" -I"$prefix/include" "$library" -Wl,-rpath,"$(dirname "$library")" -o game; }
+expect 0 "" compile_game game.c
+expect 0 "recorded  game.ttr  600 ticks" ./game --record game.ttr
+expect 0 "match  game.ttr  600 of 600 ticks compared" ./game --verify game.ttr
+sed 's/-9.8f/-9.81f/' game.c >other.c
+expect 0 "" compile_game other.c
+expect 1 "balls.vy          row 0" ./game --verify game.ttr
+if grep -qw fma /proc/cpuinfo 2>/dev/null && compile_game -mfma game.c 2>/dev/null; then
+  expect 1 "expected 3e4cccce (0.20000002).  got 3e4ccccd (0.2).  1 ulp" ./game --verify game.ttr
+  expect 0 "" compile_game -mfma -ffp-contract=off game.c
+  expect 0 "match  game.ttr" ./game --verify game.ttr
+fi
+
+# --- a lockstep game in C --------------------------------------------------------------------------------------------
+lines=$(wc -l <../examples/lockstep.c)
+[ "$lines" -lt 150 ] || complain "lockstep.c: lines: found $lines, expected fewer than 150"
+expect 0 "score" ./lockstep
+expect 0 "recorded  lockstep.ttr  600 ticks" ./lockstep --record lockstep.ttr
+expect 2 "use --force to replace it" ./lockstep --record lockstep.ttr
+expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep --verify lockstep.ttr
+expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep_static --verify lockstep.ttr
+expect 1 "balls.velocity    row 3, lane 0" ./lockstep --verify lockstep.ttr --bug clock
+expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
+expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
+expect 0 "recorded" ./lockstep --record padding.ttr --bug padding
+expect 5 "simulation lockstep-example is not available" "$tool" verify lockstep.ttr
+expect 5 "--plugin LIB.so" "$tool" verify lockstep.ttr
+expect 0 "condition   complete" "$tool" show lockstep.ttr
+expect 5 "recorded with lockstep-example, this program is rollback-example" ./rollback --verify lockstep.ttr
+# Addresses differ from run to run; where the system does not move them, there is nothing to see.
+if ./lockstep --verify pointer.ttr --bug pointer >"$out" 2>&1; then echo "examples: note: addresses are the same in every run here"
+else
+  expect 1 "look like addresses" ./lockstep --verify pointer.ttr --bug pointer
+  expect 1 "balls.padding" ./lockstep --verify padding.ttr --bug padding
+fi
+
+# --- rollback --------------------------------------------------------------------------------------------------------
+expect 0 "recorded  rollback.ttr  600 ticks" ./rollback --record rollback.ttr
+expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback --verify rollback.ttr
+expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --bug unsaved
+expect 0 "recorded  unsaved.ttr" ./rollback --record unsaved.ttr --bug unsaved
+expect 1 "fighters.cooldown" ./rollback --verify unsaved.ttr
+
+# --- C++ by find_package ---------------------------------------------------------------------------------------------
+expect 0 "recorded  consumer.ttr  120 ticks" ./consumer --record consumer.ttr
+expect 0 "match  consumer.ttr" ./consumer --verify consumer.ttr
+expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --fault
+
+# --- Python ----------------------------------------------------------------------------------------------------------
+if command -v python3 >/dev/null 2>&1; then
+  TICKTRUE_LIBRARY=$library
+  export TICKTRUE_LIBRARY
+  expect 0 "recorded  bouncers.ttr  300 ticks" python3 ../examples/bouncers.py --record bouncers.ttr
+  expect 0 "match  bouncers.ttr" env PYTHONHASHSEED=1 python3 ../examples/bouncers.py --verify bouncers.ttr
+  expect 1 "bouncers.velocity" env PYTHONHASHSEED=1 python3 ../examples/bouncers.py --verify bouncers.ttr --bug hash
+fi
+
+# --- plug-ins --------------------------------------------------------------------------------------------------------
+pendulum=./libplugin_pendulum.so
+printf '{"tick": 3, "bytes": "10f0"}\n{"tick": 150, "bytes": "7f"}\n' >inputs.jsonl
+expect 0 "300 ticks" "$tool" record 8 --plugin "$pendulum" --ticks 300 --inputs inputs.jsonl --detail full --checkpoint-interval 50 -o pendulum.ttr
+expect 0 "hash" "$tool" run 8 --plugin "$pendulum" --ticks 300 --inputs inputs.jsonl
+for mode in replay restore twice; do
+  expect 0 "match  pendulum.ttr" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode "$mode"
+done
+expect 0 "match  pendulum.ttr" "$tool" --plugin "$pendulum" verify pendulum.ttr --from 120
+expect 0 "links 4 (pendulum 4)  id 4  angle " "$tool" replay pendulum.ttr --plugin "$pendulum" --ticks 299
+expect 0 "\"name\":\"pendulum 7\"" "$tool" replay pendulum.ttr --plugin "$pendulum" --format jsonl --ticks 10..12
+expect 0 "" "$tool" diff pendulum.ttr pendulum.ttr --plugin "$pendulum"
+expect 0 "20 of 20 flips found" "$tool" inject pendulum.ttr --plugin "$pendulum" --count 20
+expect 1 "name \"pendulum 4\"" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
+expect 1 "first stage whose output differs" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
+expect 1 "crashed with SIGSEGV in step of tick 100" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum"
+expect 1 "hangs in step of tick 100: found no end after 1 s" env TICKTRUE_EXAMPLE_FAULT=hang "$tool" verify pendulum.ttr --plugin "$pendulum" --plugin-timeout 1
+expect 5 "simulation pendulum-example is not available" "$tool" verify pendulum.ttr
+expect 2 "create: refused the setup: number of pendulums" "$tool" run 0 --plugin "$pendulum" --ticks 3
+expect 2 "cannot be loaded" "$tool" verify pendulum.ttr --plugin ./missing.so
+expect 2 "found no function ticktrue_plugin_entry" "$tool" verify pendulum.ttr --plugin "$library"
+if [ -f libplugin_box2d.so ]; then
+  box2d=./libplugin_box2d.so
+  expect 0 "120 ticks" "$tool" record 6 --plugin "$box2d" --ticks 120 --inputs inputs.jsonl --detail full -o box2d.ttr
+  expect 0 "match  box2d.ttr" "$tool" verify box2d.ttr --plugin "$box2d"
+  expect 5 "can only be observed" "$tool" verify box2d.ttr --plugin "$box2d" --mode restore
+  expect 5 "" "$tool" verify box2d.ttr --plugin "$pendulum"
+fi
+
+# --- plug-ins that are wrong -----------------------------------------------------------------------------------------
+expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Werror -shared -fPIC -I"$prefix/include" "$source/tests/examples/bad_plugin.c" -o bad.so
+while read -r exit_code fault text; do
+  rm -f bad.ttr
+  expect "$exit_code" "$text" env TICKTRUE_BAD_PLUGIN="$fault" "$tool" record x --plugin ./bad.so --ticks 5 -o bad.ttr
+done <<FAULTS
+0 none 5 ticks
+2 size struct_size: found 12
+2 version interface version: found 99, expected 1..1
+2 old it does not work with interface version 1
+2 name name: found 0 bytes
+2 engine found another one of this name
+2 many stages: found 100000
+2 missing found a null function
+2 loud create: refused the setup: xxx
+2 nothing create: found success and no simulation
+2 empty state: found no column
+2 columns columns: failed
+2 stride stride: found 4 bytes, expected at least 8
+2 rows column z has 3, column x has 4
+2 null pointer: found null
+1 late found a new column after the first tick
+1 type found another type or lane count than before
+1 step step of tick 2: failed: out of fuel
+1 stages stages said to be done: found 1, expected 2
+1 order stages said to be done
+1 beyond stages said to be done
+1 infinite column x, lane 0: found a value that is not finite
+1 entry crashed with SIGABRT while it was loaded
+1 destroy crashed with SIGABRT in destroy
+FAULTS
+
+# --- traces as CTest tests -------------------------------------------------------------------------------------------
+cd .. || exit 2
+configure >"$out" 2>&1 || { cat "$out"; complain "examples: configuration with traces"; }
+expect 0 "100% tests passed, 0 tests failed out of 4" ctest --test-dir build
+expect 8 "0% tests passed" env TICKTRUE_EXAMPLE_FAULT=drift ctest --test-dir build -R pendulum
+
+[ "$failures" = 0 ] || exit 1
+echo "examples: built from the install tree alone, each green and red"

@@ -1,0 +1,44 @@
+// The plug-in options: loading, and telling a crash or a hang.
+// SPDX-License-Identifier: MIT
+#include "verifier/cli/plugins.h"
+
+#include <CLI/CLI.hpp>
+
+#include "verifier/cli/cli.h"
+#include "verifier/plugin.h"
+#include "verifier/plugin_guard.h"
+
+namespace ticktrue::cli {
+
+std::shared_ptr<PluginOptions> add_plugin_options(CLI::App& app) {
+  auto options = std::make_shared<PluginOptions>();
+  app.add_option(
+         "--plugin", options->libraries,
+         "A simulation from a shared library, for run, record, replay, verify, diff and inject; may stand more than once")
+      ->type_name("LIB.so")
+      ->expected(1)
+      ->take_all();
+  add_number(app, "--plugin-timeout", options->timeout_s, "Seconds after which a call of a plug-in hangs (default 10)",
+             {1, 86'400});
+  return options;
+}
+
+std::optional<int> begin_plugins(const PluginOptions& options) {
+  if (options.libraries.empty()) return std::nullopt;
+  if (!verifier::can_guard_plugins())
+    return fail_usage(Error{ErrorCode::usage, "--plugin: this system loads no plug-ins", ""});
+  std::string names;
+  for (const std::string& library : options.libraries) names += (names.empty() ? "" : ", ") + library;
+  if (const auto end = verifier::run_guarded(names, options.timeout_s)) {
+    if (!end->message.empty())
+      print_error(Error{ErrorCode::usage, end->message,
+                        "run the same under a debugger: the command runs in a child process (gdb: set follow-fork-mode "
+                        "child)"});
+    return end->exit_code;
+  }
+  for (const std::string& library : options.libraries)
+    if (const Status loaded = verifier::load_plugin(library); !loaded) return fail_usage(loaded.error());
+  return std::nullopt;
+}
+
+}  // namespace ticktrue::cli
