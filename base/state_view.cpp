@@ -322,6 +322,7 @@ std::optional<StatePlace> find_non_finite(const StateView& state) {
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
     const TableSchema& table = state.schema->tables[t];
     const TableRows& rows = state.tables[t];
+    if (rows.row_count == 0) continue;  // its data may be null
     // A cheap pass first: a row is suspect if the sum of its floats times zero is not zero. Exact, since 0 * x is NaN
     // just for NaN and infinity, and branch-free.
     bool suspect = false;
