@@ -29,7 +29,8 @@ World& world_of(std::size_t index) {
       const bool is_pointer = info.kind == engine::InputKind::press || info.kind == engine::InputKind::drag ||
                               info.kind == engine::InputKind::release;
       if (is_pointer || info.has_prototype || info.kind == engine::InputKind::end) continue;
-      if (info.has_joint && scene->joints.empty()) continue;
+      const auto has_motor = [](const engine::Joint& joint) { return joint.motor.has_value(); };
+      if (info.has_joint && std::none_of(scene->joints.begin(), scene->joints.end(), has_motor)) continue;
       scene->inputs.push_back(info.kind);
     }
     std::sort(scene->inputs.begin(), scene->inputs.end());

@@ -12,7 +12,7 @@ if [ "${1-}" = one ]; then
   name=$3
   longest=$4
   mkdir -p "$out/corpus/$name" "$out/found"
-  set -- -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2560 -max_len="$longest" -artifact_prefix="$out/found/$name-"
+  set -- -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2560 -malloc_limit_mb=256 -max_len="$longest" -artifact_prefix="$out/found/$name-"
   [ ! -f "$out/seeds/$name.dict" ] || set -- "$@" -dict="$out/seeds/$name.dict"
   "$build/fuzz_$name" "$@" -print_final_stats=1 "$out/corpus/$name" "$out/seeds/$name" >"$out/$name.log" 2>&1
   status=$?
