@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -61,12 +62,13 @@ void check_recovery(ByteView bytes, const Reading& whole) {
   const std::string output = "/dev/shm/ticktrue_fuzz_" + std::to_string(::getpid()) + ".ttr";
   const auto result = replay::recover_trace(broken.path(), output, true);
   if (result && (result->ticks_written > 0 || result->tail.condition == replay::TraceCondition::complete)) {
-    require(result->ticks_written == whole.roots.size(), "every tick that was read is recovered");
+    require(result->ticks_written >= whole.roots.size(), "every tick that was read is recovered");
     auto saved = replay::TraceReader::open(output);
     require(saved.has_value(), "a recovered trace opens");
     const Reading again = read_on(*saved, 0);
     require(saved->tail().condition == replay::TraceCondition::complete, "a recovered trace is complete");
-    require(again.roots == whole.roots, "a recovered trace has the same ticks");
+    require(again.roots.size() == result->ticks_written, "a recovered trace has the ticks it is said to have");
+    require(std::equal(whole.roots.begin(), whole.roots.end(), again.roots.begin()), "and they are the same");
   }
   ::unlink(output.c_str());
 }
