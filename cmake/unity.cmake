@@ -7,7 +7,7 @@ if(TICKTRUE_UNITY)
   foreach(source engine/clock/tick_clock.cpp engine/forces/forces.cpp engine/geometry/hull.cpp
       engine/integrators/integrator.cpp engine/scene_json.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp
       engine/stages/islands.cpp replay/trace_reader.cpp verifier/crosscheck_measure.cpp verifier/import_rube.cpp
-      verifier/svg.cpp verifier/cli/scenes.cpp)
+      verifier/svg.cpp verifier/cli/progress.cpp verifier/cli/scenes.cpp)
     string(REGEX MATCH "^[a-z]+" folder ${source})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY ${folder}
       PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
