@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto source = verifier::JsonLinesInputs::open(scene, file.path(), {});
   fuzz::require(source.has_value(), "a file opens");
   bool has_failed = false;
-  for (std::uint64_t tick = 0; tick < 1'000; ++tick) {
+  for (std::uint64_t tick = 0; tick < 200; ++tick) {
     const auto input = (*source)->next(tick);
     if (!input) {
       fuzz::require_message(input.error());
