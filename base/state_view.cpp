@@ -389,7 +389,7 @@ std::optional<StatePlace> find_non_finite(const StateView& state) {
   for (std::size_t t = 0; t < state.tables.size(); ++t) {
     const TableSchema& table = state.schema->tables[t];
     const TableRows& rows = state.tables[t];
-    if (!is_suspect(table, rows)) continue;
+    if (rows.row_count == 0 || !is_suspect(table, rows)) continue;  // the data of an empty table may be null
     Bytes buffer;
     const ByteView bytes = canonical_rows(table, rows, buffer);
     for (std::size_t row = 0; row < rows.row_count; ++row)

@@ -21,7 +21,8 @@ add_library(ticktrue_warnings INTERFACE)
 target_compile_options(ticktrue_warnings INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 invents overlaps in "a" + std::string (GCC bug 105651)
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 15)
-  target_compile_options(ticktrue_warnings INTERFACE -Wno-deprecated-declarations)  # std::stable_sort of libstdc++ 12
+  target_compile_options(ticktrue_warnings INTERFACE -Wno-deprecated-declarations  # std::stable_sort of libstdc++ 12
+    -Wno-shadow)  # copies of structured bindings for lambdas, which clang 14 needs
 endif()
 if(CMAKE_SIZEOF_VOID_P EQUAL 4)
   # Sizes and counts of files are 64 bits wide and checked against base/limits.h before they become a size_t.

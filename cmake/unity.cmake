@@ -4,9 +4,10 @@ if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
   # misses one.
-  foreach(source engine/geometry/hull.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp engine/forces/forces.cpp
-      engine/integrators/integrator.cpp engine/stages/islands.cpp engine/scene_json.cpp engine/clock/tick_clock.cpp replay/trace_chunks.cpp
-      verifier/crosscheck_measure.cpp verifier/cli/scenes.cpp)
+  foreach(source engine/clock/tick_clock.cpp engine/forces/forces.cpp engine/geometry/hull.cpp
+      engine/integrators/integrator.cpp engine/scene_json.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp
+      engine/stages/islands.cpp replay/trace_chunks.cpp verifier/crosscheck_measure.cpp verifier/import_rube.cpp
+      verifier/svg.cpp verifier/cli/progress.cpp verifier/cli/scenes.cpp)
     string(REGEX MATCH "^[a-z]+" folder ${source})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY ${folder}
       PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -52,6 +52,8 @@ class InputFile {
 
   /// Size when it was opened.
   std::uint64_t size() const { return size_; }
+  /// Nothing behind `size_max` bytes is seen from now on.
+  void cut(std::uint64_t size_max) { size_ = size_max < size_ ? size_max : size_; }
   /// Fills `out` with at most `size` bytes from `offset`; fewer only where the file ends or cannot be read.
   void read(std::uint64_t offset, std::size_t size, Bytes& out);
 

@@ -1,5 +1,6 @@
 // Makes a complete trace of what is intact at the start of a broken one.
 // SPDX-License-Identifier: MIT
+#include <deque>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -23,13 +24,44 @@ bool nothing_saved(const TraceWriter& writer, const TraceTail& tail) {
   return writer.tick_count() == 0 && tail.condition != TraceCondition::complete;
 }
 
-Status copy(TraceReader& reader, TraceWriter& writer) {
+/// A tick that waits for the ones behind it to vouch for it.
+struct HeldTick {
+  double dt = 0;
+  Bytes inputs;
+  std::uint64_t root_hash = 0;
+  std::vector<std::uint64_t> stage_hashes;
+};
+
+/// The ticks of the chunk in which the damage lies, up to the damage: a file that ended there would be a truncated
+/// trace, whose last chunk is read record by record.
+Status salvage(const std::string& input, std::uint64_t damage_offset, TraceWriter& writer) {
+  Result<TraceReader> reader = TraceReader::open(input, damage_offset);
+  if (!reader) return {};  // damage in the setup or the build facts: no ticks before it
+  std::deque<HeldTick> held;
+  for (;;) {
+    const TraceReader::Item& item = reader->next();
+    if (std::holds_alternative<std::monostate>(item)) return {};
+    const auto* tick = std::get_if<TickRecord>(&item);
+    if (tick == nullptr || tick->tick < writer.tick_count()) continue;
+    held.push_back({tick->dt, Bytes(tick->inputs.begin(), tick->inputs.end()), tick->root_hash, tick->stage_hashes});
+    if (held.size() <= salvage_margin) continue;
+    const HeldTick& proven = held.front();
+    if (const Status status = writer.begin_tick({proven.dt, proven.inputs}); !status) return status;
+    if (const Status status = writer.end_tick_encoded(proven.root_hash, proven.stage_hashes, std::nullopt); !status)
+      return status;
+    held.pop_front();
+  }
+}
+
+Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) {
   for (;;) {
     const TraceReader::Item& item = reader.next();
     if (std::holds_alternative<std::monostate>(item)) break;
     if (const Status status = copy_item(item, writer); !status) return status;
   }
   const TraceTail& tail = reader.tail();
+  if (tail.condition == TraceCondition::damaged && !tail.end)
+    if (const Status status = salvage(input, tail.offset, writer); !status) return status;
   if (nothing_saved(writer, tail)) return {};
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
@@ -51,7 +83,7 @@ Result<RecoverResult> recover_trace(const std::string& input, const std::string&
   options.compress = reader->is_compressed();
   Result<TraceWriter> writer = TraceWriter::create(output, reader->setup(), reader->facts(), options);
   if (!writer) return writer.error();
-  if (const Status status = copy(*reader, *writer); !status) {
+  if (const Status status = copy(*reader, input, *writer); !status) {
     writer->discard();
     return status.error();
   }

@@ -199,9 +199,10 @@ TraceReader::TraceReader(TraceReader&&) noexcept = default;
 TraceReader& TraceReader::operator=(TraceReader&&) noexcept = default;
 TraceReader::~TraceReader() = default;
 
-Result<TraceReader> TraceReader::open(const std::string& path) {
+Result<TraceReader> TraceReader::open(const std::string& path, std::uint64_t size_max) {
   Result<InputFile> file = InputFile::open(path);
   if (!file) return file.error();
+  file->cut(size_max);
   auto impl = std::make_unique<Impl>(std::move(*file), path);
   if (const Status status = impl->read_start(); !status) return status.error();
   return TraceReader(std::move(impl));

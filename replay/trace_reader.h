@@ -15,10 +15,10 @@ namespace ticktrue::replay {
 
 class TraceReader {
  public:
-  /// Opens a file and reads its setup and build facts.
+  /// Opens a file and reads its setup and build facts. With `size_max`, as if the file ended there.
   /// Errors: io (no such file, a directory); corrupt, truncated (the setup itself is not whole, or it is no trace);
   /// incompatible (a newer format), unsupported (compressed, and this build has no zstd).
-  static Result<TraceReader> open(const std::string& path);
+  static Result<TraceReader> open(const std::string& path, std::uint64_t size_max = UINT64_MAX);
   /// The same over bytes in memory, which must outlive the reader.
   static Result<TraceReader> open_bytes(ByteView bytes, const std::string& name);
   TraceReader(TraceReader&&) noexcept;
@@ -58,9 +58,11 @@ class TraceReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Copies all that is intact from the start of `input` into a new, complete trace.
-/// `tail` tells what was lost. No file is written where no tick of a broken trace is intact. Errors: io, and what
-/// TraceReader::open refuses.
+/// Copies all that is intact from the start of `input` into a new, complete trace. Of a ticks chunk that is damaged
+/// inside, these are the ticks before the damage, but for the last salvage_margin of them: they are known by the 16-bit
+/// checks of their records only, and by those of the records behind them. `tail` tells what was lost. No file is
+/// written where no tick of a broken trace is intact. Errors: io, and what TraceReader::open refuses.
+inline constexpr std::size_t salvage_margin = 3;  // so that a wrong tick passes once in 2^64 damaged chunks
 struct RecoverResult {
   TraceTail tail;
   std::uint64_t ticks_written = 0;

@@ -1,0 +1,198 @@
+// A recording that is killed, meets a full disk or a place it may not write to: told plainly, earlier ticks safe.
+// SPDX-License-Identifier: MIT
+//
+// Verified: every input and hash before a kill or a full disk is the one of an undisturbed recording, the inputs of the
+// tick in flight included. Not verified: loss of power (the operating system keeps what it was handed).
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <functional>
+
+#include "tests/replay/toy_traces.h"
+
+namespace ticktrue::test {
+namespace {
+
+/// A child process with the tool, its messages in a file.
+class ToolRun {
+ public:
+  ToolRun(const std::vector<std::string>& words, const std::string& messages, const std::function<void()>& prepare) {
+    std::vector<std::string> whole{TICKTRUE_TOOL};
+    whole.insert(whole.end(), words.begin(), words.end());
+    std::vector<char*> arguments;
+    for (std::string& word : whole) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    child_ = ::fork();
+    REQUIRE(child_ >= 0);
+    if (child_ != 0) return;
+    const int out = ::open(messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    ::dup2(out, 1);
+    ::dup2(out, 2);
+    if (prepare) prepare();
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  void kill() const { ::kill(child_, SIGKILL); }
+  /// The exit code, or -1 after a signal.
+  int wait() const {
+    int status = 0;
+    ::waitpid(child_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t child_ = -1;
+};
+
+std::string text_of(const std::string& path) {
+  const Bytes bytes = read_file(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Inputs for `tick_count` ticks: something to lose in every third of them.
+void write_inputs(const std::string& path, std::uint64_t tick_count) {
+  std::ofstream out(path);
+  for (std::uint64_t tick = 1; tick < tick_count; tick += 3)
+    out << R"({"tick":)" << tick << R"(,"kind":"impulse","body":)" << 1 + tick % 3 << R"(,"ix":)" << tick % 5 << "}\n";
+  out << R"({"tick":)" << tick_count << R"(,"kind":"end"})"
+      << "\n";
+}
+
+const std::string scene = R"({"name":"three","bodies":[{"type":"static","shapes":[{"type":"box","half_size":[50,1]}]},
+{"position":[0,2],"shapes":[{"type":"circle","radius":0.5}]},{"position":[2,2],"shapes":[{"type":"circle","radius":0.5}]},
+{"position":[4,2],"shapes":[{"type":"box","half_size":[0.5,0.5]}]}],"inputs":["impulse"]})";
+
+/// What is left is true: ticks of the undisturbed recording, and the inputs of the next one.
+void require_part_of(const ReadTrace& part, const ReadTrace& whole) {
+  REQUIRE(part.ticks.size() <= whole.ticks.size());
+  for (std::size_t i = 0; i < part.ticks.size(); ++i) REQUIRE(part.ticks[i] == whole.ticks[i]);
+  for (std::size_t i = 0; i < part.checkpoints.size(); ++i) REQUIRE(part.checkpoints[i] == whole.checkpoints[i]);
+  if (part.tail.has_pending_inputs && part.ticks.size() < whole.ticks.size())
+    REQUIRE(part.tail.pending_inputs == whole.ticks[part.ticks.size()].inputs);
+}
+
+/// A session on disk, and its undisturbed recording.
+struct Session {
+  static constexpr std::uint64_t tick_count = 6'000;
+  TemporaryFolder folder;
+  std::string scene_path = folder.file("three.json");
+  std::string inputs_path = folder.file("inputs.jsonl");
+  std::string output = folder.file("disturbed.ttr");
+  std::string messages = folder.file("messages");
+  ReadTrace whole;
+  std::size_t whole_size = 0;
+
+  Session() {
+    std::ofstream(scene_path) << scene;
+    write_inputs(inputs_path, tick_count);
+    const std::string path = folder.file("whole.ttr");
+    const int code = ToolRun(words(path), messages, {}).wait();
+    INFO(text_of(messages));
+    REQUIRE(code == 0);
+    const Bytes bytes = read_file(path);
+    whole_size = bytes.size();
+    whole = read_all(bytes);
+    REQUIRE(whole.ticks.size() == tick_count);
+  }
+  std::vector<std::string> words(const std::string& path) const {
+    return {"record", scene_path, "--inputs", inputs_path, "--checkpoint-interval", "500", "-o", path, "--force"};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a recording killed at any moment keeps every earlier input and hash", "[cli][mishaps][corruption]") {
+  const Session session;
+  std::uint64_t state = 1;
+  int killed_count = 0;
+  for (int round = 0; round < 20; ++round) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const std::size_t size = (state >> 33) % session.whole_size;
+    CAPTURE(round, size);
+    ::unlink(session.output.c_str());
+    const ToolRun run(session.words(session.output), session.messages, {});
+    // As soon as the file is so long: somewhere in a tick, a checkpoint, the setup.
+    struct stat now {};
+    for (int wait = 0; wait < 100'000; ++wait) {
+      if (::stat(session.output.c_str(), &now) == 0 && static_cast<std::size_t>(now.st_size) >= size) break;
+      ::usleep(100);
+    }
+    run.kill();
+    killed_count += run.wait() == -1 ? 1 : 0;
+    const Bytes left = read_file(session.output);
+    const auto reader = replay::TraceReader::open_bytes(left, "left.ttr");
+    if (!reader) {
+      REQUIRE(reader.error().code == ErrorCode::truncated);
+      continue;
+    }
+    const ReadTrace part = read_all(left);
+    REQUIRE(part.tail.condition != replay::TraceCondition::damaged);
+    require_part_of(part, session.whole);
+
+    const std::string saved = session.folder.file("saved.ttr");
+    const auto result = replay::recover_trace(session.output, saved, true);
+    REQUIRE(result);
+    REQUIRE(result->ticks_written == part.ticks.size());
+    if (part.ticks.empty()) continue;
+    REQUIRE(ToolRun({"verify", saved}, session.messages, {}).wait() == 0);
+  }
+  CHECK(killed_count >= 15);
+}
+
+TEST_CASE("a full disk ends a recording with one line, and every earlier tick is safe", "[cli][mishaps][corruption]") {
+  const Session session;
+  for (const std::size_t size : {std::size_t{300}, std::size_t{700}, session.whole_size / 3, session.whole_size - 1}) {
+    CAPTURE(size);
+    ::unlink(session.output.c_str());
+    const int code = ToolRun(session.words(session.output), session.messages, [size] {
+                       // As a disk with so much room: the write that passes it fails.
+                       std::signal(SIGXFSZ, SIG_IGN);
+                       const rlimit limit{size, size};
+                       ::setrlimit(RLIMIT_FSIZE, &limit);
+                     }).wait();
+    const std::string text = text_of(session.messages);
+    CAPTURE(text);
+    CHECK(code == 2);
+    CHECK(text.find("ticktrue: error: " + session.output + ": ") != std::string::npos);
+    CHECK(text.find("File too large") != std::string::npos);
+    const Bytes left = read_file(session.output);
+    CHECK(left.size() <= size);
+    if (size < 1'000) continue;
+    const ReadTrace part = read_all(left);
+    CHECK(part.ticks.size() + 500 > session.tick_count * size / session.whole_size);
+    require_part_of(part, session.whole);
+  }
+}
+
+TEST_CASE("a place that may not be written to is told, and nothing there changes", "[cli][mishaps][analytic]") {
+  const Session session;
+  const std::string locked = session.folder.file("locked");
+  REQUIRE(::mkdir(locked.c_str(), 0555) == 0);
+  const std::string inside = locked + "/x.ttr";
+  const std::string messages = session.folder.file("locked_messages");
+  std::ofstream{messages};
+  for (const std::string& path : {session.folder.file(""), messages}) REQUIRE(::chmod(path.c_str(), 0777) == 0);
+  const int code = ToolRun(session.words(inside), messages, [] {
+                     // root may write everywhere: then as nobody, who may not.
+                     if (::getuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(126);
+                   }).wait();
+  const std::string text = text_of(messages);
+  CAPTURE(text);
+  if (code == 126 || code == 127) {
+    WARN("not run: the tool cannot be started as another user");
+    return;
+  }
+  CHECK(code == 2);
+  CHECK(text.find("ticktrue: error: " + inside + ": cannot create: Permission denied") != std::string::npos);
+  CHECK(text.find("choose a place you may write to") != std::string::npos);
+  struct stat found {};
+  CHECK(::stat(inside.c_str(), &found) != 0);
+}
+
+}  // namespace ticktrue::test

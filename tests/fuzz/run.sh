@@ -1,0 +1,42 @@
+#!/bin/sh
+# Runs fuzz harnesses that are built: run.sh CORES SECONDS [NAME...]; a line each, and what they found in out/fuzz/found.
+# SPDX-License-Identifier: MIT
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+build=build/fuzz
+out=out/fuzz
+
+# one SECONDS NAME LONGEST: a line of what it did. What it learns is kept in out/fuzz/corpus for the next run.
+if [ "${1-}" = one ]; then
+  seconds=$2
+  name=$3
+  longest=$4
+  mkdir -p "$out/corpus/$name" "$out/found"
+  set -- -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2560 -malloc_limit_mb=256 -max_len="$longest" -artifact_prefix="$out/found/$name-"
+  [ ! -f "$out/seeds/$name.dict" ] || set -- "$@" -dict="$out/seeds/$name.dict"
+  "$build/fuzz_$name" "$@" -print_final_stats=1 "$out/corpus/$name" "$out/seeds/$name" >"$out/$name.log" 2>&1
+  status=$?
+  runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$name.log")
+  features=$(sed -n 's/.* ft: \([0-9]*\) .*/\1/p' "$out/$name.log" | tail -n 1)
+  verdict=nothing
+  [ "$status" = 0 ] || verdict="exit $status, see $out/$name.log"
+  printf '%-14s %10s runs in %5s s, %6s features, found %s\n' "$name" "${runs:-?}" "$seconds" "${features:-?}" "$verdict"
+  exit $((status != 0))
+fi
+
+cores=$1
+seconds=$2
+shift 2
+if [ $# = 0 ]; then
+  # shellcheck disable=SC2046 # names are words
+  set -- $(cut -d ' ' -f 1 "$build/fuzz.list")
+fi
+mkdir -p "$out"
+"$build/fuzz_seeds" "$out/seeds" || exit 1
+for name in "$@"; do
+  if ! grep "^$name " "$build/fuzz.list"; then
+    printf 'dev: error: unknown harness: found %s\n  one of: %s\n' "$name" "$(cut -d ' ' -f 1 "$build/fuzz.list" | tr '\n' ' ')" >&2
+    exit 2
+  fi
+done >"$out/todo" || exit 2
+xargs -P "$cores" -L 1 sh tests/fuzz/run.sh one "$seconds" <"$out/todo"

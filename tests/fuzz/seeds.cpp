@@ -1,0 +1,209 @@
+// Writes what the fuzzers begin with: fuzz_seeds FOLDER makes FOLDER/NAME/* for each harness, and NAME.dict for text.
+// SPDX-License-Identifier: MIT
+//
+// All of it comes from the repository's own scenes, sessions and traces; what no other file holds lies in
+// tests/fuzz/seeds, with everything that a fuzzer once found.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+
+#include "engine/builtin_scenes.h"
+#include "engine/scene_binary.h"
+#include "engine/scene_json.h"
+#include "replay/recorder.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/worlds.h"
+#include "tests/support/toy_simulation.h"
+#include "verifier/input_source.h"
+
+namespace {
+
+using namespace ticktrue;
+namespace fs = std::filesystem;
+
+constexpr std::size_t trace_size_max = 10'000;  // a fuzzer changes small files sooner to the point
+constexpr std::size_t text_size_max = 4'096;
+
+fs::path out_folder;
+const fs::path root = TICKTRUE_SOURCE_DIR;
+
+Bytes read_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return Bytes(std::istreambuf_iterator<char>(in), {});
+}
+
+void seed(const std::string& harness, ByteView bytes) {
+  static std::map<std::string, int> counts;
+  const fs::path folder = out_folder / harness;
+  fs::create_directories(folder);
+  std::ofstream out(folder / ("seed_" + std::to_string(counts[harness]++)), std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  fuzz::require(out.good(), "a seed can be written");
+}
+void seed_text(const std::string& harness, std::string_view text) {
+  seed(harness, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+/// All that stands in quotes in the text seeds of a harness, as words to insert.
+void write_words(const std::string& harness) {
+  std::set<std::string> words;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out_folder / harness)) {
+    const Bytes bytes = read_file(entry.path());
+    const std::string text(bytes.begin(), bytes.end());
+    for (std::size_t open = text.find('"'); open != std::string::npos;) {
+      const std::size_t close = text.find('"', open + 1);
+      if (close == std::string::npos) break;
+      const std::string word = text.substr(open + 1, close - open - 1);
+      bool is_plain = !word.empty() && word.size() < 30;
+      for (const char c : word) is_plain = is_plain && c >= ' ' && c < 0x7f && c != '\\';
+      if (is_plain) words.insert(word);
+      open = text.find('"', close + 1);
+    }
+  }
+  std::ofstream out(out_folder / (harness + ".dict"));
+  for (const std::string& word : words) out << "\"\\\"" << word << "\\\"\"\n";
+  for (const char* number : {"1e308", "-1e308", "5e-324", "1e-9", "-0.0", "4294967295", "9007199254740993", "1e400"})
+    out << '"' << number << "\"\n";
+}
+
+class ToySession : public replay::InputSource {
+ public:
+  Result<std::optional<TickInput>> next(std::uint64_t tick) override {
+    test::ToyInputs inputs;
+    if (tick % 3 == 1) inputs.push(0, 0.5);
+    if (tick == 4) inputs.spawn(2).gravity(-3);
+    if (tick == 6) inputs.remove(1);
+    bytes_ = inputs.take();
+    return std::optional<TickInput>(TickInput{tick % 5 == 4 ? 0.0078125 : 0.015625, bytes_});
+  }
+  bool repeatable() const override { return true; }
+
+ private:
+  Bytes bytes_;
+};
+
+void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::uint64_t tick_count) {
+  test::ToySimulation toy(body_count);
+  replay::TraceSetup setup;
+  setup.simulation = "ticktrue.toy";
+  setup.physics_version = 1;
+  setup.title = "toy";
+  setup.dt = 0.015625;
+  setup.detail = is_full ? replay::Detail::full : replay::Detail::root;
+  if (is_full) setup.full_first = 2, setup.full_last = 4;
+  setup.checkpoint_interval = 4;
+  setup.schema = test::ToySimulation::schema();
+  setup.stages = test::ToySimulation::stages();
+  setup.setup = test::ToySimulation::setup(body_count);
+  replay::RecordOptions options;
+  options.tick_count = tick_count;
+  options.writer.compress = compress;
+  options.writer.sync = false;
+  options.writer.overwrite = true;
+  ToySession session;
+  const fs::path path = out_folder / "toy.ttr";
+  const auto result = replay::record(toy, session, path.string(), setup, {{"compiler", "x"}}, options);
+  fuzz::require(result.has_value(), "the toy is recorded");
+  const Bytes trace = read_file(path);
+  fs::remove(path);
+  seed("trace", trace);
+  seed("trace_forged", trace);
+}
+
+void seed_traces() {
+  for (const bool is_full : {false, true})
+    for (const bool compress : {false, true}) seed_toy_trace(compress ? 20 : 2, is_full, compress, 9);
+  seed_toy_trace(1, false, false, 1);
+  for (const fs::directory_entry& entry : fs::directory_iterator(root / "traces"))
+    if (entry.path().extension() == ".ttr" && entry.file_size() < trace_size_max)
+      for (const char* harness : {"trace", "trace_forged"}) seed(harness, read_file(entry.path()));
+}
+
+void seed_scenes() {
+  std::vector<engine::Scene> scenes;
+  for (const std::string_view text : fuzz::worlds) scenes.push_back(*engine::make_builtin_scene(text));
+  for (const engine::BuiltinScene& builtin : engine::builtin_scenes()) {
+    const auto scene = engine::make_builtin_scene(builtin.name);
+    if (scene && scene->bodies.size() <= 40) scenes.push_back(*scene);
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(root / "scenes")) {
+    if (entry.path().extension() != ".json") continue;
+    const Bytes text = read_file(entry.path());
+    const auto scene = engine::parse_scene(fuzz::text_of(text), "scene");
+    if (!scene) continue;  // the schema
+    seed("scene", text);
+    scenes.push_back(*scene);
+  }
+  for (const engine::Scene& scene : scenes) {
+    seed("setup", engine::encode_scene(scene));
+    seed_text("scene", engine::print_scene(scene));
+  }
+}
+
+void seed_states() {
+  for (std::size_t world = 0; world < fuzz::worlds.size(); ++world) {
+    const auto scene = engine::make_builtin_scene(fuzz::worlds[world]);
+    const auto engine = engine::make_engine(*scene);
+    for (int tick = 0; tick < 200; ++tick) {
+      if (tick == 0 || tick == 20 || tick == 90 || tick == 199) {
+        Bytes image{static_cast<std::uint8_t>(world)};
+        encode_image((*engine)->state(), image);
+        seed("state", image);
+      }
+      (*engine)->step({scene->settings.dt, {}}, nullptr);
+    }
+    for (const engine::InputInfo& info : engine::input_kinds) {
+      engine::Input input;
+      input.kind = info.kind;
+      for (std::size_t i = 0; i < info.value_count; ++i) input.values[i] = 0.5;
+      Bytes bytes{static_cast<std::uint8_t>(world)};
+      engine::encode_inputs({input}, bytes);
+      seed("inputs", bytes);
+    }
+  }
+}
+
+void seed_sessions() {
+  for (const char* folder : {"scenes", "traces"})
+    for (const fs::directory_entry& entry : fs::directory_iterator(root / folder)) {
+      if (entry.path().extension() != ".jsonl") continue;
+      const Bytes bytes = read_file(entry.path());
+      std::string_view text = fuzz::text_of(bytes);
+      text = text.substr(0, text.rfind('\n', text_size_max) + 1);
+      seed_text("input_lines", text);
+    }
+  const engine::Scene thesis = *engine::make_builtin_scene("thesis");
+  auto source = verifier::JsonLinesInputs::open(thesis, (root / "scenes/thesis_session.jsonl").string(), {});
+  for (std::uint64_t tick = 0; source && tick < 300; ++tick) {
+    const auto input = (*source)->next(tick);
+    if (!input || !input->has_value()) break;
+    if ((*input)->inputs.empty()) continue;
+    Bytes bytes{4};  // the thesis among the worlds
+    bytes.insert(bytes.end(), (*input)->inputs.begin(), (*input)->inputs.end());
+    seed("inputs", bytes);
+  }
+}
+
+void seed_stored() {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
+    if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  fuzz::require(argument_count == 2, "one argument, the folder to write to");
+  out_folder = arguments[1];
+  fs::remove_all(out_folder);
+  fs::create_directories(out_folder);
+  seed_traces();
+  seed_scenes();
+  seed_states();
+  seed_sessions();
+  seed_stored();
+  for (const char* harness : {"scene", "input_lines", "rube"}) write_words(harness);
+  return 0;
+}

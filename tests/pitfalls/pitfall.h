@@ -1,0 +1,73 @@
+// What the pitfalls share: a tiny game whose whole state is saved, a place for its rules, and what must be found.
+// SPDX-License-Identifier: MIT
+//
+// Each pitfall is one file: a game with one real bug of determinism. docs/pitfalls.md explains them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/simulation.h"
+#include "verifier/report.h"
+#include "verifier/verify.h"
+
+namespace ticktrue::pitfalls {
+
+/// Many of these bugs show only on another machine: another compiler, standard library, heap or processor. Then one
+/// variable says on which of the two the game runs, and the game does by hand what that machine would do.
+enum class Machine : std::uint8_t { recorder, other };
+extern Machine machine;
+
+struct Unit {
+  std::uint32_t id = 0;
+  float position = 0;  // m
+  float velocity = 0;  // m/s
+  std::int32_t score = 0;
+};
+
+/// Units on a line. A tick moves them, then applies the rules.
+class Game : public Simulation {
+ public:
+  explicit Game(std::uint32_t unit_count);
+
+  Status accept(const TickInput&) const override { return {}; }
+  void step(const TickInput& input, StageObserver* observer) override;
+  const StateView& state() const override { return view_; }
+  Status load(ByteView image) override;
+  std::span<const std::string> stage_names() const override { return {}; }
+  std::string row_name(std::size_t table, std::size_t row) const override;
+  std::string inputs_text(std::uint64_t, ByteView) const override { return {}; }
+
+ protected:
+  virtual void rules(float dt) = 0;
+  std::uint64_t tick() const { return tick_; }  // that is being done
+
+  std::vector<Unit> units;
+
+ private:
+  std::uint64_t tick_ = 0;
+  StateView view_;
+};
+
+/// A game with a bug, and what verify must say of it.
+struct Pitfall {
+  const char* name;
+  Result<std::unique_ptr<Simulation>> (*make)(ByteView setup);
+  verifier::VerifyMode mode;  // in which it is found
+  verifier::Verdict verdict;
+  std::uint64_t tick;  // the first that differs
+  const char* column;  // of the table "units"
+  std::vector<std::uint32_t> units;
+};
+
+template <typename G>
+Result<std::unique_ptr<Simulation>> make_game(ByteView) {
+  return std::unique_ptr<Simulation>(std::make_unique<G>());
+}
+
+extern const Pitfall argument_order, contraction, float_to_int, flush_to_zero, libm, negative_zero, padding,
+    pointer_order, rand_call, thread_order, unordered_iteration, unsaved_state, unstable_sort, wall_clock;
+
+}  // namespace ticktrue::pitfalls
