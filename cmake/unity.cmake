@@ -4,7 +4,9 @@ if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
   # misses one.
-  foreach(source engine/geometry/hull.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp replay/trace_reader.cpp
+  file(GLOB study_sources RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/verifier/study/*.cpp)
+  foreach(source ${study_sources} verifier/cli/accuracy.cpp verifier/cli/compare.cpp verifier/cli/stress.cpp
+      engine/geometry/hull.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp replay/trace_reader.cpp
       verifier/crosscheck_measure.cpp verifier/cli/scenes.cpp)
     string(REGEX MATCH "^[a-z]+" folder ${source})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY ${folder}
