@@ -4,7 +4,9 @@ if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list
   # misses one.
-  foreach(source engine/clock/tick_clock.cpp engine/forces/forces.cpp engine/geometry/hull.cpp
+  file(GLOB study_sources RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/verifier/study/*.cpp)
+  foreach(source ${study_sources} verifier/cli/accuracy.cpp verifier/cli/compare.cpp verifier/cli/stress.cpp
+      engine/clock/tick_clock.cpp engine/forces/forces.cpp engine/geometry/hull.cpp
       engine/integrators/integrator.cpp engine/scene_json.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp
       engine/stages/islands.cpp replay/trace_chunks.cpp verifier/crosscheck_measure.cpp verifier/import_rube.cpp
       verifier/svg.cpp verifier/cli/progress.cpp verifier/cli/scenes.cpp)

@@ -239,6 +239,10 @@ TEST_CASE("scenes of another editor become scene files", "[cli][import][equivale
 TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep][equivalence]") {
   run_cases("upkeep.case");
 }
+
+TEST_CASE("compare, accuracy and stress print what they found, and refuse what they cannot do", "[cli][study]") {
+  run_cases("study.case");
+}
 TEST_CASE("ten scenes are described word for word", "[cli][describe][golden]") {
   // describe.expected: files as in cases, and after each line "$ COMMAND" what it prints.
   const fs::path path = root / "tests/cli/describe.expected";
@@ -282,8 +286,9 @@ TEST_CASE("the examples of each help work in order, in an empty directory", "[cl
   int run_count = 0;
   for (std::string line; std::getline(in, line);) {
     const std::string begin = "```text ticktrue ";
-    // crosscheck needs no file and takes its time.
-    if (line.compare(0, begin.size(), begin) != 0 || contains(line, "crosscheck")) continue;
+    // Those need no file and take their time.
+    const bool is_long = contains(line, "crosscheck") || contains(line, "accuracy") || contains(line, "stress");
+    if (line.compare(0, begin.size(), begin) != 0 || is_long) continue;
     const CaseDirectory directory;
     bool in_examples = false;
     for (std::string inner; std::getline(in, inner) && inner != "```";) {

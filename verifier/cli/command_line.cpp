@@ -39,6 +39,9 @@ constexpr const char* footer =
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
+  know what an integrator, solver, clock or precision changes     compare
+  know what error a method has, and what less would cost          accuracy
+  see how stiff and extreme cases end, with the numbers           stress
   compare our physics with Box2D 2.4.1 on a scene                 crosscheck
   know which stages and columns a scene is made of, and why       describe
   list the built-in scenes, print one as JSON                     scenes
@@ -128,6 +131,9 @@ int parse_and_run(int argc, char** argv) {
   add_show(app, context);
   add_recover(app, context);
   add_import(app, context);
+  add_compare(app, context);
+  add_accuracy(app, context);
+  add_stress(app, context);
   add_crosscheck(app, context);
   add_describe(app, context);
   add_scenes(app, context);

@@ -18,6 +18,9 @@ void add_recover(CLI::App& app, CliContext& context);
 void add_import(CLI::App& app, CliContext& context);
 
 // study
+void add_compare(CLI::App& app, CliContext& context);
+void add_accuracy(CLI::App& app, CliContext& context);
+void add_stress(CLI::App& app, CliContext& context);
 void add_crosscheck(CLI::App& app, CliContext& context);
 
 // upkeep

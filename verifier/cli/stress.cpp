@@ -1,0 +1,246 @@
+// `ticktrue stress`: stiff and extreme cases, with the number behind each verdict.
+// SPDX-License-Identifier: MIT
+#include "verifier/study/stress.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "verifier/cli/commands.h"
+#include "verifier/cli/json_output.h"
+#include "verifier/cli/progress.h"
+#include "verifier/cli/study_output.h"
+#include "verifier/parallel.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::full_number;
+using verifier::short_number;
+using verifier::StabilityRow;
+using verifier::StressRow;
+using verifier::StressVerdict;
+using verifier::TextTable;
+
+struct StressCommand {
+  std::vector<std::string> cases;
+  std::vector<std::string> precisions;
+  std::uint64_t thread_count = 0;  // 0: as many as there are cores
+  bool with_long = false;
+  bool no_limits = false;
+  bool list = false;
+  StudyFiles files;
+};
+
+std::string_view verdict_name(StressVerdict verdict) {
+  return verifier::stress_verdict_names[static_cast<std::size_t>(verdict)];
+}
+std::string_view precision_name(engine::Precision precision) {
+  return engine::info_of(engine::precisions, precision).name;
+}
+
+std::string bound_text(const StressRow& row) {
+  if (std::isinf(row.lower) || (row.lower == 0 && row.upper > 0)) return "<= " + short_number(row.upper);
+  return row.lower == row.upper ? "= " + short_number(row.upper)
+                                : short_number(row.lower) + ".." + short_number(row.upper);
+}
+
+std::string report_text(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
+                        const std::string& command_line) {
+  std::string text = "stress  " + command_line + "\n";
+  for (std::size_t i = 0; i < rows.size();) {
+    const StressRow& first = rows[i];
+    text += fmt::format("\n{}  {}\n", first.name, precision_name(first.precision));
+    text += verifier::wrapped(fmt::format("{}; {} {}", first.what, bound_text(first), first.unit), 4);
+    if (!first.best_known.empty())
+      text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
+    TextTable table({"  method", "found", "verdict", ""}, 1);
+    for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
+      const StressRow& row = rows[i];
+      const bool is_left_out = row.verdict == StressVerdict::not_applicable;
+      table.add({"  " + row.method, is_left_out ? "-" : short_number(row.value),
+                 is_left_out ? "n/a" : std::string(verdict_name(row.verdict)), row.reason});
+    }
+    std::string lines = table.text();
+    text += lines.substr(lines.find('\n') + 1);
+  }
+  if (!limits.empty()) {
+    text += "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n";
+    TextTable table({"integrator", "precision", "found", "theory", "verdict"}, 2);
+    for (const StabilityRow& row : limits)
+      table.add({std::string(engine::info_of(engine::integrators, row.integrator).name),
+                 std::string(precision_name(row.precision)),
+                 std::isinf(row.found) ? "none" : fmt::format("{:.3f}", row.found),
+                 std::isinf(row.theory) ? "none" : fmt::format("{:.4f}", row.theory),
+                 verifier::stability_holds(row) ? "pass" : "fail"});
+    text += table.text();
+  }
+  return text;
+}
+
+struct Counts {
+  int by_verdict[4]{};
+  int& operator[](StressVerdict verdict) { return by_verdict[static_cast<std::size_t>(verdict)]; }
+};
+Counts count(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
+  Counts counts;
+  for (const StressRow& row : rows) ++counts[row.verdict];
+  for (const StabilityRow& row : limits)
+    ++counts[verifier::stability_holds(row) ? StressVerdict::pass : StressVerdict::fail];
+  return counts;
+}
+
+std::string summary_text(const std::vector<StressRow>& rows, Counts counts) {
+  std::string text =
+      fmt::format("\n{} pass, {} fail, {} expected, {} not applicable\n", counts[StressVerdict::pass],
+                  counts[StressVerdict::fail], counts[StressVerdict::expected], counts[StressVerdict::not_applicable]);
+  for (const StressRow& row : rows)
+    if (row.verdict == StressVerdict::fail)
+      text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
+                          row.method, short_number(row.value), bound_text(row), row.unit);
+  return text + "spinning tops and gyroscopic terms: not applicable in two dimensions\n";
+}
+
+Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
+                 const std::string& command_line) {
+  Counts counts = count(rows, limits);
+  Json object;
+  object["schema"] = "ticktrue.stress/1";
+  object["command"] = command_line;
+  object["passed"] = counts[StressVerdict::pass];
+  object["failed"] = counts[StressVerdict::fail];
+  object["expected"] = counts[StressVerdict::expected];
+  object["not_applicable"] = counts[StressVerdict::not_applicable];
+  object["rows"] = Json::array();
+  for (const StressRow& row : rows)
+    object["rows"].push_back(
+        {{"case", row.name},
+         {"method", row.method},
+         {"precision", precision_name(row.precision)},
+         {"verdict", verdict_name(row.verdict)},
+         {"value", row.verdict == StressVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
+         {"lower", number_json(row.lower)},
+         {"upper", number_json(row.upper)},
+         {"unit", row.unit},
+         {"what", row.what},
+         {"reason", row.reason},
+         {"best_known", row.best_known},
+         {"source", row.source}});
+  object["stability_limits"] = Json::array();
+  for (const StabilityRow& row : limits)
+    object["stability_limits"].push_back({{"integrator", engine::info_of(engine::integrators, row.integrator).name},
+                                          {"precision", precision_name(row.precision)},
+                                          {"found", number_json(row.found)},
+                                          {"theory", number_json(row.theory)},
+                                          {"verdict", verifier::stability_holds(row) ? "pass" : "fail"}});
+  return object;
+}
+
+std::string csv_of(const std::vector<StressRow>& rows) {
+  std::string text = verifier::csv_line(
+      {"case", "method", "precision", "verdict", "value", "lower", "upper", "unit", "reason", "best_known", "source"});
+  for (const StressRow& row : rows)
+    text += verifier::csv_line({row.name, row.method, std::string(precision_name(row.precision)),
+                                std::string(verdict_name(row.verdict)), full_number(row.value), full_number(row.lower),
+                                full_number(row.upper), row.unit, row.reason, row.best_known, row.source});
+  return text;
+}
+
+// One diagram a precision: how far each case is from its upper bound, per method.
+std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows,
+                                     const std::vector<engine::Precision>& precisions) {
+  std::vector<verifier::Plot> plots;
+  for (const engine::Precision precision : precisions) {
+    verifier::Plot plot{fmt::format("stress ({})", precision_name(precision)),
+                        "case, in the order of the table",
+                        "found over the upper bound",
+                        false,
+                        true,
+                        {}};
+    double index = 0;
+    std::string name;
+    for (const StressRow& row : rows) {
+      if (row.precision != precision) continue;
+      if (row.name != name) ++index;
+      name = row.name;
+      if (row.verdict == StressVerdict::not_applicable || !(row.upper > 0)) continue;
+      auto curve =
+          std::find_if(plot.curves.begin(), plot.curves.end(), [&](const auto& c) { return c.name == row.method; });
+      if (curve == plot.curves.end()) curve = plot.curves.insert(curve, {row.method, {}, {}, false});
+      curve->x.push_back(index);
+      curve->y.push_back(row.value / row.upper);
+    }
+    plot.curves.push_back({"bound", {0, index}, {1, 1}, true});
+    plots.push_back(std::move(plot));
+  }
+  return plots;
+}
+
+int list_cases() {
+  TextTable table({"case", "what"}, 2);
+  for (const verifier::StressCase& each : verifier::stress_cases())
+    table.add({each.name + (each.is_long ? " (--long)" : ""), each.what});
+  print(table.text());
+  return exit_ok;
+}
+
+int run_stress_command(const StressCommand& command) {
+  if (command.list) return list_cases();
+  verifier::StressOptions options;
+  options.names = command.cases;
+  options.with_long = command.with_long;
+  options.thread_count =
+      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : verifier::core_count();
+  options.precisions.clear();
+  for (const std::string& name : command.precisions)
+    options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
+  Progress progress("stress", 1, "runs");
+  options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  const auto rows = verifier::run_stress(options);
+  progress.finish();
+  if (!rows) return fail_usage(rows.error());
+  std::vector<StabilityRow> limits;
+  if (command.cases.empty() && !command.no_limits)
+    limits = verifier::stability_limits(options.precisions, options.thread_count);
+  std::string command_line = "ticktrue stress";
+  for (const std::string& name : command.cases) command_line += " " + name;
+  for (const engine::Precision precision : options.precisions)
+    command_line += " --precision " + std::string(precision_name(precision));
+  if (command.with_long) command_line += " --long";
+  Counts counts = count(*rows, limits);
+  if (command.files.json)
+    print_json(report_json(*rows, limits, command_line));
+  else
+    print(report_text(*rows, limits, command_line) + summary_text(*rows, counts));
+  if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
+      code != exit_ok)
+    return code;
+  return counts[StressVerdict::fail] > 0 ? exit_finding : exit_ok;
+}
+
+}  // namespace
+
+void add_stress(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<StressCommand>();
+  CLI::App* command = app.add_subcommand("stress", "Stiff and extreme cases: pass or fail, and the number behind it")
+                          ->group(group_study);
+  command->add_option("CASE", options->cases, "Cases of --list, or how their names begin; default: all");
+  std::vector<std::string> names;
+  for (const auto& info : engine::precisions) names.emplace_back(info.name);
+  options->precisions = {"f32"};
+  command->add_option("--precision", options->precisions, "f32, f64; default: f32")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  command->add_flag("--long", options->with_long, "Cases that take minutes too");
+  command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");
+  command->add_flag("--list", options->list, "List the cases, run none");
+  add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
+  add_study_files(*command, options->files);
+  set_examples(*command,
+               "ticktrue stress\nticktrue stress tower top_heavy --precision f32,f64\nticktrue stress spring --json");
+  command->callback([options, &context] { context.exit_code = run_stress_command(*options); });
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,31 @@
+// What the study commands share: where tables go besides the screen.
+// SPDX-License-Identifier: MIT
+#include "verifier/cli/study_output.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+namespace ticktrue::cli {
+
+void add_study_files(CLI::App& command, StudyFiles& files) {
+  command.add_flag("--json", files.json, "One JSON object");
+  command.add_option("--csv", files.csv, "Every row to a CSV file too")->type_name("FILE");
+  command.add_option("--plot", files.plot, "Diagrams as SVG, drawn by the program gnuplot")->type_name("FILE.svg");
+}
+
+int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<verifier::Plot>& plots) {
+  if (!files.csv.empty()) {
+    std::FILE* file = std::fopen(files.csv.c_str(), "wb");
+    const bool written = file && std::fwrite(csv.data(), 1, csv.size(), file) == csv.size();
+    const bool closed = file && std::fclose(file) == 0;
+    if (!written || !closed) return fail_usage(Error{ErrorCode::io, files.csv + ": cannot be written", {}});
+  }
+  if (files.plot.empty()) return exit_ok;
+  const Status plotted = verifier::write_plots(plots, files.plot);
+  if (plotted) return exit_ok;
+  if (plotted.error().code != ErrorCode::unsupported) return fail_usage(plotted.error());
+  print_warning(plotted.error().message + "; " + plotted.error().hint);
+  return exit_ok;
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,69 @@
+// What a study measures on a run: time of the steps, energy, momentum, overlaps, gaps of joints.
+// SPDX-License-Identifier: MIT
+//
+// Verified: nothing here judges. Energies of springs, motors and pointers are not counted: `energy` is kinetic plus
+// that of the scene's gravity.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/engine.h"
+
+namespace ticktrue::verifier {
+
+using Bodies = std::vector<engine::BodyReport>;
+
+/// Kinetic energy, J, of the moving bodies.
+double kinetic_energy(const Bodies& bodies);
+/// Kinetic energy and that of the scene's gravity, J.
+double energy_of(const engine::Scene& scene, const Bodies& bodies);
+engine::Point momentum_of(const Bodies& bodies);
+/// Deepest overlap of two shapes, m; 0 if none.
+double deepest_overlap(const std::vector<engine::ContactReport>& contacts);
+/// How far each joint of the scene is from what it holds, m: anchors apart (revolute, weld), off the axis (prismatic,
+/// wheel), off its length (a rod). Others, and those of bodies that are gone: 0.
+std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies);
+double largest(const std::vector<double>& values);
+bool all_finite(const Bodies& bodies);
+double speed_of(const engine::BodyReport& body);
+/// Of the bodies that move.
+double fastest(const Bodies& bodies);
+
+/// A run whose steps alone are timed.
+class Run {
+ public:
+  /// Errors: what make_engine refuses.
+  static Result<Run> make(const engine::Scene& scene);
+
+  /// Ticks of `dt` (the scene's, if 0).
+  void advance(std::uint64_t tick_count, double dt = 0);
+  /// As many ticks of the scene's dt as make `seconds`, at least one.
+  void advance_s(double seconds);
+
+  /// One tick of an input of its own; returns its time, s. Requires: the engine accepts it.
+  double step(const TickInput& input);
+
+  engine::Engine& engine() { return *engine_; }
+  const engine::Engine& engine() const { return *engine_; }
+  Bodies bodies() const { return engine_->bodies(); }
+  double step_time_s() const { return step_time_s_; }  // of the steps so far
+
+ private:
+  std::unique_ptr<engine::Engine> engine_;
+  double step_time_s_ = 0;
+};
+
+/// Least, median and interquartile range.
+struct Spread {
+  double min = 0;
+  double median = 0;
+  double iqr = 0;
+};
+/// Requires: not empty.
+Spread spread_of(std::vector<double> samples);
+
+}  // namespace ticktrue::verifier

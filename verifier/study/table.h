@@ -1,0 +1,59 @@
+// Tables of a study: text of at most 120 columns, CSV, and curves for gnuplot.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace ticktrue::verifier {
+
+inline constexpr std::size_t table_width_max = 120;  // columns of a line of text
+
+/// Rows of cells; the first one is the head.
+class TextTable {
+ public:
+  /// `left`: the columns that are aligned to the left (numbers are to the right).
+  explicit TextTable(std::vector<std::string> head, std::size_t left = 1);
+  void add(std::vector<std::string> row);
+  std::size_t row_count() const { return rows_.size() - 1; }
+  /// Columns as wide as their widest cell, two blanks between them, indented by two. A line that would be longer than
+  /// table_width_max is cut there; nothing else is.
+  std::string text() const;
+
+ private:
+  std::size_t left_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// Cells quoted where they must be (RFC 4180), lines ended by \n.
+std::string csv_line(const std::vector<std::string>& cells);
+
+/// Four digits; tiny and huge ones with an exponent; "never", "nan" where there is no number.
+std::string short_number(double value);
+/// Every bit: shortest text that gives the same double again.
+std::string full_number(double value);
+
+/// A paragraph of at most table_width_max columns, each line indented.
+std::string wrapped(std::string_view text, std::size_t indent);
+
+struct PlotCurve {
+  std::string name;
+  std::vector<double> x;
+  std::vector<double> y;
+  bool dashed = false;  // a guide, no measurement
+};
+struct Plot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  bool log_x = true;
+  bool log_y = true;
+  std::vector<PlotCurve> curves;
+};
+/// Draws the plots below each other as SVG, by the program gnuplot. Errors: io; unsupported where gnuplot is missing.
+Status write_plots(const std::vector<Plot>& plots, const std::string& path);
+
+}  // namespace ticktrue::verifier
