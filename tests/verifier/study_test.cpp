@@ -1,5 +1,5 @@
-// The studies: slopes and verdicts on made-up errors, references against published digits, and each study on small
-// cases. SPDX-License-Identifier: MIT
+// The studies: slopes and verdicts on made-up errors, references against published digits, small cases of each.
+// SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -65,7 +65,7 @@ std::string cheapest_text(const AccuracyCurve& curve, double error) {
 }
 
 std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
-  TextTable table({"method", "coarse", "fine", "floor", "slope", "theory", "verdict", "1 %: ms/s", "0.1 %", "0.01 %"});
+  TextTable table({"method", "coarse", "fine", "slope", "theory", "verdict", "1 %: ms/s", "0.1 %", "0.01 %"});
   std::vector<std::string> reasons;
   for (const AccuracyCurve* curve : curves) {
     const auto& judgement = curve->judgement;
@@ -79,13 +79,13 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
         (judgement.verdict == CurveVerdict::not_applicable ? "n/a" : std::string(verdict_name(judgement.verdict))) +
         mark;
     if (curve->points.empty()) {
-      table.add({curve->method.name, "-", "-", "-", "-", "-", verdict, "-", "-", "-"});
+      table.add({curve->method.name, "-", "-", "-", "-", verdict, "-", "-", "-"});
       continue;
     }
     std::vector<std::string> row{curve->method.name,
                                  short_number(curve->points.front().error),
                                  short_number(curve->points.back().error),
-                                 short_number(curve->points.back().floor),
+
                                  slope_text(judgement.slope),
                                  slope_text(judgement.expected),
                                  verdict};

@@ -56,15 +56,16 @@ std::string report_text(const std::vector<StressRow>& rows, const std::vector<St
     text += verifier::wrapped(fmt::format("{}; {} {}", first.what, bound_text(first), first.unit), 4);
     if (!first.best_known.empty())
       text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
-    TextTable table({"  method", "found", "verdict", ""}, 1);
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
       const bool is_left_out = row.verdict == StressVerdict::not_applicable;
-      table.add({"  " + row.method, is_left_out ? "-" : short_number(row.value),
-                 is_left_out ? "n/a" : std::string(verdict_name(row.verdict)), row.reason});
+      std::string line =
+          fmt::format("    {:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
+                      is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
+      while (line.back() == ' ') line.pop_back();
+      if (line.size() > verifier::table_width_max) line.resize(verifier::table_width_max);
+      text += line + "\n";
     }
-    std::string lines = table.text();
-    text += lines.substr(lines.find('\n') + 1);
   }
   if (!limits.empty()) {
     text += "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n";

@@ -472,7 +472,10 @@ std::string setting_text(const Method& method, const Setting& setting) {
   if (method.automatic) return "target " + number(setting.target);
   if (method.clock && *method.clock == ClockKind::adaptive) return "tol " + number(setting.target);
   if (method.solver == SolverKind::tgs_soft && method.locates) return std::to_string(setting.substeps) + " sub";
-  return "1/" + number(1 / setting.dt) + " s";
+  char text[32];
+  std::snprintf(text, sizeof text, "1/%.*g", 1 / setting.dt < 1000 ? 4 : 6,
+                1 / setting.dt < 1000 ? 1 / setting.dt : std::round(1 / setting.dt));
+  return text;
 }
 
 }  // namespace ticktrue::verifier

@@ -1,5 +1,4 @@
-// Error against run time: every verification problem over a sweep of methods and steps, with the slope that theory
-// expects, the floor that rounding sets, and the cheapest setting for a wanted error.
+// Error against run time: every verification problem over a sweep of methods and steps, with slopes and floors.
 // SPDX-License-Identifier: MIT
 // Source: Hairer, Wanner, "Solving Ordinary Differential Equations II", 1996, IV.10 (work-precision diagrams);
 // Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps against iterations).
@@ -130,7 +129,7 @@ Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& prob
 /// The cheapest point of a curve with at most this error; null if none.
 const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error);
 
-/// "1/240 s", "8 sub", "1e-3": how a setting of a method is written.
+/// "1/240" (s), "8 sub", "tol 1e-3": how a setting of a method is written.
 std::string setting_text(const Method& method, const Setting& setting);
 
 }  // namespace ticktrue::verifier
