@@ -60,6 +60,8 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.contact_batches.colors);
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.sorted);
+  poison_rows(scratch.contact_batches.color_start);
+  poison_rows(scratch.contact_batches.color_next);
   poison_rows(scratch.contact_batches.saved);
   poison_rows(scratch.pulls);
   poison_rows(scratch.impacts);

@@ -8,13 +8,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr int color_count = 32;              // one bit each in a body's colour set
-constexpr int overflow_color = color_count;  // contacts of a body with more: solved one by one
-constexpr int group_color_count = color_count + 1;
-
-// Contacts between two moving bodies come first, those with something immovable last: the last ones solved are met
-// best, and nothing may sink into the ground.
-constexpr int color_total = 2 * group_color_count;
+constexpr std::uint32_t round_color_count = 32;  // one bit each in a body's colour set
+constexpr std::uint32_t uncolored = 0xffffffff;
 
 /// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
 constexpr Real hertz_per_rate = Real(0.125);
@@ -27,30 +22,48 @@ bool moves(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
 }
 
-/// colors[i]: of the i-th contact of the group.
-void color_contacts(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
+/// Colours contacts between two moving bodies, or those with something immovable, from `first` on: 32 colours in a
+/// round, and another round for contacts of bodies that have more. Returns the first colour that is not used.
+std::uint32_t color_class(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
+                          bool against_immovable, std::uint32_t first) {
   ContactBatches& out = scratch.contact_batches;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::size_t count = group.contact_end - group.first_contact;
-  out.colors.resize(count);
-  for (const bool against_immovable : {false, true}) {
+  for (bool left = true; left; first += round_color_count) {
+    left = false;
     out.body_colors.assign(state.bodies.size(), 0);
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < out.colors.size(); ++i) {
+      if (out.colors[i] != uncolored) continue;
       const TouchingPair& pair = scratch.touching[contacts[i]];
       const bool a_moves = moves(model, state, pair.body_a);
       const bool b_moves = moves(model, state, pair.body_b);
       if ((a_moves && b_moves) == against_immovable) continue;
       const std::uint32_t used =
           (a_moves ? out.body_colors[pair.body_a] : 0u) | (b_moves ? out.body_colors[pair.body_b] : 0u);
-      int color = overflow_color;
-      if (used != 0xffffffffu) {
-        color = __builtin_ctz(~used);
-        if (a_moves) out.body_colors[pair.body_a] |= 1u << color;
-        if (b_moves) out.body_colors[pair.body_b] |= 1u << color;
+      if (used == 0xffffffffu) {
+        left = true;
+        continue;
       }
-      out.colors[i] = static_cast<std::uint8_t>(color + (against_immovable ? group_color_count : 0));
+      const auto color = static_cast<std::uint32_t>(__builtin_ctz(~used));
+      if (a_moves) out.body_colors[pair.body_a] |= 1u << color;
+      if (b_moves) out.body_colors[pair.body_b] |= 1u << color;
+      out.colors[i] = first + color;
     }
   }
+  return first;
+}
+
+/// What the colours of a group are: below `immovable` those between two moving bodies. They come first, those with
+/// something immovable last: the last ones solved are met best, and nothing may sink into the ground.
+struct ColorCounts {
+  std::uint32_t immovable;
+  std::uint32_t all;
+};
+
+/// colors[i]: of the i-th contact of the group.
+ColorCounts color_contacts(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
+  scratch.contact_batches.colors.assign(group.contact_end - group.first_contact, uncolored);
+  const std::uint32_t immovable = color_class(model, state, scratch, group, false, 0);
+  return {immovable, color_class(model, state, scratch, group, true, immovable)};
 }
 
 void fill_point(ContactBatch& batch, int lane, int index, const ManifoldPoint& point, const ContactRow& row,
@@ -110,25 +123,23 @@ void clear_contacts(Scratch& scratch) {
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness) {
-  color_contacts(model, state, scratch, group);
+  const ColorCounts colors = color_contacts(model, state, scratch, group);
   ContactBatches& out = scratch.contact_batches;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const Real h = group.h;
 
   // Contacts by colour, in contact order within a colour.
-  std::uint32_t start[color_total + 1] = {};
-  for (const std::uint8_t color : out.colors) ++start[color + 1];
-  std::uint32_t first[color_total];
+  std::vector<std::uint32_t>& start = out.color_start;
+  start.assign(colors.all + 1, 0);
+  for (const std::uint32_t color : out.colors) ++start[color + 1];
   std::size_t batch_count = 0;
-  for (int color = 0; color < color_total; ++color) {
-    const std::uint32_t count = start[color + 1];
-    const bool alone = color % group_color_count == overflow_color;
-    batch_count += alone ? count : (count + lane_count - 1) / lane_count;
+  for (std::uint32_t color = 0; color < colors.all; ++color) {
+    batch_count += (start[color + 1] + lane_count - 1) / lane_count;
     start[color + 1] += start[color];
-    first[color] = start[color];
   }
+  out.color_next.assign(start.begin(), start.end());
   out.sorted.resize(out.colors.size());
-  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[first[out.colors[i]]++] = contacts[i];
+  for (std::uint32_t i = 0; i < out.colors.size(); ++i) out.sorted[out.color_next[out.colors[i]]++] = contacts[i];
 
   const std::uint32_t resting = resting_record(scratch);
   const std::uint32_t unread = unread_record(scratch);
@@ -138,12 +149,11 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
   group.batch_end = static_cast<std::uint32_t>(next + batch_count);
   out.batches.resize(next + batch_count);
   out.surfaces.resize(model.has_surfaces ? next + batch_count : 0);
-  for (int color = 0; color < color_total; ++color) {
-    const std::uint32_t per_batch = color % group_color_count == overflow_color ? 1 : lane_count;
-    for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += per_batch) {
+  for (std::uint32_t color = 0; color < colors.all; ++color) {
+    for (std::uint32_t begin = start[color]; begin < start[color + 1]; begin += lane_count) {
       ContactBatch& batch = out.batches[next++];
       const std::uint32_t left = start[color + 1] - begin;
-      batch.count = static_cast<int>(left < per_batch ? left : per_batch);
+      batch.count = static_cast<int>(left < lane_count ? left : lane_count);
       batch.bounces = false;
       for (int lane = 0; lane < lane_count; ++lane) {
         if (lane >= batch.count) {
@@ -171,7 +181,7 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
         batch.radius_b.at[lane] = pair.radius_b;
         batch.restitution.at[lane] = pair.restitution;
         batch.bounces |= pair.restitution > 0;
-        const Softness& softness = color >= group_color_count ? stiffness.immovable : stiffness.moving;
+        const Softness& softness = color >= colors.immovable ? stiffness.immovable : stiffness.moving;
         batch.bias_rate.at[lane] = softness.bias_rate;
         batch.mass_scale.at[lane] = softness.mass_scale;
         batch.impulse_scale.at[lane] = softness.impulse_scale;

@@ -64,7 +64,9 @@ struct SurfaceLanes {
 struct ContactBatches {
   std::vector<ContactBatch> batches;       // in solving order
   std::vector<SurfaceLanes> surfaces;      // [batch]; empty where no material of the scene has either
-  std::vector<std::uint8_t> colors;        // [contact]
+  std::vector<std::uint32_t> colors;       // [contact]
+  std::vector<std::uint32_t> color_start;  // [colour] in `sorted`; one more at the end
+  std::vector<std::uint32_t> color_next;   // [colour] while sorting
   std::vector<std::uint32_t> body_colors;  // [body] bit set
   std::vector<std::uint32_t> sorted;       // contacts by colour
   std::vector<Lanes> saved;                // [batch, point] normal impulses
