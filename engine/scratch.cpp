@@ -64,6 +64,7 @@ void poison(Scratch& scratch) {
   poison_in_place(scratch.contact_batches.bounces);
   scratch.contact_batches.batch_count = 0;
   poison_rows(scratch.contact_batches.colors);
+  poison_rows(scratch.contact_batches.places);
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.saved);
   poison_rows(scratch.pulls);

@@ -8,13 +8,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr int color_count = 32;              // one bit each in a body's colour set
-constexpr int overflow_color = color_count;  // contacts of a body with more: solved one by one
-constexpr int group_color_count = color_count + 1;
-
-// Contacts between two moving bodies come first, those with something immovable last: the last ones solved are met
-// best, and nothing may sink into the ground.
-constexpr int color_total = 2 * group_color_count;
+// One bit each in a body's colour set. Contacts between two moving bodies come first, those with something immovable
+// last: the last ones solved are met best, and nothing may sink into the ground.
+constexpr std::uint32_t class_color_count = 32;
+constexpr std::uint32_t round_color_count = 2 * class_color_count;
+constexpr std::uint32_t uncolored = 0xffffffff;
 
 /// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
 constexpr Real hertz_per_rate = Real(0.125);
@@ -23,15 +21,16 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-/// colors[i]: of the i-th contact of the group.
-void color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
+/// Colours the contacts of one round; those of bodies that have no colour left wait for the next. True if any do.
+template <bool is_first>
+bool color_round(const State& state, Scratch& scratch, const SolveGroup& group, std::uint32_t round) {
   ContactBatches& out = scratch.contact_batches;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::size_t count = group.contact_end - group.first_contact;
   const std::uint32_t unread = unread_record(scratch);
-  out.colors.resize(count);
+  bool any_left = false;
   out.body_colors.assign(state.bodies.size(), {0, 0});
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < out.colors.size(); ++i) {
+    if (!is_first && out.colors[i] != uncolored) continue;
     const TouchingPair& pair = scratch.touching[contacts[i]];
     const bool a_moves = scratch.masses[pair.body_a].write != unread;
     const bool b_moves = scratch.masses[pair.body_b].write != unread;
@@ -48,27 +47,40 @@ void color_contacts(const State& state, Scratch& scratch, const SolveGroup& grou
       used = mover.immovable;
       mover.immovable |= ~used & (used + 1);
     }
-    const int color = used != 0xffffffffu ? __builtin_ctz(~used) : overflow_color;
-    out.colors[i] = static_cast<std::uint8_t>(color + (a_moves && b_moves ? 0 : group_color_count));
+    const bool is_left = used == 0xffffffffu;
+    any_left |= is_left;
+    const std::uint32_t color = is_left ? 0u : static_cast<std::uint32_t>(__builtin_ctz(~used));
+    out.colors[i] =
+        is_left ? uncolored : round * round_color_count + color + (a_moves && b_moves ? 0u : class_color_count);
   }
+  return any_left;
 }
 
-/// Where the contacts of a colour go: batches in a row, lane after lane.
-struct ColorPlace {
-  std::uint32_t batch;  // the next contact's
-  std::uint32_t lane;
-};
+/// colors[i]: of the i-th contact of the group. Returns the number of rounds.
+std::uint32_t color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
+  scratch.contact_batches.colors.resize(group.contact_end - group.first_contact);
+  std::uint32_t round_count = 1;
+  bool any_left = color_round<true>(state, scratch, group, 0);
+  while (any_left) any_left = color_round<false>(state, scratch, group, round_count++);
+  return round_count;
+}
 
 /// Counts batches, notes them in `group`, and makes room for them.
-void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, ColorPlace* places) {
+void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::uint32_t round_count) {
   ContactBatches& out = scratch.contact_batches;
-  std::uint32_t counts[color_total] = {};
-  for (const std::uint8_t color : out.colors) ++counts[color];
+  out.places.assign(std::size_t{round_count} * round_color_count, {0, 0});
+  for (const std::uint32_t color : out.colors) ++out.places[color].lane;  // counts for now
   std::size_t next = out.batch_count;
   group.first_batch = static_cast<std::uint32_t>(next);
-  for (int color = 0; color < color_total; ++color) {
-    places[color] = {static_cast<std::uint32_t>(next), 0};
-    next += color % group_color_count == overflow_color ? counts[color] : (counts[color] + lane_count - 1) / lane_count;
+  for (const std::uint32_t first : {0u, class_color_count}) {
+    for (std::uint32_t round = 0; round < round_count; ++round) {
+      for (std::uint32_t color = 0; color < class_color_count; ++color) {
+        ColorPlace& place = out.places[round * round_color_count + first + color];
+        const std::uint32_t count = place.lane;
+        place = {static_cast<std::uint32_t>(next), 0};
+        next += (count + lane_count - 1) / lane_count;
+      }
+    }
   }
   out.batch_count = next;
   group.batch_end = static_cast<std::uint32_t>(next);
@@ -188,21 +200,20 @@ void clear_contacts(Scratch& scratch) {
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness) {
   group.stiffness = stiffness;
-  color_contacts(state, scratch, group);
-  ColorPlace places[color_total];
-  place_batches(scratch, group, model.contact_features, places);
+  const std::uint32_t round_count = color_contacts(state, scratch, group);
+  place_batches(scratch, group, model.contact_features, round_count);
   ContactBatches& out = scratch.contact_batches;
   const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
   const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   for (std::size_t i = 0; i < out.colors.size(); ++i) {
-    const int color = out.colors[i];
-    ColorPlace& place = places[color];
+    const std::uint32_t color = out.colors[i];
+    ColorPlace& place = out.places[color];
     const std::uint32_t contact = contacts[i];
     const TouchingPair& pair = scratch.touching[contact];
     ContactBatch& batch = out.batches[place.batch];
     if (place.lane == 0) {
-      batch.immovable = color >= group_color_count ? 1 : 0;
+      batch.immovable = color % round_color_count >= class_color_count ? 1 : 0;
       batch.bounces = 0;
       if (bounces) out.bounces[place.batch] = {};
       if (has_surfaces) out.surfaces[place.batch] = {};
@@ -212,13 +223,11 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     batch.bounces |= pair.restitution > 0 ? 1 : 0;
     if (has_surfaces) fill_surface(scratch, out.surfaces[place.batch], place.lane, pair);
     batch.count = static_cast<std::int32_t>(++place.lane);
-    const bool alone = color % group_color_count == overflow_color;
-    if (alone) end_batch(scratch, batch, 1);
-    if (place.lane < lane_count && !alone) continue;
+    if (place.lane < lane_count) continue;
     ++place.batch;
     place.lane = 0;
   }
-  for (const ColorPlace& place : places)
+  for (const ColorPlace& place : out.places)
     if (place.lane > 0) end_batch(scratch, out.batches[place.batch], place.lane);
   scratch.kernels->contacts.prepare(work_of(scratch, group));
 }

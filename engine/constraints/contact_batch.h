@@ -26,12 +26,19 @@ struct BodyColors {
   std::uint32_t immovable;
 };
 
+/// Where the contacts of a colour go: batches in a row, lane after lane.
+struct ColorPlace {
+  std::uint32_t batch;  // the next contact's
+  std::uint32_t lane;
+};
+
 struct ContactBatches {
   std::vector<ContactBatch> batches;   // in solving order; the first `batch_count` are in use
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint8_t> colors;     // [contact of the group]
+  std::vector<std::uint32_t> colors;    // [contact of the group]
+  std::vector<ColorPlace> places;       // [colour]
   std::vector<BodyColors> body_colors;  // [body]
   std::vector<Lanes> saved;             // [batch of the group, point] normal impulses
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/impacts.h"
 
+#include "engine/broad_phase/broad_phase.h"
 #include "engine/constraints/joint_model.h"
 #include "engine/narrow_phase/distance.h"
 #include "engine/pipeline.h"
@@ -16,6 +17,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   for (std::uint32_t row = 0; row < state.bodies.size() && !any; ++row) any = is_fast(model, state, row, dt);
   if (!any) return;
   const Real farthest = farthest_reach(model, state, dt);
+  const Real fall = fall_of_a_tick(model, state);
   for (const Pair& candidate : scratch.pairs) {
     const Proxy& a = scratch.proxies[candidate.first];
     const Proxy& b = scratch.proxies[candidate.second];
@@ -30,15 +32,18 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     const bool fast =
         settings.continuous && guarded && (is_fast(model, state, a.body, dt) || is_fast(model, state, b.body, dt));
     if (!bounces && !fast) continue;
-    const Real near = a.radius + b.radius;  // with the ways of both
-    if (length_squared(b.center - a.center) > Real(1.01) * (near * near)) continue;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
+    const Real sweep_a = sweep_of(model, state, a.body, dt, farthest);
+    const Real sweep_b = sweep_of(model, state, b.body, dt, farthest);
+    const Circle circle_a = circle_around(body_a, shape_a, fall, sweep_a);
+    const Circle circle_b = circle_around(body_b, shape_b, fall, sweep_b);
+    const Real near = circle_a.radius + circle_b.radius;
+    if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near)) continue;
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
-    const Real sweep = sweep_of(model, state, a.body, dt, farthest) + sweep_of(model, state, b.body, dt, farthest);
-    if (gap.separation > sweep) continue;
+    if (gap.separation > sweep_a + sweep_b) continue;
     // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "engine/input.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
@@ -311,4 +312,33 @@ TEST_CASE("force elements that mean nothing are refused with their place", "[eng
   CHECK(refusal(drag).find("s: forces[0].coefficient: must be >= 0") == 0);
   drag.coefficient = NAN;
   CHECK(refusal(drag).find("s: forces[0].coefficient: must be finite") == 0);
+}
+
+TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other end moves", "[engine][forces][sleep]") {
+  Scene scene = empty_scene();
+  scene.gravity = {0, 0};
+  scene.settings.sleep.emplace();
+  scene.inputs = {InputKind::set_velocity};
+  scene.bodies = {disc_of_1_kg({0, 0}), disc_of_1_kg({0, 2})};
+  scene.bodies[1].type = BodyType::kinematic_body;
+  scene.bodies[1].mass.reset();
+  Force spring = force_of(ForceKind::spring);
+  spring.body = 0;
+  spring.other = 1;
+  spring.stiffness = 100;
+  spring.rest_length = 2;
+  scene.forces = {spring};
+  const auto engine = make_engine_or_fail(scene);
+  const TickInput nothing{scene.settings.dt, {}};
+  for (int tick = 0; tick < 120; ++tick) engine->step(nothing, nullptr);
+  CHECK(engine->bodies()[0].center.y == 0);
+  engine::Input up;
+  up.kind = InputKind::set_velocity;
+  up.body = 1;
+  up.values[1] = 1;
+  Bytes bytes;
+  engine::encode_inputs({up}, bytes);
+  engine->step({scene.settings.dt, bytes}, nullptr);
+  for (int tick = 0; tick < 60; ++tick) engine->step(nothing, nullptr);
+  CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other, which is 1 m higher
 }
