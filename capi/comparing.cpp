@@ -6,8 +6,11 @@
 #include <utility>
 #include <variant>
 
+#include "base/cells.h"
 #include "base/limits.h"
+#include "replay/payload.h"
 #include "verifier/locate.h"
+#include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
 
 namespace ticktrue::capi {
@@ -146,7 +149,9 @@ bool Comparing::read_until(std::uint64_t tick) {
                         record->root_hash,
                         record->stage_hashes,
                         std::nullopt,
+                        {},
                         false};
+      kept.cells = Bytes(record->cells.begin(), record->cells.end());
       if (record->image) kept.image = Bytes(record->image->begin(), record->image->end());
       last_dt_ = record->dt;
       ahead_.push_back(std::move(kept));
@@ -215,13 +220,18 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, std:
     encode_image(*done.state, image);
     if (!verifier::locate_lanes(setup().schema, *recorded.image, image, row_name, lane_report_count_max, divergence))
       report_.warnings.push_back("the stored state of tick " + std::to_string(done.tick) + " cannot be read");
+  } else if (!recorded.cells.empty()) {
+    const StateCells expected = replay::decode_cells(setup().schema, recorded.cells);
+    StateCells here;
+    CellHasher(setup().schema).hash(*done.state, expected.partition_cells, here);
+    verifier::locate_cells(setup().schema, expected, here, done.state, row_name, lane_report_count_max, divergence);
   }
   if (const auto place = find_non_finite(*done.state))
     report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
   note_addresses(divergence);
   if (!build_.empty()) report_.notes.push_back("this program's build: " + build_);
   const std::string tick = std::to_string(done.tick);
-  if (divergence.tables.empty())
+  if (divergence.rows.empty())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
                             ", by both builds; then `ticktrue diff A B` names columns and values");
   report_.again.push_back(

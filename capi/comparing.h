@@ -27,6 +27,7 @@ struct RecordedTick {
   std::uint64_t root_hash = 0;
   std::vector<std::uint64_t> stage_hashes;
   std::optional<Bytes> image;
+  Bytes cells;                 // encoded; empty unless stored
   bool is_not_finite = false;  // the recording ended because of this tick
 };
 
