@@ -139,7 +139,8 @@ double apart(const Problem& problem, double a, double b) {
 
 // What the same run in f32 is off from f64: rounding. f64 rounds 2^-29 as coarsely, but no less than a random walk of
 // one rounding a tick.
-double rounding_floor(const Problem& problem, const Observed& f64, const Observed& f32, Precision precision) {
+double rounding_floor(const Problem& problem, const Method& method, const Observed& f64, const Observed& f32,
+                      Precision precision) {
   if (f64.samples.size() != f32.samples.size() || f64.samples.empty()) return 0;
   double sum = 0;
   for (std::size_t i = 0; i < f64.samples.size(); ++i)
@@ -149,7 +150,9 @@ double rounding_floor(const Problem& problem, const Observed& f64, const Observe
     }
   const double floor = std::sqrt(sum / static_cast<double>(f64.samples.size())) / problem.scale;
   if (precision == Precision::f32) return floor;
-  return std::max(floor * 0x1p-29, 0x1p-53 * std::sqrt(static_cast<double>(f64.point.tick_count)));
+  const auto tick_count = static_cast<double>(f64.point.tick_count);
+  // A clock's samples are at the sum of its ticks' lengths, each of which rounds the same way.
+  return std::max(floor * 0x1p-29, 0x1p-53 * (method.clock ? tick_count : std::sqrt(tick_count)));
 }
 
 Result<AccuracyPoint> timed_point(const Problem& problem, const Method& method, const Setting& setting,
@@ -240,7 +243,7 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
     }
     for (AccuracyCurve& curve : curves) {
       AccuracyPoint point = points[static_cast<std::size_t>(curve.precision)];
-      point.floor = rounding_floor(problem, kept[1], kept[0], curve.precision);
+      point.floor = rounding_floor(problem, method, kept[1], kept[0], curve.precision);
       curve.points.push_back(point);
     }
   }
@@ -322,7 +325,8 @@ Expectation expectation_of(const Problem& problem, const Method& method) {
     return out;
   }
   // Constraints hold at the ends of steps: an integrator lifts the order only where their forces are constant.
-  if (method.locates || problem.kind != ProblemClass::impact) {
+  const bool bounces = problem.kind == ProblemClass::impact || problem.kind == ProblemClass::bounce;
+  if (method.locates || !bounces) {
     out.slope = integrator.order >= 2 && problem.slope_of_higher ? problem.slope_of_higher : problem.slope;
     out.reason = problem.why_no_slope;
     return out;
