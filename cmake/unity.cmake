@@ -1,5 +1,5 @@
-# TICKTRUE_UNITY: the sources of a target are compiled as one unit. A platform is built once and run once: its headers are
-# then read once instead of ninety times, which is most of the time of such a build.
+# TICKTRUE_UNITY: sources are compiled together, so that their headers are read once instead of ninety times, which is most
+# of the time of a first build: all of a target at once, or CMAKE_UNITY_BUILD_BATCH_SIZE of them.
 if(TICKTRUE_UNITY)
   target_compile_options(ticktrue_warnings INTERFACE -Wno-shadow)  # local names of one file beside those of another
   # Their local names collide with those of another file. tests/platforms/one.sh builds file by file where this list

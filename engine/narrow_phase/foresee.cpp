@@ -9,7 +9,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr int advance_count_max = 16;
+constexpr int foresee_step_max = 16;
 
 BodyRow moved_by(const BodyRow& body, Real time) {
   BodyRow later = body;
@@ -37,7 +37,7 @@ Manifold foresee(const Model& model, const ShapeModel& a, const ShapeModel& b, c
     if (gap.separation <= Real(0.5) * margin) break;
     const Real closing_max = spin - dot(relative, gap.normal);
     const Real way = gap.separation - Real(0.25) * margin;
-    if (i == advance_count_max || !(way < closing_max * (dt - time))) return {};
+    if (i == foresee_step_max || !(way < closing_max * (dt - time))) return {};
     time += way / closing_max;
     at_a = moved_by(body_a, time);
     at_b = moved_by(body_b, time);

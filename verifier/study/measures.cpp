@@ -154,7 +154,7 @@ double Run::step(const TickInput& input) {
   return seconds;
 }
 
-Spread spread_of(std::vector<double> samples) {
+SampleSpread spread_of(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   const auto at = [&](double share) {
     const double place = share * static_cast<double>(samples.size() - 1);

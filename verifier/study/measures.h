@@ -58,12 +58,12 @@ class Run {
 };
 
 /// Least, median and interquartile range.
-struct Spread {
+struct SampleSpread {
   double min = 0;
   double median = 0;
   double iqr = 0;
 };
 /// Requires: not empty.
-Spread spread_of(std::vector<double> samples);
+SampleSpread spread_of(std::vector<double> samples);
 
 }  // namespace ticktrue::verifier
