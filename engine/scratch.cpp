@@ -99,6 +99,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.joint_places);
   poison_rows(scratch.sorted_places);
   poison_rows(scratch.body_levels);
+  poison_rows(scratch.joint_torques);
   poison_rows(scratch.level_starts);
 }
 

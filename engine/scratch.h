@@ -303,7 +303,7 @@ struct Scratch {
 
   // solver
   const SolverKernels* kernels = nullptr;  // the model's
-  std::optional<PlantedFault> planted;  // for this tick
+  std::optional<PlantedFault> planted;     // for this tick
   std::vector<MovingBody> bodies;
   std::vector<BodyMass> masses;               // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
@@ -328,6 +328,7 @@ struct Scratch {
   std::vector<JointPlace> joint_places;  // of the group, in solving order
   std::vector<JointPlace> sorted_places;
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
+  std::vector<Real> joint_torques;          // [body] the most that its joints' forces turn it with, N m
   std::vector<std::uint32_t> level_starts;  // [2 level, pins first] in `joint_places`
 };
 

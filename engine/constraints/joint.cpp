@@ -5,6 +5,7 @@
 #include "engine/constraints/joint.h"
 
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/joint_inertia.h"
 #include "engine/constraints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -50,7 +51,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
   joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
   joint.write_a = mass.type == BodyType::dynamic_body ? row : unread_record(scratch);
   joint.inv_mass_a = mass.inv_mass;
-  joint.inv_inertia_a = mass.inv_inertia;
+  joint.inv_inertia_a = scratch.masses[row].inv_inertia;
   joint.anchor_a = rotate(body.rotation, constants.anchor_a);
   joint.apart = body_b.position - body.position;
   joint.axis = rotate(body.rotation, constants.axis);
@@ -115,6 +116,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   scratch.pins.soft = soft;
   if (state.joints.empty()) return;
   const bool in_batches = order_joints(model, state, scratch);
+  raise_inertias(model, state, scratch, h);
   const std::size_t count = scratch.joint_places.size();
   for (std::size_t i = 0; i < count; ++i) {
     const JointPlace& place = scratch.joint_places[i];

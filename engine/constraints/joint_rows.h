@@ -163,7 +163,7 @@ inline constexpr Real no_impulse_limit = sizeof(Real) == 4 ? Real(0x1p127) : Rea
 // ---- At a point ----
 
 /// Two rows, x and y. Impulses act on both bodies at one and the same place: that conserves angular momentum even while
-/// the anchors are apart.
+/// the anchors are apart, by up to twice the longer arm (middle_share).
 struct PointRow {
   Vec2 arm_a;  // from A's centre of mass, m
   Vec2 arm_b;
@@ -189,6 +189,16 @@ struct PointRow {
   }
 };
 
+/// How much of `error` each arm is lengthened by to meet the other in the middle: half of it. Beyond the longer arm of
+/// a body that turns they shrink back to where they were: a wide gap is no lever. Arms of nothing meet in the middle.
+inline Real middle_share(const JointWork& joint, const PointRow& row) {
+  const Real reach_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
+  const Real reach_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
+  const Real reach = larger(reach_a, reach_b);
+  const Real most = larger(Real(0.25) * length_squared(row.error), reach);
+  return reach > 0 ? Real(0.5) * (reach / most) : Real(0.5);
+}
+
 /// Where impulses of a point row act.
 enum class ActsAt : std::uint8_t { middle, anchor_b };
 
@@ -198,8 +208,9 @@ inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsA
   row.arm_b = rotate(pair.b.turned, joint.anchor_b);
   row.error = (joint.apart + (pair.b.moved - pair.a.moved)) + (row.arm_b - row.arm_a);
   if (place == ActsAt::middle) {
-    row.arm_a = row.arm_a + Real(0.5) * row.error;
-    row.arm_b = row.arm_b - Real(0.5) * row.error;
+    const Real share = middle_share(joint, row);
+    row.arm_a = row.arm_a + share * row.error;
+    row.arm_b = row.arm_b - share * row.error;
   } else {
     row.arm_a = row.arm_a + row.error;
   }

@@ -37,13 +37,23 @@ TICKTRUE_INLINE Pair load_pair(const Group& group, const Real* bodies) {
           group.load(group.batch.inv_inertia_b)};
 }
 
-TICKTRUE_INLINE Arms load_arms(const Group& group, const Real* bodies) {
+/// joint_rows.h, middle_share.
+TICKTRUE_INLINE Wide middle_share(const Pair& pair, const Arms& arms) {
+  const Wide zero{};
+  const Wide reach_a = pair.inv_inertia_a > zero ? arms.ax * arms.ax + arms.ay * arms.ay : zero;
+  const Wide reach_b = pair.inv_inertia_b > zero ? arms.bx * arms.bx + arms.by * arms.by : zero;
+  const Wide reach = larger(reach_a, reach_b);
+  const Wide most = larger(spread(Real(0.25)) * (arms.ex * arms.ex + arms.ey * arms.ey), reach);
+  const Wide half = spread(Real(0.5));
+  return reach > zero ? half * (reach / (reach > zero ? most : spread(1))) : half;
+}
+
+TICKTRUE_INLINE Arms load_arms(const Group& group, const Pair& pair, const Real* bodies) {
   const PinBatch& batch = group.batch;
   const Quads a = gather_quads<body_record_length>(bodies + 4, batch.read_a + group.first);
   const Quads b = gather_quads<body_record_length>(bodies + 4, batch.read_b + group.first);
   const Wide anchor_a_x = group.load(batch.anchor_a_x), anchor_a_y = group.load(batch.anchor_a_y);
   const Wide anchor_b_x = group.load(batch.anchor_b_x), anchor_b_y = group.load(batch.anchor_b_y);
-  const Wide half = spread(Real(0.5));
   Arms arms;
   arms.ax = a.at[2] * anchor_a_x - a.at[3] * anchor_a_y;
   arms.ay = a.at[3] * anchor_a_x + a.at[2] * anchor_a_y;
@@ -51,10 +61,11 @@ TICKTRUE_INLINE Arms load_arms(const Group& group, const Real* bodies) {
   arms.by = b.at[3] * anchor_b_x + b.at[2] * anchor_b_y;
   arms.ex = (group.load(batch.apart_x) + (b.at[0] - a.at[0])) + (arms.bx - arms.ax);
   arms.ey = (group.load(batch.apart_y) + (b.at[1] - a.at[1])) + (arms.by - arms.ay);
-  arms.ax = arms.ax + half * arms.ex;
-  arms.ay = arms.ay + half * arms.ey;
-  arms.bx = arms.bx - half * arms.ex;
-  arms.by = arms.by - half * arms.ey;
+  const Wide share = middle_share(pair, arms);
+  arms.ax = arms.ax + share * arms.ex;
+  arms.ay = arms.ay + share * arms.ey;
+  arms.bx = arms.bx - share * arms.ex;
+  arms.by = arms.by - share * arms.ey;
   return arms;
 }
 
@@ -86,7 +97,7 @@ void solve(const PinWork& work) {
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Pair pair = load_pair(group, work.bodies);
-      const Arms arms = load_arms(group, work.bodies);
+      const Arms arms = load_arms(group, pair, work.bodies);
       const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
       const Wide ia = pair.inv_inertia_a;
       const Wide ib = pair.inv_inertia_b;
@@ -131,7 +142,7 @@ void warm_start(const PinWork& work) {
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Pair pair = load_pair(group, work.bodies);
-      const Arms arms = load_arms(group, work.bodies);
+      const Arms arms = load_arms(group, pair, work.bodies);
       push(group, pair, arms, group.load(batch.impulse_x), group.load(batch.impulse_y), work.bodies);
     }
   }
