@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <system_error>
 
@@ -70,6 +71,20 @@ std::string find_file(const GoldenCommand& command, const std::string& word) {
   return word;
 }
 
+/// Inputs of a row that are a host's frames: host:NAME or host:NAME:SEED.
+std::optional<HostOptions> host_of(const std::string& inputs) {
+  constexpr std::string_view prefix = "host:";
+  if (inputs.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  HostOptions host;
+  const std::size_t colon = inputs.find(':', prefix.size());
+  host.host = inputs.substr(prefix.size(), colon - prefix.size());
+  if (colon == std::string::npos) return host;
+  const std::string seed = inputs.substr(colon + 1);
+  if (std::from_chars(seed.data(), seed.data() + seed.size(), host.seed).ptr != seed.data() + seed.size())
+    return std::nullopt;
+  return host;
+}
+
 /// A session of the row, ready to run.
 struct GoldenSession {
   engine::Scene scene;
@@ -84,11 +99,13 @@ Result<std::unique_ptr<GoldenSession>> open_session(const GoldenCommand& command
   auto made = engine::make_engine(session->scene);
   if (!made) return made.error();
   session->engine = std::move(*made);
-  const std::string path = row.inputs.empty() ? "" : find_file(command, row.inputs);
+  const std::optional<HostOptions> host = host_of(row.inputs);
+  const std::string path = row.inputs.empty() || host ? "" : find_file(command, row.inputs);
   auto inputs = open_session_inputs(session->scene, path, row.tick_count);
   if (!inputs) return inputs.error();
   session->inputs = std::move(*inputs);
-  if (const Status clock = use_clock(session->inputs, {}, *session->engine); !clock) return clock.error();
+  if (const Status clock = use_clock(session->inputs, host.value_or(HostOptions{}), *session->engine); !clock)
+    return clock.error();
   return session;
 }
 
