@@ -54,7 +54,7 @@ struct AccuracyPoint {
   double joint_gap_max = 0;  // m, at samples
   std::uint64_t tick_count = 0;
   int substeps_most = 0;   // of automatic substeps: what was chosen
-  SampleSpread time_ms;          // per simulated second
+  SampleSpread time_ms;    // per simulated second
   std::uint64_t hash = 0;  // of the last state
   PointState state = PointState::ok;
 };

@@ -22,7 +22,7 @@ struct PeerPoint {
   double error = 0;      // m
   double error_max = 0;  // m
   bool stands = true;    // no body is farther than half its size from its place, no gap wider than half a link
-  SampleSpread time_ms;        // per tick
+  SampleSpread time_ms;  // per tick
 };
 
 struct PeerCurves {
