@@ -46,6 +46,16 @@ bool run(const std::string& arguments) {
   return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
 }
 
+// host:NAME:SEED are the frames of a host, anything else is a file.
+std::string inputs_of(const GoldenRow& row) {
+  const std::string prefix = "host:";
+  if (row.inputs == "-") return "";
+  if (row.inputs.compare(0, prefix.size(), prefix) != 0) return " --inputs '" + row.inputs + "'";
+  const std::size_t colon = row.inputs.find(':', prefix.size());
+  return " --host " + row.inputs.substr(prefix.size(), colon - prefix.size()) + " --host-seed " +
+         row.inputs.substr(colon + 1);
+}
+
 // Every `stride`-th golden, at this many random ticks.
 void check_goldens(std::size_t stride, int tick_count) {
   const fs::path place = fs::temp_directory_path() / ("ticktrue_fresh_process_" + std::to_string(stride));
@@ -58,7 +68,7 @@ void check_goldens(std::size_t stride, int tick_count) {
     CAPTURE(row.file);
     const std::string trace = "'" + (place / row.file).string() + "'";
     std::string recording = "record '" + row.scene + "' --checkpoint-interval 1 --force -o " + trace;
-    if (row.inputs != "-") recording += " --inputs '" + row.inputs + "'";
+    recording += inputs_of(row);
     if (row.ticks != "-") recording += " --ticks " + row.ticks;
     REQUIRE(run(recording));
     const std::uint64_t end = row.ticks != "-" ? std::stoull(row.ticks) : 120;
