@@ -94,7 +94,8 @@ Scene build_spinner(const SceneArguments& arguments) {
   const char* const names[] = {"capsule", "circle", "box"};
   const int column_count = 92;
   for (int i = 0; i < arguments.whole("bodies"); ++i) {
-    const Point position{-23 + 0.5 * (i % column_count), 2 + 0.5 * (i / column_count)};
+    const int row = i / column_count;
+    const Point position{-23 + 0.5 * (i % column_count), 2 + 0.5 * row};
     scene.bodies.push_back(dynamic_body(names[i % 3], scene.bodies.size(), position, with(pieces[i % 3], 0.1, 0.1)));
     scene.bodies.back().shapes[0].density = 0.25;
   }
@@ -207,7 +208,8 @@ Scene build_gas(const SceneArguments& arguments) {
   scene.bodies.push_back(static_body("wall_left", {-half - 0.5, 0}, across));
   scene.bodies.push_back(static_body("wall_right", {half + 0.5, 0}, across));
   for (int i = 0; i < count; ++i) {
-    const Point position{(i % column_count + 0.5) * pitch - half, (i / column_count + 0.5) * pitch - half};
+    const int row = i / column_count;
+    const Point position{(i % column_count + 0.5) * pitch - half, (row + 0.5) * pitch - half};
     scene.bodies.push_back(dynamic_body("disc", scene.bodies.size(), position, with(circle(0.25), 0, 1)));
     const double vx = random.real(-speed, speed);
     scene.bodies.back().velocity = {vx, random.real(-speed, speed)};
@@ -229,7 +231,8 @@ Scene build_loose(const SceneArguments& arguments) {
   Scene scene;
   scene.gravity = {0, 0};
   for (int i = 0; i < count; ++i) {
-    const Point position{(i % column_count) * pitch, (i / column_count) * pitch};
+    const int row = i / column_count;
+    const Point position{(i % column_count) * pitch, row * pitch};
     scene.bodies.push_back(dynamic_body("box", scene.bodies.size(), position, box(0.25, 0.25)));
     const double vx = random.real(-speed, speed);
     scene.bodies.back().velocity = {vx, random.real(-speed, speed)};
@@ -252,9 +255,11 @@ Scene build_resting(const SceneArguments& arguments) {
   if (arguments.solver != SolverKind::impulse) scene.settings.sleep.emplace();
   const double length = right + 2.0 * moving_count;
   scene.bodies.push_back(static_body("ground", {length / 2, -0.5}, with(box(length / 2 + 10, 0.5), 0.6, 1)));
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
+    const int column = i / 4;
     scene.bodies.push_back(
-        dynamic_body("box", scene.bodies.size(), {(i / 4) * pitch, (i % 4 + 0.5) * 0.5}, box(0.25, 0.25)));
+        dynamic_body("box", scene.bodies.size(), {column * pitch, (i % 4 + 0.5) * 0.5}, box(0.25, 0.25)));
+  }
   // Only the ground and the discs bounce: boxes have no restitution, and the smaller one counts.
   scene.settings.restitution_mix = MixRule::minimum;
   for (int i = 0; i < moving_count; ++i)

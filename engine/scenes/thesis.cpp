@@ -106,7 +106,8 @@ Scene build_thesis_mix(const SceneArguments& arguments) {
   for (int i = 0; i < count; ++i) {
     Body body = kinds[static_cast<std::size_t>(i % 3)];
     body.name += "_" + std::to_string(scene.bodies.size());
-    body.position = {3.5 + pitch * (i % column_count), first_row + pitch * (i / column_count)};
+    const int row = i / column_count;
+    body.position = {3.5 + pitch * (i % column_count), first_row + pitch * row};
     body.angle = random.real(-pi, pi);
     scene.bodies.push_back(std::move(body));
   }

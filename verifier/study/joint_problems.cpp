@@ -13,7 +13,6 @@ namespace {
 
 using engine::BodyReport;
 using engine::Engine;
-using engine::Joint;
 using engine::JointKind;
 using engine::JointMotor;
 using engine::JointSpring;

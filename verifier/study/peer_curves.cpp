@@ -14,7 +14,6 @@
 namespace ticktrue::verifier {
 namespace {
 
-using engine::Point;
 using engine::Precision;
 using engine::Scene;
 

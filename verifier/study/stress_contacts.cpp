@@ -10,13 +10,11 @@
 
 namespace ticktrue::verifier {
 
-using engine::BodyReport;
 using engine::BodyType;
 using engine::Engine;
 using engine::Point;
 using engine::Precision;
 using engine::Scene;
-using engine::SolverKind;
 
 std::vector<StressCase> stress_cases() {
   std::vector<StressCase> cases;
@@ -395,7 +393,8 @@ void add_bounces(std::vector<StressCase>& cases) {
                                           level ? Point{0, side} : Point{side, 0}, BodyType::static_body));
     }
     for (int i = 0; i < 100; ++i) {
-      engine::Body disc = worlds::weighted(worlds::disc(0.4), {-9 + 2.0 * (i % 10), -9 + 2.0 * (i / 10)}, 1);
+      const int row = i / 10;
+      engine::Body disc = worlds::weighted(worlds::disc(0.4), {-9 + 2.0 * (i % 10), -9 + 2.0 * row}, 1);
       disc.velocity = {3 * std::cos(i * 2.39996), 3 * std::sin(i * 2.39996)};
       scene.bodies.push_back(disc);
     }
