@@ -110,8 +110,9 @@ int main(int argc, char** argv) {
 
   Game* game = malloc(sizeof *game);
   begin_game(game, seed);
+  uintptr_t left_behind = (uintptr_t)game >> 12; /* what a used piece of memory may hold */
   if (strcmp(bug, "padding") == 0)
-    for (int i = 0; i < ball_count; ++i) memset(&game->balls[i].owner + 1, (int)((uintptr_t)game >> 12 & 0xff), 3);
+    for (int i = 0; i < ball_count; ++i) memcpy(&game->balls[i].owner + 1, &left_behind, 3);
   register_state(session, game, bug); /* t: */
 
   double dt = 1.0 / 60;
