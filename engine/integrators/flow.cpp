@@ -66,6 +66,7 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
 }
 
 void step_velocities(const Model& model, const State& state, Scratch& scratch) {
+  if (scratch.moving_rows.empty()) return;  // without bodies there are no rows to point to
   scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.velocity_steps.data()->gain,
                                           scratch.moving_rows.data(), scratch.moving_rows.size());
   if (model.position_forces == nullptr) return;
