@@ -8,48 +8,20 @@
 #include <vector>
 
 #include "engine/math/trig.h"
+#include "verifier/study/worlds.h"
 
 namespace ticktrue::verifier {
 namespace {
 
 using engine::Body;
 using engine::BodyType;
-using engine::Joint;
 using engine::JointKind;
 using engine::Point;
 using engine::Scene;
 using engine::Shape;
-using engine::ShapeKind;
 
 Shape box(double width, double height) {
-  Shape shape;
-  shape.kind = ShapeKind::box;
-  shape.half_size = {width / 2, height / 2};
-  return shape;
-}
-
-Shape circle(double radius) {
-  Shape shape;
-  shape.kind = ShapeKind::circle;
-  shape.radius = radius;
-  return shape;
-}
-
-Shape polygon(std::vector<Point> vertices) {
-  Shape shape;
-  shape.kind = ShapeKind::polygon;
-  shape.vertices = std::move(vertices);
-  return shape;
-}
-
-// With a flat side below, its centre at the origin.
-Shape regular_polygon(int corners, double radius) {
-  std::vector<Point> vertices;
-  for (int i = 0; i < corners; ++i) {
-    const engine::SinCos turn = engine::sin_cos(engine::pi * (2 * i + 1) / corners - engine::pi / 2);
-    vertices.push_back({radius * turn.cos, radius * turn.sin});
-  }
-  return polygon(std::move(vertices));
+  return worlds::box(width / 2, height / 2);
 }
 
 // A scene being built: bodies are dynamic unless said otherwise.
@@ -62,11 +34,8 @@ struct Builder {
   }
 
   Body& add(Point at, Shape shape, double angle = 0) {
-    Body body;
-    body.position = at;
-    body.angle = angle;
-    body.shapes.push_back(std::move(shape));
-    scene.bodies.push_back(std::move(body));
+    scene.bodies.push_back(worlds::body(std::move(shape), at));
+    scene.bodies.back().angle = angle;
     return scene.bodies.back();
   }
   Body& add_static(Point at, Shape shape, double angle = 0) {
@@ -87,13 +56,7 @@ struct Builder {
   }
   // A link is pinned at its upper end to the lower end of the one above, or to the peg.
   void pin(std::uint32_t a, std::uint32_t b, Point anchor_a, Point anchor_b) {
-    Joint joint;
-    joint.kind = JointKind::revolute;
-    joint.body_a = a;
-    joint.body_b = b;
-    joint.anchor_a = anchor_a;
-    joint.anchor_b = anchor_b;
-    scene.joints.push_back(joint);
+    scene.joints.push_back(worlds::joint(JointKind::revolute, a, b, anchor_a, anchor_b));
   }
   std::uint32_t last() const { return static_cast<std::uint32_t>(scene.bodies.size() - 1); }
 };
@@ -183,7 +146,7 @@ Scene arch() {
         const engine::SinCos turn = engine::sin_cos(angle);
         corners.push_back({reach * turn.cos - at.x, 1 + reach * turn.sin - at.y});
       }
-    built.add(at, polygon(std::move(corners)));
+    built.add(at, worlds::polygon(std::move(corners)));
   }
   built.friction(0.9);
   return built.scene;
@@ -285,8 +248,8 @@ Scene leaning_falls() {
 // A box lies edge down in the groove of two wedges that friction on the floor keeps together.
 Scene wedges_hold() {
   Builder built;
-  built.add({-1, 0}, polygon({{-1, 0}, {1, 0}, {1, 0.2}, {-0.8, 2}, {-1, 2}}));
-  built.add({1, 0}, polygon({{1, 0}, {-1, 0}, {-1, 0.2}, {0.8, 2}, {1, 2}}));
+  built.add({-1, 0}, worlds::polygon({{-1, 0}, {1, 0}, {1, 0.2}, {-0.8, 2}, {-1, 2}}));
+  built.add({1, 0}, worlds::polygon({{1, 0}, {-1, 0}, {-1, 0.2}, {0.8, 2}, {1, 2}}));
   const double half_diagonal = 0.70710678118654752;
   built.add({0, 0.2 + half_diagonal}, box(1, 1), engine::pi / 4);
   built.friction(0.9);
@@ -296,19 +259,19 @@ Scene wedges_hold() {
 Scene mixed_tower() {
   Builder built;
   built.add({0, 0.5}, box(1.6, 1));
-  built.add({0, 1 + 0.5 * 0.86602540378443865}, polygon({{-0.9, -0.43301270189221933},
-                                                         {0.9, -0.43301270189221933},
-                                                         {0.6, 0.43301270189221933},
-                                                         {-0.6, 0.43301270189221933}}));
-  built.add({0, 1.86602540378443865 + 0.6 * 0.92387953251128674}, regular_polygon(8, 0.6));
+  built.add({0, 1 + 0.5 * 0.86602540378443865}, worlds::polygon({{-0.9, -0.43301270189221933},
+                                                                 {0.9, -0.43301270189221933},
+                                                                 {0.6, 0.43301270189221933},
+                                                                 {-0.6, 0.43301270189221933}}));
+  built.add({0, 1.86602540378443865 + 0.6 * 0.92387953251128674}, worlds::regular(8, 0.6));
   built.add({0, 1.86602540378443865 + 1.2 * 0.92387953251128674 + 0.25}, box(1, 0.5));
   return built.scene;
 }
 
 Scene octagons() {
   Builder built;
-  const double apothem = 0.5 * 0.92387953251128674;
-  for (int i = 0; i < 4; ++i) built.add({0, apothem * (2 * i + 1)}, regular_polygon(8, 0.5));
+  const double apothem = worlds::apothem(8, 0.5);
+  for (int i = 0; i < 4; ++i) built.add({0, apothem * (2 * i + 1)}, worlds::regular(8, 0.5));
   return built.scene;
 }
 
@@ -318,7 +281,8 @@ Scene disc_tray() {
   built.add_static({-2.6, 0.6}, box(0.2, 1.2));
   built.add_static({2.6, 0.6}, box(0.2, 1.2));
   for (int row = 0; row < 3; ++row)
-    for (int i = 0; i + row < 5; ++i) built.add({i + 0.5 * row - 2, 0.5 + 0.86602540378443865 * row}, circle(0.5));
+    for (int i = 0; i + row < 5; ++i)
+      built.add({i + 0.5 * row - 2, 0.5 + 0.86602540378443865 * row}, worlds::disc(0.5));
   return built.scene;
 }
 
@@ -353,7 +317,7 @@ Scene slope_topples() {
 // A plank on an edge, with equal or unequal loads.
 Scene lever_of(double right_density) {
   Builder built;
-  built.add_static({0, 0.5}, polygon({{-0.5, -0.5}, {0.5, -0.5}, {0.2, 0.5}, {-0.2, 0.5}}));
+  built.add_static({0, 0.5}, worlds::polygon({{-0.5, -0.5}, {0.5, -0.5}, {0.2, 0.5}, {-0.2, 0.5}}));
   built.add({0, 1.1}, box(6, 0.2));
   built.add({-2.5, 1.7}, box(1, 1));
   Shape right = box(1, 1);
