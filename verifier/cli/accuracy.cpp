@@ -22,10 +22,11 @@ namespace {
 
 using verifier::AccuracyCurve;
 using verifier::AccuracyPoint;
-using verifier::CurveVerdict;
 using verifier::Problem;
 using verifier::short_number;
+using verifier::StudyVerdict;
 using verifier::TextTable;
+using verifier::VerdictCounts;
 
 constexpr double targets[]{0.01, 0.001, 0.0001};
 
@@ -40,14 +41,8 @@ struct AccuracyCommand {
   StudyFiles files;
 };
 
-std::string_view verdict_name(CurveVerdict verdict) {
-  return verifier::curve_verdict_names[static_cast<std::size_t>(verdict)];
-}
 std::string_view class_name(verifier::ProblemClass kind) {
   return verifier::problem_class_names[static_cast<std::size_t>(kind)];
-}
-std::string_view precision_name(engine::Precision precision) {
-  return engine::info_of(engine::precisions, precision).name;
 }
 std::string_view state_name(verifier::PointState state) {
   constexpr std::string_view names[]{"ok", "not_finite", "not_repeatable"};
@@ -76,7 +71,7 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
       if (known == reasons.end()) reasons.push_back(judgement.reason);
     }
     const std::string verdict =
-        (judgement.verdict == CurveVerdict::not_applicable ? "n/a" : std::string(verdict_name(judgement.verdict))) +
+        (judgement.verdict == StudyVerdict::not_applicable ? "n/a" : std::string(verdict_name(judgement.verdict))) +
         mark;
     if (curve->points.empty()) {
       table.add({curve->method.name, "-", "-", "-", "-", verdict, "-", "-", "-"});
@@ -147,13 +142,9 @@ std::string shape_table(const std::vector<Problem>& problems, const std::vector<
   return text;
 }
 
-struct Counts {
-  int by_verdict[4]{};
-  int operator[](CurveVerdict verdict) const { return by_verdict[static_cast<std::size_t>(verdict)]; }
-};
-Counts count(const std::vector<AccuracyCurve>& curves) {
-  Counts counts;
-  for (const AccuracyCurve& curve : curves) ++counts.by_verdict[static_cast<std::size_t>(curve.judgement.verdict)];
+VerdictCounts verdicts_of(const std::vector<AccuracyCurve>& curves) {
+  VerdictCounts counts;
+  for (const AccuracyCurve& curve : curves) counts.add(curve.judgement.verdict);
   return counts;
 }
 
@@ -191,20 +182,13 @@ std::string report_text(const std::vector<Problem>& problems, const std::vector<
   }
   for (const engine::Precision precision : precisions) text += shape_table(problems, curves, precision);
   text += target_table(problems, curves);
-  const Counts counts = count(curves);
-  text += fmt::format("\n{} curves: {} pass, {} fail, {} expected, {} not applicable\n", curves.size(),
-                      counts[CurveVerdict::pass], counts[CurveVerdict::fail], counts[CurveVerdict::expected],
-                      counts[CurveVerdict::not_applicable]);
+  text += fmt::format("\n{} curves: {}\n", curves.size(), counts_text(verdicts_of(curves)));
   for (const AccuracyCurve& curve : curves)
-    if (curve.judgement.verdict == CurveVerdict::fail)
+    if (curve.judgement.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: slope {}, theory {}: {}\n", curve.problem,
                           precision_name(curve.precision), curve.method.name, slope_text(curve.judgement.slope),
                           slope_text(curve.judgement.expected), curve.judgement.reason);
   return text;
-}
-
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
@@ -230,14 +214,10 @@ Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
 
 Json report_json(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
                  const std::string& command_line) {
-  const Counts counts = count(curves);
   Json object;
   object["schema"] = "ticktrue.accuracy/1";
   object["command"] = command_line;
-  object["passed"] = counts[CurveVerdict::pass];
-  object["failed"] = counts[CurveVerdict::fail];
-  object["expected"] = counts[CurveVerdict::expected];
-  object["not_applicable"] = counts[CurveVerdict::not_applicable];
+  add_counts(object, verdicts_of(curves));
   object["problems"] = Json::array();
   for (const Problem& problem : problems)
     object["problems"].push_back({{"name", problem.name},
@@ -406,7 +386,7 @@ int run_accuracy_command(const AccuracyCommand& command) {
           write_study_files(command.files, csv_of(*curves), plots_of(*problems, *curves, options.precisions));
       code != exit_ok)
     return code;
-  return count(*curves)[CurveVerdict::fail] > 0 ? exit_finding : exit_ok;
+  return verdicts_of(*curves).of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
 }
 
 // ---- Beside Box2D ----

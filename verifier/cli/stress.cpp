@@ -21,8 +21,9 @@ using verifier::full_number;
 using verifier::short_number;
 using verifier::StabilityRow;
 using verifier::StressRow;
-using verifier::StressVerdict;
+using verifier::StudyVerdict;
 using verifier::TextTable;
+using verifier::VerdictCounts;
 
 struct StressCommand {
   std::vector<std::string> cases;
@@ -33,13 +34,6 @@ struct StressCommand {
   bool list = false;
   StudyFiles files;
 };
-
-std::string_view verdict_name(StressVerdict verdict) {
-  return verifier::stress_verdict_names[static_cast<std::size_t>(verdict)];
-}
-std::string_view precision_name(engine::Precision precision) {
-  return engine::info_of(engine::precisions, precision).name;
-}
 
 std::string bound_text(const StressRow& row) {
   if (std::isinf(row.lower) || (row.lower == 0 && row.upper > 0)) return "<= " + short_number(row.upper);
@@ -58,7 +52,7 @@ std::string report_text(const std::vector<StressRow>& rows, const std::vector<St
       text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
-      const bool is_left_out = row.verdict == StressVerdict::not_applicable;
+      const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
       std::string line =
           fmt::format("    {:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
                       is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
@@ -81,24 +75,18 @@ std::string report_text(const std::vector<StressRow>& rows, const std::vector<St
   return text;
 }
 
-struct Counts {
-  int by_verdict[4]{};
-  int& operator[](StressVerdict verdict) { return by_verdict[static_cast<std::size_t>(verdict)]; }
-};
-Counts count(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
-  Counts counts;
-  for (const StressRow& row : rows) ++counts[row.verdict];
+VerdictCounts verdicts_of(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
+  VerdictCounts counts;
+  for (const StressRow& row : rows) counts.add(row.verdict);
   for (const StabilityRow& row : limits)
-    ++counts[verifier::stability_holds(row) ? StressVerdict::pass : StressVerdict::fail];
+    counts.add(verifier::stability_holds(row) ? StudyVerdict::pass : StudyVerdict::fail);
   return counts;
 }
 
-std::string summary_text(const std::vector<StressRow>& rows, Counts counts) {
-  std::string text =
-      fmt::format("\n{} pass, {} fail, {} expected, {} not applicable\n", counts[StressVerdict::pass],
-                  counts[StressVerdict::fail], counts[StressVerdict::expected], counts[StressVerdict::not_applicable]);
+std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts& counts) {
+  std::string text = "\n" + counts_text(counts) + "\n";
   for (const StressRow& row : rows)
-    if (row.verdict == StressVerdict::fail)
+    if (row.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
                           row.method, short_number(row.value), bound_text(row), row.unit);
   return text + "spinning tops and gyroscopic terms: not applicable in two dimensions\n";
@@ -106,14 +94,10 @@ std::string summary_text(const std::vector<StressRow>& rows, Counts counts) {
 
 Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
                  const std::string& command_line) {
-  Counts counts = count(rows, limits);
   Json object;
   object["schema"] = "ticktrue.stress/1";
   object["command"] = command_line;
-  object["passed"] = counts[StressVerdict::pass];
-  object["failed"] = counts[StressVerdict::fail];
-  object["expected"] = counts[StressVerdict::expected];
-  object["not_applicable"] = counts[StressVerdict::not_applicable];
+  add_counts(object, verdicts_of(rows, limits));
   object["rows"] = Json::array();
   for (const StressRow& row : rows)
     object["rows"].push_back(
@@ -121,7 +105,7 @@ Json report_json(const std::vector<StressRow>& rows, const std::vector<Stability
          {"method", row.method},
          {"precision", precision_name(row.precision)},
          {"verdict", verdict_name(row.verdict)},
-         {"value", row.verdict == StressVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
+         {"value", row.verdict == StudyVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
          {"lower", number_json(row.lower)},
          {"upper", number_json(row.upper)},
          {"unit", row.unit},
@@ -166,7 +150,7 @@ std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows,
       if (row.precision != precision) continue;
       if (row.name != name) ++index;
       name = row.name;
-      if (row.verdict == StressVerdict::not_applicable || !(row.upper > 0)) continue;
+      if (row.verdict == StudyVerdict::not_applicable || !(row.upper > 0)) continue;
       auto curve =
           std::find_if(plot.curves.begin(), plot.curves.end(), [&](const auto& c) { return c.name == row.method; });
       if (curve == plot.curves.end()) curve = plot.curves.insert(curve, {row.method, {}, {}, false});
@@ -210,7 +194,7 @@ int run_stress_command(const StressCommand& command) {
   for (const engine::Precision precision : options.precisions)
     command_line += " --precision " + std::string(precision_name(precision));
   if (command.with_long) command_line += " --long";
-  Counts counts = count(*rows, limits);
+  const VerdictCounts counts = verdicts_of(*rows, limits);
   if (command.files.json)
     print_json(report_json(*rows, limits, command_line));
   else
@@ -218,7 +202,7 @@ int run_stress_command(const StressCommand& command) {
   if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
       code != exit_ok)
     return code;
-  return counts[StressVerdict::fail] > 0 ? exit_finding : exit_ok;
+  return counts.of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
 }
 
 }  // namespace

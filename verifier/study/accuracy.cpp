@@ -198,7 +198,7 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   }
   for (const AccuracyPoint& point : curve.points)
     if (point.state == PointState::not_repeatable) {
-      curve.judgement = {CurveVerdict::fail, {}, {}, "two runs gave different bits"};
+      curve.judgement = {StudyVerdict::fail, {}, {}, "two runs gave different bits"};
       return;
     }
   if (curve.method.automatic && problem.size > 0) {
@@ -207,11 +207,11 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
     });
     curve.judgement = {};
     if (broken == curve.points.end())
-      curve.judgement.verdict = CurveVerdict::pass;
+      curve.judgement.verdict = StudyVerdict::pass;
     else
       curve.judgement.reason = "target_error bounds how far contacts and joints give way, not the order of time steps";
     if (broken != curve.points.end() && problem.slope && *problem.slope == 2)
-      curve.judgement = {CurveVerdict::fail, {}, {}, "target_error is not kept"};
+      curve.judgement = {StudyVerdict::fail, {}, {}, "target_error is not kept"};
     return;
   }
   curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);
@@ -233,7 +233,7 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
         Result<AccuracyPoint> point = timed_point(problem, method, setting, precision, options, kept[at]);
         if (!point) {
           for (AccuracyCurve& curve : curves)
-            curve.judgement = {CurveVerdict::not_applicable, {}, {}, point.error().message};
+            curve.judgement = {StudyVerdict::not_applicable, {}, {}, point.error().message};
           return curves;
         }
         points[at] = *point;
@@ -345,11 +345,11 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
     // Rounding alone: ten floors, or a thousand roundings of one.
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (!(errors[i] <= std::max(10 * floors[i], 1000 * 0x1p-53))) {
-        out.verdict = CurveVerdict::fail;
+        out.verdict = StudyVerdict::fail;
         out.reason = "an exact scheme has an error beyond rounding";
         return out;
       }
-    out.verdict = CurveVerdict::pass;
+    out.verdict = StudyVerdict::pass;
     return out;
   }
   if (!expectation.slope) return out;
@@ -357,8 +357,8 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
     out.reason = "fewer than three points lie between ten times the rounding floor and an error of 10 %";
     return out;
   }
-  out.verdict = std::fabs(*out.slope - *expectation.slope) <= slope_tolerance ? CurveVerdict::pass : CurveVerdict::fail;
-  out.reason = out.verdict == CurveVerdict::pass ? "" : "the slope is not the theory's";
+  out.verdict = std::fabs(*out.slope - *expectation.slope) <= slope_tolerance ? StudyVerdict::pass : StudyVerdict::fail;
+  out.reason = out.verdict == StudyVerdict::pass ? "" : "the slope is not the theory's";
   return out;
 }
 

@@ -18,6 +18,7 @@
 #include "base/result.h"
 #include "verifier/study/measures.h"
 #include "verifier/study/problems.h"
+#include "verifier/study/verdict.h"
 
 namespace ticktrue::verifier {
 
@@ -59,11 +60,8 @@ struct AccuracyPoint {
   PointState state = PointState::ok;
 };
 
-enum class CurveVerdict : std::uint8_t { pass, fail, expected, not_applicable };
-inline constexpr std::array<std::string_view, 4> curve_verdict_names{"pass", "fail", "expected", "not_applicable"};
-
 struct Judgement {
-  CurveVerdict verdict = CurveVerdict::expected;
+  StudyVerdict verdict = StudyVerdict::expected;
   std::optional<double> slope;     // observed
   std::optional<double> expected;  // by theory
   std::string reason;              // of every verdict but pass
