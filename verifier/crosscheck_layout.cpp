@@ -163,7 +163,9 @@ void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout
       const double own_drop = layout.bodies[candidate.id].is_dynamic ? layout.bodies[candidate.id].drop : 0;
       if (candidate.gap + own_drop > body.drop + 0.02 * body.height) continue;
       body.supports.push_back(candidate.id);
-      if (candidate.gap <= placed_gap_max * body.height) body.is_placed = true;
+      const CrosscheckBody& support = layout.bodies[candidate.id];
+      const bool is_near = candidate.gap <= placed_gap_max * body.height;
+      if (is_near && (support.is_placed || !support.is_dynamic)) body.is_placed = true;  // links that hang are not
     }
     below.push_back(id);
   }

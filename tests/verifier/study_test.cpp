@@ -178,12 +178,14 @@ TEST_CASE("the cheapest point is the quickest that keeps the error", "[verifier]
   for (const auto& [error, ms] : {std::pair{0.1, 1.0}, {0.009, 2.0}, {0.005, 1.5}, {0.0001, 8.0}}) {
     AccuracyPoint point;
     point.error = error;
-    point.time_ms.median = ms;
+    point.time_ms.min = ms;
     curve.points.push_back(point);
   }
   CHECK(cheapest(curve, 0.01)->error == 0.005);
   CHECK(cheapest(curve, 0.001)->error == 0.0001);
   CHECK(cheapest(curve, 1e-6) == nullptr);
+  CHECK(coarsest(curve, 0.01)->error == 0.009);
+  CHECK(coarsest(curve, 1e-6) == nullptr);
   curve.points[2].state = PointState::not_finite;
   CHECK(cheapest(curve, 0.01)->error == 0.009);
 }
