@@ -95,6 +95,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.joints);
   poison_rows(scratch.joint_ranges);
   poison_in_place(scratch.pins.batches);
+  poison_in_place(scratch.pins.arms);
   scratch.pins.batch_count = 0;
   poison_rows(scratch.joint_places);
   poison_rows(scratch.sorted_places);

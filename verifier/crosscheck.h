@@ -27,7 +27,7 @@ inline constexpr std::array<std::string_view, 4> verdict_names{"agree", "differ"
 struct CrosscheckBody {
   bool is_dynamic = false;
   bool shows_tilt = false;  // has a shape other than circles
-  bool is_placed = false;   // starts at rest, on or just above a support
+  bool is_placed = false;   // starts at rest, on or just above something static or placed
   double across = 0;        // m, centre of mass
   double up = 0;            // m, centre of mass
   double angle = 0;         // rad

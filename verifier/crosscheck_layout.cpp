@@ -37,7 +37,7 @@ struct Outline {
   Point upper{-infinite, -infinite};
 };
 
-bool is_line(const Shape& shape) {
+bool is_thin(const Shape& shape) {
   return shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
 }
 
@@ -73,7 +73,7 @@ Outline outline_of(const Body& body, const std::vector<Point>& corners, const Cr
 std::vector<Outline> outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
   if (shape.sensor) return {};
   const std::vector<Point> core = engine::core_of(shape);
-  if (!is_line(shape)) return {outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
+  if (!is_thin(shape)) return {outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
   std::vector<Outline> edges;
   for (std::size_t i = 0; i + 1 < core.size(); ++i) edges.push_back(outline_of(body, {core[i], core[i + 1]}, layout));
   if (shape.loop) edges.push_back(outline_of(body, {core.back(), core.front()}, layout));
@@ -163,7 +163,9 @@ void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout
       const double own_drop = layout.bodies[candidate.id].is_dynamic ? layout.bodies[candidate.id].drop : 0;
       if (candidate.gap + own_drop > body.drop + 0.02 * body.height) continue;
       body.supports.push_back(candidate.id);
-      if (candidate.gap <= placed_gap_max * body.height) body.is_placed = true;
+      const CrosscheckBody& support = layout.bodies[candidate.id];
+      const bool is_near = candidate.gap <= placed_gap_max * body.height;
+      if (is_near && (support.is_placed || !support.is_dynamic)) body.is_placed = true;  // links that hang are not
     }
     below.push_back(id);
   }

@@ -23,8 +23,8 @@ constexpr double place_speed_max = 0.05;   // m/s: slower, for so long, a body h
 constexpr double place_time_s = 1;
 constexpr double level_share = 0.02;  // sideways part of the ground's force, of all of it
 
-double dot(const Point& a, const Point& b) {
-  return a.x * b.x + a.y * b.y;
+double along(const Point& p, const Point& direction) {
+  return p.x * direction.x + p.y * direction.y;
 }
 
 double force_of(const ContactReport& contact) {
@@ -108,10 +108,10 @@ void CrosscheckMeasure::add_contacts(const std::vector<BodyReport>& bodies,
     }
 
     const double force = force_of(contact);
-    const double normal_up = dot(contact.normal, layout_.up);
+    const double normal_up = along(contact.normal, layout_.up);
     if (start_a.is_dynamic != start_b.is_dynamic) {
       ground_up_sum_ += start_b.is_dynamic ? force * normal_up : -force * normal_up;
-      ground_side_sum_ += force * std::fabs(dot(contact.normal, layout_.right));
+      ground_side_sum_ += force * std::fabs(along(contact.normal, layout_.right));
       ground_all_sum_ += force;
     }
     const auto carries = [&](std::uint32_t support, std::uint32_t body) {
@@ -145,9 +145,9 @@ CrosscheckRun CrosscheckMeasure::finish() const {
     if (!start.is_dynamic) continue;
     const BodyReport* body = found[id];
     if (body) {
-      const double up = dot(body->center, layout_.up);
+      const double up = along(body->center, layout_.up);
       present[id] = true;
-      across[id] = dot(body->center, layout_.right) - start.across;
+      across[id] = along(body->center, layout_.right) - start.across;
       run.top = std::max(run.top, up - layout_.base);
       run.travel.push_back(std::fabs(across[id]));
       settled.push_back(moving_until_s_[id]);
@@ -167,7 +167,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
       ++support_count;
       if (!body || !found[support]) continue;
       const double distance = (start.height + layout_.bodies[support].height) / 2;
-      if (dot(body->center, layout_.up) - dot(found[support]->center, layout_.up) > 0.25 * distance) ++kept_count;
+      if (along(body->center, layout_.up) - along(found[support]->center, layout_.up) > 0.25 * distance) ++kept_count;
     }
   }
   run.stood = layout_.placed_count > 0 &&
@@ -223,7 +223,7 @@ std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const
   const std::size_t count = layout_.bodies.size();
   std::vector<Carrier> carriers(count);
   const auto upper_of = [&](const ContactReport& contact) {
-    const double normal_up = dot(contact.normal, layout_.up);
+    const double normal_up = along(contact.normal, layout_.up);
     const bool is_known = contact.body_a < count && contact.body_b < count && contact.point_count > 0;
     if (!is_known || std::fabs(normal_up) < 0.5) return count;  // side by side
     return std::size_t{normal_up > 0 ? contact.body_b : contact.body_a};
@@ -231,7 +231,7 @@ std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const
   for (const ContactReport& contact : last_contacts_) {
     const std::size_t upper = upper_of(contact);
     if (upper == count) continue;
-    const double force = force_of(contact) * std::fabs(dot(contact.normal, layout_.up));
+    const double force = force_of(contact) * std::fabs(along(contact.normal, layout_.up));
     if (force <= carriers[upper].force) continue;
     carriers[upper].force = force;
     carriers[upper].body = contact.body_a == upper ? contact.body_b : contact.body_a;
@@ -243,7 +243,7 @@ std::vector<CrosscheckMeasure::Carrier> CrosscheckMeasure::find_carriers() const
     Carrier& carrier = carriers[upper];
     if (carrier.body != (contact.body_a == upper ? contact.body_b : contact.body_a)) continue;
     for (int i = 0; i < contact.point_count; ++i)
-      carrier.gap_sum += contact.separation[i] * std::fabs(dot(contact.normal, layout_.up));
+      carrier.gap_sum += contact.separation[i] * std::fabs(along(contact.normal, layout_.up));
     carrier.point_count += contact.point_count;
   }
   return carriers;
@@ -272,7 +272,7 @@ void CrosscheckMeasure::note_chains(CrosscheckRun& run) const {
   double top = -std::numeric_limits<double>::infinity();
   for (const BodyReport& report : last_bodies_) {
     if (report.id >= count || !layout_.bodies[report.id].is_dynamic) continue;
-    if (const double up = dot(report.center, layout_.up); up > top) {
+    if (const double up = along(report.center, layout_.up); up > top) {
       top = up;
       highest = report.id;
     }
@@ -293,8 +293,8 @@ void CrosscheckMeasure::note_places(CrosscheckRun& run, const std::vector<const 
     CrosscheckPlace& place = run.places[id];
     place.is_left = true;
     place.rests = fast_until_s_[id] < time_s_ - place_time_s;
-    place.across = dot(found[id]->center, layout_.right);
-    place.up = dot(found[id]->center, layout_.up);
+    place.across = along(found[id]->center, layout_.right);
+    place.up = along(found[id]->center, layout_.up);
     place.moved = std::hypot(place.across - start.across, place.up - start.up);
     const Chain chain = follow_chain(id, carriers);
     if (!chain.ends_on_ground) continue;

@@ -1,6 +1,7 @@
 // Sorting of broad phases: entries by an unsigned key, stable.
 // SPDX-License-Identifier: MIT
-// Source: Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2.5 (radix sort, least digit first).
+// Source: Knuth, "The Art of Computer Programming", volume 3, 1998, sections 5.2.1 (insertion) and 5.2.5 (radix sort,
+// least digit first).
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,25 @@ struct SortEntry {
   std::uint32_t proxy;
 };
 
+/// So few are sorted by insertion: to clear a radix sort's counters alone takes longer.
+inline constexpr std::size_t inserted_count_max = 32;
+
+inline void insert_entries(std::vector<SortEntry>& entries) {
+  for (std::size_t i = 1; i < entries.size(); ++i) {
+    const SortEntry entry = entries[i];
+    std::size_t at = i;
+    for (; at > 0 && entries[at - 1].key > entry.key; --at) entries[at] = entries[at - 1];
+    entries[at] = entry;
+  }
+}
+
 /// Sorts by `key`, of which only the low `key_bits` bits may be set; equal keys stay in their order. `buffer` is
 /// overwritten.
 inline void sort_entries(std::vector<SortEntry>& entries, std::vector<SortEntry>& buffer, int key_bits) {
+  if (entries.size() <= inserted_count_max) {
+    insert_entries(entries);
+    return;
+  }
   constexpr int digit_bits = 11;
   constexpr std::size_t digit_count = 1u << digit_bits;
   buffer.resize(entries.size());

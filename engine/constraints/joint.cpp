@@ -115,7 +115,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   scratch.pins.batch_count = 0;
   scratch.pins.soft = soft;
   if (state.joints.empty()) return;
-  const bool in_batches = order_joints(model, state, scratch);
+  scratch.pins.order = order_joints(model, state, scratch) ? PinOrder::levels : PinOrder::row;
   raise_inertias(model, state, scratch, h);
   const std::size_t count = scratch.joint_places.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -125,7 +125,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
       __builtin_prefetch(&model.joints[later.joint]);
       __builtin_prefetch(&state.joints[later.row].linear_force);
     }
-    const bool is_pin = in_batches && place.is_pin;
+    const bool is_pin = place.is_pin;
     const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != place.kind ||
                         scratch.joint_ranges.back().are_pins != is_pin;
     if (begins) {

@@ -24,14 +24,14 @@ struct JointPlace {
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;
-  bool is_pin;  // may be solved in a batch
+  bool is_pin;  // solved by kernels
 };
 
 /// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level,
-/// the pins of each level first. False: in scene order, no batches. Requires: prepare_bodies, enter_group.
+/// the pins of each level first. False: in scene order. Requires: prepare_bodies, enter_group.
 bool order_joints(const Model& model, const State& state, Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

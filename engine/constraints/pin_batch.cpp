@@ -9,7 +9,10 @@ namespace {
 
 void begin_batch(Scratch& scratch) {
   PinBatches& pins = scratch.pins;
-  if (pins.batches.size() == pins.batch_count) pins.batches.emplace_back();
+  if (pins.batches.size() == pins.batch_count) {
+    pins.batches.emplace_back();
+    pins.arms.emplace_back();
+  }
   PinBatch& batch = pins.batches[pins.batch_count++];
   batch = {};
   const std::uint32_t resting = resting_record(scratch);
@@ -21,7 +24,12 @@ void begin_batch(Scratch& scratch) {
 }
 
 PinWork work_of(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real h) {
-  return {scratch.pins.batches.data() + first, last - first, &scratch.bodies.data()->velocity.x, h, scratch.pins.soft};
+  return {scratch.pins.batches.data() + first,
+          scratch.pins.arms.data() + first,
+          last - first,
+          &scratch.bodies.data()->velocity.x,
+          h,
+          scratch.pins.soft};
 }
 
 }  // namespace
@@ -29,8 +37,8 @@ PinWork work_of(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real 
 void add_pin(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, bool begins_run,
              Real h) {
   PinBatches& pins = scratch.pins;
-  if (begins_run || pins.last_level != place.level || pins.batches[pins.batch_count - 1].count == lane_count)
-    begin_batch(scratch);
+  const bool begins_level = pins.order == PinOrder::levels && pins.last_level != place.level;
+  if (begins_run || begins_level || pins.batches[pins.batch_count - 1].count == lane_count) begin_batch(scratch);
   pins.last_level = place.level;
   PinBatch& batch = pins.batches[pins.batch_count - 1];
   const auto lane = static_cast<std::size_t>(batch.count++);
@@ -68,12 +76,18 @@ void add_pin(const Model& model, const State& state, Scratch& scratch, const Joi
 }
 
 void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
-  scratch.kernels->pins.warm_start(work_of(scratch, first, last, Real(1)));
+  const PinKernels& kernels = scratch.kernels->pins;
+  (scratch.pins.order == PinOrder::row ? kernels.warm_start_row
+                                       : kernels.warm_start)(work_of(scratch, first, last, Real(1)));
 }
 
 void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real h, Bias bias) {
   const PinKernels& kernels = scratch.kernels->pins;
-  (bias == Bias::on ? kernels.solve : kernels.relax)(work_of(scratch, first, last, h));
+  const PinWork work = work_of(scratch, first, last, h);
+  if (scratch.pins.order == PinOrder::row)
+    (bias == Bias::on ? kernels.solve_row : kernels.relax_row)(work);
+  else
+    (bias == Bias::on ? kernels.solve : kernels.relax)(work);
 }
 
 void store_pins(const Scratch& scratch, State& state, Real h) {

@@ -10,8 +10,16 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+/// How pins are solved.
+enum class PinOrder : std::uint8_t {
+  levels,  // eight at a time: those of a batch share no moving body
+  row,     // one after the other
+};
+
 struct PinBatches {
+  PinOrder order = PinOrder::levels;
   std::vector<PinBatch> batches;  // the first `batch_count` are in use
+  std::vector<PinArms> arms;      // [batch], of rows
   std::uint32_t batch_count = 0;
   std::uint32_t last_level = 0;  // of the last batch
   Softness soft;

@@ -1,4 +1,5 @@
-// Revolute joints without spring, limits and motor as kernels see them: eight that share no moving body.
+// Revolute joints without spring, limits and motor as kernels see them: eight that share no moving body, or a row of
+// them that are solved one after the other.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -20,9 +21,18 @@ struct PinBatch {
   std::int32_t count;             // lanes from here on are empty
 };
 
+/// What the poses make of the pins of a batch. Pins of a row share bodies, so that velocities go from one to the next;
+/// but this part of the work is done for eight at a time, once per change of the poses.
+struct PinArms {
+  Lanes ax, ay, bx, by;  // from the centres of mass to where the impulse acts, m
+  Lanes ex, ey;          // the anchors' gap, m
+  Lanes k11, k12, k22, inv_determinant;
+};
+
 /// Batches that follow each other, for one call of a kernel.
 struct PinWork {
   PinBatch* batches;
+  PinArms* arms;  // [batch], of rows
   std::size_t batch_count;
   Real* bodies;
   Real h;  // s, of a substep
@@ -33,6 +43,10 @@ struct PinKernels {
   void (*warm_start)(const PinWork& work);
   void (*solve)(const PinWork& work);
   void (*relax)(const PinWork& work);
+  /// Of rows. Requires of `solve_row`: `warm_start_row` since the poses changed.
+  void (*warm_start_row)(const PinWork& work);
+  void (*solve_row)(const PinWork& work);
+  void (*relax_row)(const PinWork& work);
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -112,6 +112,9 @@ TEST_CASE("boxes in the air or moving are no structure", "[verifier][crosscheck]
   falling.bodies[1].position.y = 3;
   CHECK_FALSE(verifier::make_layout(falling).is_structure);
   CHECK_FALSE(verifier::make_layout(slide_scene(10, 0.5)).is_structure);
+  Scene hanging = stack_scene(3, 0.1);  // each over one that itself lies on nothing
+  hanging.bodies[0].position.y -= 3;
+  CHECK(verifier::make_layout(hanging).placed_count == 0);
 }
 
 TEST_CASE("a box on a slope is placed, and up is against gravity whichever way that is",

@@ -102,16 +102,16 @@ TEST_CASE("a curve is judged by its slope, by rounding where it is exact, and no
   const std::vector<double> second{1e-2, 2.5e-3, 6.25e-4, 1.5625e-4};
   Expectation order;
   order.slope = 2;
-  CHECK(judge(order, steps, second, none).verdict == CurveVerdict::pass);
+  CHECK(judge(order, steps, second, none).verdict == StudyVerdict::pass);
   order.slope = 1;
-  CHECK(judge(order, steps, second, none).verdict == CurveVerdict::fail);
+  CHECK(judge(order, steps, second, none).verdict == StudyVerdict::fail);
   Expectation exact;
   exact.is_exact = true;
-  CHECK(judge(exact, steps, second, none).verdict == CurveVerdict::fail);
-  CHECK(judge(exact, steps, {1e-15, 1e-15, 1e-15, 1e-15}, none).verdict == CurveVerdict::pass);
+  CHECK(judge(exact, steps, second, none).verdict == StudyVerdict::fail);
+  CHECK(judge(exact, steps, {1e-15, 1e-15, 1e-15, 1e-15}, none).verdict == StudyVerdict::pass);
   Expectation unknown;
   unknown.reason = "why";
-  CHECK(judge(unknown, steps, second, none).verdict == CurveVerdict::expected);
+  CHECK(judge(unknown, steps, second, none).verdict == StudyVerdict::expected);
   CHECK(judge(unknown, steps, second, none).reason == "why");
 }
 
@@ -122,10 +122,10 @@ TEST_CASE("rk4 with two stage weights swapped fails on every smooth problem that
     const Judgement right = judgement_of(problem, {1, 2, 2, 1});
     CAPTURE(right.reason, right.slope.value_or(0));
     if (problem.name == "spin") continue;  // no forces: every weight that sums up to one is right
-    CHECK(right.verdict == CurveVerdict::pass);
+    CHECK(right.verdict == StudyVerdict::pass);
     const Judgement swapped = judgement_of(problem, {2, 1, 2, 1});
     CAPTURE(swapped.reason, swapped.slope.value_or(0));
-    CHECK(swapped.verdict == CurveVerdict::fail);
+    CHECK(swapped.verdict == StudyVerdict::fail);
     if (!swapped.expected) continue;  // exact: an error beyond rounding is named instead
     REQUIRE(swapped.slope.has_value());
     CHECK(*swapped.slope == Approx(1).margin(0.15));
@@ -162,7 +162,7 @@ TEST_CASE("the integrators keep their order on the oscillator, and errors repeat
   REQUIRE(curves->size() == engine::integrators.size());
   for (const AccuracyCurve& curve : *curves) {
     CAPTURE(curve.method.name, curve.judgement.reason, curve.judgement.slope.value_or(0));
-    CHECK(curve.judgement.verdict == CurveVerdict::pass);
+    CHECK(curve.judgement.verdict == StudyVerdict::pass);
   }
   const auto again = run_accuracy({problem_named("damped")}, options);
   REQUIRE(again.has_value());
@@ -178,12 +178,14 @@ TEST_CASE("the cheapest point is the quickest that keeps the error", "[verifier]
   for (const auto& [error, ms] : {std::pair{0.1, 1.0}, {0.009, 2.0}, {0.005, 1.5}, {0.0001, 8.0}}) {
     AccuracyPoint point;
     point.error = error;
-    point.time_ms.median = ms;
+    point.time_ms.min = ms;
     curve.points.push_back(point);
   }
   CHECK(cheapest(curve, 0.01)->error == 0.005);
   CHECK(cheapest(curve, 0.001)->error == 0.0001);
   CHECK(cheapest(curve, 1e-6) == nullptr);
+  CHECK(coarsest(curve, 0.01)->error == 0.009);
+  CHECK(coarsest(curve, 1e-6) == nullptr);
   curve.points[2].state = PointState::not_finite;
   CHECK(cheapest(curve, 0.01)->error == 0.009);
 }
@@ -213,22 +215,22 @@ TEST_CASE("a stress number is judged by its bounds, and baselines are excused", 
   StressCase c;
   c.lower = 0;
   c.upper = 1;
-  CHECK(judge(c, {0.5, true, ""}) == StressVerdict::pass);
-  CHECK(judge(c, {1.5, true, ""}) == StressVerdict::fail);
-  CHECK(judge(c, {0.5, false, ""}) == StressVerdict::fail);
-  CHECK(judge(c, {0.5, true, "because"}) == StressVerdict::not_applicable);
+  CHECK(judge(c, {0.5, true, ""}) == StudyVerdict::pass);
+  CHECK(judge(c, {1.5, true, ""}) == StudyVerdict::fail);
+  CHECK(judge(c, {0.5, false, ""}) == StudyVerdict::fail);
+  CHECK(judge(c, {0.5, true, "because"}) == StudyVerdict::not_applicable);
 
   const std::vector<StressMethod> methods = contact_methods();
   std::vector<StressRow> rows(4);
-  for (StressRow& row : rows) row.verdict = StressVerdict::fail;
+  for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
   excuse(rows, methods);
-  CHECK(rows[0].verdict == StressVerdict::fail);
-  CHECK(rows[1].verdict == StressVerdict::fail);
-  CHECK(rows[2].verdict == StressVerdict::expected);
-  for (StressRow& row : rows) row.verdict = StressVerdict::fail;
-  rows[1].verdict = StressVerdict::pass;
+  CHECK(rows[0].verdict == StudyVerdict::fail);
+  CHECK(rows[1].verdict == StudyVerdict::fail);
+  CHECK(rows[2].verdict == StudyVerdict::expected);
+  for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
+  rows[1].verdict = StudyVerdict::pass;
   excuse(rows, methods);
-  CHECK(rows[0].verdict == StressVerdict::expected);
+  CHECK(rows[0].verdict == StudyVerdict::expected);
 }
 
 TEST_CASE("every stress case says what it measures, and what is chosen runs", "[verifier][study]") {
@@ -248,7 +250,7 @@ TEST_CASE("every stress case says what it measures, and what is chosen runs", "[
   CHECK(rows->size() == 5);
   for (const StressRow& row : *rows) {
     CAPTURE(row.name, row.method, row.value);
-    CHECK(row.verdict != StressVerdict::fail);
+    CHECK(row.verdict != StudyVerdict::fail);
   }
   options.names = {"nothing_like_this"};
   CHECK_FALSE(run_stress(options).has_value());

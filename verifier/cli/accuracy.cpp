@@ -22,12 +22,15 @@ namespace {
 
 using verifier::AccuracyCurve;
 using verifier::AccuracyPoint;
-using verifier::CurveVerdict;
 using verifier::Problem;
 using verifier::short_number;
+using verifier::StudyVerdict;
 using verifier::TextTable;
+using verifier::VerdictCounts;
 
 constexpr double targets[]{0.01, 0.001, 0.0001};
+constexpr verifier::ProblemClass shape_classes[]{verifier::ProblemClass::roll, verifier::ProblemClass::slide,
+                                                 verifier::ProblemClass::stack, verifier::ProblemClass::bounce};
 
 struct AccuracyCommand {
   std::vector<std::string> problems;
@@ -36,18 +39,14 @@ struct AccuracyCommand {
   std::uint64_t repeat_count = 7;
   std::uint64_t thread_count = 0;  // 0: as many as there are cores
   bool points = false;
+  bool brief = false;
+  bool no_times = false;
   bool list = false;
   StudyFiles files;
 };
 
-std::string_view verdict_name(CurveVerdict verdict) {
-  return verifier::curve_verdict_names[static_cast<std::size_t>(verdict)];
-}
 std::string_view class_name(verifier::ProblemClass kind) {
   return verifier::problem_class_names[static_cast<std::size_t>(kind)];
-}
-std::string_view precision_name(engine::Precision precision) {
-  return engine::info_of(engine::precisions, precision).name;
 }
 std::string_view state_name(verifier::PointState state) {
   constexpr std::string_view names[]{"ok", "not_finite", "not_repeatable"};
@@ -58,14 +57,20 @@ std::string slope_text(const std::optional<double>& slope) {
   return slope ? fmt::format("{:.2f}", *slope) : "-";
 }
 
-std::string cheapest_text(const AccuracyCurve& curve, double error) {
-  const AccuracyPoint* point = verifier::cheapest(curve, error);
-  if (!point) return "-";
-  return verifier::setting_text(curve.method, point->setting) + " " + fmt::format("{:.3g}", point->time_ms.median);
+std::string ms_text(const AccuracyPoint& point) {
+  return fmt::format("{:.3g}", point.time_ms.min);
 }
 
-std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
-  TextTable table({"method", "coarse", "fine", "slope", "theory", "verdict", "1 %: ms/s", "0.1 %", "0.01 %"});
+std::string cheapest_text(const AccuracyCurve& curve, double error, bool no_times) {
+  const AccuracyPoint* point = no_times ? verifier::coarsest(curve, error) : verifier::cheapest(curve, error);
+  if (!point) return "-";
+  const std::string setting = verifier::setting_text(curve.method, point->setting);
+  return no_times ? setting : setting + " " + ms_text(*point);
+}
+
+std::string curve_table(const std::vector<const AccuracyCurve*>& curves, bool no_times) {
+  TextTable table(
+      {"method", "coarse", "fine", "slope", "theory", "verdict", no_times ? "1 %" : "1 %: ms/s", "0.1 %", "0.01 %"});
   std::vector<std::string> reasons;
   for (const AccuracyCurve* curve : curves) {
     const auto& judgement = curve->judgement;
@@ -76,7 +81,7 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
       if (known == reasons.end()) reasons.push_back(judgement.reason);
     }
     const std::string verdict =
-        (judgement.verdict == CurveVerdict::not_applicable ? "n/a" : std::string(verdict_name(judgement.verdict))) +
+        (judgement.verdict == StudyVerdict::not_applicable ? "n/a" : std::string(verdict_name(judgement.verdict))) +
         mark;
     if (curve->points.empty()) {
       table.add({curve->method.name, "-", "-", "-", "-", verdict, "-", "-", "-"});
@@ -85,11 +90,10 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
     std::vector<std::string> row{curve->method.name,
                                  short_number(curve->points.front().error),
                                  short_number(curve->points.back().error),
-
                                  slope_text(judgement.slope),
                                  slope_text(judgement.expected),
                                  verdict};
-    for (const double target : targets) row.push_back(cheapest_text(*curve, target));
+    for (const double target : targets) row.push_back(cheapest_text(*curve, target, no_times));
     table.add(std::move(row));
   }
   std::string text = table.text();
@@ -98,28 +102,104 @@ std::string curve_table(const std::vector<const AccuracyCurve*>& curves) {
   return text;
 }
 
-std::string point_table(const std::vector<const AccuracyCurve*>& curves) {
-  TextTable table({"method", "setting", "error RMS", "max", "floor", "energy J", "overlap", "gap", "ms/s min", "median",
-                   "IQR", "hash"},
-                  2);
+std::string point_table(const std::vector<const AccuracyCurve*>& curves, bool no_times) {
+  std::vector<std::string> head{"method", "setting", "error RMS", "max", "floor", "energy J", "overlap", "gap", "hash"};
+  if (!no_times) head.insert(head.end(), {"ms/s min", "median", "IQR"});
+  TextTable table(std::move(head), 2);
   for (const AccuracyCurve* curve : curves)
-    for (const AccuracyPoint& point : curve->points)
-      table.add({curve->method.name, verifier::setting_text(curve->method, point.setting), short_number(point.error),
-                 short_number(point.error_max), short_number(point.floor), short_number(point.energy),
-                 short_number(point.overlap_max), short_number(point.joint_gap_max),
-                 fmt::format("{:.3g}", point.time_ms.min), fmt::format("{:.3g}", point.time_ms.median),
-                 fmt::format("{:.2g}", point.time_ms.iqr), hex64(point.hash).substr(0, 8)});
+    for (const AccuracyPoint& point : curve->points) {
+      std::vector<std::string> row{curve->method.name,
+                                   verifier::setting_text(curve->method, point.setting),
+                                   short_number(point.error),
+                                   short_number(point.error_max),
+                                   short_number(point.floor),
+                                   short_number(point.energy),
+                                   short_number(point.overlap_max),
+                                   short_number(point.joint_gap_max),
+                                   hex64(point.hash).substr(0, 8)};
+      if (!no_times)
+        row.insert(row.end(), {ms_text(point), fmt::format("{:.3g}", point.time_ms.median),
+                               fmt::format("{:.2g}", point.time_ms.iqr)});
+      table.add(std::move(row));
+    }
   return table.text();
+}
+
+// One line a problem: the default method at the scene's settings and at its finest, and how its curves were judged.
+std::string brief_table(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves) {
+  TextTable table({"problem", "class", "precision", "default", "finest", "slope", "theory", "best of all", "pass",
+                   "explained", "fail"},
+                  3);
+  std::string last;
+  for (const Problem& problem : problems)
+    for (const engine::Precision precision : {engine::Precision::f64, engine::Precision::f32}) {
+      const AccuracyCurve* main = nullptr;
+      VerdictCounts counts;
+      double best = HUGE_VAL;
+      for (const AccuracyCurve& curve : curves) {
+        if (curve.problem != problem.name || curve.precision != precision) continue;
+        if (!main) main = &curve;
+        counts.add(curve.judgement.verdict);
+        for (const AccuracyPoint& point : curve.points) best = std::min(best, point.error);
+      }
+      if (!main || main->points.empty()) continue;
+      // The settings of a scene by default: 1/60 s, four substeps where there are any.
+      const AccuracyPoint* usual = &main->points.front();
+      for (const AccuracyPoint& point : main->points)
+        if (point.setting.substeps == 4 || (point.setting.substeps == 1 && point.setting.dt > 0.99 / 60))
+          usual = &point;
+      table.add(
+          {problem.name == last ? "" : problem.name, problem.name == last ? "" : std::string(class_name(problem.kind)),
+           std::string(precision_name(precision)), short_number(usual->error), short_number(main->points.back().error),
+           slope_text(main->judgement.slope), slope_text(main->judgement.expected), short_number(best),
+           std::to_string(counts.of(StudyVerdict::pass)),
+           std::to_string(counts.of(StudyVerdict::expected) + counts.of(StudyVerdict::not_applicable)),
+           std::to_string(counts.of(StudyVerdict::fail))});
+      last = problem.name;
+    }
+  return "\n" + table.text();
+}
+
+// Why curves without pass or fail have neither.
+std::string explained_table(const std::vector<AccuracyCurve>& curves) {
+  struct Reason {
+    std::string text;
+    int count = 0;
+    std::vector<std::string> problems;
+  };
+  std::vector<Reason> reasons;
+  for (const AccuracyCurve& curve : curves) {
+    if (curve.judgement.verdict != StudyVerdict::expected) continue;
+    auto found = std::find_if(reasons.begin(), reasons.end(),
+                              [&](const Reason& reason) { return reason.text == curve.judgement.reason; });
+    if (found == reasons.end()) found = reasons.insert(found, {curve.judgement.reason, 0, {}});
+    ++found->count;
+    if (std::find(found->problems.begin(), found->problems.end(), curve.problem) == found->problems.end())
+      found->problems.push_back(curve.problem);
+  }
+  if (reasons.empty()) return {};
+  std::sort(reasons.begin(), reasons.end(),
+            [](const Reason& a, const Reason& b) { return a.count != b.count ? a.count > b.count : a.text < b.text; });
+  std::string text = "\nexplained  curves of which no order is claimed, or that cannot show it\n";
+  for (const Reason& reason : reasons) {
+    std::string line = fmt::format("{:>4} curves  {}", reason.count, reason.text);
+    if (reason.problems.size() <= 6) line += fmt::format(": {}", fmt::join(reason.problems, ", "));
+    text += verifier::wrapped(line, 2);
+  }
+  return text;
 }
 
 // Error and time against the number of corners, at the settings that a scene has by default.
 std::string shape_table(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
-                        engine::Precision precision) {
+                        engine::Precision precision, bool no_times) {
   std::string text;
-  for (const auto kind : {verifier::ProblemClass::roll, verifier::ProblemClass::slide, verifier::ProblemClass::stack,
-                          verifier::ProblemClass::bounce}) {
-    TextTable table(
-        {"corners", "4 sub: error", "ms/s", "16 sub: error", "ms/s", "pgs: error", "ms/s", "impulse: error", "ms/s"});
+  for (const auto kind : shape_classes) {
+    std::vector<std::string> head{"corners"};
+    for (const char* method : {"4 sub: error", "16 sub: error", "pgs: error", "impulse: error"}) {
+      head.emplace_back(method);
+      if (!no_times) head.emplace_back("ms/s");
+    }
+    TextTable table(std::move(head));
     for (const Problem& problem : problems) {
       if (problem.kind != kind) continue;
       std::vector<std::string> row{problem.corner_count == 0 ? "disc" : std::to_string(problem.corner_count)};
@@ -128,10 +208,10 @@ std::string shape_table(const std::vector<Problem>& problems, const std::vector<
           if (curve.problem == problem.name && curve.precision == precision && curve.method.name == method) {
             if (index >= curve.points.size()) break;
             row.push_back(short_number(curve.points[index].error));
-            row.push_back(fmt::format("{:.3g}", curve.points[index].time_ms.median));
+            if (!no_times) row.push_back(ms_text(curve.points[index]));
             return;
           }
-        row.insert(row.end(), {"-", "-"});
+        row.insert(row.end(), no_times ? 1 : 2, "-");
       };
       add("tgs_soft", 2);
       add("tgs_soft", 4);
@@ -147,19 +227,18 @@ std::string shape_table(const std::vector<Problem>& problems, const std::vector<
   return text;
 }
 
-struct Counts {
-  int by_verdict[4]{};
-  int operator[](CurveVerdict verdict) const { return by_verdict[static_cast<std::size_t>(verdict)]; }
-};
-Counts count(const std::vector<AccuracyCurve>& curves) {
-  Counts counts;
-  for (const AccuracyCurve& curve : curves) ++counts.by_verdict[static_cast<std::size_t>(curve.judgement.verdict)];
+VerdictCounts verdicts_of(const std::vector<AccuracyCurve>& curves) {
+  VerdictCounts counts;
+  for (const AccuracyCurve& curve : curves) counts.add(curve.judgement.verdict);
   return counts;
 }
 
 // The automatic substeps at each target: what was wanted, kept, chosen and paid.
-std::string target_table(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves) {
-  TextTable table({"problem", "precision", "target", "error / size", "kept", "substeps", "ms/s"}, 2);
+std::string target_table(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
+                         bool no_times) {
+  std::vector<std::string> head{"problem", "precision", "target", "error / size", "kept", "substeps"};
+  if (!no_times) head.emplace_back("ms/s");
+  TextTable table(std::move(head), 2);
   for (const AccuracyCurve& curve : curves) {
     if (!curve.method.automatic || curve.corner_count >= 0) continue;
     const auto problem =
@@ -167,9 +246,11 @@ std::string target_table(const std::vector<Problem>& problems, const std::vector
     if (problem == problems.end() || problem->size == 0) continue;
     for (const AccuracyPoint& point : curve.points) {
       const double error = point.error * problem->scale / problem->size;
-      table.add({curve.problem, std::string(precision_name(curve.precision)), short_number(point.setting.target),
-                 short_number(error), error <= point.setting.target ? "yes" : "no", std::to_string(point.substeps_most),
-                 fmt::format("{:.3g}", point.time_ms.median)});
+      std::vector<std::string> row{
+          curve.problem,       std::string(precision_name(curve.precision)), short_number(point.setting.target),
+          short_number(error), error <= point.setting.target ? "yes" : "no", std::to_string(point.substeps_most)};
+      if (!no_times) row.push_back(ms_text(point));
+      table.add(std::move(row));
     }
   }
   if (table.row_count() == 0) return {};
@@ -179,32 +260,28 @@ std::string target_table(const std::vector<Problem>& problems, const std::vector
 std::string report_text(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
                         const AccuracyCommand& command, const std::vector<engine::Precision>& precisions) {
   std::string text;
+  if (command.brief) text += brief_table(problems, curves);
   for (const Problem& problem : problems) {
-    if (problem.corner_count >= 0 && !command.points) continue;
+    if (command.brief || (problem.corner_count >= 0 && !command.points)) continue;
     for (const engine::Precision precision : precisions) {
       std::vector<const AccuracyCurve*> own;
       for (const AccuracyCurve& curve : curves)
         if (curve.problem == problem.name && curve.precision == precision) own.push_back(&curve);
       text += fmt::format("\n{}  {}  {}\n", problem.name, precision_name(precision), problem.summary);
-      text += command.points ? point_table(own) : curve_table(own);
+      text += command.points ? point_table(own, command.no_times) : curve_table(own, command.no_times);
     }
   }
-  for (const engine::Precision precision : precisions) text += shape_table(problems, curves, precision);
-  text += target_table(problems, curves);
-  const Counts counts = count(curves);
-  text += fmt::format("\n{} curves: {} pass, {} fail, {} expected, {} not applicable\n", curves.size(),
-                      counts[CurveVerdict::pass], counts[CurveVerdict::fail], counts[CurveVerdict::expected],
-                      counts[CurveVerdict::not_applicable]);
+  for (const engine::Precision precision : precisions)
+    if (!command.brief) text += shape_table(problems, curves, precision, command.no_times);
+  if (!command.brief) text += target_table(problems, curves, command.no_times);
+  text += explained_table(curves);
+  text += fmt::format("\n{} curves: {}\n", curves.size(), counts_text(verdicts_of(curves)));
   for (const AccuracyCurve& curve : curves)
-    if (curve.judgement.verdict == CurveVerdict::fail)
+    if (curve.judgement.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: slope {}, theory {}: {}\n", curve.problem,
                           precision_name(curve.precision), curve.method.name, slope_text(curve.judgement.slope),
                           slope_text(curve.judgement.expected), curve.judgement.reason);
   return text;
-}
-
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
@@ -230,14 +307,10 @@ Json point_json(const AccuracyCurve& curve, const AccuracyPoint& point) {
 
 Json report_json(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
                  const std::string& command_line) {
-  const Counts counts = count(curves);
   Json object;
   object["schema"] = "ticktrue.accuracy/1";
   object["command"] = command_line;
-  object["passed"] = counts[CurveVerdict::pass];
-  object["failed"] = counts[CurveVerdict::fail];
-  object["expected"] = counts[CurveVerdict::expected];
-  object["not_applicable"] = counts[CurveVerdict::not_applicable];
+  add_counts(object, verdicts_of(curves));
   object["problems"] = Json::array();
   for (const Problem& problem : problems)
     object["problems"].push_back({{"name", problem.name},
@@ -264,7 +337,7 @@ Json report_json(const std::vector<Problem>& problems, const std::vector<Accurac
       row["cheapest"].push_back(
           {{"error", target},
            {"setting", point ? Json(verifier::setting_text(curve.method, point->setting)) : Json(nullptr)},
-           {"ms_per_s", point ? Json(point->time_ms.median) : Json(nullptr)}});
+           {"ms_per_s", point ? Json(point->time_ms.min) : Json(nullptr)}});
     }
     row["points"] = Json::array();
     for (const AccuracyPoint& point : curve.points) row["points"].push_back(point_json(curve, point));
@@ -275,11 +348,12 @@ Json report_json(const std::vector<Problem>& problems, const std::vector<Accurac
 
 std::string csv_of(const std::vector<AccuracyCurve>& curves) {
   using verifier::full_number;
-  std::string text = verifier::csv_line(
-      {"problem",      "class",         "corners",         "precision",     "method",       "setting",
-       "dt_s",         "substeps",      "error_rms",       "error_max",     "floor",        "energy_j",
-       "momentum",     "overlap_max_m", "joint_gap_max_m", "substeps_most", "ms_per_s_min", "ms_per_s_median",
-       "ms_per_s_iqr", "slope",         "slope_expected",  "verdict",       "state",        "hash"});
+  std::string text =
+      verifier::csv_line({"problem",        "class",        "corners",         "precision",     "method",
+                          "setting",        "dt_s",         "substeps",        "error_rms",     "error_max",
+                          "floor",          "energy_j",     "momentum",        "overlap_max_m", "joint_gap_max_m",
+                          "substeps_most",  "ms_per_s_min", "ms_per_s_median", "ms_per_s_iqr",  "slope",
+                          "slope_expected", "verdict",      "state",           "hash",          "reason"});
   for (const AccuracyCurve& curve : curves)
     for (const AccuracyPoint& point : curve.points)
       text += verifier::csv_line({curve.problem,
@@ -305,16 +379,66 @@ std::string csv_of(const std::vector<AccuracyCurve>& curves) {
                                   curve.judgement.expected ? full_number(*curve.judgement.expected) : "",
                                   std::string(verdict_name(curve.judgement.verdict)),
                                   std::string(state_name(point.state)),
-                                  hex64(point.hash)});
+                                  hex64(point.hash),
+                                  curve.judgement.reason});
   return text;
+}
+
+// Of each family of shapes: error and time against corners, at the settings of shape_table.
+std::vector<verifier::Plot> shape_plots(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
+                                        const std::vector<engine::Precision>& precisions) {
+  struct Line {
+    std::string_view name, method;
+    std::size_t index;
+  };
+  constexpr Line lines[]{{"tgs_soft, 4 substeps", "tgs_soft", 2},
+                         {"tgs_soft, 16 substeps", "tgs_soft", 4},
+                         {"pgs", "pgs", 0},
+                         {"impulse (the thesis')", "impulse", 0}};
+  std::vector<verifier::Plot> plots;
+  for (const auto kind : shape_classes)
+    for (const engine::Precision precision : precisions) {
+      const std::string name = fmt::format("{} ({})", class_name(kind), precision_name(precision));
+      verifier::Plot errors{name + ": error by corners", "corners", "relative error (RMS)", false, true, {}};
+      verifier::Plot times{name + ": time by corners", "corners", "ms per simulated second", false, true, {}};
+      for (const Problem& problem : problems)
+        if (problem.kind == kind)
+          errors.ticks.push_back(problem.corner_count == 0 ? "disc" : std::to_string(problem.corner_count));
+      if (errors.ticks.empty()) continue;
+      times.ticks = errors.ticks;
+      for (const Line& line : lines) {
+        verifier::PlotCurve error{std::string(line.name), {}, {}, false}, time = error;
+        double x = 0;
+        for (const Problem& problem : problems) {
+          if (problem.kind != kind) continue;
+          ++x;
+          for (const AccuracyCurve& curve : curves) {
+            if (curve.problem != problem.name || curve.precision != precision || curve.method.name != line.method ||
+                curve.points.size() <= line.index)
+              continue;
+            const AccuracyPoint& point = curve.points[line.index];
+            error.x.push_back(x);
+            error.y.push_back(point.error);
+            time.x.push_back(x);
+            time.y.push_back(point.time_ms.min);
+          }
+        }
+        errors.curves.push_back(std::move(error));
+        times.curves.push_back(std::move(time));
+      }
+      plots.push_back(std::move(errors));
+      plots.push_back(std::move(times));
+    }
+  return plots;
 }
 
 // One diagram a problem and precision: error across, time upwards; the floor of rounding as a line.
 std::vector<verifier::Plot> plots_of(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
                                      const std::vector<engine::Precision>& precisions) {
-  std::vector<verifier::Plot> plots;
+  std::vector<verifier::Plot> plots = shape_plots(problems, curves, precisions);
   for (const Problem& problem : problems)
     for (const engine::Precision precision : precisions) {
+      if (problem.corner_count >= 0) continue;
       verifier::Plot plot{fmt::format("{} ({})", problem.name, precision_name(precision)),
                           "relative error (RMS)",
                           "ms per simulated second",
@@ -327,10 +451,10 @@ std::vector<verifier::Plot> plots_of(const std::vector<Problem>& problems, const
         verifier::PlotCurve line{curve.method.name, {}, {}, false};
         for (const AccuracyPoint& point : curve.points) {
           line.x.push_back(point.error);
-          line.y.push_back(point.time_ms.median);
+          line.y.push_back(point.time_ms.min);
           floor = std::max(floor, point.floor);
-          least = std::min(least, point.time_ms.median);
-          most = std::max(most, point.time_ms.median);
+          least = std::min(least, point.time_ms.min);
+          most = std::max(most, point.time_ms.min);
         }
         plot.curves.push_back(std::move(line));
       }
@@ -386,7 +510,7 @@ int run_accuracy_command(const AccuracyCommand& command) {
   options.precisions.clear();
   for (const std::string& name : command.precisions)
     options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
-  options.repeat_max = static_cast<int>(command.repeat_count);
+  options.repeat_max = command.no_times ? 1 : static_cast<int>(command.repeat_count);
   options.thread_count = thread_count;
   Progress progress("accuracy", 1, "curves");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
@@ -397,7 +521,11 @@ int run_accuracy_command(const AccuracyCommand& command) {
   for (const std::string& name : command.problems) command_line += " " + name;
   for (const engine::Precision precision : options.precisions)
     command_line += " --precision " + std::string(precision_name(precision));
-  command_line += fmt::format(" --repeats {} -j {}", options.repeat_max, thread_count);
+  if (command.brief) command_line += " --brief";
+  if (command.no_times)
+    command_line += " --no-times";
+  else
+    command_line += fmt::format(" --repeats {} -j {}", options.repeat_max, thread_count);
   if (command.files.json)
     print_json(report_json(*problems, *curves, command_line));
   else
@@ -406,7 +534,7 @@ int run_accuracy_command(const AccuracyCommand& command) {
           write_study_files(command.files, csv_of(*curves), plots_of(*problems, *curves, options.precisions));
       code != exit_ok)
     return code;
-  return count(*curves)[CurveVerdict::fail] > 0 ? exit_finding : exit_ok;
+  return verdicts_of(*curves).of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
 }
 
 // ---- Beside Box2D ----
@@ -495,8 +623,10 @@ int run_peer(const AccuracyCommand& command, unsigned) {
       const std::string name = points == &scene.ours ? "tgs_soft" : "Box2D";
       verifier::PlotCurve line{name, {}, {}, false};
       for (const auto& point : *points) {
-        line.x.push_back(point.error);
-        line.y.push_back(point.time_ms.min);
+        if (point.stands) {  // how far a heap is from the stack that it was says nothing
+          line.x.push_back(point.error);
+          line.y.push_back(point.time_ms.min);
+        }
         csv += verifier::csv_line(
             {scene.name, name, point.setting, verifier::full_number(point.error),
              verifier::full_number(point.error_max), point.stands ? "1" : "0", verifier::full_number(point.time_ms.min),
@@ -529,6 +659,8 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   command->add_option("--peer", options->peer, "Error against time beside another engine on four scenes")
       ->check(CLI::IsMember({"box2d"}));
   command->add_flag("--points", options->points, "Every point of every curve, instead of one line a curve");
+  command->add_flag("--brief", options->brief, "One line a problem");
+  command->add_flag("--no-times", options->no_times, "What is the same on every machine, to the last digit");
   command->add_flag("--list", options->list, "List the problems, run none");
   add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core. 1 gives the quietest times",
              {1, 1024});

@@ -99,10 +99,6 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
   return text;
 }
 
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json row_json(const CompareRow& row, bool is_twin) {
   Json entry;
   entry["variant"] = row.variant.name;

@@ -40,7 +40,7 @@ std::string_view verdict_name(Agreement verdict) {
 }
 
 // Three digits, four decimals at most: the JSON has them all.
-std::string number_text(double value) {
+std::string brief_number(double value) {
   if (!std::isfinite(value)) return "-";
   if (std::fabs(value) >= 0.1) return fmt::format("{:.4g}", value);
   std::string text = fmt::format("{:.4f}", value);
@@ -58,9 +58,9 @@ std::string value_text(const std::vector<double>& values) {
   double mean = 0;
   for (const double value : finite) mean += value / static_cast<double>(finite.size());
   const auto [lowest, highest] = std::minmax_element(finite.begin(), finite.end());
-  const std::string low = number_text(*lowest);
-  const std::string high = number_text(*highest);
-  std::string text = number_text(mean);
+  const std::string low = brief_number(*lowest);
+  const std::string high = brief_number(*highest);
+  std::string text = brief_number(mean);
   if (low != high) text += fmt::format(" ({}..{})", low, high);
   if (finite.size() < values.size()) text += fmt::format(" {} never", values.size() - finite.size());
   return text;
@@ -86,8 +86,8 @@ std::string row_text(const CrosscheckRow& row) {
   if (row.verdict == Agreement::not_applicable)
     return fmt::format("  {:<21}not applicable: {}\n", row.criterion, row.reason);
   std::string text =
-      fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d), number_text(row.difference),
-                  number_text(row.tolerance), row.unit, verdict_name(row.verdict));
+      fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d), brief_number(row.difference),
+                  brief_number(row.tolerance), row.unit, verdict_name(row.verdict));
   if (!row.reason.empty()) text += wrapped(row.reason, 4);
   return text;
 }

@@ -20,7 +20,7 @@ std::string_view environment(const char* name) {
   return value == nullptr ? std::string_view{} : std::string_view{value};
 }
 
-std::string clock_text(double seconds) {
+std::string elapsed_text(double seconds) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   char text[32];
   if (whole >= 3600)
@@ -67,7 +67,7 @@ void Progress::draw(Clock::time_point now, std::uint64_t done) {
     if (colored_) line += "\x1b[0m";
     std::snprintf(text, sizeof text, " %3.0f %%  %.0f %s/s", share * 100, rate, unit_.c_str());
     line += text;
-    if (rate > 0 && done < total_) line += "  " + clock_text(static_cast<double>(total_ - done) / rate) + " left";
+    if (rate > 0 && done < total_) line += "  " + elapsed_text(static_cast<double>(total_ - done) / rate) + " left";
   } else {
     std::snprintf(text, sizeof text, " %llu %s  %.0f %s/s", static_cast<unsigned long long>(done), unit_.c_str(), rate,
                   unit_.c_str());

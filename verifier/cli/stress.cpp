@@ -21,8 +21,9 @@ using verifier::full_number;
 using verifier::short_number;
 using verifier::StabilityRow;
 using verifier::StressRow;
-using verifier::StressVerdict;
+using verifier::StudyVerdict;
 using verifier::TextTable;
+using verifier::VerdictCounts;
 
 struct StressCommand {
   std::vector<std::string> cases;
@@ -30,16 +31,11 @@ struct StressCommand {
   std::uint64_t thread_count = 0;  // 0: as many as there are cores
   bool with_long = false;
   bool no_limits = false;
+  bool limits_alone = false;
+  bool brief = false;
   bool list = false;
   StudyFiles files;
 };
-
-std::string_view verdict_name(StressVerdict verdict) {
-  return verifier::stress_verdict_names[static_cast<std::size_t>(verdict)];
-}
-std::string_view precision_name(engine::Precision precision) {
-  return engine::info_of(engine::precisions, precision).name;
-}
 
 std::string bound_text(const StressRow& row) {
   if (std::isinf(row.lower) || (row.lower == 0 && row.upper > 0)) return "<= " + short_number(row.upper);
@@ -47,9 +43,13 @@ std::string bound_text(const StressRow& row) {
                                 : short_number(row.lower) + ".." + short_number(row.upper);
 }
 
-std::string report_text(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
-                        const std::string& command_line) {
-  std::string text = "stress  " + command_line + "\n";
+// Beside a number that is outside its bounds.
+std::string_view mark_of(StudyVerdict verdict) {
+  return verdict == StudyVerdict::fail ? "!" : verdict == StudyVerdict::expected ? "~" : " ";
+}
+
+std::string cases_text(const std::vector<StressRow>& rows) {
+  std::string text;
   for (std::size_t i = 0; i < rows.size();) {
     const StressRow& first = rows[i];
     text += fmt::format("\n{}  {}\n", first.name, precision_name(first.precision));
@@ -58,7 +58,7 @@ std::string report_text(const std::vector<StressRow>& rows, const std::vector<St
       text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
-      const bool is_left_out = row.verdict == StressVerdict::not_applicable;
+      const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
       std::string line =
           fmt::format("    {:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
                       is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
@@ -67,38 +67,68 @@ std::string report_text(const std::vector<StressRow>& rows, const std::vector<St
       text += line + "\n";
     }
   }
-  if (!limits.empty()) {
-    text += "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n";
-    TextTable table({"integrator", "precision", "found", "theory", "verdict"}, 2);
-    for (const StabilityRow& row : limits)
-      table.add({std::string(engine::info_of(engine::integrators, row.integrator).name),
-                 std::string(precision_name(row.precision)),
-                 std::isinf(row.found) ? "none" : fmt::format("{:.3f}", row.found),
-                 std::isinf(row.theory) ? "none" : fmt::format("{:.4f}", row.theory),
-                 verifier::stability_holds(row) ? "pass" : "fail"});
-    text += table.text();
-  }
   return text;
 }
 
-struct Counts {
-  int by_verdict[4]{};
-  int& operator[](StressVerdict verdict) { return by_verdict[static_cast<std::size_t>(verdict)]; }
-};
-Counts count(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
-  Counts counts;
-  for (const StressRow& row : rows) ++counts[row.verdict];
+// One line a case, one table for cases of the same methods. Failures are marked.
+std::string brief_text(const std::vector<StressRow>& rows) {
+  constexpr std::size_t name_width = 10;
+  struct Group {
+    std::vector<std::string> methods;
+    std::vector<std::vector<std::string>> lines;
+  };
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < rows.size();) {
+    const StressRow& first = rows[i];
+    std::vector<std::string> methods;
+    std::vector<std::string> line{first.name, std::string(precision_name(first.precision)), bound_text(first)};
+    for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
+      methods.push_back(rows[i].method.substr(0, name_width));
+      line.push_back(rows[i].verdict == StudyVerdict::not_applicable
+                         ? "n/a"
+                         : short_number(rows[i].value) + std::string(mark_of(rows[i].verdict)));
+    }
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.methods == methods; });
+    if (group == groups.end()) group = groups.insert(group, {std::move(methods), {}});
+    group->lines.push_back(std::move(line));
+  }
+  std::string text;
+  for (const Group& group : groups) {
+    std::vector<std::string> head{"case", "precision", "bounds"};
+    head.insert(head.end(), group.methods.begin(), group.methods.end());
+    TextTable table(std::move(head), 3);
+    for (const std::vector<std::string>& line : group.lines) table.add(line);
+    text += "\n" + table.text();
+  }
+  return text +
+         "    !: fails.  ~: outside the bounds, but expected: a baseline, or the other sort of substeps passes\n";
+}
+
+std::string limits_text(const std::vector<StabilityRow>& limits) {
+  if (limits.empty()) return {};
+  TextTable table({"integrator", "precision", "found", "theory", "verdict"}, 2);
   for (const StabilityRow& row : limits)
-    ++counts[verifier::stability_holds(row) ? StressVerdict::pass : StressVerdict::fail];
+    table.add({std::string(engine::info_of(engine::integrators, row.integrator).name),
+               std::string(precision_name(row.precision)),
+               std::isinf(row.found) ? "none" : fmt::format("{:.3f}", row.found),
+               std::isinf(row.theory) ? "none" : fmt::format("{:.4f}", row.theory),
+               verifier::stability_holds(row) ? "pass" : "fail"});
+  return "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n" +
+         table.text();
+}
+
+VerdictCounts verdicts_of(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
+  VerdictCounts counts;
+  for (const StressRow& row : rows) counts.add(row.verdict);
+  for (const StabilityRow& row : limits)
+    counts.add(verifier::stability_holds(row) ? StudyVerdict::pass : StudyVerdict::fail);
   return counts;
 }
 
-std::string summary_text(const std::vector<StressRow>& rows, Counts counts) {
-  std::string text =
-      fmt::format("\n{} pass, {} fail, {} expected, {} not applicable\n", counts[StressVerdict::pass],
-                  counts[StressVerdict::fail], counts[StressVerdict::expected], counts[StressVerdict::not_applicable]);
+std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts& counts) {
+  std::string text = "\n" + counts_text(counts) + "\n";
   for (const StressRow& row : rows)
-    if (row.verdict == StressVerdict::fail)
+    if (row.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
                           row.method, short_number(row.value), bound_text(row), row.unit);
   return text + "spinning tops and gyroscopic terms: not applicable in two dimensions\n";
@@ -106,14 +136,10 @@ std::string summary_text(const std::vector<StressRow>& rows, Counts counts) {
 
 Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
                  const std::string& command_line) {
-  Counts counts = count(rows, limits);
   Json object;
   object["schema"] = "ticktrue.stress/1";
   object["command"] = command_line;
-  object["passed"] = counts[StressVerdict::pass];
-  object["failed"] = counts[StressVerdict::fail];
-  object["expected"] = counts[StressVerdict::expected];
-  object["not_applicable"] = counts[StressVerdict::not_applicable];
+  add_counts(object, verdicts_of(rows, limits));
   object["rows"] = Json::array();
   for (const StressRow& row : rows)
     object["rows"].push_back(
@@ -121,7 +147,7 @@ Json report_json(const std::vector<StressRow>& rows, const std::vector<Stability
          {"method", row.method},
          {"precision", precision_name(row.precision)},
          {"verdict", verdict_name(row.verdict)},
-         {"value", row.verdict == StressVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
+         {"value", row.verdict == StudyVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
          {"lower", number_json(row.lower)},
          {"upper", number_json(row.upper)},
          {"unit", row.unit},
@@ -154,26 +180,24 @@ std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows,
                                      const std::vector<engine::Precision>& precisions) {
   std::vector<verifier::Plot> plots;
   for (const engine::Precision precision : precisions) {
-    verifier::Plot plot{fmt::format("stress ({})", precision_name(precision)),
-                        "case, in the order of the table",
-                        "found over the upper bound",
-                        false,
-                        true,
-                        {}};
-    double index = 0;
+    verifier::Plot plot{
+        fmt::format("stress ({})", precision_name(precision)), "", "found over the upper bound", false, true, {}};
+    plot.joined = false;
+    plot.y_least = 1e-4;
+    plot.y_most = 1e4;
     std::string name;
     for (const StressRow& row : rows) {
       if (row.precision != precision) continue;
-      if (row.name != name) ++index;
+      if (row.name != name) plot.ticks.push_back(row.name);
       name = row.name;
-      if (row.verdict == StressVerdict::not_applicable || !(row.upper > 0)) continue;
+      if (row.verdict == StudyVerdict::not_applicable || !(row.upper > 0)) continue;
       auto curve =
           std::find_if(plot.curves.begin(), plot.curves.end(), [&](const auto& c) { return c.name == row.method; });
       if (curve == plot.curves.end()) curve = plot.curves.insert(curve, {row.method, {}, {}, false});
-      curve->x.push_back(index);
+      curve->x.push_back(static_cast<double>(plot.ticks.size()));
       curve->y.push_back(row.value / row.upper);
     }
-    plot.curves.push_back({"bound", {0, index}, {1, 1}, true});
+    plot.curves.push_back({"bound", {0.5, static_cast<double>(plot.ticks.size()) + 0.5}, {1, 1}, true});
     plots.push_back(std::move(plot));
   }
   return plots;
@@ -199,7 +223,8 @@ int run_stress_command(const StressCommand& command) {
     options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
   Progress progress("stress", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto rows = verifier::run_stress(options);
+  Result<std::vector<StressRow>> rows = std::vector<StressRow>();
+  if (!command.limits_alone) rows = verifier::run_stress(options);
   progress.finish();
   if (!rows) return fail_usage(rows.error());
   std::vector<StabilityRow> limits;
@@ -210,15 +235,18 @@ int run_stress_command(const StressCommand& command) {
   for (const engine::Precision precision : options.precisions)
     command_line += " --precision " + std::string(precision_name(precision));
   if (command.with_long) command_line += " --long";
-  Counts counts = count(*rows, limits);
+  if (command.brief) command_line += " --brief";
+  if (command.limits_alone) command_line += " --limits";
+  const VerdictCounts counts = verdicts_of(*rows, limits);
   if (command.files.json)
     print_json(report_json(*rows, limits, command_line));
   else
-    print(report_text(*rows, limits, command_line) + summary_text(*rows, counts));
+    print("stress  " + command_line + "\n" + (command.brief ? brief_text(*rows) : cases_text(*rows)) +
+          limits_text(limits) + summary_text(*rows, counts));
   if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
       code != exit_ok)
     return code;
-  return counts[StressVerdict::fail] > 0 ? exit_finding : exit_ok;
+  return counts.of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
 }
 
 }  // namespace
@@ -235,7 +263,9 @@ void add_stress(CLI::App& app, CliContext& context) {
       ->delimiter(',')
       ->check(CLI::IsMember(names));
   command->add_flag("--long", options->with_long, "Cases that take minutes too");
-  command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");
+  auto* no_limits = command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");
+  command->add_flag("--limits", options->limits_alone, "The table of stability limits alone")->excludes(no_limits);
+  command->add_flag("--brief", options->brief, "One line a case");
   command->add_flag("--list", options->list, "List the cases, run none");
   add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
   add_study_files(*command, options->files);

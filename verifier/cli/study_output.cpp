@@ -1,16 +1,33 @@
-// What the study commands share: where tables go besides the screen.
+// What the study commands share: how verdicts are shown, and where tables go besides the screen.
 // SPDX-License-Identifier: MIT
 #include "verifier/cli/study_output.h"
+
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
 namespace ticktrue::cli {
 
+using verifier::StudyVerdict;
+
 void add_study_files(CLI::App& command, StudyFiles& files) {
   command.add_flag("--json", files.json, "One JSON object");
   command.add_option("--csv", files.csv, "Every row to a CSV file too")->type_name("FILE");
   command.add_option("--plot", files.plot, "Diagrams as SVG, drawn by the program gnuplot")->type_name("FILE.svg");
+}
+
+std::string counts_text(const verifier::VerdictCounts& counts) {
+  return fmt::format("{} pass, {} fail, {} expected, {} not applicable", counts.of(StudyVerdict::pass),
+                     counts.of(StudyVerdict::fail), counts.of(StudyVerdict::expected),
+                     counts.of(StudyVerdict::not_applicable));
+}
+
+void add_counts(Json& object, const verifier::VerdictCounts& counts) {
+  object["passed"] = counts.of(StudyVerdict::pass);
+  object["failed"] = counts.of(StudyVerdict::fail);
+  object["expected"] = counts.of(StudyVerdict::expected);
+  object["not_applicable"] = counts.of(StudyVerdict::not_applicable);
 }
 
 int write_study_files(const StudyFiles& files, const std::string& csv, const std::vector<verifier::Plot>& plots) {

@@ -1,13 +1,16 @@
-// What the study commands share: where tables go besides the screen.
+// What the study commands share: how verdicts are shown, and where tables go besides the screen.
 // SPDX-License-Identifier: MIT
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/choices.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/study/table.h"
+#include "verifier/study/verdict.h"
 
 namespace ticktrue::cli {
 
@@ -26,5 +29,17 @@ int write_study_files(const StudyFiles& files, const std::string& csv, const std
 inline Json number_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
+inline Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+inline std::string_view precision_name(engine::Precision precision) {
+  return engine::info_of(engine::precisions, precision).name;
+}
+
+/// "3 pass, 0 fail, 1 expected, 2 not applicable"
+std::string counts_text(const verifier::VerdictCounts& counts);
+/// The keys that every checking command has.
+void add_counts(Json& object, const verifier::VerdictCounts& counts);
 
 }  // namespace ticktrue::cli

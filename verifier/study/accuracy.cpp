@@ -198,7 +198,7 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
   }
   for (const AccuracyPoint& point : curve.points)
     if (point.state == PointState::not_repeatable) {
-      curve.judgement = {CurveVerdict::fail, {}, {}, "two runs gave different bits"};
+      curve.judgement = {StudyVerdict::fail, {}, {}, "two runs gave different bits"};
       return;
     }
   if (curve.method.automatic && problem.size > 0) {
@@ -207,20 +207,40 @@ void judge_curve(const Problem& problem, AccuracyCurve& curve) {
     });
     curve.judgement = {};
     if (broken == curve.points.end())
-      curve.judgement.verdict = CurveVerdict::pass;
+      curve.judgement.verdict = StudyVerdict::pass;
     else
       curve.judgement.reason = "target_error bounds how far contacts and joints give way, not the order of time steps";
     if (broken != curve.points.end() && problem.slope && *problem.slope == 2)
-      curve.judgement = {CurveVerdict::fail, {}, {}, "target_error is not kept"};
+      curve.judgement = {StudyVerdict::fail, {}, {}, "target_error is not kept"};
     return;
   }
   curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);
+}
+
+// In f32 rounding may leave only coarse steps above the floor, where no curve has its order yet: then f64 shows the
+// same slope over the same steps, and theory's over finer ones.
+void explain_by_f64(const Problem& problem, const std::vector<double>& f64_errors,
+                    const std::vector<double>& f64_floors, AccuracyCurve& curve) {
+  Judgement& judgement = curve.judgement;
+  if (curve.precision != Precision::f32 || judgement.verdict != StudyVerdict::fail || !judgement.slope) return;
+  std::vector<double> steps, left_out;
+  for (const AccuracyPoint& point : curve.points) {
+    steps.push_back(point.setting.h());
+    left_out.push_back(shows_order(point.error, point.floor) ? 0 : HUGE_VAL);
+  }
+  const std::optional<double> same_steps = fitted_slope(steps, f64_errors, left_out);
+  const Judgement f64 = judge(expectation_of(problem, curve.method), steps, f64_errors, f64_floors);
+  if (f64.verdict != StudyVerdict::pass || !same_steps) return;
+  if (std::fabs(*same_steps - *judgement.slope) > slope_tolerance) return;
+  judgement.verdict = StudyVerdict::expected;
+  judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
 }
 
 // One method in the wanted precisions; both are run, since their difference is the rounding floor.
 std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& method, const AccuracyOptions& options) {
   std::vector<AccuracyCurve> curves;
   for (const Precision precision : options.precisions) curves.push_back(empty_curve(problem, method, precision));
+  std::vector<double> f64_errors, f64_floors;
   for (const Setting& setting : settings_of(problem, method)) {
     Observed kept[2];
     AccuracyPoint points[2];
@@ -233,7 +253,7 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
         Result<AccuracyPoint> point = timed_point(problem, method, setting, precision, options, kept[at]);
         if (!point) {
           for (AccuracyCurve& curve : curves)
-            curve.judgement = {CurveVerdict::not_applicable, {}, {}, point.error().message};
+            curve.judgement = {StudyVerdict::not_applicable, {}, {}, point.error().message};
           return curves;
         }
         points[at] = *point;
@@ -241,13 +261,18 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
         kept[at] = std::move(*other);
       }
     }
+    f64_errors.push_back(sample_error(problem, kept[1].times, kept[1].samples).rms);
+    f64_floors.push_back(rounding_floor(problem, method, kept[1], kept[0], Precision::f64));
     for (AccuracyCurve& curve : curves) {
       AccuracyPoint point = points[static_cast<std::size_t>(curve.precision)];
       point.floor = rounding_floor(problem, method, kept[1], kept[0], curve.precision);
       curve.points.push_back(point);
     }
   }
-  for (AccuracyCurve& curve : curves) judge_curve(problem, curve);
+  for (AccuracyCurve& curve : curves) {
+    judge_curve(problem, curve);
+    explain_by_f64(problem, f64_errors, f64_floors, curve);
+  }
   return curves;
 }
 
@@ -275,11 +300,15 @@ SampleError sample_error(const Problem& problem, const std::vector<double>& time
   return error;
 }
 
+bool shows_order(double error, double floor) {
+  return error > 10 * floor && error > 0 && error < error_coarse;
+}
+
 std::optional<double> fitted_slope(const std::vector<double>& steps, const std::vector<double>& errors,
                                    const std::vector<double>& floors, std::size_t count) {
   std::vector<double> x, y;
   for (std::size_t i = steps.size(); i-- > 0 && x.size() < count;) {
-    if (!(errors[i] > 10 * floors[i]) || !(errors[i] > 0) || !(errors[i] < error_coarse)) continue;
+    if (!shows_order(errors[i], floors[i])) continue;
     x.push_back(std::log2(steps[i]));
     y.push_back(std::log2(errors[i]));
   }
@@ -345,20 +374,23 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
     // Rounding alone: ten floors, or a thousand roundings of one.
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (!(errors[i] <= std::max(10 * floors[i], 1000 * 0x1p-53))) {
-        out.verdict = CurveVerdict::fail;
+        out.verdict = StudyVerdict::fail;
         out.reason = "an exact scheme has an error beyond rounding";
         return out;
       }
-    out.verdict = CurveVerdict::pass;
+    out.verdict = StudyVerdict::pass;
     return out;
   }
   if (!expectation.slope) return out;
   if (!out.slope) {
-    out.reason = "fewer than three points lie between ten times the rounding floor and an error of 10 %";
+    const auto coarse_count = std::count_if(errors.begin(), errors.end(), [](double e) { return !(e < error_coarse); });
+    out.reason = 2 * static_cast<std::size_t>(coarse_count) > errors.size()
+                     ? "too coarse for an order: fewer than three points have an error below 10 %"
+                     : "rounding hides the order: fewer than three points are above ten times its floor";
     return out;
   }
-  out.verdict = std::fabs(*out.slope - *expectation.slope) <= slope_tolerance ? CurveVerdict::pass : CurveVerdict::fail;
-  out.reason = out.verdict == CurveVerdict::pass ? "" : "the slope is not the theory's";
+  out.verdict = std::fabs(*out.slope - *expectation.slope) <= slope_tolerance ? StudyVerdict::pass : StudyVerdict::fail;
+  out.reason = out.verdict == StudyVerdict::pass ? "" : "the slope is not the theory's";
   return out;
 }
 
@@ -424,11 +456,10 @@ std::vector<Setting> settings_of(const Problem& problem, const Method& method) {
     return settings;
   }
   const bool substeps = method.solver == SolverKind::tgs_soft;
-  for (int i = 0; i < (substeps ? 7 : 6); ++i) {
-    if (substeps && method.locates) settings.push_back({1.0 / 60, 1 << i, 0, {}});
-    if (substeps && !method.locates && i < 6) settings.push_back({1.0 / (60 << i), 4, 0, {}});
-    if (!substeps) settings.push_back({1.0 / (60 << i), 1, 0, {}});
-  }
+  if (substeps && method.locates)
+    for (int count = 1; count <= problem.substeps_max; count *= 2) settings.push_back({1.0 / 60, count, 0, {}});
+  else
+    for (int i = 0; i < 6; ++i) settings.push_back({1.0 / (60 << i), substeps ? 4 : 1, 0, {}});
   return settings;
 }
 
@@ -461,9 +492,16 @@ Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& prob
 const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error) {
   const AccuracyPoint* best = nullptr;
   for (const AccuracyPoint& point : curve.points)
-    if (point.state == PointState::ok && point.error <= error && (!best || point.time_ms.median < best->time_ms.median))
+    if (point.state == PointState::ok && point.error <= error && (!best || point.time_ms.min < best->time_ms.min))
       best = &point;
   return best;
+}
+
+const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error) {
+  const auto found = std::find_if(curve.points.begin(), curve.points.end(), [error](const AccuracyPoint& point) {
+    return point.state == PointState::ok && point.error <= error;
+  });
+  return found == curve.points.end() ? nullptr : &*found;
 }
 
 std::string setting_text(const Method& method, const Setting& setting) {

@@ -18,6 +18,7 @@
 #include "base/result.h"
 #include "verifier/study/measures.h"
 #include "verifier/study/problems.h"
+#include "verifier/study/verdict.h"
 
 namespace ticktrue::verifier {
 
@@ -59,11 +60,8 @@ struct AccuracyPoint {
   PointState state = PointState::ok;
 };
 
-enum class CurveVerdict : std::uint8_t { pass, fail, expected, not_applicable };
-inline constexpr std::array<std::string_view, 4> curve_verdict_names{"pass", "fail", "expected", "not_applicable"};
-
 struct Judgement {
-  CurveVerdict verdict = CurveVerdict::expected;
+  StudyVerdict verdict = StudyVerdict::expected;
   std::optional<double> slope;     // observed
   std::optional<double> expected;  // by theory
   std::string reason;              // of every verdict but pass
@@ -96,6 +94,9 @@ struct Expectation {
 };
 Expectation expectation_of(const Problem& problem, const Method& method);
 
+/// Whether a point shows an order: above ten floors and below error_coarse.
+bool shows_order(double error, double floor);
+
 /// The verdict on one curve, whoever computed its errors. `steps` fall, errors and floors belong to them.
 Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
                 const std::vector<double>& floors);
@@ -126,8 +127,10 @@ struct AccuracyOptions {
 /// not_applicable, with the reason. Errors: check_float_behaviour.
 Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& problems, const AccuracyOptions& options);
 
-/// The cheapest point of a curve with at most this error; null if none.
+/// The point of a curve with at most this error that takes the least time; null if none.
 const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error);
+/// The same without looking at times: the coarsest one.
+const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error);
 
 /// "1/240" (s), "8 sub", "tol 1e-3": how a setting of a method is written.
 std::string setting_text(const Method& method, const Setting& setting);

@@ -291,6 +291,7 @@ Problem stack_height(std::string name, int count, double top_mass, double limit)
   problem.exact = [count](double) { return std::vector<double>{count - 0.5}; };
   problem.slope = 2;
   problem.limit = limit;
+  if (count > 10) problem.substeps_max = 256;  // high ones show their order late
   return problem;
 }
 
@@ -309,10 +310,10 @@ double height_of(int n) {
 }
 
 Problem family(ProblemClass kind, int n, std::string summary, double duration) {
-  Problem problem = of_contacts(
-      kind,
-      std::string(problem_class_names[static_cast<std::size_t>(kind)]) + "_" + (n == 0 ? "disc" : std::to_string(n)),
-      corners_name(n) + " " + summary, duration);
+  Problem problem = of_contacts(kind,
+                                std::string(problem_class_names[static_cast<std::size_t>(kind)]) + "_" +
+                                    (n == 0 ? "disc" : std::to_string(n) + "gon"),
+                                corners_name(n) + " " + summary, duration);
   problem.corner_count = n;
   return problem;
 }

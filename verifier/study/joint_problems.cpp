@@ -125,7 +125,7 @@ Problem slider_motor() {
 }
 
 // Link i from the middle leans by atan((i + 1/2) / H), H found from the span.
-Problem hanging_chain() {
+Problem catenary() {
   Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
                               "exact equations of the links (sag 2.927214753 m)", 20);
   problem.sample_count = 1;
@@ -184,7 +184,7 @@ std::vector<Problem> joint_problems() {
           double_pendulum("double_pendulum_120", 2 * pi / 3, double_pendulum_120),
           spring_joint(),
           slider_motor(),
-          hanging_chain(),
+          catenary(),
           straight_chain(),
           cantilever()};
 }

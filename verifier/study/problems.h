@@ -31,6 +31,7 @@ struct Problem {
   int sample_count = 20;  // at equal times, the last at the end
   double scale = 1;       // what errors are relative to
   int step_count = 60;    // smooth: of the coarsest run, a multiple of sample_count
+  int substeps_max = 64;  // the finest of the sweep, a power of two
   bool is_angle = false;  // values are angles: differences count modulo a turn
   double limit = 0;       // largest error of the default method at its default setting; 0: none is set
   double size = 0;        // m, of the smallest shape, where errors are lengths; 0: they are not

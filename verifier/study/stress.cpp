@@ -30,28 +30,28 @@ std::vector<StressMethod> integrator_methods() {
   return methods;
 }
 
-StressVerdict judge(const StressCase& stress_case, const StressValue& value) {
-  if (!value.why_not.empty()) return StressVerdict::not_applicable;
+StudyVerdict judge(const StressCase& stress_case, const StressValue& value) {
+  if (!value.why_not.empty()) return StudyVerdict::not_applicable;
   const bool passes = value.is_finite && value.value >= stress_case.lower && value.value <= stress_case.upper;
-  return passes ? StressVerdict::pass : StressVerdict::fail;
+  return passes ? StudyVerdict::pass : StudyVerdict::fail;
 }
 
 void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods) {
   bool auto_passes = false, default_passes = false;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool passes = rows[i].verdict == StressVerdict::pass && !methods[i].is_baseline;
+    const bool passes = rows[i].verdict == StudyVerdict::pass && !methods[i].is_baseline;
     (methods[i].automatic ? auto_passes : default_passes) |= passes;
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].verdict != StressVerdict::fail) continue;
+    if (rows[i].verdict != StudyVerdict::fail) continue;
     if (methods[i].is_baseline) {
-      rows[i].verdict = StressVerdict::expected;
+      rows[i].verdict = StudyVerdict::expected;
       rows[i].reason = "a method to compare with";
     } else if (auto_passes && !methods[i].automatic) {
-      rows[i].verdict = StressVerdict::expected;
+      rows[i].verdict = StudyVerdict::expected;
       rows[i].reason = "passes with automatic substeps";
     } else if (default_passes && methods[i].automatic) {
-      rows[i].verdict = StressVerdict::expected;
+      rows[i].verdict = StudyVerdict::expected;
       rows[i].reason = "passes with the default's substeps";
     }
   }

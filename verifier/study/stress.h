@@ -16,6 +16,7 @@
 #include "base/result.h"
 #include "engine/engine.h"
 #include "engine/scene.h"
+#include "verifier/study/verdict.h"
 
 namespace ticktrue::verifier {
 
@@ -55,14 +56,11 @@ struct StressCase {
 /// All cases, in the order in which they are shown.
 std::vector<StressCase> stress_cases();
 
-enum class StressVerdict : std::uint8_t { pass, fail, expected, not_applicable };
-inline constexpr std::array<std::string_view, 4> stress_verdict_names{"pass", "fail", "expected", "not_applicable"};
-
 struct StressRow {
   std::string name;
   std::string method;
   engine::Precision precision = engine::Precision::f32;
-  StressVerdict verdict = StressVerdict::not_applicable;
+  StudyVerdict verdict = StudyVerdict::not_applicable;
   double value = 0;
   double lower = 0;
   double upper = 0;
@@ -74,7 +72,7 @@ struct StressRow {
 };
 
 /// The verdict on a number, and for baselines and for the default where automatic substeps pass, why it is expected.
-StressVerdict judge(const StressCase& stress_case, const StressValue& value);
+StudyVerdict judge(const StressCase& stress_case, const StressValue& value);
 /// Turns failures that are expected into `expected`: those of baselines, and those of the default in a case that
 /// automatic substeps pass, or the other way round: a case fails where neither passes. `rows` are all rows of one case
 /// and precision, `methods` in the same order.

@@ -16,62 +16,6 @@ using engine::Point;
 using engine::Precision;
 using engine::Scene;
 
-std::vector<StressCase> stress_cases() {
-  std::vector<StressCase> cases;
-  add_contact_cases(cases);
-  add_joint_cases(cases);
-  add_motion_cases(cases);
-  return cases;
-}
-
-Scene with_method(Scene scene, const StressMethod& method) {
-  scene.settings.solver = method.solver;
-  scene.settings.integrator = method.integrator;
-  if (method.automatic) scene.settings.auto_substeps.emplace();
-  if (!engine::info_of(engine::solvers, method.solver).substeps) {
-    scene.settings.substeps = 1;
-    scene.settings.auto_substeps.reset();
-    scene.settings.locate_impacts = false;
-  }
-  return scene;
-}
-
-StressValue run_case(const Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
-                     const std::function<double(const Engine&, const Bodies&, const Bodies&)>& finish) {
-  StressValue out;
-  Result<Run> run = Run::make(scene);
-  if (!run) {
-    out.why_not = run.error().message;
-    return out;
-  }
-  const Bodies start = run->bodies();
-  const auto tick_count = static_cast<std::uint64_t>(std::lround(seconds / scene.settings.dt));
-  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
-    run->advance(1);
-    if (!watch && tick + 1 < tick_count && tick % 60 != 59) continue;
-    const Bodies bodies = run->bodies();
-    if (!all_finite(bodies)) {
-      out.is_finite = false;
-      out.value = std::nan("");
-      return out;
-    }
-    if (watch && !watch(bodies)) break;
-  }
-  out.value = finish(run->engine(), start, run->bodies());
-  out.is_finite = std::isfinite(out.value);
-  return out;
-}
-
-double moved_share(const Bodies& start, const Bodies& end, double across_max, double down_max) {
-  double share = start.size() == end.size() ? 0 : HUGE_VAL;
-  for (std::size_t i = 0; i < std::min(start.size(), end.size()); ++i) {
-    if (start[i].type != BodyType::dynamic_body) continue;
-    share = std::max(share, std::fabs(end[i].center.x - start[i].center.x) / across_max);
-    share = std::max(share, std::fabs(end[i].center.y - start[i].center.y) / down_max);
-  }
-  return share;
-}
-
 namespace {
 
 constexpr std::string_view measured = "accuracy study of 2026-11: ";
@@ -88,12 +32,6 @@ StressCase contact_case(std::string name, std::string what, std::string unit, do
   out.source = source.empty() ? std::string() : source == "own" ? source : std::string(measured) + source;
   out.methods = contact_methods();
   return out;
-}
-
-std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
 }
 
 // ---- Stacks ----
@@ -122,8 +60,8 @@ void add_mass_ratios(std::vector<StressCase>& cases) {
   for (const int count : {2, 10})
     for (const double ratio : {1e1, 1e2, 1e3, 1e4, 1e6}) {
       StressCase c =
-          contact_case("top_heavy_" + std::to_string(count) + "_r" + text_of(ratio),
-                       std::to_string(count) + " boxes, the top one " + text_of(ratio) +
+          contact_case("top_heavy_" + std::to_string(count) + "_r" + plain_number(ratio),
+                       std::to_string(count) + " boxes, the top one " + plain_number(ratio) +
                            " kg, 10 s: way down over a hundredth, across over a tenth of a box",
                        "of 1", 0, 1, "holds to 1.7e4 (AVBD, 160 iterations), 3.5e3 (Box2D HEAD, hertz lifted, 64 sub)",
                        "section 6 case 5, stack of 10");
@@ -213,14 +151,14 @@ void add_structures(std::vector<StressCase>& cases) {
 
 void add_sizes(std::vector<StressCase>& cases) {
   for (const double size : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0}) {
-    StressCase c =
-        contact_case("size_" + text_of(size),
-                     "ten boxes of " + text_of(size) + " m, 10 s: way down over 1 % of the height, across over a tenth",
-                     "of 1", 0, 1,
-                     size == 0.01  ? "falls (absolute slop)"
-                     : size == 0.1 ? "6.3 % of a box low"
-                                   : "0.63 % of a box low at 1 m; 1 km stands",
-                     "Box2D HEAD, section 6 case 13");
+    StressCase c = contact_case(
+        "size_" + plain_number(size),
+        "ten boxes of " + plain_number(size) + " m, 10 s: way down over 1 % of the height, across over a tenth", "of 1",
+        0, 1,
+        size == 0.01  ? "falls (absolute slop)"
+        : size == 0.1 ? "6.3 % of a box low"
+                      : "0.63 % of a box low at 1 m; 1 km stands",
+        "Box2D HEAD, section 6 case 13");
     c.run = [size](const StressMethod& method, Precision precision) {
       return run_case(with_method(worlds::stack(precision, 10, size), method), 10, {},
                       [size](const Engine&, const Bodies& start, const Bodies& end) {
@@ -230,10 +168,10 @@ void add_sizes(std::vector<StressCase>& cases) {
     cases.push_back(std::move(c));
   }
   for (const double mass : {1e-6, 1e6}) {
-    StressCase c = contact_case(
-        "mass_" + text_of(mass),
-        "ten boxes of " + text_of(mass) + " kg, 10 s: way down over 1 % of the height, across over a tenth of a box",
-        "of 1", 0, 1, "", "own");
+    StressCase c = contact_case("mass_" + plain_number(mass),
+                                "ten boxes of " + plain_number(mass) +
+                                    " kg, 10 s: way down over 1 % of the height, across over a tenth of a box",
+                                "of 1", 0, 1, "", "own");
     c.run = [mass](const StressMethod& method, Precision precision) {
       Scene scene = worlds::stack(precision, 10);
       for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].mass = engine::ExplicitMass{mass, {}, {}};
@@ -245,8 +183,8 @@ void add_sizes(std::vector<StressCase>& cases) {
   }
   for (const double rate : {10.0, 20.0, 1000.0}) {
     StressCase c =
-        contact_case("dt_" + text_of(rate) + "_hz",
-                     "ten boxes at " + text_of(rate) +
+        contact_case("dt_" + plain_number(rate) + "_hz",
+                     "ten boxes at " + plain_number(rate) +
                          " ticks a second, 10 s: way down over 1 % of the height, across over a tenth of a box",
                      "of 1", 0, 1, "", "own");
     c.run = [rate](const StressMethod& method, Precision precision) {
@@ -260,8 +198,8 @@ void add_sizes(std::vector<StressCase>& cases) {
   }
   for (const double thickness : {0.01, 0.001}) {
     StressCase c = contact_case(
-        "sliver_" + text_of(thickness),
-        "five plates of 2 m by " + text_of(thickness) + " m, 10 s: height of the top one over what it should be",
+        "sliver_" + plain_number(thickness),
+        "five plates of 2 m by " + plain_number(thickness) + " m, 10 s: height of the top one over what it should be",
         "of 1", 0.99, 1.01, thickness > 0.005 ? "0.73" : "0.24, collapsed into slop", "Box2D HEAD, section 6 case 25");
     c.run = [thickness](const StressMethod& method, Precision precision) {
       Scene scene = worlds::empty(precision);
@@ -276,12 +214,13 @@ void add_sizes(std::vector<StressCase>& cases) {
     cases.push_back(std::move(c));
   }
   for (const double far : {1e3, 1e4, 1e5, 1e6}) {
-    StressCase c = contact_case(
-        "far_" + text_of(far),
-        "a stack of 10 at (" + text_of(far) + ", -0.87 of it), f64 always, 10 s: top against the same at the origin",
-        "m", 0, 1e-3,
-        "identical to 4 digits at 1e7 with double positions; floats: wrong at 1e7, jitter 0.11 m/s at 1e5",
-        "Box2D HEAD, section 6 case 20");
+    StressCase c =
+        contact_case("far_" + plain_number(far),
+                     "a stack of 10 at (" + plain_number(far) +
+                         ", -0.87 of it), f64 always, 10 s: top against the same at the origin",
+                     "m", 0, 1e-3,
+                     "identical to 4 digits at 1e7 with double positions; floats: wrong at 1e7, jitter 0.11 m/s at 1e5",
+                     "Box2D HEAD, section 6 case 20");
     c.run = [far](const StressMethod& method, Precision) {
       double near_top = 0;
       const StressValue at_origin =
@@ -349,8 +288,8 @@ void add_bullets(std::vector<StressCase>& cases) {
   for (const double speed : {100.0, 1000.0, 1e5})
     for (const bool free : {false, true}) {
       StressCase c =
-          contact_case(std::string("bullet_") + (free ? "plate_" : "wall_") + text_of(speed),
-                       "a disc of 5 cm at " + text_of(speed) + " m/s against " +
+          contact_case(std::string("bullet_") + (free ? "plate_" : "wall_") + plain_number(speed),
+                       "a disc of 5 cm at " + plain_number(speed) + " m/s against " +
                            (free ? "a free plate 1 cm thick" : "a wall 1 cm thick") + ": how far past it, 1 s",
                        "m", -HUGE_VAL, 0, free ? "only as a bullet; else passes at 400 m/s already" : "stopped",
                        "Box2D HEAD, section 6 cases 14, 15");
@@ -481,8 +420,8 @@ void add_frictions(std::vector<StressCase>& cases) {
   };
   cases.push_back(std::move(hold));
   for (const double degrees : {26.0, 27.1}) {
-    StressCase c = contact_case("topple_" + text_of(degrees),
-                                "a box twice as high as wide on a slope of " + text_of(degrees) +
+    StressCase c = contact_case("topple_" + plain_number(degrees),
+                                "a box twice as high as wide on a slope of " + plain_number(degrees) +
                                     " degrees (limit 26.565), 6 s: how far it turned",
                                 "deg", degrees < 26.5 ? 0 : 45, degrees < 26.5 ? 1 : 360, "", "");
     c.run = [degrees](const StressMethod& method, Precision precision) {

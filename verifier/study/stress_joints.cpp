@@ -33,12 +33,6 @@ StressCase joint_case(std::string name, std::string what, std::string unit, doub
   return out;
 }
 
-std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 // 1 kg hangs on a spring joint from a peg; it starts `start` m below the peg's end of the relaxed spring of 1 m.
 Scene hanging_weight(double stiffness, double damping, double start) {
   Scene scene = worlds::empty(Precision::f64);
@@ -52,8 +46,8 @@ void add_springs(std::vector<StressCase>& cases) {
   for (double stiffness = 1e2; stiffness < 2e9; stiffness *= 10) {
     const double sag = 10 / stiffness;
     StressCase keeps =
-        joint_case("spring_keeps_" + text_of(stiffness),
-                   "1 kg on " + text_of(stiffness) +
+        joint_case("spring_keeps_" + plain_number(stiffness),
+                   "1 kg on " + plain_number(stiffness) +
                        " N/m without damping, f64, 60 s: amplitude of the last over that of the first 10 s",
                    "of 1", stiffness < 2e6 ? 0.99 : 0, stiffness < 2e6 ? 1.01 : 1.42,
                    stiffness < 500 ? "0.02; AVBD 0.0005" : "stable, amplitude lost",
@@ -73,11 +67,12 @@ void add_springs(std::vector<StressCase>& cases) {
     };
     cases.push_back(std::move(keeps));
     // Beyond, ticks see one phase of a swing of four substeps: all that can be asked is that nothing grows.
-    StressCase sags = joint_case(
-        "spring_sag_" + text_of(stiffness),
-        "1 kg on " + text_of(stiffness) + " N/m, critically damped, from twice its sag, f64, 10 s: error of the sag",
-        "of 1", 0, 0.01, stiffness < 2e6 ? "0.003; AVBD wrong above 3e4 N/m" : "below what floats resolve",
-        "Box2D HEAD, section 6 case 1");
+    StressCase sags =
+        joint_case("spring_sag_" + plain_number(stiffness),
+                   "1 kg on " + plain_number(stiffness) +
+                       " N/m, critically damped, from twice its sag, f64, 10 s: error of the sag",
+                   "of 1", 0, 0.01, stiffness < 2e6 ? "0.003; AVBD wrong above 3e4 N/m" : "below what floats resolve",
+                   "Box2D HEAD, section 6 case 1");
     sags.run = [stiffness, sag](const StressMethod& method, Precision) {
       return run_case(with_method(hanging_weight(stiffness, 2 * std::sqrt(stiffness), 2 * sag), method), 10, {},
                       [sag](const Engine&, const Bodies&, const Bodies& end) {
@@ -88,8 +83,8 @@ void add_springs(std::vector<StressCase>& cases) {
   }
   for (const double ratio : {0.01, 1.0, 10.0, 1e3, 1e6}) {
     StressCase c = joint_case(
-        "spring_damping_" + text_of(ratio),
-        "100 N/m of damping ratio " + text_of(ratio) +
+        "spring_damping_" + plain_number(ratio),
+        "100 N/m of damping ratio " + plain_number(ratio) +
             ", let go 0.1 m off, f64, 10 s: how far it goes to the other side, of what the exact solution does",
         "m", 0, ratio < 1 ? 0.1 : 1e-6, "implicit 1/(1 + h c) form: monotone", "section 6 case 3, derived");
     c.run = [ratio](const StressMethod& method, Precision) {
@@ -144,8 +139,8 @@ void add_chains(std::vector<StressCase>& cases) {
   for (const int links : {10, 20})
     for (const double end_mass : {1.0, 1e1, 1e2, 1e3, 1e4, 1e6}) {
       StressCase c =
-          joint_case("hanging_" + std::to_string(links) + "_r" + text_of(end_mass),
-                     std::to_string(links) + " links of 1 m and 1 kg hang, " + text_of(end_mass) +
+          joint_case("hanging_" + std::to_string(links) + "_r" + plain_number(end_mass),
+                     std::to_string(links) + " links of 1 m and 1 kg hang, " + plain_number(end_mass) +
                          " kg at the end, the last 5 of 10 s: widest gap",
                      "of a link", 0, 0.01, "holds to 4.2e4 (AVBD, 160 iterations), 9.6e3 (Box2D HEAD, hertz lifted)",
                      "section 3.4, hanging chains");
@@ -156,14 +151,15 @@ void add_chains(std::vector<StressCase>& cases) {
     }
   for (const double end_mass : {1.0, 1e1, 1e2, 1e3, 1e4}) {
     StressCase c = joint_case(
-        "swinging_10_r" + text_of(end_mass),
-        "10 links of 1 m and 1 kg let go level, " + text_of(end_mass) + " kg at the end, 10 s: widest gap", "of a link",
-        0, 0.01, "holds to 1.1e3 (AVBD, 40 iterations), 3.5e3 (Box2D HEAD, hertz lifted, 64 sub)", "section 6 case 9");
+        "swinging_10_r" + plain_number(end_mass),
+        "10 links of 1 m and 1 kg let go level, " + plain_number(end_mass) + " kg at the end, 10 s: widest gap",
+        "of a link", 0, 0.01, "holds to 1.1e3 (AVBD, 40 iterations), 3.5e3 (Box2D HEAD, hertz lifted, 64 sub)",
+        "section 6 case 9");
     c.run = [end_mass](const StressMethod& method, Precision precision) {
       return worst_gap(with_method(worlds::chain(precision, 10, {1, 0}, end_mass), method), 10, 0, 1);
     };
     cases.push_back(std::move(c));
-    StressCase energy = joint_case("swinging_energy_r" + text_of(end_mass),
+    StressCase energy = joint_case("swinging_energy_r" + plain_number(end_mass),
                                    "the same: largest energy over the start's, as a share of the fall's", "of 1", -1,
                                    0.01, "", "section 6 case 9");
     energy.run = [end_mass](const StressMethod& method, Precision precision) {

@@ -27,4 +27,7 @@ StressValue run_case(
 /// The largest way across and down of the moving bodies, over their bounds: 1 is just allowed.
 double moved_share(const Bodies& start, const Bodies& end, double across_max, double down_max);
 
+/// As it stands in names and sentences: 0.01, 1000, 1e+06.
+std::string plain_number(double value);
+
 }  // namespace ticktrue::verifier

@@ -92,36 +92,77 @@ bool can_plot(const Plot& plot, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!plot.log_x || x > 0) && (!plot.log_y || y > 0);
 }
 
+// Eight colours that remain apart for the colour-blind (Okabe, Ito, "Color Universal Design", 2008), then the same
+// dashed.
+constexpr std::string_view line_types =
+    "do for [i=0:1] {\n"
+    "  j = 0\n"
+    "  do for [c in '#0072b2 #d55e00 #009e73 #cc79a7 #000000 #e69f00 #56b4e9 #999999'] {\n"
+    "    j = j + 1\n"
+    "    set linetype 8 * i + j linecolor rgb c dashtype 1 + 2 * i pointtype 4 + j + i pointsize 0.5 linewidth 1.5\n"
+    "  }\n"
+    "}\n"
+    "set linetype cycle 16\n";
+constexpr std::size_t marked_count_max = 40;  // of points; curves of more are lines alone
+
+// "set logscale", format and tics of one axis.
+std::string axis_of(char axis, bool is_log, const std::vector<std::string>& ticks) {
+  const std::string name(1, axis);
+  std::string text = "unset logscale " + name + "\nset " + name + "tics autofreq norotate\n";
+  if (is_log) text = "set logscale " + name + "\nset " + name + "tics autofreq norotate\n";
+  text += "set format " + name + (is_log ? " '10^{%T}'\n" : " '%g'\n");
+  if (ticks.empty()) return text;
+  text += "set " + name + "tics rotate by -60 noenhanced font ',9' (";
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    text += (i > 0 ? ", " : "") + quoted(ticks[i]) + " " + std::to_string(i + 1);
+  return text + ")\nset xrange [0.5:" + std::to_string(ticks.size()) + ".5]\n";
+}
+
+std::string style_of(const Plot& plot, const PlotCurve& curve) {
+  if (curve.dashed) return "lines dashtype 3 linecolor 'gray40'";
+  if (!plot.joined) return "points";
+  return curve.x.size() > marked_count_max ? "lines" : "linespoints";
+}
+
+// The data blocks and the plot command of one diagram.
+std::string curves_of(const Plot& plot, std::size_t index) {
+  std::string blocks, command;
+  for (std::size_t c = 0; c < plot.curves.size(); ++c) {
+    const PlotCurve& curve = plot.curves[c];
+    const std::string name = "$data_" + std::to_string(index) + "_" + std::to_string(c);
+    std::size_t count = 0;
+    std::string block = name + " << EOD\n";
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      double y = curve.y[i];
+      if (plot.y_most > 0 && !std::isnan(y)) y = std::clamp(y, plot.y_least, plot.y_most);
+      if (!can_plot(plot, curve.x[i], y)) continue;
+      block += full_number(curve.x[i]) + " " + full_number(y) + "\n";
+      ++count;
+    }
+    if (count == 0) continue;
+    blocks += block + "EOD\n";
+    command += (command.empty() ? "plot " : ", ") + name + " using 1:2 with " + style_of(plot, curve) + " title " +
+               quoted(curve.name);
+  }
+  return blocks + (command.empty() ? std::string("plot NaN notitle") : command) + "\n";
+}
+
 std::string script_of(const std::vector<Plot>& plots, const std::string& path) {
-  std::string script = "set terminal svg size 900," + std::to_string(520 * plots.size()) +
+  constexpr std::size_t width = 1000, height = 480;  // of a diagram
+  std::string script = "set terminal svg size " + std::to_string(width) + "," + std::to_string(height * plots.size()) +
                        " font 'sans-serif,12' background 'white'\nset output " + quoted(path) +
-                       "\nset encoding utf8\nset multiplot layout " + std::to_string(plots.size()) + ",1\n";
+                       "\nset encoding utf8\n" + std::string(line_types) + "set multiplot layout " +
+                       std::to_string(plots.size()) + ",1\nset grid\nset lmargin 12\nset rmargin 36\n" +
+                       "set key outside right top Left reverse noenhanced\n";
   for (std::size_t p = 0; p < plots.size(); ++p) {
     const Plot& plot = plots[p];
-    script += "unset logscale\nset title " + quoted(plot.title) + " noenhanced\nset xlabel " + quoted(plot.x_label) +
-              " noenhanced\nset ylabel " + quoted(plot.y_label) +
-              " noenhanced\nset key outside right noenhanced\nset grid\n";
-    if (plot.log_x) script += "set logscale x\nset format x '%.0e'\n";
-    if (!plot.log_x) script += "set format x '%g'\n";
-    if (plot.log_y) script += "set logscale y\nset format y '%.0e'\n";
-    if (!plot.log_y) script += "set format y '%g'\n";
-    std::string command;
-    for (std::size_t c = 0; c < plot.curves.size(); ++c) {
-      const PlotCurve& curve = plot.curves[c];
-      const std::string name = "$data_" + std::to_string(p) + "_" + std::to_string(c);
-      std::size_t count = 0;
-      std::string block = name + " << EOD\n";
-      for (std::size_t i = 0; i < curve.x.size(); ++i) {
-        if (!can_plot(plot, curve.x[i], curve.y[i])) continue;
-        block += full_number(curve.x[i]) + " " + full_number(curve.y[i]) + "\n";
-        ++count;
-      }
-      if (count == 0) continue;
-      script += block + "EOD\n";
-      command += (command.empty() ? "plot " : ", ") + name + " using 1:2 with " +
-                 (curve.dashed ? "lines dashtype 2 linecolor 'gray'" : "linespoints") + " title " + quoted(curve.name);
-    }
-    script += (command.empty() ? std::string("plot NaN notitle") : command) + "\n";
+    script += "set title " + quoted(plot.title) + " noenhanced\nset xlabel " + quoted(plot.x_label) +
+              " noenhanced\nset ylabel " + quoted(plot.y_label) + " noenhanced\nset xrange [*:*]\nset yrange [*:*]\n";
+    script += plot.ticks.empty() ? "set bmargin 4\n" : "set bmargin 9\n";
+    script += axis_of('x', plot.log_x, plot.ticks) + axis_of('y', plot.log_y, {});
+    if (plot.y_most > 0)
+      script += "set yrange [" + full_number(plot.y_least / 2) + ":" + full_number(plot.y_most * 2) + "]\n";
+    script += curves_of(plot, p);
   }
   return script + "unset multiplot\n";
 }

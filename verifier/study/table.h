@@ -52,6 +52,9 @@ struct Plot {
   bool log_x = true;
   bool log_y = true;
   std::vector<PlotCurve> curves;
+  std::vector<std::string> ticks = {};  // names of x = 1, 2, ...; empty: numbers
+  bool joined = true;                   // points in a row belong together
+  double y_least = 0, y_most = 0;       // values beyond are drawn at the edge; 0, 0: no bounds
 };
 /// Draws the plots below each other as SVG, by the program gnuplot. Errors: io; unsupported where gnuplot is missing.
 Status write_plots(const std::vector<Plot>& plots, const std::string& path);
