@@ -1,6 +1,5 @@
 // Cell and column hashes: multiplications over packed words, no call per row.
 // SPDX-License-Identifier: MIT
-// Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums over columns).
 #include "base/cells.h"
 
 #include <algorithm>
@@ -8,13 +7,12 @@
 #include <utility>
 
 #include "base/assert.h"
-#include "base/words.h"
+#include "base/row_kernels.h"
 
 namespace ticktrue {
 namespace {
 
 constexpr std::uint64_t multiplier = 0xd6e8feb86659fd93u;  // odd, bits without pattern
-constexpr std::uint32_t row_step = 0x9e3779b9u;            // 2^32 / golden ratio: keys of rows spread evenly
 constexpr std::uint32_t no_owner = 0xffffffffu;
 
 /// One step of a chain; a bijection of `hash` for each `word` and of `word` for each `hash`.
@@ -56,33 +54,11 @@ void hash_rows(std::index_sequence<counts...>, const std::uint32_t* words, std::
 }
 constexpr std::make_index_sequence<24> short_rows;
 
-/// The sums over pairs of rows of products of words, for `blocks` times four words. `words`: the first of them in the
-/// first row.
-template <std::size_t blocks>
-void add_products(const std::uint32_t* words, std::size_t stride, std::size_t row_count, std::uint64_t* out) {
-  const auto block = [&](std::size_t row, std::size_t i) {
-    return load_words(reinterpret_cast<const std::uint8_t*>(words + row * stride + 4 * i));
-  };
-  Sums2 even[blocks] = {}, odd[blocks] = {};
-  const auto add = [&](std::size_t i, Words4 a, Words4 b) {
-    even[i] += multiply_even(a, b);
-    odd[i] += multiply_even(odd_words(a), odd_words(b));
-  };
-  const Words4 step{row_step, row_step, row_step, row_step};
-  Words4 key = step;
-  std::size_t row = 0;
-  for (; row + 1 < row_count; row += 2, key += 2 * step)
-    for (std::size_t i = 0; i < blocks; ++i) add(i, block(row, i) + key, block(row + 1, i) + key + step);
-  if (row < row_count)
-    for (std::size_t i = 0; i < blocks; ++i) add(i, block(row, i) + key, key + step);
-  for (std::size_t i = 0; i < blocks; ++i)
-    for (std::size_t word = 0; word < 4; ++word) out[4 * i + word] = (word % 2 == 0 ? even : odd)[i][word / 2];
-}
-
-/// The same for one word.
-std::uint64_t add_products_of_word(const std::uint32_t* words, std::size_t stride, std::size_t row_count) {
+/// The sum of products (base/row_kernels.h) of one word.
+std::uint64_t sum_products_of_word(const std::uint32_t* words, std::size_t stride, std::size_t first,
+                                   std::size_t row_count) {
   std::uint64_t sum = 0;
-  std::uint32_t key = row_step;
+  std::uint32_t key = (static_cast<std::uint32_t>(first) + 1) * row_step;
   for (std::size_t row = 0; row < row_count; row += 2, key += 2 * row_step) {
     const std::uint32_t a = words[row * stride] + key;
     const std::uint32_t b = (row + 1 < row_count ? words[(row + 1) * stride] : 0) + key + row_step;
@@ -194,16 +170,21 @@ const std::uint32_t* CellHasher::words_of(std::size_t index, const TableRows& ro
   return words.data();
 }
 
-void CellHasher::hash_columns(const Table& table, const std::uint32_t* words, std::size_t row_count,
-                              std::uint32_t* out) {
-  sums_.resize(table.words);
-  if (table.words >= 4)
-    cover_words(table.words, [&](std::size_t first, auto blocks) {
-      add_products<blocks.value>(words + first, table.words, row_count, sums_.data() + first);
-    });
-  else
+/// Adds the products of some rows to the sums of the table's words.
+void CellHasher::add_products(const Table& table, const std::uint32_t* words, std::size_t first,
+                              std::size_t row_count) {
+  if (table.words < 4) {
     for (std::size_t word = 0; word < table.words; ++word)
-      sums_[word] = add_products_of_word(words + word, table.words, row_count);
+      sums_[word] += sum_products_of_word(words + word, table.words, first, row_count);
+    return;
+  }
+  block_sums_.resize(table.words);
+  row_kernels().sum_products(words, table.words, first, row_count, block_sums_.data());
+  for (std::size_t word = 0; word < table.words; ++word) sums_[word] += block_sums_[word];
+}
+
+/// The hashes of the table's columns, from the sums of its words.
+void CellHasher::hash_columns(const Table& table, std::size_t row_count, std::uint32_t* out) const {
   for (std::size_t c = 0; c + 1 < table.column_word.size(); ++c) {
     std::uint64_t hash = row_count;
     for (std::size_t word = table.column_word[c]; word < table.column_word[c + 1]; ++word)
@@ -231,10 +212,9 @@ void CellHasher::make_lookup(const Table& table, const std::uint32_t* words, std
   }
 }
 
-std::uint64_t CellHasher::key_of(const Table& table, const std::uint32_t* row_words, std::size_t row) const {
-  if (table.key_words == 0) return row;
+inline std::uint64_t CellHasher::key_of(const Table& table, const std::uint32_t* row_words, std::size_t row) {
   if (table.key_words == 1) return row_words[0];
-  return hash_row(row_words, table.key_words, 0);
+  return table.key_words == 0 ? row : hash_row(row_words, table.key_words, 0);
 }
 
 /// Puts the owners of a row of a table that does not own into found_; false if there is none.
@@ -257,71 +237,126 @@ void CellHasher::prepare(const StateView& state) {
     if (tables_[t].owns) owner_count += state.tables[t].row_count;
     if (is_target_[t]) make_lookup(tables_[t], words_[t], state.tables[t].row_count, lookups_[t]);
   }
-  values_.resize(owner_count);
-  places_.resize(owner_count);
+  values_.assign(2 * owner_count, 0);
 }
+
+namespace {
+
+/// Xors a value into its cells.
+inline void put_value(std::uint16_t* cells, std::uint32_t partition_cells, const CellPlace& place,
+                      std::uint64_t value) {
+  value = mix(value, place.key);
+  for (std::size_t p = 0; p < partition_count; ++p, cells += partition_cells)
+    cells[place.cells[p]] = static_cast<std::uint16_t>(cells[place.cells[p]] ^ (value >> (16 * p)));
+}
+
+CellPlace place_of(const CellOwner& owner, std::uint32_t partition_cells) {
+  CellPlace place;
+  place.key = owner.key;
+  place.is_known = true;
+  const auto cells = cells_of(owner, partition_cells);
+  for (std::size_t p = 0; p < partition_count; ++p) place.cells[p] = static_cast<std::uint16_t>(cells[p]);
+  return place;
+}
+
+}  // namespace
 
 void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, StateCells& out) {
   TICKTRUE_ASSERT(partition_cells <= partition_cells_max);
   prepare(state);
-  out.partition_cells = partition_cells == 0 ? partition_cells_for(values_.size()) : partition_cells;
+  out.partition_cells = partition_cells == 0 ? partition_cells_for(values_.size() / 2) : partition_cells;
   out.cells.assign(partition_count * out.partition_cells, 0);
   out.row_counts.clear();
   out.columns.assign(column_count_, 0);
-
-  const auto put = [&](const std::array<std::uint32_t, partition_count>& cells, std::uint64_t key,
-                       std::uint64_t value) {
-    value = mix(value, key);
-    for (std::size_t p = 0; p < partition_count; ++p) {
-      std::uint16_t& cell = out.cells[p * out.partition_cells + cells[p]];
-      cell = static_cast<std::uint16_t>(cell ^ (value >> (16 * p)));
+  if (places_cells_ != out.partition_cells)
+    for (Table& table : tables_) table.places.clear();
+  places_cells_ = out.partition_cells;
+  for (const bool owns : {true, false}) {
+    std::uint32_t* columns = out.columns.data();
+    for (std::size_t t = 0; t < tables_.size(); ++t) {
+      if (tables_[t].owns == owns && state.tables[t].row_count > 0)
+        hash_table(t, state.tables[t].row_count, columns, out);
+      columns += tables_[t].column_word.size() - 1;
     }
-  };
-  std::uint32_t* columns = out.columns.data();
+  }
   for (std::size_t t = 0; t < tables_.size(); ++t) {
-    const Table& table = tables_[t];
-    const std::size_t row_count = state.tables[t].row_count;
     out.row_counts.push_back(state.tables[t].row_count);
-    if (row_count > 0) hash_columns(table, words_[t], row_count, columns);
-    columns += table.column_word.size() - 1;
-    if (!table.owns) continue;
-    hash_rows(short_rows, words_[t], table.words, row_count, table.seed, values_.data() + first_owner_[t]);
-  }
-  for (std::size_t t = 0; t < tables_.size(); ++t) {
-    const Table& table = tables_[t];
-    const std::size_t row_count = state.tables[t].row_count;
-    if (table.owns || row_count == 0) continue;
-    std::vector<std::uint64_t>& hashes = sums_;
-    hashes.resize(row_count);
-    hash_rows(short_rows, words_[t], table.words, row_count, table.seed, hashes.data());
-    std::vector<std::size_t>& is_owned = found_;
-    is_owned.assign(row_count, 0);
-    for (const Reference& reference : table.references) {
-      const Lookup& lookup = lookups_[reference.target];
-      std::uint64_t* values = values_.data() + first_owner_[reference.target];
-      const std::uint32_t* word = words_[t] + reference.word;
-      for (std::size_t row = 0; row < row_count; ++row, word += table.words) {
-        const std::uint32_t owner = lookup.find(*word);
-        if (owner == no_owner) continue;
-        values[owner] += hashes[row];
-        is_owned[row] = 1;
-      }
-    }
-    for (std::size_t row = 0; row < row_count; ++row) {
-      if (is_owned[row] != 0) continue;
-      const std::uint64_t key = key_of(table, words_[t] + row * table.words, row);
-      put(cells_of({t, row, key}, out.partition_cells), key, hashes[row]);
-    }
-  }
-  for (std::size_t t = 0; t < tables_.size(); ++t) {
     if (!tables_[t].owns) continue;
-    for (std::size_t row = 0; row < state.tables[t].row_count; ++row) {
-      const std::uint64_t key = key_of(tables_[t], words_[t] + row * tables_[t].words, row);
-      Place& place = places_[first_owner_[t] + row];
-      if (place.table != t || place.key != key || place.partition_cells != out.partition_cells)
-        place = {key, t, out.partition_cells, cells_of({t, row, key}, out.partition_cells)};
-      put(place.cells, key, values_[first_owner_[t] + row]);
+    const CellPlace* places = tables_[t].places.data();
+    const std::uint64_t* values = values_.data() + first_owner_[t];
+    const std::uint64_t* more = values + values_.size() / 2;
+    for (std::size_t row = 0; row < state.tables[t].row_count; ++row)
+      put_value(out.cells.data(), out.partition_cells, places[row], values[row] + more[row]);
+  }
+}
+
+/// Columns and rows of a table, some rows at a time: what is read once stays in the nearest cache for the rest.
+void CellHasher::hash_table(std::size_t index, std::size_t row_count, std::uint32_t* columns, StateCells& out) {
+  constexpr std::size_t block_size = 8 * 1024;  // bytes
+  Table& table = tables_[index];
+  sums_.assign(table.words, 0);
+  if (table.owns) keep_places(index, row_count);
+  const std::size_t block_rows = std::max<std::size_t>(2, block_size / (4 * table.words) / 2 * 2);
+  for (std::size_t first = 0; first < row_count; first += block_rows) {
+    const std::size_t count = std::min(block_rows, row_count - first);
+    const std::uint32_t* words = words_[index] + first * table.words;
+    add_products(table, words, first, count);
+    if (table.owns)
+      hash_rows(short_rows, words, table.words, count, table.seed, values_.data() + first_owner_[index] + first);
+    else
+      fold_rows(index, first, count, out);
+  }
+  hash_columns(table, row_count, columns);
+}
+
+/// Finds the cells of owners anew where another one has come to stand in a row. Keys known to be first, first + 1, ...
+/// are not looked at.
+void CellHasher::keep_places(std::size_t index, std::size_t row_count) {
+  Table& table = tables_[index];
+  const bool is_dense = is_target_[index] && lookups_[index].is_dense && table.key_words == 1;
+  const std::uint32_t first_key = lookups_[index].first;
+  std::size_t known = std::min(row_count, table.places.size());
+  table.places.resize(row_count);
+  if (!is_dense || !table.places_are_dense || (known > 0 && table.places[0].key != first_key)) known = 0;
+  table.places_are_dense = is_dense;
+  const std::uint32_t* words = words_[index] + known * table.words;
+  for (std::size_t row = known; row < row_count; ++row, words += table.words) {
+    const std::uint64_t key = key_of(table, words, row);
+    CellPlace& place = table.places[row];
+    if (place.key != key || !place.is_known) place = place_of({index, row, key}, places_cells_);
+  }
+}
+
+/// Rows of a table that does not own go to the owners they refer to. Every second row goes to the second half of the
+/// values: contacts stand in the order of their first body, and each addition to the same one waits for the one before.
+void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row_count, StateCells& out) {
+  const Table& table = tables_[index];
+  hashes_.resize(row_count);
+  const std::uint32_t* words = words_[index] + first * table.words;
+  hash_rows(short_rows, words, table.words, row_count, table.seed, hashes_.data());
+  const std::uint64_t* hashes = hashes_.data();
+  const std::size_t stride = table.words;
+  const std::size_t owner_count = values_.size() / 2;
+  bool all_have_owners = false;
+  for (const Reference& reference : table.references) {
+    const Lookup& lookup = lookups_[reference.target];
+    std::uint64_t* values = values_.data() + first_owner_[reference.target];
+    const std::uint32_t* id = words + reference.word;
+    std::size_t found = 0;
+    for (std::size_t row = 0; row < row_count; ++row, id += stride) {
+      const std::uint32_t owner = lookup.find(*id);
+      if (owner == no_owner) continue;
+      values[owner + row % 2 * owner_count] += hashes[row];
+      ++found;
     }
+    all_have_owners = all_have_owners || found == row_count;
+  }
+  if (all_have_owners) return;
+  for (std::size_t row = 0; row < row_count; ++row, words += table.words) {
+    if (find_owners(table, words)) continue;
+    const std::uint64_t key = key_of(table, words, first + row);
+    put_value(out.cells.data(), out.partition_cells, place_of({index, first + row, key}, out.partition_cells),
+              hashes_[row]);
   }
 }
 

@@ -41,6 +41,13 @@ struct CellOwner {
 /// The cell of each partition that the owner's value goes into.
 std::array<std::uint32_t, partition_count> cells_of(const CellOwner& owner, std::uint32_t partition_cells);
 
+/// Where an owner's value goes: what cells_of says, kept since the same owners come again tick after tick.
+struct CellPlace {
+  std::uint64_t key = 0;
+  std::array<std::uint16_t, partition_count> cells{};
+  bool is_known = false;
+};
+
 /// Computes the cells of states of one schema; keeps its buffers between calls.
 class CellHasher {
  public:
@@ -61,13 +68,6 @@ class CellHasher {
     std::size_t word = 0;
     std::size_t target = 0;
   };
-  /// Where an owner's value goes; kept, since the same owners come again tick after tick.
-  struct Place {
-    std::uint64_t key = 0;
-    std::size_t table = 0;
-    std::uint32_t partition_cells = 0;
-    std::array<std::uint32_t, partition_count> cells{};
-  };
   struct Table {
     bool owns = false;                     // its rows are owners
     bool is_words = false;                 // every lane is 4 or 8 bytes: the row is its own words
@@ -76,6 +76,8 @@ class CellHasher {
     std::vector<std::size_t> column_word;  // first word of each column, then `words`
     std::vector<Reference> references;     // to owning tables
     std::size_t key_words = 0;
+    std::vector<CellPlace> places;  // [row], of an owning table
+    bool places_are_dense = false;  // their keys are those of a dense lookup
   };
   /// Finds the row with an id.
   struct Lookup {
@@ -87,10 +89,14 @@ class CellHasher {
   };
 
   const std::uint32_t* words_of(std::size_t table, const TableRows& rows);
-  void hash_columns(const Table& table, const std::uint32_t* words, std::size_t row_count, std::uint32_t* out);
+  void add_products(const Table& table, const std::uint32_t* words, std::size_t first, std::size_t row_count);
+  void hash_columns(const Table& table, std::size_t row_count, std::uint32_t* out) const;
   void make_lookup(const Table& table, const std::uint32_t* words, std::size_t row_count, Lookup& lookup);
-  std::uint64_t key_of(const Table& table, const std::uint32_t* row_words, std::size_t row) const;
+  static std::uint64_t key_of(const Table& table, const std::uint32_t* row_words, std::size_t row);
   void prepare(const StateView& state);
+  void hash_table(std::size_t table, std::size_t row_count, std::uint32_t* columns, StateCells& out);
+  void keep_places(std::size_t table, std::size_t row_count);
+  void fold_rows(std::size_t table, std::size_t first, std::size_t row_count, StateCells& out);
   bool find_owners(const Table& table, const std::uint32_t* row_words);
 
   const StateSchema schema_;
@@ -101,10 +107,12 @@ class CellHasher {
   std::vector<Lookup> lookups_;                       // [table], of owning tables that are referred to
   std::vector<bool> is_target_;                       // [table]
   std::vector<std::size_t> first_owner_;              // [table], index of its first row in values_
-  std::vector<std::uint64_t> values_;                 // [owner]
-  std::vector<Place> places_;                         // [owner]
+  std::vector<std::uint64_t> values_;                 // [owner], twice: the two are added
+  std::uint32_t places_cells_ = 0;                    // the cells of a partition that places are of
   std::vector<std::size_t> found_;                    // owners of one row
   std::vector<std::uint64_t> sums_;                   // [word]
+  std::vector<std::uint64_t> block_sums_;             // [word]
+  std::vector<std::uint64_t> hashes_;                 // [row]
   std::vector<CellOwner> owners_;
 };
 

@@ -1,14 +1,28 @@
-// The only file that includes xxhash.h.
+// Which row kernels this machine runs; hashes as text.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
+#include "base/row_kernels.h"
 
 namespace ticktrue {
 
+std::span<const RowKernels* const> all_row_kernels() {
+#ifdef TICKTRUE_HAS_AVX2_ROWS
+  static constexpr const RowKernels* list[] = {&baseline::row_kernels, &avx2::row_kernels};
+  return {list, __builtin_cpu_supports("avx2") ? 2u : 1u};
+#else
+  static constexpr const RowKernels* list[] = {&baseline::row_kernels};
+  return list;
+#endif
+}
+
+const RowKernels& row_kernels() {
+  static const RowKernels& widest = *all_row_kernels().back();
+  return widest;
+}
+
 std::uint64_t hash64(ByteView bytes, std::uint64_t seed) {
-  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+  return row_kernels().hash(bytes.data(), bytes.size(), seed);
 }
 
 namespace {

@@ -11,7 +11,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
-#include "base/words.h"
+#include "base/row_kernels.h"
 
 namespace ticktrue {
 namespace {
@@ -352,35 +352,13 @@ ExponentTests exponent_tests(const TableSchema& table) {
   return tests;
 }
 
-/// Whether one of `blocks` times four words of any row, from word `first` on, fails its test. Branch-free.
-template <std::size_t blocks>
-bool fails_test(const TableSchema& table, const TableRows& rows, const ExponentTests& tests, std::size_t first) {
-  const auto load = [&](const std::vector<std::uint32_t>& words, std::size_t i) {
-    return load_words(reinterpret_cast<const std::uint8_t*>(words.data() + first + 4 * i));
-  };
-  Words4 found[blocks] = {};
-  const std::uint8_t* words = rows.data + 4 * first;
-  for (std::size_t row = 0; row < rows.row_count; ++row, words += table.row_size)
-    for (std::size_t i = 0; i < blocks; ++i)
-      found[i] |= reinterpret_cast<Words4>((load_words(words + 16 * i) & load(tests.mask, i)) == load(tests.want, i));
-  std::uint32_t any = 0;
-  for (std::size_t i = 0; i < 4 * blocks; ++i) any |= found[i / 4][i % 4];
-  return any != 0;
-}
-
 /// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
 bool is_suspect(const TableSchema& table, const TableRows& rows) {
   const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
   if (std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
   const ExponentTests tests = exponent_tests(table);
   if (tests.mask.size() < 4) return true;
-  bool suspect = false;
-  cover_words(tests.mask.size(), [&](std::size_t first, auto blocks) {
-    const auto begin = tests.mask.begin() + static_cast<std::ptrdiff_t>(first);
-    if (std::any_of(begin, begin + 4 * blocks.value, [](std::uint32_t mask) { return mask != 0; }))
-      suspect |= fails_test<blocks.value>(table, rows, tests, first);
-  });
-  return suspect;
+  return row_kernels().any_match(rows.data, tests.mask.size(), rows.row_count, tests.mask.data(), tests.want.data());
 }
 
 }  // namespace

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "base/cells.h"
 #include "engine/math/random.h"
 #include "verifier/json_parts.h"
+#include "verifier/parallel.h"
 #include "verifier/verify.h"
 
 namespace ticktrue::verifier {
@@ -39,6 +41,7 @@ struct Flip {
   std::vector<FlippedBit> bits;
   std::vector<CellOwner> concerned;  // rows whose values it changes
   Bytes row_after;                   // inside the solver: what became of the row by the end of the tick
+  bool waived = false;               // it became what it would have been without
   std::uint64_t rows_seen = 0;       // of the largest table the flip could be in
 };
 
@@ -253,6 +256,7 @@ class Injector {
   Result<InjectReport> run() {
     report_.file = reader_.name();
     report_.seed = options_.seed;
+    report_.is_inside = options_.after_substep.has_value();
     for (const replay::DetailInfo& info : replay::details)
       if (info.detail == setup_.detail) report_.detail = info.name;
     if (const Status named = check_names(); !named) return named.error();
@@ -262,10 +266,10 @@ class Injector {
     if (report_.baseline.verdict != Verdict::match) return std::move(report_);
     tick_count_ = report_.baseline.ticks_recorded.value_or(report_.baseline.ticks_compared);
     if (const Status planned = plan(); !planned) return planned.error();
-    run_excerpts();
-    for (const std::size_t index : left_) run_on_file(index);
+    if (const Status run = run_flips(); !run) return run.error();
     for (const InjectRow& row : report_.rows) {
       if (row.outcome == InjectRow::Outcome::found) ++report_.passed;
+      if (row.outcome == InjectRow::Outcome::found && row.waived) ++report_.waived;
       if (row.outcome == InjectRow::Outcome::missed) ++report_.failed;
       if (row.outcome == InjectRow::Outcome::not_applicable) ++report_.not_applicable;
     }
@@ -291,12 +295,13 @@ class Injector {
     for (const InjectRow& row : report_.rows) {
       if (row.outcome == InjectRow::Outcome::not_applicable || !row.cells_required) continue;
       lengths.push_back(row.list_length);
-      concerned.push_back(row.concerned);
+      if (!row.waived) concerned.push_back(row.concerned);
     }
     if (lengths.empty()) return;
     std::sort(lengths.begin(), lengths.end());
     std::sort(concerned.begin(), concerned.end());
-    report_.lists = {lengths.size(), lengths[lengths.size() / 2], lengths.back(), concerned[concerned.size() / 2]};
+    report_.lists = {lengths.size(), lengths[lengths.size() / 2], lengths.back(),
+                     concerned.empty() ? 0 : concerned[concerned.size() / 2]};
   }
 
   Status check_names() const {
@@ -351,30 +356,46 @@ class Injector {
     return {};
   }
 
-  /// One pass through the file: each flip in a tick whose state before is stored costs one tick (and one more to
-  /// judge).
-  void run_excerpts() {
+  /// Every thread reads the whole trace and takes its share of the flips, every n-th of them in the order of ticks.
+  Status run_flips() {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < flips_.size(); ++i) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return flips_[a].tick != flips_[b].tick ? flips_[a].tick < flips_[b].tick : a < b;
     });
-    if (setup_.detail == replay::Detail::root || !can_load()) {
-      left_ = std::move(order);
-      return;
+    std::vector<std::unique_ptr<TraceSource>> sources;
+    sources.push_back(std::make_unique<ReaderSource>(reader_));
+    while (options_.reopen && sources.size() < std::min<std::size_t>(options_.thread_count, order.size())) {
+      auto source = options_.reopen();
+      if (source == nullptr) break;  // fewer threads, the same results
+      sources.push_back(std::move(source));
     }
-    if (setup_.detail == replay::Detail::cells) {
-      run_beside(order);
-      return;
-    }
+    return run_jobs(sources.size(), static_cast<unsigned>(sources.size()), [&](std::size_t job) {
+      std::vector<std::size_t> share;
+      for (std::size_t i = job; i < order.size(); i += sources.size()) share.push_back(order[i]);
+      run_share(*sources[job], share);
+    });
+  }
+
+  void run_share(TraceSource& source, const std::vector<std::size_t>& order) {
+    std::vector<std::size_t> left = order;  // flips that have to run on the file itself
+    if (setup_.detail == replay::Detail::cells && can_load()) left = run_beside(source, order);
+    if (setup_.detail == replay::Detail::full && can_load()) left = run_excerpts(source, order);
+    for (const std::size_t index : left) run_flip(index, source, flips_[index].tick);
+  }
+
+  /// One pass through the file: each flip in a tick whose state before is stored costs one tick (and one more to
+  /// judge). Gives the flips in other ticks.
+  std::vector<std::size_t> run_excerpts(TraceSource& source, const std::vector<std::size_t>& order) {
+    std::vector<std::size_t> left;
     Bytes before;
     std::uint64_t before_root = 0;
     bool before_known = false;
     std::uint64_t before_ticks = 0;  // ticks done in `before`
     std::size_t next = 0;
-    reader_.rewind();
+    source.rewind();
     while (next < order.size()) {
-      const TraceReader::Item& item = reader_.next();
+      const TraceReader::Item& item = source.next();
       if (std::holds_alternative<std::monostate>(item)) break;
       if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) {
         before.assign(checkpoint->image.begin(), checkpoint->image.end());
@@ -386,7 +407,7 @@ class Injector {
       const TickRecord& record = std::get<TickRecord>(item);
       for (; next < order.size() && flips_[order[next]].tick == record.tick; ++next) {
         if (!before_known || before_ticks != record.tick || !record.image) {
-          left_.push_back(order[next]);
+          left.push_back(order[next]);
           continue;
         }
         Excerpt excerpt(setup_, before, record);
@@ -400,21 +421,19 @@ class Injector {
         before_ticks = record.tick + 1;
       }
     }
+    return left;
   }
 
   /// The same where states are not stored: a simulation runs along, whose state before the tick is taken.
-  void run_beside(const std::vector<std::size_t>& order) {
+  std::vector<std::size_t> run_beside(TraceSource& source, const std::vector<std::size_t>& order) {
     Result<std::unique_ptr<Simulation>> made = options_.simulation->make(setup_.setup);
-    if (!made) {
-      left_ = order;
-      return;
-    }
+    if (!made) return order;
     Simulation& beside = **made;
     Bytes before;
     std::size_t next = 0;
-    reader_.rewind();
+    source.rewind();
     while (next < order.size()) {
-      const TraceReader::Item& item = reader_.next();
+      const TraceReader::Item& item = source.next();
       if (std::holds_alternative<std::monostate>(item)) break;
       const auto* record = std::get_if<TickRecord>(&item);
       if (record == nullptr) continue;
@@ -429,11 +448,7 @@ class Injector {
         beside.step({record->dt, record->inputs}, nullptr);
       }
     }
-  }
-
-  void run_on_file(std::size_t index) {
-    ReaderSource source(reader_);
-    run_flip(index, source, flips_[index].tick);
+    return {};
   }
 
   /// `truth`: the state after the tick without the flip, where it is known.
@@ -453,9 +468,11 @@ class Injector {
     const Report found = verify_source(source, options);
     // A fault inside the solver may leave its own row as it is and show in those around it alone.
     if (truth != nullptr && !flip.row_after.empty() && flip.row_after == row_bytes(*truth, flip.bits[0].place))
-      flip.concerned.clear();
+      flip.waived = true;
     judge(flip, found, report_.rows[index]);
-    if (options_.progress) options_.progress(++flips_done_);
+    if (!options_.progress) return;
+    const std::lock_guard<std::mutex> lock(progress_lock_);
+    options_.progress(++flips_done_);
   }
 
   void judge(const Flip& flip, const Report& found, InjectRow& row) const {
@@ -481,6 +498,7 @@ class Injector {
     row.place_required = !row.cells_required && !is_inside &&
                          (stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty()));
     row.concerned = flip.concerned.size();
+    row.waived = flip.waived;
     if (row.cells_required) row.list_length = found.divergence->candidate_count;
     row.reason = why_missed(flip, found, row);
     row.outcome = row.reason.empty() ? InjectRow::Outcome::found : InjectRow::Outcome::missed;
@@ -508,8 +526,7 @@ class Injector {
   std::string why_missed_by_cells(const Flip& flip, const Divergence& divergence, const InjectRow& row) const {
     const auto table = std::find_if(divergence.tables.begin(), divergence.tables.end(),
                                     [&](const TableDifference& found) { return found.table == row.place.table; });
-    const bool is_unchanged = flip.concerned.empty();  // its row is as it should be: it shows elsewhere
-    if (table == divergence.tables.end() && is_unchanged) return "";
+    if (flip.waived) return "";  // its row is as it should be: it shows elsewhere
     if (table == divergence.tables.end()) return "table " + row.place.table + " is not named";
     if (!options_.after_substep) {
       if (divergence.tables.size() != 1) return "other tables are named";
@@ -567,9 +584,9 @@ class Injector {
   const InjectOptions& options_;
   InjectReport report_;
   std::uint64_t tick_count_ = 0;
+  std::mutex progress_lock_;
   std::uint64_t flips_done_ = 0;
-  std::vector<Flip> flips_;
-  std::vector<std::size_t> left_;  // flips that have to run on the file itself
+  std::vector<Flip> flips_;  // each used by one thread
 };
 
 std::string place_words(const InjectRow& row) {
@@ -621,19 +638,25 @@ std::string inject_text(const InjectReport& report) {
                      "  " + std::to_string(report.passed) + " of " + std::to_string(report.rows.size()) +
                      " flips found at the exact " +
                      (places  ? "tick, table, column, row and lane"
-                      : cells ? "tick and table, the rows concerned in the list"
+                      : cells ? std::string(report.is_inside ? "tick and table" : "tick, table and columns") +
+                                    ", the rows concerned in the list"
                               : "tick") +
                      "\n";
   if (cells)
     text += "  list    " + std::to_string(report.lists.median) + " rows (median), at most " +
             std::to_string(report.lists.max) + "; concerned " + std::to_string(report.lists.median_concerned) +
             " (median)\n";
+  if (report.waived > 0)
+    text += "  waived  " + std::to_string(report.waived) +
+            " of them left their own row as it should be: only those around it can be listed\n";
   if (!places && !cells)
     text +=
         "  note    where the trace stores only the hash of a tick, only the tick was required: record with "
         "--detail full for more\n";
   if (report.not_applicable > 0)
-    text += "  note    " + std::to_string(report.not_applicable) + " not applicable: no such place in the state\n";
+    text += "  note    " + std::to_string(report.not_applicable) +
+            (report.is_inside ? " not applicable: rounding took the fault away, or nothing could be flipped there\n"
+                              : " not applicable: no such place in the state\n");
   std::size_t shown = 0;
   for (const InjectRow& row : report.rows) {
     const bool single = report.rows.size() == 1;
@@ -657,7 +680,8 @@ std::string inject_json(const InjectReport& report) {
                  {"passed", report.passed},
                  {"failed", report.failed},
                  {"expected", 0},
-                 {"not_applicable", report.not_applicable}};
+                 {"not_applicable", report.not_applicable},
+                 {"waived", report.waived}};
   object["lists"] = nullptr;
   if (report.lists.count > 0)
     object["lists"] = {{"count", report.lists.count},
@@ -680,6 +704,7 @@ std::string inject_json(const InjectReport& report) {
       entry["required"] = row.place_required ? "place" : row.cells_required ? "cells" : "tick";
       if (row.cells_required) {
         entry["concerned"] = row.concerned;
+        entry["waived"] = row.waived;
         entry["list_length"] = row.list_length;
       }
     }

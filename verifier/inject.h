@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/simulation.h"
 #include "replay/trace_reader.h"
 #include "verifier/report.h"
+#include "verifier/trace_source.h"
 
 namespace ticktrue::verifier {
 
@@ -28,7 +30,11 @@ struct InjectOptions {
   std::optional<std::uint32_t> bit;            // 0: the lowest
   std::uint32_t body_count = 0;                // so many rows of the table of bodies at once; 0: one row of any table
   std::optional<std::uint32_t> after_substep;  // inside the solver, in one body, instead of at the end of the tick
-  std::function<void(std::uint64_t flips_done)> progress;  // may be empty
+  std::function<void(std::uint64_t flips_done)> progress;  // may be empty; called by one thread at a time
+
+  unsigned thread_count = 1;  // flips at once, where `reopen` is given; the report is the same
+  /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
+  std::function<std::unique_ptr<TraceSource>()> reopen;
 };
 
 /// One flip and what verify said of it.
@@ -46,6 +52,7 @@ struct InjectRow {
   std::vector<Flipped> more;      // flipped at once with it
   bool place_required = false;    // the trace stores the state of this tick: the exact place was required
   bool cells_required = false;    // it stores cells: exact table and columns, and every row concerned in the list
+  bool waived = false;            // inside the solver: its own row ends as it should, only others can be in the list
   std::uint64_t concerned = 0;    // with cells: rows (bodies) that the flips concern
   std::uint64_t list_length = 0;  // and how many verify listed
   std::string reason;             // why missed or not applicable
@@ -57,12 +64,14 @@ struct InjectReport {
   std::string file;
   std::string detail;
   std::uint64_t seed = 0;
-  Report baseline;  // the trace without any flip; nothing is injected unless it matches
+  bool is_inside = false;  // the flips were made inside the solver
+  Report baseline;         // the trace without any flip; nothing is injected unless it matches
   std::uint64_t passed = 0;
   std::uint64_t failed = 0;
   std::uint64_t not_applicable = 0;
+  std::uint64_t waived = 0;     // of those passed: flips whose own row was not required in the list
   std::vector<InjectRow> rows;  // by index
-  // Over the flips found by cells.
+  // Over the flips found by cells; those waived concern no row that could be listed, and do not count there.
   struct Lengths {
     std::uint64_t count = 0, median = 0, max = 0, median_concerned = 0;
   };

@@ -4,8 +4,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+
+#include "base/bytes.h"
 
 namespace ticktrue::verifier {
 
@@ -40,5 +43,15 @@ bool can_guard_plugins();
 /// Goes on in a child process: there it returns nothing. In the parent it returns when the child has ended, or was
 /// killed because one call took longer than `timeout_s`.
 std::optional<GuardedEnd> run_guarded(const std::string& plugin_names, std::uint64_t timeout_s);
+
+/// What a part of the work gave, or how its process ended.
+struct GuardedPart {
+  Bytes result;
+  std::string message;  // as in GuardedEnd; empty: `result` is there
+};
+
+/// Inside of run_guarded: runs `part` in a process of its own, so that a crash or a hang ends that part alone.
+/// Elsewhere it runs right here. Requires: this process has no other threads.
+GuardedPart run_part(const std::function<Bytes()>& part);
 
 }  // namespace ticktrue::verifier

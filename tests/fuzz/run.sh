@@ -1,5 +1,6 @@
 #!/bin/sh
 # Runs fuzz harnesses that are built: run.sh CORES SECONDS [NAME...]; a line each, and what they found in out/fuzz/found.
+# With --short BUILD before them: those of that build, which change seeds at random, without libFuzzer.
 # SPDX-License-Identifier: MIT
 set -u
 cd "$(dirname "$0")/../.." || exit 2
@@ -24,6 +25,21 @@ if [ "${1-}" = one ]; then
   exit $((status != 0))
 fi
 
+# random BUILD SEED SECONDS NAME LONGEST: the same without libFuzzer.
+if [ "${1-}" = random ]; then
+  build=$2
+  mkdir -p "$out/found"
+  ASAN_OPTIONS=hard_rss_limit_mb=2560 "$build/fuzz_short" "$4" "$3" "$5" "$out/seeds" "$out/found" 2>"$out/$5.log" && exit 0
+  printf '%s: seed %s, see %s\n' "$5" "$3" "$out/$5.log"
+  exit 1
+fi
+
+how=one
+if [ "${1-}" = --short ]; then
+  build=$2
+  how="random $build $(date +%s)"
+  shift 2
+fi
 cores=$1
 seconds=$2
 shift 2
@@ -39,4 +55,5 @@ for name in "$@"; do
     exit 2
   fi
 done >"$out/todo" || exit 2
-xargs -P "$cores" -L 1 sh tests/fuzz/run.sh one "$seconds" <"$out/todo"
+# shellcheck disable=SC2086 # words on purpose
+xargs -P "$cores" -L 1 sh tests/fuzz/run.sh $how "$seconds" <"$out/todo"

@@ -3,9 +3,12 @@
 #include "verifier/inject.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
 
 #include "verifier/cli/commands.h"
 #include "verifier/cli/progress.h"
+#include "verifier/parallel.h"
 #include "verifier/simulations.h"
 
 namespace ticktrue::cli {
@@ -25,6 +28,7 @@ struct InjectCommand {
   std::optional<std::uint64_t> bit;
   std::uint64_t bodies = 0;
   std::optional<std::uint64_t> after_substep;
+  std::uint64_t jobs = 0;  // 0: every core
   bool json = false;
 };
 
@@ -46,6 +50,14 @@ int run_inject(const InjectCommand& command) {
   if (command.bit) options.bit = static_cast<std::uint32_t>(*command.bit);
   options.body_count = static_cast<std::uint32_t>(command.bodies);
   if (command.after_substep) options.after_substep = static_cast<std::uint32_t>(*command.after_substep);
+  if (options.simulation != nullptr && verifier::runs_on_threads(*options.simulation))
+    options.thread_count =
+        command.jobs == 0 ? verifier::core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
+  options.reopen = [&command]() -> std::unique_ptr<verifier::TraceSource> {
+    auto again = replay::TraceReader::open(command.file);
+    if (!again) return nullptr;
+    return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
+  };
   Progress progress("inject " + command.file, command.count, "flips");
   options.progress = [&](std::uint64_t flips_done) { progress.update(flips_done); };
   const Result<verifier::InjectReport> report = verifier::inject(*reader, options);
@@ -73,6 +85,8 @@ void add_inject(CLI::App& app, CliContext& context) {
   add_number(*command, "--bodies", options->bodies, "Flip a bit in each of so many bodies at once", {1, 64});
   add_number(*command, "--after-substep", options->after_substep,
              "Flip a bit of a body inside the solver, after this substep, the first is 0", {0, 255});
+  add_number(*command, "-j,--jobs", options->jobs, "Threads (default: every core); they change nothing of the report",
+             {1, 1024});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.inject/1)");
   set_examples(*command,
                "ticktrue record 'stack?boxes=10' --ticks 300 --detail full -o stack.ttr\n"

@@ -20,8 +20,11 @@
 #include "verifier/cli/trace_words.h"
 #include "verifier/data_file.h"
 #include "verifier/parallel.h"
+#include "verifier/plugin.h"
+#include "verifier/plugin_guard.h"
 #include "verifier/report.h"
 #include "verifier/report_ci.h"
+#include "verifier/report_transfer.h"
 #include "verifier/scene_source.h"
 #include "verifier/simulations.h"
 #include "verifier/trace_list.h"
@@ -88,8 +91,6 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
   options.simulation = verifier::find_simulation(reader->setup().simulation);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
-  static std::mutex alone;  // held by the one file whose simulation must not run beside another of its kind
-  const std::unique_lock<std::mutex> guard = on_threads ? std::unique_lock<std::mutex>() : std::unique_lock(alone);
   options.search_single_bit = true;
   options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
     auto again = replay::TraceReader::open(file);
@@ -158,6 +159,51 @@ Report verify_word(const std::string& word, const VerifyCommand& command, unsign
   return report;
 }
 
+/// Whether the trace is run by a plug-in.
+bool needs_plugin(const std::string& file) {
+  if (verifier::plugin_simulations().empty()) return false;
+  const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
+  const SimulationInfo* info = reader ? verifier::find_simulation(reader->setup().simulation) : nullptr;
+  return info != nullptr && !verifier::runs_on_threads(*info);
+}
+
+/// What a plug-in does wrong is a finding in one file: the next one goes on.
+Report plugin_report(const std::string& file, const std::string& mode, const std::string& what) {
+  Report report;
+  report.file = file;
+  report.mode = mode;
+  report.verdict = Verdict::diverged;
+  report.reason = what;
+  if (const auto reader = replay::TraceReader::open(file)) {
+    report.title = reader->setup().title;
+    report.simulation = reader->setup().simulation;
+    report.ticks_recorded = reader->tick_count_hint();
+    report.recorded_build = reader->facts();
+  }
+  return report;
+}
+
+/// In a process of its own.
+Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
+  const verifier::GuardedPart done = verifier::run_part([&] {
+    Progress bar("verify " + file, 0);
+    try {
+      return verifier::encode_report(
+          verify_word(file, command, 1, [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); }));
+    } catch (const verifier::PluginFailure& failure) {
+      return verifier::encode_report(plugin_report(file, command.mode, failure.what()));
+    }
+  });
+  if (!done.message.empty()) {
+    Report report = plugin_report(file, command.mode, done.message);
+    report.hint =
+        "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
+    return report;
+  }
+  Result<Report> report = verifier::decode_report(done.result);
+  return report ? std::move(*report) : plugin_report(file, command.mode, report.error().message);
+}
+
 void print_report(const Report& report, const VerifyCommand& command) {
   if (report.verdict == Verdict::error) {
     print_error(Error{ErrorCode::io, report.reason, report.hint});
@@ -171,8 +217,10 @@ void print_report(const Report& report, const VerifyCommand& command) {
 Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, const VerifyCommand& command) {
   const unsigned thread_count =
       command.jobs == 0 ? verifier::core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
-  const auto at_once =
-      static_cast<unsigned>(std::min<std::size_t>(thread_count, std::max<std::size_t>(1, files.size())));
+  // With plug-ins one by one: they are not asked to be safe for threads, and a process with threads should not fork.
+  const bool in_threads = verifier::plugin_simulations().empty();
+  const auto at_once = static_cast<unsigned>(
+      std::min<std::size_t>(in_threads ? thread_count : 1, std::max<std::size_t>(1, files.size())));
   // The largest first: else the last thread works on it alone while the others have nothing left.
   std::vector<std::pair<std::uintmax_t, std::size_t>> order;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -191,9 +239,12 @@ Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, co
   const Status status = verifier::run_jobs(files.size(), at_once, [&](std::size_t job) {
     const std::size_t i = order[job].second;
     std::optional<Progress> bar;
-    if (one_by_one) bar.emplace("verify " + files[i], 0);
+    const bool by_plugin = needs_plugin(files[i]);
+    if (one_by_one && !by_plugin) bar.emplace("verify " + files[i], 0);
     const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
-    Report report = verify_word(files[i], command, std::max(1u, thread_count / at_once), bar ? show : ProgressCall{});
+    Report report =
+        by_plugin ? verify_by_plugin(files[i], command)
+                  : verify_word(files[i], command, std::max(1u, thread_count / at_once), bar ? show : ProgressCall{});
     if (bar) bar->finish();
     const std::lock_guard<std::mutex> guard(lock);
     found[i] = std::move(report);

@@ -1,0 +1,139 @@
+// Compiled once for each instruction set, into a namespace of its own; nothing of it is seen from outside but its
+// table. SPDX-License-Identifier: MIT Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH,
+// for the sums of products).
+#include "base/row_kernels.h"
+
+#ifndef TICKTRUE_ISA
+#define TICKTRUE_ISA baseline
+#endif
+
+#include <string.h>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace ticktrue::TICKTRUE_ISA {
+namespace {
+
+template <std::size_t count>
+struct Vectors;
+template <>
+struct Vectors<4> {
+  using Words = std::uint32_t __attribute__((vector_size(16)));
+  using Sums = std::uint64_t __attribute__((vector_size(16)));
+  /// Words 1 and 3, in the places of words 0 and 2; the others are of no use.
+  static Words odd_words(Words a) { return __builtin_shufflevector(a, a, 1, 1, 3, 3); }
+  /// Products of words 0 and 2 of both, as 64 bits each.
+  static Sums multiply_even(Words a, Words b) {
+#ifdef __SSE2__
+    return reinterpret_cast<Sums>(_mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+#else
+    return Sums{std::uint64_t{a[0]} * b[0], std::uint64_t{a[2]} * b[2]};
+#endif
+  }
+};
+#ifdef __AVX2__
+template <>
+struct Vectors<8> {
+  using Words = std::uint32_t __attribute__((vector_size(32)));
+  using Sums = std::uint64_t __attribute__((vector_size(32)));
+  static Words odd_words(Words a) { return __builtin_shufflevector(a, a, 1, 1, 3, 3, 5, 5, 7, 7); }
+  static Sums multiply_even(Words a, Words b) {
+    return reinterpret_cast<Sums>(_mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+  }
+};
+constexpr std::size_t widest = 8;
+#else
+constexpr std::size_t widest = 4;
+#endif
+
+template <std::size_t width>
+typename Vectors<width>::Words load(const void* at) {
+  typename Vectors<width>::Words words;
+  memcpy(&words, at, sizeof words);
+  return words;
+}
+
+template <std::size_t width>
+struct Width {};
+
+/// Calls `block(first, Width)` for vectors of words that cover a row: the last overlaps the one before where the row is
+/// no multiple of four.
+template <typename Block>
+void cover_words(std::size_t word_count, const Block& block) {
+  std::size_t word = 0;
+  if constexpr (widest > 4)
+    for (; word + widest <= word_count; word += widest) block(word, Width<widest>());
+  for (; word + 4 <= word_count; word += 4) block(word, Width<4>());
+  if (word < word_count) block(word_count - 4, Width<4>());
+}
+
+template <std::size_t width>
+void sum_products_of(const std::uint32_t* rows, std::size_t stride, std::size_t first, std::size_t row_count,
+                     std::uint64_t* out) {
+  using V = Vectors<width>;
+  typename V::Sums even = {}, odd = {};
+  const typename V::Words step = typename V::Words{} + row_step;
+  typename V::Words key = step * (static_cast<std::uint32_t>(first) + 1);
+  std::size_t row = 0;
+  for (; row + 1 < row_count; row += 2, rows += 2 * stride, key += 2 * step) {
+    const typename V::Words a = load<width>(rows) + key;
+    const typename V::Words b = load<width>(rows + stride) + key + step;
+    even += V::multiply_even(a, b);
+    odd += V::multiply_even(V::odd_words(a), V::odd_words(b));
+  }
+  if (row < row_count) {
+    const typename V::Words a = load<width>(rows) + key;
+    const typename V::Words b = key + step;
+    even += V::multiply_even(a, b);
+    odd += V::multiply_even(V::odd_words(a), V::odd_words(b));
+  }
+  for (std::size_t word = 0; word < width; ++word) out[word] = (word % 2 == 0 ? even : odd)[word / 2];
+}
+
+void sum_products(const std::uint32_t* rows, std::size_t word_count, std::size_t first, std::size_t row_count,
+                  std::uint64_t* sums) {
+  cover_words(word_count, [&]<std::size_t width>(std::size_t word, Width<width>) {
+    sum_products_of<width>(rows + word, word_count, first, row_count, sums + word);
+  });
+}
+
+template <std::size_t width>
+bool any_match_of(const std::uint8_t* rows, std::size_t stride, std::size_t row_count, const std::uint32_t* mask,
+                  const std::uint32_t* want) {
+  using Words = typename Vectors<width>::Words;
+  const Words masks = load<width>(mask), wants = load<width>(want);
+  Words found = {};
+  for (std::size_t row = 0; row < row_count; ++row, rows += stride)
+    found |= reinterpret_cast<Words>((load<width>(rows) & masks) == wants);
+  std::uint32_t any = 0;
+  for (std::size_t i = 0; i < width; ++i) any |= found[i];
+  return any != 0;
+}
+
+bool any_match(const std::uint8_t* rows, std::size_t word_count, std::size_t row_count, const std::uint32_t* mask,
+               const std::uint32_t* want) {
+  bool any = false;
+  cover_words(word_count, [&]<std::size_t width>(std::size_t word, Width<width>) {
+    std::uint32_t masks = 0;
+    for (std::size_t i = 0; i < width; ++i) masks |= mask[word + i];
+    if (masks != 0)
+      any = any_match_of<width>(rows + 4 * word, 4 * word_count, row_count, mask + word, want + word) || any;
+  });
+  return any;
+}
+
+std::uint64_t hash(const std::uint8_t* bytes, std::size_t size, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes, size, seed);
+}
+
+}  // namespace
+
+extern const RowKernels row_kernels;
+const RowKernels row_kernels{hash, sum_products, any_match};
+
+}  // namespace ticktrue::TICKTRUE_ISA

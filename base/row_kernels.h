@@ -1,0 +1,40 @@
+// Loops over packed rows that are worth a machine's widest vectors; the same values with every instruction set.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace ticktrue {
+
+struct RowKernels {
+  /// XXH3-64.
+  std::uint64_t (*hash)(const std::uint8_t* bytes, std::size_t size, std::uint64_t seed);
+
+  /// The sums over pairs of rows of products of words: docs/trace_format.md, "Cells". `first`: the index in the table
+  /// of the first of these rows, an even one. Writes one sum for each word of a row. Requires: at least four words.
+  void (*sum_products)(const std::uint32_t* rows, std::size_t word_count, std::size_t first, std::size_t row_count,
+                       std::uint64_t* sums);
+
+  /// Whether (word & mask) == want for any word of any row. Requires: at least four words.
+  bool (*any_match)(const std::uint8_t* rows, std::size_t word_count, std::size_t row_count, const std::uint32_t* mask,
+                    const std::uint32_t* want);
+};
+
+/// Those of each instruction set that this build has and this machine runs, the widest last.
+std::span<const RowKernels* const> all_row_kernels();
+/// Those of the widest.
+const RowKernels& row_kernels();
+
+/// A word's key: row r has (r + 1) times this, 2^32 / golden ratio, so that keys spread evenly.
+inline constexpr std::uint32_t row_step = 0x9e3779b9u;
+
+namespace baseline {
+extern const RowKernels row_kernels;
+}
+namespace avx2 {
+extern const RowKernels row_kernels;  // only where TICKTRUE_HAS_AVX2_ROWS
+}
+
+}  // namespace ticktrue

@@ -1,0 +1,4 @@
+// The row kernels for AVX2.
+// SPDX-License-Identifier: MIT
+#define TICKTRUE_ISA avx2
+#include "base/row_kernels.cpp"

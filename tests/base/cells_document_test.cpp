@@ -1,0 +1,173 @@
+// Cells as docs/trace_format.md, section 12, has them, written down plainly: the quick ones must give the same.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "base/cells.h"
+#include "base/row_kernels.h"
+#include "tests/support/catch.h"
+#include "tests/support/toy_simulation.h"
+
+namespace ticktrue::test {
+namespace {
+
+using Words = std::vector<std::uint32_t>;
+
+std::uint64_t mix(std::uint64_t h, std::uint64_t w) {
+  const std::uint64_t x = (h ^ w) * 0xd6e8feb86659fd93u;
+  return x ^ (x >> 32);
+}
+
+std::uint64_t chain(std::uint64_t h, const Words& words) {
+  std::size_t i = 0;
+  for (; i + 1 < words.size(); i += 2) h = mix(h, words[i] | std::uint64_t{words[i + 1]} << 32);
+  return i < words.size() ? mix(h, words[i]) : h;
+}
+
+/// Words of some columns of a row.
+Words words_of(const StateView& state, std::size_t t, std::size_t row, std::size_t first_column,
+               std::size_t end_column) {
+  const TableSchema& table = state.schema->tables[t];
+  const ByteView rows(state.tables[t].data, std::size_t{state.tables[t].row_count} * table.row_size);
+  Words words;
+  for (std::size_t c = first_column; c < end_column; ++c)
+    for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
+      const std::uint64_t bits = lane_bits(table, rows, {t, row, c, lane});
+      words.push_back(static_cast<std::uint32_t>(bits));
+      if (scalar_info(table.columns[c].type)->size == 8) words.push_back(static_cast<std::uint32_t>(bits >> 32));
+    }
+  return words;
+}
+
+std::uint32_t column_hash(const StateView& state, std::size_t t, std::size_t c) {
+  const std::size_t row_count = state.tables[t].row_count;
+  std::vector<Words> rows;
+  for (std::size_t row = 0; row < row_count; ++row) rows.push_back(words_of(state, t, row, c, c + 1));
+  std::uint64_t h = row_count;
+  for (std::size_t word = 0; word < rows[0].size(); ++word) {
+    std::uint64_t sum = 0;
+    for (std::uint32_t r = 0; r < row_count; r += 2) {
+      const std::uint32_t a = rows[r][word] + (r + 1) * 0x9e3779b9u;
+      const std::uint32_t b = (r + 1 < row_count ? rows[r + 1][word] : 0) + (r + 2) * 0x9e3779b9u;
+      sum += std::uint64_t{a} * b;
+    }
+    h = mix(h, sum);
+  }
+  return static_cast<std::uint32_t>(h);
+}
+
+StateCells documented_cells(const StateView& state) {
+  const StateSchema& schema = *state.schema;
+  struct Owner {
+    std::size_t table, row;
+    std::uint64_t value;
+  };
+  std::vector<Owner> owners;
+  std::uint64_t row_owner_count = 0;
+  const auto row_hash = [&](std::size_t t, std::size_t row) {
+    return chain(mix(0, ~std::uint64_t{t}), words_of(state, t, row, 0, schema.tables[t].columns.size()));
+  };
+  StateCells cells;
+  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+    const std::uint32_t row_count = state.tables[t].row_count;
+    cells.row_counts.push_back(row_count);
+    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c)
+      cells.columns.push_back(row_count > 0 ? column_hash(state, t, c) : 0);
+    if (!owns_rows(schema, t)) continue;
+    row_owner_count += row_count;
+    for (std::size_t row = 0; row < row_count; ++row) owners.push_back({t, row, row_hash(t, row)});
+  }
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    for (std::size_t row = 0; !owns_rows(schema, t) && row < state.tables[t].row_count; ++row) {
+      bool found = false;
+      for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c) {
+        const int target = schema.tables[t].columns[c].target;
+        if (target < 0) continue;
+        for (const std::uint32_t id : words_of(state, t, row, c, c + 1))
+          for (Owner& owner : owners)
+            if (owner.table == static_cast<std::size_t>(target) &&
+                words_of(state, owner.table, owner.row, 0, 1)[0] == id) {
+              owner.value += row_hash(t, row);
+              found = true;
+            }
+      }
+      if (!found) owners.push_back({t, row, row_hash(t, row)});
+    }
+  cells.partition_cells = partition_cells_for(row_owner_count);
+  cells.cells.assign(partition_count * cells.partition_cells, 0);
+  for (const Owner& owner : owners) {
+    const std::size_t key_count = schema.tables[owner.table].key_column_count;
+    const Words key_words = words_of(state, owner.table, owner.row, 0, key_count);
+    const std::uint64_t key =
+        key_words.empty() ? owner.row : (key_words.size() == 1 ? key_words[0] : chain(0, key_words));
+    const std::uint64_t v = mix(owner.value, key);
+    const std::uint64_t s = mix(mix(mix(0, owner.table + 1), key), 0);
+    for (std::size_t p = 0; p < partition_count; ++p) {
+      std::uint16_t& cell =
+          cells.cells[p * cells.partition_cells + (((s >> 16 * p) & 0xffff) * cells.partition_cells >> 16)];
+      cell = static_cast<std::uint16_t>(cell ^ (v >> 16 * p));
+    }
+  }
+  return cells;
+}
+
+TEST_CASE("cells: one hasher gives the cells of the document for state after state", "[base][cells][equivalence]") {
+  CellHasher hasher(ToySimulation::schema());
+  StateCells found;
+  const auto check = [&](ToySimulation& toy, const char* what) {
+    toy.refresh();
+    CAPTURE(what, toy.bodies.size());
+    hasher.hash(toy.state(), 0, found);
+    CHECK(found == documented_cells(toy.state()));
+  };
+  // 500 bodies fill several blocks of rows, 3 not one.
+  for (const std::uint32_t body_count : {500u, 3u, 40u, 41u}) {
+    ToySimulation toy(body_count);
+    check(toy, "as made");
+    for (ToyLink& link : toy.links) link.body_b = link.body_a;
+    check(toy, "both references name one body");
+    toy.bodies.erase(toy.bodies.begin() + 1);
+    check(toy, "an id with a gap behind it, references to no row");
+    toy.bodies.erase(toy.bodies.begin());
+    check(toy, "ids that begin later");
+    for (ToyLink& link : toy.links) link.body_a = link.body_b = 1'000'000;
+    check(toy, "links of nobody");
+    for (std::size_t i = 0; i < toy.bodies.size(); ++i) toy.bodies[i].id = static_cast<std::uint32_t>(7 + 3 * i);
+    check(toy, "ids far apart");
+    std::reverse(toy.bodies.begin(), toy.bodies.end());
+    check(toy, "ids in another order");
+    toy.links.clear();
+    check(toy, "no link");
+    toy.bodies.clear();
+    check(toy, "no body");
+  }
+}
+
+TEST_CASE("the row kernels of every instruction set give the same", "[base][hash][cells][equivalence]") {
+  std::vector<std::uint32_t> words(3'000);
+  std::uint64_t state = 1;
+  for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(mix(state++, 17));
+  const RowKernels& baseline = *all_row_kernels().front();
+  for (const RowKernels* kernels : all_row_kernels())
+    for (std::size_t word_count = 4; word_count < 40; ++word_count)
+      for (const std::size_t row_count : {1u, 2u, 7u, 8u}) {
+        CAPTURE(word_count, row_count);
+        std::vector<std::uint64_t> expected(word_count), sums(word_count);
+        baseline.sum_products(words.data(), word_count, 6, row_count, expected.data());
+        kernels->sum_products(words.data(), word_count, 6, row_count, sums.data());
+        CHECK(sums == expected);
+        const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
+        for (const std::size_t size : {std::size_t{0}, word_count, 100 * word_count})
+          CHECK(kernels->hash(bytes, size, row_count) == baseline.hash(bytes, size, row_count));
+        // One word matches, wherever it stands.
+        for (std::size_t at = 0; at < word_count; ++at) {
+          std::vector<std::uint32_t> mask(word_count), want(word_count, 1);
+          mask[at] = 0xffffff00u;
+          want[at] = words[(row_count - 1) * word_count + at] & mask[at];
+          CHECK(kernels->any_match(bytes, word_count, row_count, mask.data(), want.data()));
+          CHECK((row_count == 1 || !kernels->any_match(bytes, word_count, row_count - 1, mask.data(), want.data())));
+        }
+      }
+}
+
+}  // namespace
+}  // namespace ticktrue::test

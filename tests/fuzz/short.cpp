@@ -1,0 +1,223 @@
+// Runs one fuzz harness for some seconds on changed seeds: a fuzzer for every compiler, which knows nothing of
+// coverage. SPDX-License-Identifier: MIT
+//
+//   fuzz_short SECONDS SEED NAME SEEDS FOUND    the harness NAME on the files of the folder SEEDS
+//
+// What libFuzzer finds by coverage this one finds by luck alone; it is for the builds that have sanitizers and no
+// clang. Every input is made in a page shared with the parent process, which keeps what its child died of as
+// FOUND/NAME-short.
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/fuzz.h"
+
+namespace ticktrue::fuzz {
+// Each harness is compiled under its own name here.
+#define TICKTRUE_FUZZ_HARNESS(name, longest) extern "C" int fuzz_##name(const std::uint8_t*, std::size_t);
+#include "fuzz_harnesses.inc"
+#undef TICKTRUE_FUZZ_HARNESS
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned hang_s = 5;
+
+struct Harness {
+  int (*run)(const std::uint8_t*, std::size_t);
+  std::size_t longest;  // bytes
+};
+const std::map<std::string, Harness> harnesses{
+#define TICKTRUE_FUZZ_HARNESS(name, longest) {#name, {fuzz_##name, longest}},
+#include "fuzz_harnesses.inc"
+#undef TICKTRUE_FUZZ_HARNESS
+};
+
+/// splitmix64
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::size_t below(std::size_t bound) {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return static_cast<std::size_t>((z ^ (z >> 31)) % bound);
+  }
+  template <typename T>
+  const T& one_of(const std::vector<T>& list) {
+    return list[below(list.size())];
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+Bytes read_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return Bytes(std::istreambuf_iterator<char>(in), {});
+}
+
+/// What is laid over or put into an input: edges of number types, and the words of the harness.
+std::vector<Bytes> interesting(const fs::path& dictionary) {
+  std::vector<Bytes> words;
+  for (const std::size_t size : {1u, 2u, 4u, 8u})
+    for (const std::uint64_t value :
+         {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}, std::uint64_t{1} << (8 * size - 1),
+          (std::uint64_t{1} << (8 * size - 1)) - 1, bits_of(1e308), std::uint64_t{bits_of(1e38f)}}) {
+      Bytes word;
+      for (std::size_t i = 0; i < size; ++i) word.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+      words.push_back(word);
+    }
+  std::ifstream in(dictionary);
+  for (std::string line; std::getline(in, line);) {
+    Bytes word;
+    for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+      if (line[i] == '\\' && i + 2 < line.size()) ++i;
+      word.push_back(static_cast<std::uint8_t>(line[i]));
+    }
+    if (!word.empty()) words.push_back(word);
+  }
+  return words;
+}
+
+class Mutator {
+ public:
+  Mutator(const std::vector<Bytes>& seeds, const std::vector<Bytes>& words, std::size_t longest, std::uint64_t seed)
+      : seeds_(seeds), words_(words), longest_(longest), random_(seed) {}
+
+  Bytes next() {
+    Bytes bytes = random_.one_of(seeds_);
+    for (std::size_t left = 1 + random_.below(4); left > 0; --left) change(bytes);
+    bytes.resize(std::min(bytes.size(), longest_));
+    return bytes;
+  }
+
+ private:
+  void change(Bytes& bytes) {
+    const std::size_t at = random_.below(bytes.size() + 1);
+    const auto place = [&](std::size_t offset) { return bytes.begin() + static_cast<std::ptrdiff_t>(offset); };
+    const std::size_t size = std::min(bytes.size() - at, std::size_t{1} << random_.below(8));
+    switch (random_.below(7)) {
+      case 0:
+        if (at < bytes.size()) bytes[at] ^= static_cast<std::uint8_t>(1u << random_.below(8));
+        break;
+      case 1:
+        if (at < bytes.size()) bytes[at] = static_cast<std::uint8_t>(random_.below(256));
+        break;
+      case 2: {
+        const Bytes& word = random_.one_of(words_);
+        for (std::size_t i = 0; i < word.size() && at + i < bytes.size(); ++i) bytes[at + i] = word[i];
+        break;
+      }
+      case 3: {
+        const Bytes& word = random_.one_of(words_);
+        bytes.insert(place(at), word.begin(), word.end());
+        break;
+      }
+      case 4:
+        bytes.erase(place(at), place(at + size));
+        break;
+      case 5: {
+        const Bytes again(place(at), place(at + size));
+        bytes.insert(place(random_.below(bytes.size() + 1)), again.begin(), again.end());
+        break;
+      }
+      default: {
+        const Bytes& other = random_.one_of(seeds_);
+        const std::size_t from = random_.below(other.size() + 1);
+        bytes.resize(at);
+        bytes.insert(bytes.end(), other.begin() + static_cast<std::ptrdiff_t>(from), other.end());
+      }
+    }
+  }
+
+  const std::vector<Bytes>& seeds_;
+  const std::vector<Bytes>& words_;
+  std::size_t longest_;
+  Random random_;
+};
+
+/// What both processes see: the input that runs.
+struct Shared {
+  std::uint64_t run_count;
+  std::uint64_t size;
+  std::uint8_t bytes[1 << 16];
+};
+
+[[noreturn]] void run_child(const Harness& harness, const std::vector<Bytes>& seeds, const std::vector<Bytes>& words,
+                            double seconds, std::uint64_t seed, Shared& shared) {
+  const auto run = [&](const Bytes& bytes) {
+    shared.size = std::min(bytes.size(), sizeof shared.bytes);
+    std::copy_n(bytes.begin(), shared.size, shared.bytes);
+    ::alarm(hang_s);
+    // A copy of its own, so that a read behind its end is seen.
+    const Bytes input(shared.bytes, shared.bytes + shared.size);
+    harness.run(input.data(), input.size());
+    ++shared.run_count;
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  for (const Bytes& bytes : seeds) run(bytes);
+  Mutator mutator(seeds, words, std::min(harness.longest, sizeof shared.bytes), seed);
+  while (std::chrono::steady_clock::now() < end) run(mutator.next());
+  std::exit(0);
+}
+
+int run(double seconds, std::uint64_t seed, const std::string& name, const fs::path& folder, const fs::path& found) {
+  const auto harness = harnesses.find(name);
+  if (harness == harnesses.end()) {
+    std::fprintf(stderr, "fuzz_short: error: unknown harness: found %s\n", name.c_str());
+    return 2;
+  }
+  std::vector<Bytes> seeds;
+  std::vector<fs::path> files(fs::directory_iterator(folder / name), fs::directory_iterator{});
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) seeds.push_back(read_file(file));
+  require(!seeds.empty(), "there are seeds");
+  const std::vector<Bytes> words = interesting(folder / (name + ".dict"));
+  void* page = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  require(page != MAP_FAILED, "mmap works");
+  auto& shared = *static_cast<Shared*>(page);
+  const pid_t child = ::fork();
+  require(child >= 0, "fork works");
+  if (child == 0) run_child(harness->second, seeds, words, seconds, seed, shared);
+  int status = 0;
+  require(::waitpid(child, &status, 0) == child, "waitpid works");
+  const bool is_hang = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
+  std::string verdict = "nothing";
+  if (status != 0) {
+    fs::create_directories(found);
+    const fs::path file = found / (name + "-short");
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(shared.bytes), static_cast<std::streamsize>(shared.size));
+    verdict = (is_hang ? "a hang: " : "a crash: ") + file.string();
+  }
+  std::printf("%-14s %10llu runs in %4.0f s, found %s\n", name.c_str(),
+              static_cast<unsigned long long>(shared.run_count), seconds, verdict.c_str());
+  return status == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace ticktrue::fuzz
+
+int main(int argument_count, char** arguments) {
+  if (argument_count != 6) {
+    std::fprintf(stderr, "usage: fuzz_short SECONDS SEED NAME SEEDS FOUND\n");
+    return 2;
+  }
+  return ticktrue::fuzz::run(std::atof(arguments[1]), std::strtoull(arguments[2], nullptr, 10), arguments[3],
+                             arguments[4], arguments[5]);
+}
