@@ -26,6 +26,25 @@ namespace {
 
 PluginWatch* watch = nullptr;
 
+}  // namespace
+
+WatchedCall::WatchedCall(PluginCall call, std::uint64_t tick) {
+  if (watch == nullptr) return;
+  watch->tick.store(tick, std::memory_order_relaxed);
+  watch->call.store(static_cast<std::uint32_t>(call), std::memory_order_relaxed);
+  watch->sequence.fetch_add(1, std::memory_order_release);
+}
+
+WatchedCall::~WatchedCall() {
+  if (watch == nullptr) return;
+  watch->call.store(static_cast<std::uint32_t>(PluginCall::none), std::memory_order_relaxed);
+  watch->sequence.fetch_add(1, std::memory_order_release);
+}
+
+#ifdef TICKTRUE_CAN_FORK
+
+namespace {
+
 std::string call_text(std::uint32_t call, std::uint64_t tick) {
   switch (static_cast<PluginCall>(call)) {
     case PluginCall::none:
@@ -51,25 +70,6 @@ std::string call_text(std::uint32_t call, std::uint64_t tick) {
   }
   return "";
 }
-
-}  // namespace
-
-WatchedCall::WatchedCall(PluginCall call, std::uint64_t tick) {
-  if (watch == nullptr) return;
-  watch->tick.store(tick, std::memory_order_relaxed);
-  watch->call.store(static_cast<std::uint32_t>(call), std::memory_order_relaxed);
-  watch->sequence.fetch_add(1, std::memory_order_release);
-}
-
-WatchedCall::~WatchedCall() {
-  if (watch == nullptr) return;
-  watch->call.store(static_cast<std::uint32_t>(PluginCall::none), std::memory_order_relaxed);
-  watch->sequence.fetch_add(1, std::memory_order_release);
-}
-
-#ifdef TICKTRUE_CAN_FORK
-
-namespace {
 
 volatile std::sig_atomic_t guarded_child = 0;
 

@@ -167,6 +167,22 @@ std::string script_of(const std::vector<Plot>& plots, const std::string& path) {
   return script + "unset multiplot\n";
 }
 
+#ifdef _WIN32
+std::FILE* open_pipe() {
+  return _popen("gnuplot >NUL 2>&1", "w");
+}
+int close_pipe(std::FILE* pipe) {
+  return _pclose(pipe);
+}
+#else
+std::FILE* open_pipe() {
+  return ::popen("gnuplot >/dev/null 2>&1", "w");
+}
+int close_pipe(std::FILE* pipe) {
+  return ::pclose(pipe);
+}
+#endif
+
 }  // namespace
 
 Status write_plots(const std::vector<Plot>& plots, const std::string& path) {
@@ -174,21 +190,15 @@ Status write_plots(const std::vector<Plot>& plots, const std::string& path) {
   std::FILE* probe = std::fopen(path.c_str(), "wb");
   if (!probe) return Error{ErrorCode::io, path + ": cannot be written", {}};
   std::fclose(probe);
-#ifdef _WIN32
-  std::remove(path.c_str());
-  return Error{ErrorCode::unsupported, path + ": plots need gnuplot as a program, which this build does not start",
-               "use --csv"};
-#else
-  std::FILE* pipe = ::popen("gnuplot >/dev/null 2>&1", "w");
+  std::FILE* pipe = open_pipe();
   if (!pipe) return Error{ErrorCode::io, path + ": gnuplot could not be started", "use --csv"};
   const std::string script = script_of(plots, path);
   std::fwrite(script.data(), 1, script.size(), pipe);
-  const int status = ::pclose(pipe);
+  const int status = close_pipe(pipe);
   if (status == 0) return {};
   std::remove(path.c_str());
   return Error{ErrorCode::unsupported, path + ": no plot was made: found no working gnuplot, expected the program",
                "apt install gnuplot-nox, or use --csv"};
-#endif
 }
 
 }  // namespace ticktrue::verifier
