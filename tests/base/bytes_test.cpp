@@ -147,8 +147,9 @@ TEST_CASE("scalars are reversed one by one", "[base][bytes][analytic]") {
   CHECK(bytes == Bytes{6, 5, 8, 7, 2, 1, 4, 3});
 }
 
+// Quiet ones: where functions return floats in x87 registers (i386), a signalling one becomes quiet on the way.
 TEST_CASE("float bits survive the round trip, NaN payloads included", "[base][bytes][equivalence]") {
-  for (const std::uint32_t bits : {0u, 0x80000000u, 1u, 0x7f7fffffu, 0x7f800000u, 0x7fc00001u, 0xff800001u})
+  for (const std::uint32_t bits : {0u, 0x80000000u, 1u, 0x7f7fffffu, 0x7f800000u, 0x7fc00001u, 0xffc00001u})
     CHECK(bits_of(float_of_bits(bits)) == bits);
   for (const std::uint64_t bits : {0ull, 0x8000000000000000ull, 1ull, 0x7ff0000000000000ull, 0x7ff8000000000123ull})
     CHECK(bits_of(double_of_bits(bits)) == bits);
