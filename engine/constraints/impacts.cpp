@@ -14,6 +14,8 @@ namespace {
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
 constexpr Real fast_share = Real(0.25);   // of its smallest shape's size in a tick: slower ones meet their contacts
+constexpr Real slow_share = Real(0.05);   // of the smaller shape in a tick: a pair so slow is left to its contact
+constexpr Real turn_max = Real(0.25);     // rad in a tick, likewise: a contact has one normal for all of it
 constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and slow, a pair is left to its contact
 // In a substep; after so many, bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
@@ -82,6 +84,9 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const Real quickening = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   const Real size = pair_size(shape_a, shape_b);
+  // slow = slow_share size / dt, which tells dt.
+  const Real turning = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
+  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= turn_max * pair.slow;
   Real time = start;
   for (int i = 0; i < advance_count_max; ++i) {
     const Placement a = pose_at(state, path_a, pair.body_a, time);
@@ -99,12 +104,12 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
         !may_push(model, shape_b, rotate_back(b.rotation, -gap.normal), gap.at_corner_b))
       return;
     const Real tolerance = touch_tolerance(size, a.position, b.position);
-    if (gap.separation <= larger(tolerance, pair.slow >= 0 ? near_share * size : Real(0))) {
+    if (gap.separation <= (has_contact ? larger(tolerance, near_share * size) : tolerance)) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       const bool bounces = pair.restitution > 0 && closing > threshold;
-      // What neither bounces nor could pass is the solver's, if it has the contact. As impacts, the two ends of what
-      // slides between a floor and a wall would push each other without end.
-      const bool is_solvers = !bounces && closing <= pair.slow;
+      // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
+      // and a wall would push each other without end.
+      const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
       const bool touches = gap.separation <= tolerance;
       // Nor is there an impact where what is left of the substep is too short to get anywhere.
       if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
@@ -340,7 +345,7 @@ Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt
 Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
                   std::uint32_t contact, Real dt) {
   if (contact == state.contacts.size() || is_left_to_impacts(model, state, scratch, contact)) return -1;
-  return pair.is_fast ? fast_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
+  return pair.is_fast ? slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
 }
 
 bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt) {
