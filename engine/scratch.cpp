@@ -91,7 +91,11 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.support_depth);
   poison_rows(scratch.support_order);
   poison_rows(scratch.load);
+  poison_rows(scratch.pull);
   poison_rows(scratch.sag);
+  poison_rows(scratch.give);
+  poison_rows(scratch.shortfalls);
+  poison_rows(scratch.mass_factor);
   poison_rows(scratch.joints);
   poison_rows(scratch.joint_ranges);
   poison_in_place(scratch.pins.batches);

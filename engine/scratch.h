@@ -175,10 +175,17 @@ struct alignas(8 * sizeof(Real)) VelocityStep {
 };
 static_assert(sizeof(VelocityStep) == body_record_length * sizeof(Real));
 
+/// How far an island is from what its scene allows.
+struct Shortfall {
+  Real sag;    // at the most substeps, of what is allowed
+  Real depth;  // steps from what cannot move to what is farthest from it
+};
+
 /// A contact or joint by which a body may be carried.
 struct Support {
   std::uint32_t other;  // row
   Real softness;        // m/N at four substeps
+  Real arm, other_arm;  // of a joint, from the two centres of mass, m; of a contact 0
 };
 
 /// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
@@ -293,7 +300,11 @@ struct Scratch {
   std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
   std::vector<std::uint32_t> support_order;  // bodies by depth
   std::vector<Real> load;                    // [body] N
+  std::vector<Real> pull;                    // [body] m/s^2, of the joints that it whirls at
   std::vector<Real> sag;                     // [body] m, expected at four substeps
+  std::vector<Real> give;                    // [body] the same against what carries it alone, of the smaller of the two
+  std::vector<Shortfall> shortfalls;         // [body] at the island's first row
+  std::vector<Real> mass_factor;             // [body] how much heavier constraints see it; with automatic substeps
 
   // events
   std::vector<TouchRow> now_touching;      // the rows that replace State::touching, then State::sensors

@@ -15,6 +15,7 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
   scratch.masses.resize(state.bodies.size());
   const std::uint32_t resting = resting_record(scratch);
   const std::uint32_t unread = unread_record(scratch);
+  const bool raises = model.scene.settings.auto_substeps.has_value();
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
     const BodyModel& constants = model.bodies[body.source];
@@ -23,6 +24,10 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
     scratch.masses[row] = {constants.inv_mass, constants.inv_inertia,
                            constants.type == BodyType::static_body ? resting : record,
                            constants.type == BodyType::dynamic_body ? record : unread};
+    if (!raises) continue;
+    const Real share = 1 / scratch.mass_factor[row];
+    scratch.masses[row].inv_mass *= share;
+    scratch.masses[row].inv_inertia *= share;
   }
   scratch.previous_accelerations.clear();
   for (const AccelerationRow& row : state.accelerations)

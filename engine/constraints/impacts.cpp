@@ -13,7 +13,10 @@ namespace {
 
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
-constexpr Real fast_share = Real(0.25);  // of its smallest shape's size in a tick: slower ones meet their contacts
+constexpr Real fast_share = Real(0.25);   // of its smallest shape's size in a tick: slower ones meet their contacts
+constexpr Real slow_share = Real(0.05);   // of the smaller shape in a tick: a pair so slow is left to its contact
+constexpr Real turn_max = Real(0.25);     // rad in a tick, likewise: a contact has one normal for all of it
+constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and slow, a pair is left to its contact
 // In a substep; after so many, bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
@@ -47,10 +50,9 @@ Vec2 relative_velocity(const Placement& a, const Placement& b, const ImpactPath&
 }
 
 /// What counts as touching: the rounding of coordinates, and a little of the shapes' size.
-Real touch_tolerance(const Model& model, const ImpactPair& pair, const Placement& a, const Placement& b) {
-  const Real far = larger(larger(absolute(a.position.x), absolute(a.position.y)),
-                          larger(absolute(b.position.x), absolute(b.position.y)));
-  return larger(Real(1e-6) * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]), 8 * epsilon * far);
+Real touch_tolerance(Real size, Vec2 a, Vec2 b) {
+  const Real far = larger(larger(absolute(a.x), absolute(a.y)), larger(absolute(b.x), absolute(b.y)));
+  return larger(Real(1e-6) * size, 8 * epsilon * far);
 }
 
 /// How fast turning may bring a point of a shape nearer to something, m/s. Turning a disc about its middle does not.
@@ -81,6 +83,10 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
   const Real quickening = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
+  const Real size = pair_size(shape_a, shape_b);
+  // slow = slow_share size / dt, which tells dt.
+  const Real turning = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
+  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= turn_max * pair.slow;
   Real time = start;
   for (int i = 0; i < advance_count_max; ++i) {
     const Placement a = pose_at(state, path_a, pair.body_a, time);
@@ -97,14 +103,18 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     if (shape_b.family == ShapeFamily::chain_edge &&
         !may_push(model, shape_b, rotate_back(b.rotation, -gap.normal), gap.at_corner_b))
       return;
-    const Real tolerance = touch_tolerance(model, pair, a, b);
-    if (gap.separation <= tolerance) {
+    const Real tolerance = touch_tolerance(size, a.position, b.position);
+    if (gap.separation <= (has_contact ? larger(tolerance, near_share * size) : tolerance)) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
+      const bool bounces = pair.restitution > 0 && closing > threshold;
+      // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
+      // and a wall would push each other without end.
+      const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
+      const bool touches = gap.separation <= tolerance;
       // Nor is there an impact where what is left of the substep is too short to get anywhere.
-      if (!(closing * (h - time) > tolerance)) {
+      if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
         // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
         // Not needed where it could not get to the middle of the thinner shape anyway.
-        const Real size = pair_size(shape_a, shape_b);
         if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.1) * size)) return;
         time += Real(0.05) * size / (spin + quickening * (h - time));
         if (!(time < h)) return;
@@ -116,14 +126,13 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
         }
         continue;
       }
-      // What touches from the start and does not bounce is a contact, and the solver's.
-      const bool bounces = pair.restitution > 0 && closing > threshold;
-      if (i == 0 && !bounces && !pair.is_fast) return;
-      pair.time = time;
-      pair.normal = gap.normal;
-      pair.point = gap.point;
-      pair.is_settled = true;
-      return;
+      if (touches) {
+        pair.time = time;
+        pair.normal = gap.normal;
+        pair.point = gap.point;
+        pair.is_settled = true;
+        return;
+      }
     }
     const Real along = -dot(velocity_at(path_b, time) - velocity_at(path_a, time), gap.normal);
     const Real closing_max = (along + quickening * (h - time)) + spin;
@@ -333,6 +342,12 @@ Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt
   return settings.continuous && is_fast(model, state, row, dt) ? reach_in(model, state, row, dt) : Real(0);
 }
 
+Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
+                  std::uint32_t contact, Real dt) {
+  if (contact == state.contacts.size() || is_left_to_impacts(model, state, scratch, contact)) return -1;
+  return pair.is_fast ? slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
+}
+
 bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt) {
   return reach_in(model, state, row, dt) > fast_share * model.bodies[state.bodies[row].source].size;
 }
@@ -345,8 +360,10 @@ bool is_left_to_impacts(const Model& model, const State& state, const Scratch& s
   const BodyRow& a = state.bodies[pair.body_a];
   const BodyRow& b = state.bodies[pair.body_b];
   const Real threshold = static_cast<Real>(model.restitution_threshold);
+  const Real tolerance = touch_tolerance(pair.size, a.position, b.position);
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const ManifoldPoint& point = pair.manifold.points[i];
+    if (point.separation > tolerance) continue;  // whatever closes that gap, in this tick, is an impact
     const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
                           (a.velocity + cross(a.angular_velocity, point.anchor_a));
     const Real closing = -dot(velocity, pair.manifold.normal);

@@ -23,6 +23,7 @@ struct ImpactPair {
   Real friction, restitution;
   bool is_fast;     // may pass through within a substep
   bool is_settled;  // the impact below is one; else the pair is only near it, and stops there
+  Real slow;        // m/s: what touches, does not bounce and closes no faster is the contact solver's; < 0: nothing is
   bool is_done;     // for this substep
   Real time;        // s from the start of the substep; no_impact: none
   Vec2 normal;      // from A to B, at that moment
@@ -64,9 +65,13 @@ Real farthest_reach(const Model& model, const State& state, Real dt);
 /// pair that is nearer than the sum of its two. `farthest`: farthest_reach.
 Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt, Real farthest);
 
-/// Whether a contact is about to bounce, in a scene whose impacts are located: then it is none of the contact solver's,
-/// whose normal is that of the start of the tick. `contact`: in scratch.touching and state.contacts.
+/// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
+/// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
+/// to the speed at which it just gets there in a substep. `contact`: in scratch.touching and state.contacts.
 bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact);
+/// ImpactPair::slow of a pair. `contact`: as above, or the number of contacts if the pair has none.
+Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
+                  std::uint32_t contact, Real dt);
 
 /// Notes velocities before a substep. Call before the integrator predicts.
 void note_impact_velocities(const State& state, Scratch& scratch);

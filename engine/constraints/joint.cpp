@@ -50,7 +50,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
   const BodyModel& mass = model.bodies[body.source];
   joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
   joint.write_a = mass.type == BodyType::dynamic_body ? row : unread_record(scratch);
-  joint.inv_mass_a = mass.inv_mass;
+  joint.inv_mass_a = scratch.masses[row].inv_mass;
   joint.inv_inertia_a = scratch.masses[row].inv_inertia;
   joint.anchor_a = rotate(body.rotation, constants.anchor_a);
   joint.apart = body_b.position - body.position;

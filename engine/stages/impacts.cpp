@@ -2,12 +2,28 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/impacts.h"
 
+#include <tuple>
+
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/constraints/joint_model.h"
 #include "engine/narrow_phase/distance.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// The contact of two proxies, or the number of contacts. `first`: where to begin; pairs are asked for in order.
+std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
+  const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
+  const auto key_of = [](const ContactRow& row) {
+    return std::tuple(row.body_a, row.child_a, row.body_b, row.child_b);
+  };
+  const auto count = static_cast<std::uint32_t>(state.contacts.size());
+  while (first < count && key_of(state.contacts[first]) < wanted) ++first;
+  return first < count && key_of(state.contacts[first]) == wanted ? first : count;
+}
+
+}  // namespace
 
 void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
@@ -18,6 +34,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   if (!any) return;
   const Real farthest = farthest_reach(model, state, dt);
   const Real fall = fall_of_a_tick(model, state);
+  std::uint32_t next_contact = 0;
   for (const Pair& candidate : scratch.pairs) {
     const Proxy& a = scratch.proxies[candidate.first];
     const Proxy& b = scratch.proxies[candidate.second];
@@ -54,6 +71,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     pair.friction = mix(settings.friction_mix, shape_a.friction, shape_b.friction);
     pair.restitution = restitution;
     pair.is_fast = fast;
+    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), dt);
     scratch.impacts.push_back(pair);
   }
 }

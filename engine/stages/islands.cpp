@@ -167,16 +167,18 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
   for (const TouchingPair& pair : scratch.touching) {
     if (!carries(pair)) continue;
     const Real softness = contact_softness(model, state, pair, h);
-    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness};
-    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness};
+    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness, 0, 0};
+    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness, 0, 0};
   }
   for (const JointRow& joint : state.joints) {
     if (joint.body_a == no_reference) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
     const std::uint32_t b = row_of(state, joint.body_b);
     const Real softness = joint_softness(model, state, a, b, h);
-    scratch.supports[start[a + 1]++] = {b, softness};
-    scratch.supports[start[b + 1]++] = {a, softness};
+    const Real arm_a = length(model.joints[joint.joint].anchor_a);
+    const Real arm_b = length(model.joints[joint.joint].anchor_b);
+    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b};
+    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a};
   }
 }
 
@@ -204,32 +206,62 @@ void find_depths(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
-/// Weights go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
+/// Calls `use` with each of those that carry a body: its supports that are a step nearer to the ground.
+template <typename Use>
+void for_each_carrier(const Scratch& scratch, std::uint32_t row, Use use) {
+  for (const Support& support : supports_of(scratch, row))
+    if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) use(support);
+}
+
+/// How hard joints hold each body that whirls: w^2 r of every arm on the way to what cannot move.
+void find_pulls(const State& state, Scratch& scratch) {
+  scratch.pull.assign(state.bodies.size(), 0);
+  const auto spin2 = [&](std::uint32_t row) {
+    return state.bodies[row].angular_velocity * state.bodies[row].angular_velocity;
+  };
+  for (const std::uint32_t row : scratch.support_order)
+    for_each_carrier(scratch, row, [&](const Support& support) {
+      const Real here = spin2(support.other) * support.other_arm + spin2(row) * support.arm;
+      scratch.pull[row] = larger(scratch.pull[row], scratch.pull[support.other] + here);
+    });
+}
+
+/// What a body adds to the load, N: its weight, and what its joints hold it by.
+Real own_load(const Model& model, const State& state, const Scratch& scratch, std::uint32_t row) {
+  const BodyModel& body = model.bodies[state.bodies[row].source];
+  return (absolute(body.gravity_scale) * length(state.world.gravity) + scratch.pull[row]) * body.mass;
+}
+
+/// Weights and pulls go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
 void find_sags(const Model& model, const State& state, Scratch& scratch) {
-  const Real gravity = length(state.world.gravity);
   scratch.load.assign(state.bodies.size(), 0);
   scratch.sag.assign(state.bodies.size(), 0);
-  const auto carrier_count = [&](std::uint32_t row) {
+  scratch.give.assign(state.bodies.size(), 0);
+  find_pulls(state, scratch);
+  const auto share_of = [&](std::uint32_t row) {
     int count = 0;
-    for (const Support& support : supports_of(scratch, row))
-      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) ++count;
-    return static_cast<Real>(count);
+    for_each_carrier(scratch, row, [&](const Support&) { ++count; });
+    return scratch.load[row] / static_cast<Real>(count);
   };
   for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
     const std::uint32_t row = scratch.support_order[i];
     if (scratch.support_depth[row] == 0) continue;
-    const BodyModel& body = model.bodies[state.bodies[row].source];
-    scratch.load[row] += absolute(body.gravity_scale) * gravity * body.mass;
-    const Real share = scratch.load[row] / carrier_count(row);
-    for (const Support& support : supports_of(scratch, row))
-      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) scratch.load[support.other] += share;
+    scratch.load[row] += own_load(model, state, scratch, row);
+    const Real share = share_of(row);
+    for_each_carrier(scratch, row, [&](const Support& support) { scratch.load[support.other] += share; });
   }
   for (const std::uint32_t row : scratch.support_order) {
     if (scratch.support_depth[row] == 0) continue;
-    const Real share = scratch.load[row] / carrier_count(row);
-    for (const Support& support : supports_of(scratch, row))
-      if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row])
-        scratch.sag[row] = larger(scratch.sag[row], scratch.sag[support.other] + share * support.softness);
+    const Real share = share_of(row);
+    const Real size = model.bodies[state.bodies[row].source].size;
+    for_each_carrier(scratch, row, [&](const Support& support) {
+      const Real gives = share * support.softness;
+      scratch.sag[row] = larger(scratch.sag[row], scratch.sag[support.other] + gives);
+      const bool both_move = scratch.support_depth[support.other] != 0;
+      const Real other_size = model.bodies[state.bodies[support.other].source].size;
+      const Real least = both_move ? smaller(size, other_size) : size;
+      if (least > 0) scratch.give[row] = larger(scratch.give[row], gives / least);
+    });
   }
 }
 
@@ -243,6 +275,36 @@ std::uint32_t wanted_substeps(Real sag, Real allowed, std::uint32_t least, std::
   return count < most ? count : most;
 }
 
+// What constraints may add to the masses on a way to the ground, of what is carried.
+constexpr Real added_share_max = Real(0.01);
+
+/// Where not even the most substeps keep a sag within its allowance: how much heavier constraints shall see what
+/// carries the load, which is far heavier. Sags fall by as much.
+void find_mass_factors(const Model& model, const State& state, Scratch& scratch) {
+  const Settings& settings = model.scene.settings;
+  const Real target = static_cast<Real>(settings.auto_substeps->target_error);
+  const Real ratio = static_cast<Real>(reference_substeps) / static_cast<Real>(settings.auto_substeps->substeps_max);
+  scratch.mass_factor.assign(state.bodies.size(), 1);
+  std::vector<Shortfall>& islands = scratch.shortfalls;
+  islands.assign(state.bodies.size(), {0, 0});
+  for (const std::uint32_t row : scratch.support_order) {
+    if (scratch.support_depth[row] == 0) continue;
+    const Real size = model.bodies[state.bodies[row].source].size;
+    const Real whole = size > 0 ? scratch.sag[row] / size : Real(0);
+    Shortfall& island = islands[find_root(scratch.island_parent, row)];
+    island.sag = larger(island.sag, (ratio * ratio) * larger(whole, scratch.give[row]) / target);
+    island.depth = larger(island.depth, static_cast<Real>(scratch.support_depth[row]));
+  }
+  for (const std::uint32_t row : scratch.support_order) {
+    if (scratch.support_depth[row] == 0) continue;
+    const Shortfall& island = islands[find_root(scratch.island_parent, row)];
+    const Real own = own_load(model, state, scratch, row);
+    if (!(island.sag > 1) || !(own > 0)) continue;
+    const Real most = added_share_max * (scratch.load[row] - own) / (own * island.depth);
+    scratch.mass_factor[row] = larger(1, smaller(island.sag, most));
+  }
+}
+
 void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
@@ -253,6 +315,7 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, scratch);
   find_sags(model, state, scratch);
+  find_mass_factors(model, state, scratch);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
   std::vector<std::uint32_t>& level = scratch.island_level;
@@ -262,7 +325,9 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
     std::uint32_t& island = level[find_root(scratch.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
     const std::uint32_t wanted = wanted_substeps(scratch.sag[row], target * body.size, least, most);
+    const std::uint32_t wanted_here = wanted_substeps(scratch.give[row], target, least, most);
     island = island > wanted ? island : wanted;
+    island = island > wanted_here ? island : wanted_here;
   }
   // What it has had: rises at once, falls after calm ticks.
   std::vector<std::uint32_t>& had = scratch.support_depth;
