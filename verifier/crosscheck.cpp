@@ -129,9 +129,9 @@ class Runner {
   void count_tick() {
     const std::uint64_t done = done_.fetch_add(1) + 1;
     if (!options_.progress || done % 64 != 0) return;
-    if (is_reporting_.exchange(true)) return;  // another thread tells the progress just now
+    if (is_reporting_.exchange(1) != 0) return;  // another thread tells the progress just now
     options_.progress(done, total_);
-    is_reporting_ = false;
+    is_reporting_ = 0;
   }
 
   // docs/physics.md, "tgs_soft": contact stiffness rises with the substep rate.
@@ -144,7 +144,7 @@ class Runner {
   const CrosscheckOptions& options_;
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  std::atomic<bool> is_reporting_{false};
+  std::atomic<std::uint32_t> is_reporting_{0};  // whole words: RISC-V exchanges no bytes
 };
 
 std::vector<CrosscheckRun> runs_of(const std::vector<Outcome>& outcomes, std::size_t first, std::size_t count) {
