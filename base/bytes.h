@@ -60,9 +60,7 @@ class ByteWriter {
  private:
   template <typename U>
   void scalar(U value) {
-    std::uint8_t bytes[sizeof(U)];
-    for (std::size_t i = 0; i < sizeof(U); ++i) bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof(U));
+    for (std::size_t i = 0; i < sizeof(U); ++i) bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
   Bytes bytes_;
 };

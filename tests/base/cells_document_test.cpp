@@ -142,6 +142,26 @@ TEST_CASE("cells: one hasher gives the cells of the document for state after sta
   }
 }
 
+TEST_CASE("cells: rows of one to three words, in several blocks, have the hashes of the document",
+          "[base][cells][equivalence]") {
+  std::vector<std::uint32_t> words(3 * 5'001);
+  for (std::uint32_t i = 0; i < words.size(); ++i) words[i] = static_cast<std::uint32_t>(mix(i, 5));
+  for (std::uint32_t word_count = 1; word_count <= 3; ++word_count) {
+    StateSchema schema;
+    schema.tables.push_back({"samples", {}, 4 * word_count, 0});
+    for (std::uint32_t word = 0; word < word_count; ++word) {
+      Column column;
+      column.name = std::string(1, static_cast<char>('a' + word));
+      column.offset = static_cast<std::uint16_t>(4 * word);
+      schema.tables[0].columns.push_back(column);
+    }
+    StateView view{&schema, {{reinterpret_cast<const std::uint8_t*>(words.data()), 5'001}}};
+    StateCells found;
+    CellHasher(schema).hash(view, 0, found);
+    CHECK(found == documented_cells(view));
+  }
+}
+
 TEST_CASE("the row kernels of every instruction set give the same", "[base][hash][cells][equivalence]") {
   std::vector<std::uint32_t> words(3'000);
   std::uint64_t state = 1;

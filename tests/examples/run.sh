@@ -142,6 +142,13 @@ expect 1 "name \"pendulum 4\"" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify p
 expect 1 "first stage whose output differs" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "crashed with SIGSEGV in step of tick 100" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "hangs in step of tick 100: found no end after 1 s" env TICKTRUE_EXAMPLE_FAULT=hang "$tool" verify pendulum.ttr --plugin "$pendulum" --plugin-timeout 1
+# A crash or a hang is one file's finding: those before and behind it are verified.
+expect 0 "50 ticks" "$tool" record 8 --plugin "$pendulum" --ticks 50 -o short.ttr
+for text in "match  short.ttr" "crashed with SIGSEGV in step of tick 100" "3 traces: 2 match, 1 diverged"; do
+  expect 1 "$text" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify short.ttr pendulum.ttr short.ttr --plugin "$pendulum"
+done
+expect 1 "2 traces: 1 match, 1 diverged" env TICKTRUE_EXAMPLE_FAULT=hang "$tool" verify pendulum.ttr short.ttr --plugin "$pendulum" --plugin-timeout 1
+expect 1 '"reason": "plug-in ./libplugin_pendulum.so: crashed with SIGSEGV in step of tick 100"' env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum" --json
 expect 5 "simulation pendulum-example is not available" "$tool" verify pendulum.ttr
 expect 2 "create: refused the setup: number of pendulums" "$tool" run 0 --plugin "$pendulum" --ticks 3
 expect 2 "cannot be loaded" "$tool" verify pendulum.ttr --plugin ./missing.so
