@@ -1,5 +1,5 @@
-// Runs one fuzz harness for some seconds on changed seeds: a fuzzer for every compiler, which knows nothing of
-// coverage. SPDX-License-Identifier: MIT
+// Runs one fuzz harness for some seconds on changed seeds: a fuzzer for every compiler that knows nothing of coverage.
+// SPDX-License-Identifier: MIT
 //
 //   fuzz_short SECONDS SEED NAME SEEDS FOUND    the harness NAME on the files of the folder SEEDS
 //
@@ -27,7 +27,7 @@
 namespace ticktrue::fuzz {
 // Each harness is compiled under its own name here.
 #define TICKTRUE_FUZZ_HARNESS(name, longest) extern "C" int fuzz_##name(const std::uint8_t*, std::size_t);
-#include "fuzz_harnesses.inc"
+#include <fuzz_harnesses.inc>
 #undef TICKTRUE_FUZZ_HARNESS
 
 namespace {
@@ -42,7 +42,7 @@ struct Harness {
 };
 const std::map<std::string, Harness> harnesses{
 #define TICKTRUE_FUZZ_HARNESS(name, longest) {#name, {fuzz_##name, longest}},
-#include "fuzz_harnesses.inc"
+#include <fuzz_harnesses.inc>
 #undef TICKTRUE_FUZZ_HARNESS
 };
 
