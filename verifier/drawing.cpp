@@ -15,6 +15,10 @@ using engine::Point;
 using engine::Shape;
 using engine::ShapeKind;
 
+double distance(const Point& a, const Point& b) {
+  return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+}
+
 Figure figure_of(const engine::Body& body, bool is_prototype) {
   Figure figure;
   figure.name = body.name;
@@ -28,8 +32,7 @@ Figure figure_of(const engine::Body& body, bool is_prototype) {
   for (const Shape& shape : body.shapes) {
     figure.outlines.push_back(outline_of(shape));
     for (const Point& point : figure.outlines.back().points)
-      figure.reach =
-          std::max(figure.reach, std::hypot(point.x - figure.center.x, point.y - figure.center.y) + shape.radius);
+      figure.reach = std::max(figure.reach, distance(point, figure.center) + shape.radius);
   }
   return figure;
 }
