@@ -236,6 +236,9 @@ TEST_CASE("live inputs are recorded as they arrive", "[cli][live][equivalence]")
 TEST_CASE("scenes of another editor become scene files", "[cli][import][equivalence]") {
   run_cases("import_rube.case");
 }
+TEST_CASE("pages are written when they should be, and over nothing", "[cli][report][equivalence]") {
+  run_cases("report.case");
+}
 TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep][equivalence]") {
   run_cases("upkeep.case");
 }

@@ -35,6 +35,7 @@ constexpr const char* footer =
   see what happens in a trace: table, JSON Lines or pictures      replay
   know whether a trace still runs bit for bit the same here       verify
   compare two traces of what should be the same session           diff
+  look at a trace and what verify finds, in a browser             report
   see what is in a trace, or take its inputs out                  show
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
@@ -128,6 +129,7 @@ int parse_and_run(int argc, char** argv) {
   add_replay(app, context);
   add_verify(app, context);
   add_diff(app, context);
+  add_report(app, context);
   add_show(app, context);
   add_recover(app, context);
   add_import(app, context);

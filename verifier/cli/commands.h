@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+
 #include "verifier/cli/cli.h"
+#include "verifier/report.h"
 #include "verifier/session.h"
 
 namespace ticktrue::cli {
@@ -13,6 +16,7 @@ void add_record(CLI::App& app, CliContext& context);
 void add_replay(CLI::App& app, CliContext& context);
 void add_verify(CLI::App& app, CliContext& context);
 void add_diff(CLI::App& app, CliContext& context);
+void add_report(CLI::App& app, CliContext& context);
 void add_show(CLI::App& app, CliContext& context);
 void add_recover(CLI::App& app, CliContext& context);
 void add_import(CLI::App& app, CliContext& context);
@@ -29,6 +33,11 @@ void add_scenes(CLI::App& app, CliContext& context);
 void add_golden(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
+
+// shared by verify and report
+/// Writes the page of the worst report, over an older file; the others that failed are listed in it. Nothing where none
+/// failed. Errors: io.
+Status write_failure_page(std::span<const verifier::Report> reports, const std::string& path, bool allow_truncated);
 
 // shared by record and golden
 /// The --detail of a recording. Errors: usage.

@@ -48,6 +48,7 @@ struct VerifyCommand {
   std::uint64_t jobs = 0;  // 0: every core
   std::string shard;
   std::string junit;
+  std::string report_page;
   std::string other_build;
   std::uint64_t timeout_s = 600;
   std::string inputs;  // of scenes
@@ -301,6 +302,9 @@ Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& com
       return status;
     if (const Status status = file->close(); !status) return status;
   }
+  if (!command.report_page.empty())
+    if (const Status status = write_failure_page(reports, command.report_page, command.allow_truncated); !status)
+      return status;
   if (!command.github) return {};
   // Annotations are messages: the runner reads them on either stream, and standard output may hold JSON.
   const std::string lines = verifier::report_github(reports, command.allow_truncated);
@@ -318,8 +322,9 @@ int run_verify(const VerifyCommand& command) {
   if (const Status status = check_options(command); !status) return exit_with(fail_usage(status.error()));
   Result<std::vector<std::string>> files = verifier::list_traces(command.files);
   if (!files) return exit_with(fail_usage(files.error()));
-  if (const Status status = verifier::check_not_read(command.junit, *files); !status)
-    return exit_with(fail_usage(status.error()));
+  for (const std::string& output : {command.junit, command.report_page})
+    if (const Status status = verifier::check_not_read(output, *files); !status)
+      return exit_with(fail_usage(status.error()));
   if (!command.shard.empty()) {
     const Result<verifier::Shard> shard = verifier::parse_shard(command.shard);
     if (!shard) return exit_with(fail_usage(shard.error()));
@@ -381,6 +386,10 @@ void add_verify(CLI::App& app, CliContext& context) {
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
       ->type_name("OUT.xml");
+  command
+      ->add_option("--report", options->report_page,
+                   "If a trace fails: write a page that shows the worst one (as `ticktrue report`), over an older file")
+      ->type_name("OUT.html");
   command->add_flag("--github", options->github,
                     "Annotations for GitHub Actions on standard error, and a table for the page of the run");
   command->add_flag(
@@ -398,6 +407,7 @@ void add_verify(CLI::App& app, CliContext& context) {
                "ticktrue verify . -j 2 --json\n"
                "ticktrue verify . --shard 1/2 --junit results.xml --github\n"
                "ticktrue verify stack.ttr --against-build ticktrue\n"
+               "ticktrue verify stack.ttr --report failure.html\n"
                "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'");
   command->callback([options, &context] { context.exit_code = run_verify(*options); });
