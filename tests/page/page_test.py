@@ -1,0 +1,311 @@
+#!/usr/bin/env python3
+# Opens pages of `ticktrue report` in a headless Chromium and uses them as a person would.
+# SPDX-License-Identifier: MIT
+#
+#   page_test.py TICKTRUE PLANT_FAULT
+#
+# Verified: no page writes an error to the console; every fact shown is the one of `verify --json`; bodies are drawn
+# where `replay` says, to half a step of the grid; playing stops at the divergence and rings the body it is about; keys,
+# buttons, timeline, wheel and theme do what they say; on a phone nothing sticks out. Exit 77, which ctest counts as
+# skipped: there is no chromium or no chromedriver. Needs nothing but Python's own library.
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+
+SKIPPED = 77
+failures = []
+
+
+def check(is_true, what):
+    if not is_true:
+        failures.append(what)
+        print('page_test: failed: ' + what, file=sys.stderr)
+
+
+class Browser:
+    """A session of chromedriver, spoken to as the WebDriver standard has it."""
+
+    def __init__(self, driver, browser):
+        with socket.socket() as free:
+            free.bind(('127.0.0.1', 0))
+            port = free.getsockname()[1]
+        self.process = subprocess.Popen([driver, '--port=%d' % port], stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+        self.base = 'http://127.0.0.1:%d' % port
+        for _ in range(200):
+            try:
+                self.call('GET', '/status')
+                break
+            except (urllib.error.URLError, ConnectionError):
+                time.sleep(0.05)
+        arguments = ['--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage',
+                     '--window-size=1200,900']
+        wanted = {'goog:chromeOptions': {'binary': browser, 'args': arguments}, 'goog:loggingPrefs': {'browser': 'ALL'}}
+        made = self.call('POST', '/session', {'capabilities': {'alwaysMatch': wanted}})
+        self.base += '/session/' + made['sessionId']
+
+    def call(self, method, path, body=None):
+        request = urllib.request.Request(self.base + path, method=method, headers={'Content-Type': 'application/json'},
+                                         data=None if body is None else json.dumps(body).encode())
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return json.load(answer)['value']
+
+    def open(self, path):
+        self.call('POST', '/url', {'url': 'file://' + path})
+
+    def run(self, script, *arguments):
+        return self.call('POST', '/execute/sync', {'script': script, 'args': list(arguments)})
+
+    def errors(self):
+        entries = self.call('POST', '/se/log', {'type': 'browser'})
+        return [entry['message'] for entry in entries if entry['level'] == 'SEVERE']
+
+    def screen(self, width, height, is_mobile):
+        self.call('POST', '/goog/cdp/execute', {
+            'cmd': 'Emulation.setDeviceMetricsOverride',
+            'params': {'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': is_mobile}})
+
+    def press(self, key):
+        code = {'End': '\ue010', 'Home': '\ue011', 'ArrowLeft': '\ue012', 'ArrowRight': '\ue014'}.get(key, key)
+        self.call('POST', '/actions', {'actions': [{'type': 'key', 'id': 'keyboard', 'actions': [
+            {'type': 'keyDown', 'value': code}, {'type': 'keyUp', 'value': code}]}]})
+
+    def point(self, selector, share_x, share_y):
+        """A click of the mouse at a place of an element."""
+        x, y = self.run('const e = document.querySelector(arguments[0]); e.scrollIntoView({block: "center"});'
+                        'const b = e.getBoundingClientRect();'
+                        'return [b.left + b.width * arguments[1], b.top + b.height * arguments[2]]',
+                        selector, share_x, share_y)
+        self.call('POST', '/actions', {'actions': [{
+            'type': 'pointer', 'id': 'mouse', 'parameters': {'pointerType': 'mouse'}, 'actions': [
+                {'type': 'pointerMove', 'duration': 0, 'x': int(x), 'y': int(y)},
+                {'type': 'pointerDown', 'button': 0}, {'type': 'pointerUp', 'button': 0}]}]})
+
+    def state(self):
+        return self.run('return ticktrue.state()')
+
+    def wait_for_pause(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if not self.state()['isPlaying']:
+                return True
+            time.sleep(0.05)
+        return False
+
+    def close(self):
+        try:
+            self.call('DELETE', '')
+        except (urllib.error.URLError, ConnectionError, OSError):
+            pass
+        self.process.terminate()
+        self.process.wait(10)
+
+
+class Bench:
+    """A folder with traces and pages made by the tools."""
+
+    def __init__(self, tool, plant_fault, folder):
+        self.tool, self.plant_fault, self.folder = tool, plant_fault, folder
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def call(self, *words, codes=(0,), program=None):
+        done = subprocess.run([program or self.tool, *words], cwd=self.folder, capture_output=True, text=True,
+                              timeout=120)
+        if done.returncode not in codes:
+            sys.exit('page_test: error: %s: exit %d\n%s' % (' '.join(words), done.returncode, done.stderr))
+        return done.stdout
+
+    def page(self, name, *more, code=0):
+        self.call('report', name + '.ttr', '-o', name + '.html', '--force', *more, codes=(code,))
+        return self.path(name + '.html')
+
+    def verified(self, name, code=0):
+        return json.loads(self.call('verify', name + '.ttr', '-j', '1', '--json', codes=(code,)))
+
+
+def follow(report, path):
+    """What stands at a path of the JSON; None where that is no single value."""
+    at = report
+    for part in path.split('.'):
+        if isinstance(at, list) and part.isdigit() and int(part) < len(at):
+            at = at[int(part)]
+        elif isinstance(at, dict) and part in at:
+            at = at[part]
+        else:
+            return None
+    return at
+
+
+def compare_facts(browser, report, minimum):
+    facts = browser.run('return [...document.querySelectorAll("[data-fact]")].map('
+                        '(e) => [e.dataset.fact, e.dataset.value || e.textContent])')
+    compared = 0
+    for path, shown in facts:
+        value = follow(report, path)
+        if value is None or isinstance(value, (dict, list)):
+            continue
+        if isinstance(value, bool):
+            expected = str(value).lower()
+        elif isinstance(value, int):
+            expected, shown = str(value), shown.replace(',', '').split(' of ')[0]
+        elif isinstance(value, float):
+            expected = '%.3f s' % value
+        else:
+            expected = value
+        if path.endswith('.name') or path.endswith('.stage') or path.endswith('.column'):
+            check(expected in shown, '%s: shown %r, expected %r in it' % (path, shown, expected))
+        else:
+            check(shown == expected, '%s: shown %r, expected %r' % (path, shown, expected))
+        compared += 1
+    check(compared >= minimum, 'only %d facts on the page: %r' % (compared, facts))
+
+
+def compare_poses(browser, bench, name, tick, names):
+    """Bodies drawn at the end of a tick stand where `replay` says."""
+    line = json.loads(bench.call('replay', name + '.ttr', '--format', 'jsonl', '--ticks', '%d..%d' % (tick, tick),
+                                 codes=(0, 1)).splitlines()[0])
+    browser.run('ticktrue.seek(arguments[0])', tick + 1)
+    step = browser.run('return ticktrue.data.film.playback.grid.length')
+    for body in line['bodies']:
+        if body['name'] not in names:
+            continue
+        pose = browser.run('return ticktrue.pose(arguments[0])', body['name'])
+        x, y = body['position'] if 'position' in body else (body['x'], body['y'])
+        check(abs(pose['x'] - x) <= step / 2 and abs(pose['y'] - y) <= step / 2,
+              '%s at tick %d: drawn at %r, is at %r' % (body['name'], tick, pose, (x, y)))
+
+
+# Pixels of the canvas in the colour of what is wrong.
+red_pixels = '''
+const canvas = document.getElementById('world');
+const image = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+let count = 0;
+for (let i = 0; i < image.length; i += 4)
+  if (Math.abs(image[i] - 192) < 12 && Math.abs(image[i + 1] - 42) < 12 && Math.abs(image[i + 2] - 37) < 12) ++count;
+return count;
+'''
+
+
+def check_console(browser, where):
+    messages = browser.errors()
+    check(messages == [], '%s: console: %r' % (where, messages))
+
+
+def use_matching_page(browser, bench):
+    bench.call('record', 'pyramid?base=6', '--ticks', '300', '--checkpoint-interval', '100', '-o', 'match.ttr')
+    browser.open(bench.page('match'))
+    report = bench.verified('match')
+    check(browser.run('return ticktrue.data.verify') == report, 'match: the JSON in the page is not that of verify')
+    compare_facts(browser, report, 5)
+    compare_poses(browser, bench, 'match', 123, ['box_1', 'box_9', 'box_20'])
+    check(browser.run('return document.getElementById("where").hidden'), 'match: a divergence is shown')
+    browser.press('End')
+    check(browser.state()['ticksDone'] == 300, 'End does not go to the end')
+    browser.press('ArrowLeft')
+    check(browser.state()['ticksDone'] == 299, 'the left arrow does not go a tick back')
+    browser.press('Home')
+    browser.press('ArrowRight')
+    check(browser.state()['ticksDone'] == 1, 'the right arrow does not go a tick on')
+    browser.point('#timeline', 0.5, 0.4)
+    check(abs(browser.state()['ticksDone'] - 150) <= 1, 'a click on the timeline goes to %r' % browser.state())
+    browser.point('#toggle', 0.5, 0.5)
+    check(browser.state()['isPlaying'], 'the button does not play')
+    time.sleep(0.3)
+    browser.press(' ')
+    check(not browser.state()['isPlaying'], 'space does not pause')
+    check(browser.state()['ticksDone'] > 150, 'playing does not move on')
+    before = browser.run('return getComputedStyle(document.body).backgroundColor')
+    browser.point('#theme', 0.5, 0.5)
+    check(browser.run('return getComputedStyle(document.body).backgroundColor') != before, 'the theme does not change')
+    check(browser.run(red_pixels) == 0, 'match: something is ringed')
+    check_console(browser, 'match')
+
+
+def use_diverging_page(browser, bench):
+    bench.call('match.ttr', 'diverged.ttr', '137', '9', '24', 'cells', program=bench.plant_fault)
+    browser.open(bench.page('diverged', code=1))
+    report = bench.verified('diverged', code=1)
+    check(report['verdict'] == 'diverged' and report['divergence']['tick'] == 137, 'the fault was not found')
+    check(browser.run('return ticktrue.data.verify') == report, 'diverged: the JSON in the page is not that of verify')
+    compare_facts(browser, report, 14)
+    check(browser.state()['ticksDone'] == 138, 'the page does not open at the divergence')
+    check(browser.state()['ringed'] == 'box_9', 'ringed: %r' % browser.state())
+    browser.press('Home')
+    check(browser.run(red_pixels) == 0, 'something is ringed before the divergence')
+    browser.run('const s = document.getElementById("speed"); s.value = "16"; s.dispatchEvent(new Event("change"))')
+    browser.press(' ')
+    check(browser.wait_for_pause(10), 'playing does not stop at the divergence')
+    check(browser.state()['ticksDone'] == 138, 'playing stopped at %r' % browser.state())
+    check(browser.state()['ringed'] == 'box_9', 'ringed: %r' % browser.state())
+    check(browser.run(red_pixels) > 60, 'the ring is not drawn')
+    check('box_9' in browser.run('return document.getElementById("stage-note").textContent'), 'the body is not named')
+    check('box_9' in browser.run('return document.getElementById("announce").textContent'), 'the stop is not announced')
+    browser.press(' ')
+    check(browser.wait_for_pause(10), 'playing does not reach the end')
+    check(browser.state()['ticksDone'] == 300, 'behind the divergence playing stopped at %r' % browser.state())
+    check_console(browser, 'diverged')
+
+
+def use_other_pages(browser, bench):
+    browser.open(bench.page('match', '--against', 'diverged.ttr', code=1))
+    check(browser.run('return !document.getElementById("against").hidden'), 'against: not shown')
+    check(browser.run('return !document.getElementById("ghosts-label").hidden'), 'against: no ghosts')
+    check(browser.run('return ticktrue.data.against.diff.divergence.tick') == 137, 'against: another tick')
+    for key in ['g', 'n', '+', '+', '-', '0', 'd']:
+        browser.press(key)
+    check(browser.state()['ticksDone'] == 138, 'd does not go to where they part')
+
+    bench.call('import', 'mouse', '--model', '3', '--seconds', '6', '--scene', 'thesis', '-o', 'session.jsonl')
+    bench.call('record', 'thesis', '--inputs', 'session.jsonl', '-o', 'session.ttr')
+    browser.open(bench.page('session'))
+    browser.screen(390, 800, True)
+    check(browser.run('return document.documentElement.scrollWidth <= window.innerWidth'),
+          'on a phone something sticks out')
+    row = browser.run('const row = document.querySelector("#inputs-table tbody tr"); row.click();'
+                      'return row.dataset.tick')
+    check(browser.state()['ticksDone'] == int(row) + 1, 'a click on an input does not go to its tick')
+    browser.screen(1200, 900, False)
+
+    with open(bench.path('match.ttr'), 'rb') as whole:
+        trace = whole.read()
+    for name, size, code in [('cut', len(trace) * 2 // 3, 3), ('start', 300, 3)]:
+        with open(bench.path(name + '.ttr'), 'wb') as cut:
+            cut.write(trace[:size])
+        browser.open(bench.page(name, code=code))
+        report = bench.verified(name, code=code)
+        compare_facts(browser, report, 2)
+    check_console(browser, 'other pages')
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit('usage: page_test.py TICKTRUE PLANT_FAULT')
+    driver = shutil.which('chromedriver')
+    browser_path = next(filter(None, map(shutil.which, ['chromium', 'chromium-browser', 'google-chrome'])), None)
+    if not driver or not browser_path:
+        print('page_test: skipped: no chromium or no chromedriver (Debian: chromium chromium-driver)')
+        sys.exit(SKIPPED)
+    folder = tempfile.mkdtemp(prefix='ticktrue_page_')
+    browser = Browser(driver, browser_path)
+    try:
+        bench = Bench(os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), folder)
+        use_matching_page(browser, bench)
+        use_diverging_page(browser, bench)
+        use_other_pages(browser, bench)
+    finally:
+        browser.close()
+        shutil.rmtree(folder, ignore_errors=True)
+    print('page_test: %s' % ('ok' if not failures else '%d failures' % len(failures)))
+    sys.exit(1 if failures else 0)
+
+
+main()
