@@ -301,7 +301,7 @@ TEST_CASE("report page: a minute of 200 bodies is below 5 MB, also twice", "[.sl
     const auto scene = engine::make_builtin_scene(name);
     REQUIRE(scene.has_value());
     record_scene(*scene, folder.file("a.ttr"), {3600, 600});
-    record_scene(*scene, folder.file("b.ttr"), {3600, 600, Fault{60, 30, 22}});
+    record_scene(*scene, folder.file("b.ttr"), {3600, 600, Fault{500, 30, 22}});
     const Page page = page_of(folder.file("a.ttr"));
     verifier::PageOptions options;
     options.against = folder.file("b.ttr");
