@@ -57,6 +57,21 @@ struct ContactReport {
   double normal_force[2]{};  // N, mean of the tick
 };
 
+/// What the scene's broad phase makes of the present poses.
+struct BroadPhaseReport {
+  struct Box {
+    std::uint32_t body = 0;  // id
+    Point lower;             // world, m; with margin and the way of a tick
+    Point upper;
+  };
+  struct Pair {
+    std::uint32_t first = 0;  // index in `boxes`
+    std::uint32_t second = 0;
+  };
+  std::vector<Box> boxes;   // of each shape that can meet another
+  std::vector<Pair> pairs;  // that the narrow phase is to test
+};
+
 class Engine : public Simulation {
  public:
   /// The pipeline, stage by stage, those left out included, with the reason for each.
@@ -65,6 +80,7 @@ class Engine : public Simulation {
   virtual std::vector<BodyReport> bodies() const = 0;
   /// Contacts of the present poses, found anew; forces are those of the last tick.
   virtual std::vector<ContactReport> contacts() const = 0;
+  virtual BroadPhaseReport broad_phase() const = 0;
   virtual std::uint64_t tick() const = 0;            // ticks done
   virtual double time_s() const = 0;                 // sum of their dt
   virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed

@@ -9,6 +9,7 @@
 #include "base/limits.h"
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/constraints/choose_kernels.h"
+#include "engine/constraints/impacts.h"
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
@@ -212,6 +213,24 @@ class World final : public Engine {
       reports.push_back(report);
     }
     return reports;
+  }
+
+  BroadPhaseReport broad_phase() const override {
+    const Real dt = static_cast<Real>(model_.scene.settings.dt);
+    Scratch found;
+    State poses = state_;
+    broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
+    const Real fall = fall_of_a_tick(model_, state_);
+    const Real farthest = farthest_reach(model_, state_, dt);
+    BroadPhaseReport report;
+    for (const Proxy& proxy : found.proxies) {
+      const BodyRow& body = state_.bodies[proxy.body];
+      const Box box = box_around(model_, body, model_.shapes[proxy.shape], fall,
+                                 sweep_of(model_, state_, proxy.body, dt, farthest));
+      report.boxes.push_back({body.id, to_point(box.lower), to_point(box.upper)});
+    }
+    for (const Pair& pair : found.pairs) report.pairs.push_back({pair.first, pair.second});
+    return report;
   }
 
  private:

@@ -233,6 +233,7 @@ constexpr HeaderBan header_bans[] = {
     {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
     {"", "CLI/", "verifier/,bench/", "an options struct, filled by the subcommand"},
     {"", "benchmark/", "bench/", "bench/"},
+    {"", "SDL2/", "play/window.cpp", "play/host.h"},
 };
 
 struct Direction {
@@ -246,7 +247,8 @@ constexpr Direction directions[] = {
     {"include", ""},
     {"verifier", "base,engine,replay,verifier,include"},
     {"capi", "base,replay,verifier,capi,include"},
-    {"tests", "base,engine,replay,verifier,capi,include,tests"},
+    {"play", "base,engine,replay,verifier,play"},
+    {"tests", "base,engine,replay,verifier,play,capi,include,tests"},
     {"bench", "base,engine,replay,verifier,bench"},
 };
 
@@ -379,7 +381,8 @@ Findings check_file(const SourceFile& file) {
 
 // --- checking the tree ----------------------------------------------------------------------------------------------
 
-constexpr std::array source_folders{"include", "base", "engine", "replay", "verifier", "capi", "tests", "bench"};
+constexpr std::array source_folders{"include", "base", "engine", "replay", "verifier",
+                                    "play",    "capi", "tests",  "bench"};
 
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -483,7 +486,7 @@ TEST_CASE("every file that ARCHITECTURE.md names is there", "[tidy][docs]") {
     const bool is_path =
         contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string::npos &&
         is_one_of(top_of(name),
-                  "include,base,engine,replay,verifier,capi,examples,tests,bench,traces,scenes,docs,cmake,.ci");
+                  "include,base,engine,replay,verifier,play,capi,examples,tests,bench,traces,scenes,docs,cmake,.ci");
     if (is_path) {
       ++count;
       if (!fs::exists(root / name)) FAIL_CHECK("ARCHITECTURE.md: error: names " << name << ", which is not there");
@@ -558,6 +561,8 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
       {"replay/x.cpp", "verifier/verify.h"},
       {"verifier/x.cpp", "tests/support/catch.h"},
       {"bench/x.cpp", "tests/support/catch.h"},
+      {"verifier/x.cpp", "play/session.h"},
+      {"engine/x.cpp", "play/session.h"},
       {"engine/x.cpp", "scene.h"},
       {"engine/x.cpp", "../base/bytes.h"},
   };
@@ -568,6 +573,7 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
   const std::pair<const char*, const char*> right[] = {
       {"engine/x.cpp", "base/bytes.h"},     {"replay/x.cpp", "base/bytes.h"},  {"verifier/x.cpp", "engine/scene.h"},
       {"verifier/x.cpp", "replay/trace.h"}, {"tests/x.cpp", "engine/scene.h"}, {"bench/x.cpp", "engine/scene.h"},
+      {"play/x.cpp", "verifier/svg.h"},     {"tests/x.cpp", "play/session.h"},
   };
   for (const auto& [path, include] : right) {
     CAPTURE(path, include);

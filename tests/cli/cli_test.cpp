@@ -246,6 +246,9 @@ TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep
 TEST_CASE("compare, accuracy and stress print what they found, and refuse what they cannot do", "[cli][study]") {
   run_cases("study.case");
 }
+TEST_CASE("the window's sessions and pictures work without a display", "[cli][play]") {
+  run_cases("play.case");
+}
 TEST_CASE("ten scenes are described word for word", "[cli][describe][golden]") {
   // describe.expected: files as in cases, and after each line "$ COMMAND" what it prints.
   const fs::path path = root / "tests/cli/describe.expected";

@@ -33,6 +33,7 @@ constexpr const char* footer =
   simulate a scene, look at speed and result, keep nothing        run
   keep a session in a file (a trace), from a scene and inputs     record
   see what happens in a trace: table, JSON Lines or pictures      replay
+  play in a scene in a window, or look at a trace there           play
   know whether a trace still runs bit for bit the same here       verify
   compare two traces of what should be the same session           diff
   look at a trace and what verify finds, in a browser             report
@@ -127,6 +128,7 @@ int parse_and_run(int argc, char** argv) {
   add_run(app, context);
   add_record(app, context);
   add_replay(app, context);
+  add_play(app, context);
   add_verify(app, context);
   add_diff(app, context);
   add_report(app, context);

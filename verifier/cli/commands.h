@@ -14,6 +14,7 @@ namespace ticktrue::cli {
 void add_run(CLI::App& app, CliContext& context);
 void add_record(CLI::App& app, CliContext& context);
 void add_replay(CLI::App& app, CliContext& context);
+void add_play(CLI::App& app, CliContext& context);
 void add_verify(CLI::App& app, CliContext& context);
 void add_diff(CLI::App& app, CliContext& context);
 void add_report(CLI::App& app, CliContext& context);

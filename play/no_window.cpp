@@ -1,0 +1,12 @@
+// What a build without SDL2 has instead of a window.
+// SPDX-License-Identifier: MIT
+#include "play/host.h"
+
+namespace ticktrue::play {
+
+Result<std::unique_ptr<Host>> open_window(const std::string&, WindowSize) {
+  return Error{ErrorCode::usage, "window: this build has none: found no SDL2 when it was configured",
+               "install libsdl2-dev and configure again, or play without a window: --headless"};
+}
+
+}  // namespace ticktrue::play

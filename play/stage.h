@@ -1,0 +1,67 @@
+// What both modes share: the canvas, the display, how long frames take, and the files made of the last picture.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "engine/engine.h"
+#include "play/canvas.h"
+#include "play/host.h"
+#include "play/panel.h"
+#include "play/script.h"
+#include "play/view.h"
+#include "play/world_picture.h"
+#include "verifier/cli/json_output.h"
+#include "verifier/cli/play.h"
+#include "verifier/session.h"
+
+namespace ticktrue::play {
+
+class Stage {
+ public:
+  /// Opens the window, or none; reads the script. Errors: usage, io, invalid_input.
+  static Result<std::unique_ptr<Stage>> open(const cli::PlayOptions& options);
+
+  /// The canvas, of the size of the view, to draw on.
+  Canvas& begin_picture(const View& view);
+  /// Shows what was drawn; gives what happened since. Ctrl-C counts as closing the window. Errors: io.
+  Result<HostFrame> show();
+  /// Whether the time of a frame is used up. Never without a display: there each frame does all of its work.
+  bool is_late() const;
+
+  void set_title(const std::string& title) { host_->set_title(title); }
+  const Fonts& fonts() const { return fonts_; }
+
+  /// Writes the files that were asked for. Errors: io.
+  Status write_files(const engine::Engine& engine, const WorldPicture& picture, const View& view);
+
+  /// Frames shown, per second; how long one takes to simulate and draw.
+  cli::Json frames_json() const;
+  std::string frames_text() const;
+
+ private:
+  Stage(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script);
+  using Clock = std::chrono::steady_clock;
+
+  const cli::PlayOptions& options_;
+  std::unique_ptr<Host> host_;
+  ScriptedHost scripted_;
+  Canvas canvas_;
+  Fonts fonts_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point work_begin_ = Clock::now();  // of this frame, without waiting for the display
+  verifier::TickTimes work_;
+  verifier::TickTimes shown_;
+};
+
+/// The layers whose keys are in `keys`. Errors: usage.
+Result<LayerSet> parse_layers(const std::string& keys);
+
+/// The two modes. They return the exit code.
+int play_in_scene(const cli::PlayOptions& options);
+int play_trace_file(const cli::PlayOptions& options);
+
+}  // namespace ticktrue::play
