@@ -1,6 +1,6 @@
-// Compiled once for each instruction set, into a namespace of its own; nothing of it is seen from outside but its
-// table. SPDX-License-Identifier: MIT Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH,
-// for the sums of products).
+// The row kernels, compiled once for each instruction set: nothing is seen from outside but their table.
+// SPDX-License-Identifier: MIT
+// Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums of products).
 #include "base/row_kernels.h"
 
 #ifndef TICKTRUE_ISA
