@@ -336,19 +336,30 @@ void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row
   hash_rows(short_rows, words, table.words, row_count, table.seed, hashes_.data());
   const std::uint64_t* hashes = hashes_.data();
   const std::size_t stride = table.words;
-  const std::size_t owner_count = values_.size() / 2;
   bool all_have_owners = false;
   for (const Reference& reference : table.references) {
     const Lookup& lookup = lookups_[reference.target];
-    std::uint64_t* values = values_.data() + first_owner_[reference.target];
+    std::uint64_t* even = values_.data() + first_owner_[reference.target];
+    std::uint64_t* odd = even + values_.size() / 2;
     const std::uint32_t* id = words + reference.word;
     std::size_t found = 0;
-    for (std::size_t row = 0; row < row_count; ++row, id += stride) {
-      const std::uint32_t owner = lookup.find(*id);
-      if (owner == no_owner) continue;
-      values[owner + row % 2 * owner_count] += hashes[row];
-      ++found;
-    }
+    const auto fold = [&](const auto& find) {
+      const auto add = [&](std::uint64_t* values, std::size_t row) {
+        const std::uint32_t owner = find(id[row * stride]);
+        if (owner == no_owner) return;
+        values[owner] += hashes[row];
+        ++found;
+      };
+      std::size_t row = 0;
+      for (; row + 1 < row_count; row += 2) add(even, row), add(odd, row + 1);
+      if (row < row_count) add(even, row);
+    };
+    if (lookup.is_dense)
+      fold([first_id = lookup.first, count = lookup.count](std::uint32_t wanted) {
+        return wanted - first_id < count ? wanted - first_id : no_owner;
+      });
+    else
+      fold([&](std::uint32_t wanted) { return lookup.find(wanted); });
     all_have_owners = all_have_owners || found == row_count;
   }
   if (all_have_owners) return;

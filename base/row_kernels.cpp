@@ -1,5 +1,4 @@
-// Loops over packed rows, compiled once for each instruction set into a namespace of its own; its table is all that is
-// seen from outside.
+// The row kernels, compiled once for each instruction set: nothing is seen from outside but their table.
 // SPDX-License-Identifier: MIT
 // Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums of products).
 #include "base/row_kernels.h"

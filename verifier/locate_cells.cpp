@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "replay/payload.h"
 
@@ -43,31 +45,38 @@ CellMap differing_cells(const StateCells& a, const StateCells& b) {
 
 }  // namespace
 
-CellFinding find_candidates(const StateCells& expected, const StateCells& got, const std::vector<CellOwner>& owners) {
+CellFinding find_candidates(const StateCells& expected, const StateCells& got, const std::vector<CellOwner>& owners,
+                            const std::vector<CellOwner>& gone) {
   TICKTRUE_ASSERT(expected.cells.size() == got.cells.size());
   CellFinding finding;
   const CellMap differs = differing_cells(expected, got);
   CellMap unexplained = differs;
   finding.differing_cells = differs.count();
-  std::vector<std::uint8_t> matches(owners.size());
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    const auto at = cells_of(owners[i], expected.partition_cells);
-    for (std::size_t p = 0; p < partition_count; ++p)
-      if (differs(p, at[p])) ++matches[i];
-    if (matches[i] != partition_count) continue;
+  const auto owner_at = [&](std::size_t i) -> const CellOwner& {
+    return i < owners.size() ? owners[i] : gone[i - owners.size()];
+  };
+  const auto add = [&](std::size_t i) {
+    (i < owners.size() ? finding.candidates : finding.gone).push_back(owner_at(i));
+    const auto at = cells_of(owner_at(i), expected.partition_cells);
     for (std::size_t p = 0; p < partition_count; ++p) unexplained.set(unexplained.index(p, at[p]), false);
+  };
+  std::vector<std::size_t> by_three;
+  for (std::size_t i = 0; i < owners.size() + gone.size(); ++i) {
+    const auto at = cells_of(owner_at(i), expected.partition_cells);
+    std::size_t matches = 0;
+    for (std::size_t p = 0; p < partition_count; ++p) matches += differs(p, at[p]) ? 1 : 0;
+    if (matches == partition_count) add(i);
+    if (matches + 1 == partition_count) by_three.push_back(i);
   }
   const CellMap left = unexplained;
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    if (matches[i] == partition_count) finding.candidates.push_back(owners[i]);
-    if (matches[i] != partition_count - 1) continue;
-    const auto at = cells_of(owners[i], expected.partition_cells);
-    bool explains = false;
+  const bool is_long = finding.candidates.size() + finding.gone.size() > short_list_max;
+  for (const std::size_t i : by_three) {
+    const auto at = cells_of(owner_at(i), expected.partition_cells);
+    bool explains = is_long;
     for (std::size_t p = 0; p < partition_count; ++p) explains = explains || left(p, at[p]);
     if (!explains) continue;
-    finding.candidates.push_back(owners[i]);
+    add(i);
     finding.healed = true;
-    for (std::size_t p = 0; p < partition_count; ++p) unexplained.set(unexplained.index(p, at[p]), false);
   }
   finding.unexplained_cells = unexplained.count();
   return finding;
@@ -83,8 +92,57 @@ std::uint64_t estimate_differing(const StateCells& expected, const StateCells& g
   return std::min(owner_count, static_cast<std::uint64_t>(std::llround(count)));
 }
 
+RowsBefore rows_before(const StateView& state, const RowNamer& row_name) {
+  RowsBefore before;
+  before.owners = CellHasher(*state.schema).owners(state);
+  for (const CellOwner& owner : before.owners) before.names.push_back(row_name ? row_name(owner.table, owner.row) : "");
+  for (const TableRows& rows : state.tables) before.row_counts.push_back(rows.row_count);
+  return before;
+}
+
+namespace {
+
+using OwnerKey = std::pair<std::size_t, std::uint64_t>;  // table, key
+std::set<OwnerKey> keys_of(const std::vector<CellOwner>& owners) {
+  std::set<OwnerKey> keys;
+  for (const CellOwner& owner : owners) keys.emplace(owner.table, owner.key);
+  return keys;
+}
+
+/// Puts the candidates among owners of the state here, and among those of the state before that are gone, into the
+/// divergence. Where no row came or went, one that is gone is the row here of the same index, under another key.
+void list_candidates(const StateSchema& schema, const CellFinding& finding, const StateView& rows,
+                     const RowNamer& row_name, const RowsBefore* before, std::vector<Candidate>& listed) {
+  const auto is_listed = [&](const std::string& table, std::uint64_t row) {
+    return std::any_of(listed.begin(), listed.end(),
+                       [&](const Candidate& other) { return other.table == table && other.row == row; });
+  };
+  const auto list_here = [&](std::size_t table, std::size_t row) {
+    Candidate candidate{schema.tables[table].name, row, id_of(schema.tables[table], rows.tables[table], row), ""};
+    if (row_name) candidate.name = row_name(table, row);
+    listed.push_back(std::move(candidate));
+  };
+  for (const CellOwner& owner : finding.candidates) list_here(owner.table, owner.row);
+  for (const CellOwner& owner : finding.gone) {
+    const TableSchema& table = schema.tables[owner.table];
+    if (before->row_counts[owner.table] == rows.tables[owner.table].row_count) {
+      if (!is_listed(table.name, owner.row)) list_here(owner.table, owner.row);
+      continue;
+    }
+    Candidate candidate{table.name, owner.row, std::nullopt, ""};
+    if (table.key_column_count == 1) candidate.id = owner.key;
+    for (std::size_t i = 0; i < before->owners.size(); ++i)
+      if (before->owners[i].table == owner.table && before->owners[i].row == owner.row)
+        candidate.name = before->names[i];
+    listed.push_back(std::move(candidate));
+  }
+}
+
+}  // namespace
+
 void locate_cells(const StateSchema& schema, const StateCells& expected, const StateCells& got, const StateView* rows,
-                  const RowNamer& row_name, std::size_t row_count_max, Divergence& divergence) {
+                  const RowNamer& row_name, std::size_t row_count_max, Divergence& divergence,
+                  const RowsBefore* before) {
   divergence.tables.clear();
   divergence.row_counts.clear();
   divergence.candidates.clear();
@@ -105,20 +163,19 @@ void locate_cells(const StateSchema& schema, const StateCells& expected, const S
   if (rows == nullptr || expected.partition_cells != got.partition_cells) return;
   CellHasher hasher(schema);
   const std::vector<CellOwner>& owners = hasher.owners(*rows);
-  const CellFinding finding = find_candidates(expected, got, owners);
+  std::vector<CellOwner> gone;
+  if (before != nullptr) {
+    const std::set<OwnerKey> here = keys_of(owners);
+    for (const CellOwner& owner : before->owners)
+      if (here.count({owner.table, owner.key}) == 0) gone.push_back(owner);
+  }
+  const CellFinding finding = find_candidates(expected, got, owners, gone);
   divergence.owner_count = owners.size();
-  divergence.candidate_count = finding.candidates.size();
   divergence.healed = finding.healed;
   divergence.unexplained_cells = finding.unexplained_cells;
-  for (std::size_t i = 0; i < std::min(finding.candidates.size(), row_count_max); ++i) {
-    const CellOwner& owner = finding.candidates[i];
-    Candidate candidate;
-    candidate.table = schema.tables[owner.table].name;
-    candidate.row = owner.row;
-    candidate.id = id_of(schema.tables[owner.table], rows->tables[owner.table], owner.row);
-    if (row_name) candidate.name = row_name(owner.table, owner.row);
-    divergence.candidates.push_back(std::move(candidate));
-  }
+  list_candidates(schema, finding, *rows, row_name, before, divergence.candidates);
+  divergence.candidate_count = divergence.candidates.size();
+  divergence.candidates.resize(std::min(divergence.candidates.size(), row_count_max));
 }
 
 namespace {

@@ -5,7 +5,9 @@
 #include <utility>
 #include <variant>
 
+#include "replay/payload.h"
 #include "verifier/locate.h"
+#include "verifier/locate_cells.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -66,15 +68,34 @@ class SecondRun {
       return;
     }
     StageHashes stages;
+    const Divergence& found = mismatch_.divergence;
+    std::optional<RowsBefore> before;
+    if (found.from_cells && (found.healed || found.unexplained_cells > 0))
+      before = rows_before(simulation_->state(), namer());
     simulation_->step(input, mismatch_.expected.stage_hashes.empty() ? nullptr : &stages);
     rerun_.stage_hashes = stages.hashes();
     encode_image(simulation_->state(), rerun_.image);
     rerun_.same = rerun_.image == mismatch_.got;
     rerun_.done = true;
+    if (rerun_.same && before) locate_again(*before);
     if (rerun_.same) return;
     rerun_.differs_at = tick_;
     rerun_.between = mismatch_.divergence;
     describe_lanes(context_, *simulation_, mismatch_.got, rerun_.image, *rerun_.between, findings_);
+  }
+
+  RowNamer namer() const {
+    return [this](std::size_t table, std::size_t row) { return simulation_->row_name(table, row); };
+  }
+
+  void locate_again(const RowsBefore& before) {
+    const StateSchema& schema = context_.setup.schema;
+    const StateCells recorded = replay::decode_cells(schema, mismatch_.expected.cells);
+    StateCells here;
+    CellHasher(schema).hash(simulation_->state(), recorded.partition_cells, here);
+    rerun_.located = mismatch_.divergence;
+    locate_cells(schema, recorded, here, &simulation_->state(), namer(), context_.options.row_count_max,
+                 *rerun_.located, &before);
   }
 
   const WalkContext& context_;
@@ -97,7 +118,7 @@ Rerun run_again(const WalkContext& context, TraceSource& source, const Start& st
 
 void judge_mismatch(const WalkContext& context, const Mismatch& mismatch, const Rerun& rerun, Findings& findings) {
   findings.decide(Verdict::diverged, "");
-  Divergence divergence = mismatch.divergence;
+  Divergence divergence = rerun.located ? *rerun.located : mismatch.divergence;
   if (rerun.done && !rerun.stage_hashes.empty() && !mismatch.expected.stage_hashes.empty())
     locate_stage(context.setup.stages, mismatch.expected.stage_hashes, rerun.stage_hashes, divergence);
   if (rerun.differs_at) {

@@ -13,6 +13,7 @@ struct Rerun {
   std::optional<std::uint64_t> differs_at;  // first tick known to differ between the two runs
   std::optional<Divergence> divergence;     // where the second run left the recorded one before the first did
   std::optional<Divergence> between;        // done, not same: what differs between the two runs
+  std::optional<Divergence> located;        // with cells that no row here explains: once more, with the rows before
   std::vector<std::uint64_t> stage_hashes;
   Bytes image;  // at the tick of the mismatch, or where it differed
 };

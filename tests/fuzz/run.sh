@@ -29,7 +29,7 @@ fi
 if [ "${1-}" = random ]; then
   build=$2
   mkdir -p "$out/found"
-  ASAN_OPTIONS=hard_rss_limit_mb=2560 "$build/fuzz_short" "$4" "$3" "$5" "$out/seeds" "$out/found" 2>"$out/$5.log" && exit 0
+  ASAN_OPTIONS=hard_rss_limit_mb=2560 "$build/fuzz_short" "$4" "$3" "$5" "$6" "$out/seeds" "$out/found" 2>"$out/$5.log" && exit 0
   printf '%s: seed %s, see %s\n' "$5" "$3" "$out/$5.log"
   exit 1
 fi

@@ -1,17 +1,19 @@
-// Runs one fuzz harness for some seconds on changed seeds: a fuzzer for every compiler that knows nothing of coverage.
+// Runs one fuzz harness for some seconds on changed seeds: for every compiler, without knowledge of coverage.
 // SPDX-License-Identifier: MIT
 //
-//   fuzz_short SECONDS SEED NAME SEEDS FOUND    the harness NAME on the files of the folder SEEDS
+//   fuzz_short SECONDS SEED NAME LONGEST SEEDS FOUND    the harness NAME on SEEDS/NAME/*, at most LONGEST bytes
 //
 // What libFuzzer finds by coverage this one finds by luck alone; it is for the builds that have sanitizers and no
 // clang. Every input is made in a page shared with the parent process, which keeps what its child died of as
 // FOUND/NAME-short.
 #include <sys/mman.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -24,27 +26,34 @@
 
 #include "tests/fuzz/fuzz.h"
 
-namespace ticktrue::fuzz {
-// Each harness is compiled under its own name here.
-#define TICKTRUE_FUZZ_HARNESS(name, longest) extern "C" int fuzz_##name(const std::uint8_t*, std::size_t);
-#include <fuzz_harnesses.inc>
-#undef TICKTRUE_FUZZ_HARNESS
+// Each harness is compiled under its own name (CMakeLists.txt, the list of all).
+extern "C" {
+int fuzz_trace(const std::uint8_t*, std::size_t);
+int fuzz_trace_forged(const std::uint8_t*, std::size_t);
+int fuzz_state(const std::uint8_t*, std::size_t);
+int fuzz_scene(const std::uint8_t*, std::size_t);
+int fuzz_setup(const std::uint8_t*, std::size_t);
+int fuzz_input_lines(const std::uint8_t*, std::size_t);
+int fuzz_inputs(const std::uint8_t*, std::size_t);
+int fuzz_rube(const std::uint8_t*, std::size_t);
+int fuzz_mouse(const std::uint8_t*, std::size_t);
+int fuzz_host(const std::uint8_t*, std::size_t);
+}
 
+namespace ticktrue::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned hang_s = 5;
+constexpr int hang_cpu_s = 5;
+constexpr unsigned hang_wall_s = 60;  // of one that waits for something
 
-struct Harness {
-  int (*run)(const std::uint8_t*, std::size_t);
-  std::size_t longest;  // bytes
-};
-const std::map<std::string, Harness> harnesses{
-#define TICKTRUE_FUZZ_HARNESS(name, longest) {#name, {fuzz_##name, longest}},
-#include <fuzz_harnesses.inc>
-#undef TICKTRUE_FUZZ_HARNESS
-};
+using Harness = int (*)(const std::uint8_t*, std::size_t);
+const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},   {"trace_forged", fuzz_trace_forged},
+                                               {"state", fuzz_state},   {"scene", fuzz_scene},
+                                               {"setup", fuzz_setup},   {"input_lines", fuzz_input_lines},
+                                               {"inputs", fuzz_inputs}, {"rube", fuzz_rube},
+                                               {"mouse", fuzz_mouse},   {"host", fuzz_host}};
 
 /// splitmix64
 class Random {
@@ -158,25 +167,28 @@ struct Shared {
   std::uint8_t bytes[1 << 16];
 };
 
-[[noreturn]] void run_child(const Harness& harness, const std::vector<Bytes>& seeds, const std::vector<Bytes>& words,
-                            double seconds, std::uint64_t seed, Shared& shared) {
+[[noreturn]] void run_child(Harness harness, std::size_t longest, const std::vector<Bytes>& seeds,
+                            const std::vector<Bytes>& words, double seconds, std::uint64_t seed, Shared& shared) {
   const auto run = [&](const Bytes& bytes) {
     shared.size = std::min(bytes.size(), sizeof shared.bytes);
     std::copy_n(bytes.begin(), shared.size, shared.bytes);
-    ::alarm(hang_s);
+    const itimerval cpu{{0, 0}, {hang_cpu_s, 0}};
+    ::setitimer(ITIMER_PROF, &cpu, nullptr);
+    ::alarm(hang_wall_s);
     // A copy of its own, so that a read behind its end is seen.
     const Bytes input(shared.bytes, shared.bytes + shared.size);
-    harness.run(input.data(), input.size());
+    harness(input.data(), input.size());
     ++shared.run_count;
   };
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   for (const Bytes& bytes : seeds) run(bytes);
-  Mutator mutator(seeds, words, std::min(harness.longest, sizeof shared.bytes), seed);
+  Mutator mutator(seeds, words, std::min(longest, sizeof shared.bytes), seed);
   while (std::chrono::steady_clock::now() < end) run(mutator.next());
   std::exit(0);
 }
 
-int run(double seconds, std::uint64_t seed, const std::string& name, const fs::path& folder, const fs::path& found) {
+int run(double seconds, std::uint64_t seed, const std::string& name, std::size_t longest, const fs::path& folder,
+        const fs::path& found) {
   const auto harness = harnesses.find(name);
   if (harness == harnesses.end()) {
     std::fprintf(stderr, "fuzz_short: error: unknown harness: found %s\n", name.c_str());
@@ -193,10 +205,10 @@ int run(double seconds, std::uint64_t seed, const std::string& name, const fs::p
   auto& shared = *static_cast<Shared*>(page);
   const pid_t child = ::fork();
   require(child >= 0, "fork works");
-  if (child == 0) run_child(harness->second, seeds, words, seconds, seed, shared);
+  if (child == 0) run_child(harness->second, longest, seeds, words, seconds, seed, shared);
   int status = 0;
   require(::waitpid(child, &status, 0) == child, "waitpid works");
-  const bool is_hang = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
+  const bool is_hang = WIFSIGNALED(status) && (WTERMSIG(status) == SIGPROF || WTERMSIG(status) == SIGALRM);
   std::string verdict = "nothing";
   if (status != 0) {
     fs::create_directories(found);
@@ -214,10 +226,10 @@ int run(double seconds, std::uint64_t seed, const std::string& name, const fs::p
 }  // namespace ticktrue::fuzz
 
 int main(int argument_count, char** arguments) {
-  if (argument_count != 6) {
-    std::fprintf(stderr, "usage: fuzz_short SECONDS SEED NAME SEEDS FOUND\n");
+  if (argument_count != 7) {
+    std::fprintf(stderr, "usage: fuzz_short SECONDS SEED NAME LONGEST SEEDS FOUND\n");
     return 2;
   }
   return ticktrue::fuzz::run(std::atof(arguments[1]), std::strtoull(arguments[2], nullptr, 10), arguments[3],
-                             arguments[4], arguments[5]);
+                             std::strtoull(arguments[4], nullptr, 10), arguments[5], arguments[6]);
 }

@@ -46,13 +46,16 @@ Reading read_on(replay::TraceReader& reader, std::uint64_t first_tick) {
   return reading;
 }
 
-void check_seek(replay::TraceReader& reader, const Reading& whole, std::uint64_t tick) {
+void check_seek(replay::TraceReader& reader, const Reading& whole, bool is_whole, std::uint64_t tick) {
   if (!reader.seek(tick)) return;
   const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
   if (checkpoint == nullptr) return;
   const std::uint64_t start = checkpoint->tick;
   require(start <= tick, "a seek goes to a checkpoint at or before the tick");
   const Reading rest = read_on(reader, start);
+  // The index is outside the chain: in a file that was forged and is damaged before it, it may lead to chunks that are
+  // right in themselves and are never met in order.
+  if (!is_whole) return;
   for (std::size_t i = 0; i < rest.roots.size() && start + i < whole.roots.size(); ++i)
     require(rest.roots[i] == whole.roots[start + i], "a seek finds the same ticks");
 }
@@ -83,10 +86,11 @@ void read_in_every_way(ByteView bytes) {
   }
   const Reading whole = read_on(*reader, 0);
   require(reader->tail().ticks_intact == whole.roots.size(), "ticks_intact counts the ticks");
+  const bool is_whole = reader->tail().condition == replay::TraceCondition::complete;
   reader->rewind();
   require(read_on(*reader, 0).roots == whole.roots, "reading again gives the same");
   for (const std::uint64_t tick : {std::uint64_t{0}, whole.roots.size() / 2, std::uint64_t{1} << 50})
-    check_seek(*reader, whole, tick);
+    check_seek(*reader, whole, is_whole, tick);
   reader->tick_count_hint();
   check_recovery(bytes, whole);
 
