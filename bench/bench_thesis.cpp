@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: MIT
 // Source: Claes, "Building a custom 2D physics engine in C++", 2024, sections 3.1 and 3.2 (scene, mixes, its numbers).
 //
-// Times are of step() alone, the least of three runs, each the mean over its ticks. Hashes are of the last state: the
-// same on every machine.
+// Times are those that the thread computed in step() alone, the least of three runs, each the mean over its ticks.
+// Hashes are of the last state: the same on every machine.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "engine/builtin_scenes.h"
 #include "engine/engine.h"
 #include "verifier/clocked_inputs.h"
+#include "verifier/study/measures.h"
 #include "verifier/study/table.h"
 
 namespace ticktrue {
@@ -90,7 +90,6 @@ struct Timing {
 };
 
 Result<Timing> time_of(const engine::Scene& scene, int warm_up, int tick_count) {
-  using Clock = std::chrono::steady_clock;
   Timing timing;
   for (int repeat = 0; repeat < repeat_count; ++repeat) {
     auto made = engine::make_engine(scene);
@@ -98,13 +97,13 @@ Result<Timing> time_of(const engine::Scene& scene, int warm_up, int tick_count) 
     engine::Engine& engine = **made;
     const TickInput input{scene.settings.dt, {}};
     for (int i = 0; i < warm_up; ++i) engine.step(input, nullptr);
-    const Clock::time_point start = Clock::now();
+    const double start = verifier::computed_s();
     for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
-    const double ms = std::chrono::duration<double>(Clock::now() - start).count() * 1e3 / tick_count;
+    const double ms = (verifier::computed_s() - start) * 1e3 / tick_count;
     timing.ms = repeat == 0 ? ms : std::min(timing.ms, ms);
     if (repeat + 1 == repeat_count) timing.contact_count = engine.contacts().size();
     timing.hash = root_hash(engine.state());
-    if (ms * tick_count > 2000) break;  // long enough
+    if (ms * (warm_up + tick_count) > 1000) break;  // long enough
   }
   return timing;
 }
@@ -133,7 +132,8 @@ Status performance() {
         const auto ours = time_of(*scene, warm_up, tick_count);
         if (!ours) return ours.error();
         use_thesis_solver(*scene);
-        const auto theirs = time_of(*scene, warm_up, tick_count);
+        // Its loop over all pairs takes as long in the air as in a heap, and with 10,000 bodies very long.
+        const auto theirs = count < 10000 ? time_of(*scene, warm_up, tick_count) : time_of(*scene, 2, 3);
         if (!theirs) return theirs.error();
         table.add({std::to_string(count), std::string(mix_names[mix]), std::string(scheme.name),
                    count == 150 && mix < 3 ? ms_text(scheme.ms[mix]) : "no data", ms_text(theirs->ms),
@@ -152,8 +152,8 @@ Status broad_phase() {
   std::vector<std::string> head{"polygons", "thesis off", "thesis on"};
   for (const auto& info : engine::broad_phases) head.emplace_back(info.name);
   head.emplace_back("impulse");
-  head.emplace_back("same bits");
   TextTable table(std::move(head), 0);
+  bool all_same = true;
   for (const int count : {60, 80, 100, 200, 1000, 10000}) {
     const auto known =
         std::find_if(phases.begin(), phases.end(), [&](const auto& phase) { return phase.count == count; });
@@ -164,12 +164,11 @@ Status broad_phase() {
     const int warm_up = count < 10000 ? 180 : 2;
     const int tick_count = count < 10000 ? 120 : 5;
     std::optional<std::uint64_t> hash;
-    bool same = true;
     for (const auto& info : engine::broad_phases) {
       scene->settings.broad_phase = info.kind;
       const auto timing = time_of(*scene, warm_up, tick_count);
       if (!timing) return timing.error();
-      same = same && (!hash || *hash == timing->hash);
+      all_same = all_same && (!hash || *hash == timing->hash);
       hash = timing->hash;
       row.push_back(ms_text(timing->ms));
     }
@@ -177,11 +176,12 @@ Status broad_phase() {
     const auto theirs = time_of(*scene, warm_up, tick_count);
     if (!theirs) return theirs.error();
     row.push_back(ms_text(theirs->ms));
-    row.emplace_back(same ? "yes" : "no");
     table.add(std::move(row));
     std::fprintf(stderr, "%d\n", count);
   }
   std::fputs(table.text().c_str(), stdout);
+  std::fputs(all_same ? "  the five broad phases gave the same bits in every row\n" : "  broad phases differ in bits\n",
+             stdout);
   return {};
 }
 

@@ -70,9 +70,17 @@ std::string cases_text(const std::vector<StressRow>& rows) {
   return text;
 }
 
-// One line a case, one table for cases of the same methods. Failures are marked.
+// Rows and columns change places.
+std::vector<std::vector<std::string>> turned_over(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::vector<std::string>> out(rows[0].size());
+  for (const std::vector<std::string>& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) out[i].push_back(row[i]);
+  return out;
+}
+
+// One line a case, one table for cases of the same methods; of many methods, one line a method. Failures are marked.
 std::string brief_text(const std::vector<StressRow>& rows) {
-  constexpr std::size_t name_width = 10;
+  constexpr std::size_t method_count_max = 5;
   struct Group {
     std::vector<std::string> methods;
     std::vector<std::vector<std::string>> lines;
@@ -83,7 +91,7 @@ std::string brief_text(const std::vector<StressRow>& rows) {
     std::vector<std::string> methods;
     std::vector<std::string> line{first.name, std::string(precision_name(first.precision)), bound_text(first)};
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
-      methods.push_back(rows[i].method.substr(0, name_width));
+      methods.push_back(rows[i].method);
       line.push_back(rows[i].verdict == StudyVerdict::not_applicable
                          ? "n/a"
                          : short_number(rows[i].value) + std::string(mark_of(rows[i].verdict)));
@@ -96,8 +104,12 @@ std::string brief_text(const std::vector<StressRow>& rows) {
   for (const Group& group : groups) {
     std::vector<std::string> head{"case", "precision", "bounds"};
     head.insert(head.end(), group.methods.begin(), group.methods.end());
-    TextTable table(std::move(head), 3);
-    for (const std::vector<std::string>& line : group.lines) table.add(line);
+    const bool is_wide = group.methods.size() > method_count_max;
+    std::vector<std::vector<std::string>> all{std::move(head)};
+    all.insert(all.end(), group.lines.begin(), group.lines.end());
+    if (is_wide) all = turned_over(all);
+    TextTable table(all[0], is_wide ? 1 : 3);
+    for (std::size_t i = 1; i < all.size(); ++i) table.add(all[i]);
     text += "\n" + table.text();
   }
   return text +

@@ -3,7 +3,6 @@
 #include "verifier/study/accuracy.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 
@@ -91,17 +90,16 @@ void run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
 // Every tick is a sample: a clock need not meet equal times.
 Status run_on_frames(const Problem& problem, const Method& method, const Setting& setting, Run& run,
                      Observed& observed) {
-  using Clock = std::chrono::steady_clock;
   auto frames = open_host(setting.host.empty() ? method.host : setting.host, 1);
   if (!frames) return frames.error();
   ClockedInputs inputs(run.engine(), std::make_unique<replay::NoInputs>(setting.dt), std::move(*frames));
   for (std::uint64_t tick = 0; run.engine().time_s() < problem.duration; ++tick) {
-    const Clock::time_point start = Clock::now();
+    const double start = computed_s();
     const auto input = inputs.next(tick);
     if (!input) return input.error();
     if (!*input) break;
     run.engine().step(**input, nullptr);
-    observed.step_time_s += std::chrono::duration<double>(Clock::now() - start).count();
+    observed.step_time_s += computed_s() - start;
     note_sample(problem, run.engine(), observed);
   }
   return {};
@@ -383,8 +381,12 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
   }
   if (!expectation.slope) return out;
   if (!out.slope) {
-    const auto coarse_count = std::count_if(errors.begin(), errors.end(), [](double e) { return !(e < error_coarse); });
-    out.reason = 2 * static_cast<std::size_t>(coarse_count) > errors.size()
+    int coarse_count = 0, rounded_count = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      coarse_count += !(errors[i] < error_coarse) ? 1 : 0;
+      rounded_count += errors[i] < error_coarse && !shows_order(errors[i], floors[i]) ? 1 : 0;
+    }
+    out.reason = coarse_count > rounded_count
                      ? "too coarse for an order: fewer than three points have an error below 10 %"
                      : "rounding hides the order: fewer than three points are above ten times its floor";
     return out;

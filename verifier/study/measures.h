@@ -33,6 +33,10 @@ double speed_of(const engine::BodyReport& body);
 /// Of the bodies that move.
 double fastest(const Bodies& bodies);
 
+/// Seconds that this thread has computed, since some moment: what others do on the machine is not in it. Where the
+/// system does not tell, those of a steady clock.
+double computed_s();
+
 /// A run whose steps alone are timed.
 class Run {
  public:

@@ -3,7 +3,6 @@
 #include "verifier/study/peer_curves.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -74,13 +73,12 @@ struct PeerErrors {
 // One run: what it is off, and what its ticks took. `step` advances one tick.
 template <typename Step, typename Report>
 PeerErrors run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
-  using Clock = std::chrono::steady_clock;
   PeerErrors errors;
   double sum_s = 0;
   for (int tick = sample_interval; tick <= tick_count; tick += sample_interval) {
-    const Clock::time_point start = Clock::now();
+    const double start = computed_s();
     for (int i = 0; i < sample_interval; ++i) step();
-    sum_s += std::chrono::duration<double>(Clock::now() - start).count();
+    sum_s += computed_s() - start;
     if (tick <= scene.first_tick) continue;
     const Bodies bodies = report();
     errors.add(scene.is_chain ? joint_gaps(scene.scene, bodies) : stack_errors(bodies, skin));

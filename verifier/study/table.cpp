@@ -105,6 +105,18 @@ constexpr std::string_view line_types =
     "set linetype cycle 16\n";
 constexpr std::size_t marked_count_max = 40;  // of points; curves of more are lines alone
 
+std::size_t longest_name(const std::vector<Plot>& plots) {
+  std::size_t longest = 0;
+  for (const Plot& plot : plots)
+    for (const PlotCurve& curve : plot.curves) longest = std::max(longest, curve.name.size());
+  return longest;
+}
+
+// Whether names of ticks must be turned to have room beside each other.
+bool are_long(const std::vector<std::string>& ticks) {
+  return std::any_of(ticks.begin(), ticks.end(), [](const std::string& tick) { return tick.size() > 4; });
+}
+
 // "set logscale", format and tics of one axis.
 std::string axis_of(char axis, bool is_log, const std::vector<std::string>& ticks) {
   const std::string name(1, axis);
@@ -112,7 +124,7 @@ std::string axis_of(char axis, bool is_log, const std::vector<std::string>& tick
   if (is_log) text = "set logscale " + name + "\nset " + name + "tics autofreq norotate\n";
   text += "set format " + name + (is_log ? " '10^{%T}'\n" : " '%g'\n");
   if (ticks.empty()) return text;
-  text += "set " + name + "tics rotate by -60 noenhanced font ',9' (";
+  text += "set " + name + "tics" + (are_long(ticks) ? " rotate by -60 font ',9'" : "") + " noenhanced (";
   for (std::size_t i = 0; i < ticks.size(); ++i)
     text += (i > 0 ? ", " : "") + quoted(ticks[i]) + " " + std::to_string(i + 1);
   return text + ")\nset xrange [0.5:" + std::to_string(ticks.size()) + ".5]\n";
@@ -152,13 +164,14 @@ std::string script_of(const std::vector<Plot>& plots, const std::string& path) {
   std::string script = "set terminal svg size " + std::to_string(width) + "," + std::to_string(height * plots.size()) +
                        " font 'sans-serif,12' background 'white'\nset output " + quoted(path) +
                        "\nset encoding utf8\n" + std::string(line_types) + "set multiplot layout " +
-                       std::to_string(plots.size()) + ",1\nset grid\nset lmargin 12\nset rmargin 36\n" +
-                       "set key outside right top Left reverse noenhanced\n";
+                       std::to_string(plots.size()) + ",1\nset grid\nset lmargin 12\nset rmargin " +
+                       std::to_string(longest_name(plots) + 8) +
+                       "\nset key outside right top Left reverse noenhanced maxcols 1 font ',10' spacing 1\n";
   for (std::size_t p = 0; p < plots.size(); ++p) {
     const Plot& plot = plots[p];
     script += "set title " + quoted(plot.title) + " noenhanced\nset xlabel " + quoted(plot.x_label) +
               " noenhanced\nset ylabel " + quoted(plot.y_label) + " noenhanced\nset xrange [*:*]\nset yrange [*:*]\n";
-    script += plot.ticks.empty() ? "set bmargin 4\n" : "set bmargin 9\n";
+    script += are_long(plot.ticks) ? "set bmargin 9\n" : "set bmargin 4\n";
     script += axis_of('x', plot.log_x, plot.ticks) + axis_of('y', plot.log_y, {});
     if (plot.y_most > 0)
       script += "set yrange [" + full_number(plot.y_least / 2) + ":" + full_number(plot.y_most * 2) + "]\n";
