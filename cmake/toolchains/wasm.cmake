@@ -1,6 +1,6 @@
 # WebAssembly by Emscripten: 32 bits, run by node with the file system of the machine.
 include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
-set(CMAKE_CXX_FLAGS_INIT "-fexceptions -msimd128")
+set(CMAKE_CXX_FLAGS_INIT "-fexceptions")  # no -msimd128: base/float_rules.h
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-sNODERAWFS=1 -sALLOW_MEMORY_GROWTH=1 -sEXIT_RUNTIME=1")
 # Debian's acorn is where a node from elsewhere does not look.
 set(CMAKE_CXX_LINKER_LAUNCHER env NODE_PATH=/usr/share/nodejs)
