@@ -79,6 +79,9 @@ struct SimulationInfo {
   std::uint32_t physics_version;  // rises with every change that changes bits on purpose
   /// Errors: corrupt, invalid_scene, limit.
   std::function<Result<std::unique_ptr<Simulation>>(ByteView setup)> make;
+  /// The same, each tick on so many threads, with the same results; empty: its ticks have one thread. Errors: also
+  /// limit and unsupported (base/workers.h).
+  std::function<Result<std::unique_ptr<Simulation>>(ByteView setup, unsigned thread_count)> make_on_threads = {};
 };
 
 }  // namespace ticktrue

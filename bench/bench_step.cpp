@@ -23,6 +23,7 @@
 #include "base/build_info.h"
 #include "base/hash.h"
 #include "base/state_view.h"
+#include "base/workers.h"
 #include "engine/builtin_scenes.h"
 #include "engine/engine.h"
 #include "verifier/box2d_peer.h"
@@ -142,6 +143,7 @@ class StageClock final : public StageObserver {
 engine::EngineOptions engine_options(const BenchOptions& options) {
   engine::EngineOptions result;
   result.full_pipeline = options.pipeline == "full";
+  result.thread_count = options.thread_count;
   return result;
 }
 
@@ -177,32 +179,66 @@ Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const 
   return times;
 }
 
+/// What our engine takes turns with.
+struct Peer {
+  std::unique_ptr<verifier::Box2dPeer> box2d;
+  std::unique_ptr<engine::Engine> one_thread;
+  TickInput input;
+
+  explicit operator bool() const { return box2d != nullptr || one_thread != nullptr; }
+  void step() {
+    if (box2d != nullptr) box2d->step();
+    if (one_thread != nullptr) one_thread->step(input, nullptr);
+  }
+  std::size_t contact_count() const {
+    return box2d != nullptr ? box2d->contact_count() : one_thread->contacts().size();
+  }
+};
+
+constexpr const char* one_thread_peer = "one_thread";
+
+Result<Peer> make_peer(const engine::Scene& scene, const BenchOptions& options) {
+  Peer peer{nullptr, nullptr, {scene.settings.dt, {}}};
+  if (options.peer == one_thread_peer) {
+    engine::EngineOptions own = engine_options(options);
+    own.thread_count = 1;
+    auto made = engine::make_engine(scene, own);
+    if (!made) return made.error();
+    peer.one_thread = std::move(*made);
+  } else if (!options.peer.empty()) {
+    auto made = verifier::make_box2d_peer(scene, peer_options(options));
+    if (!made) return made.error();
+    peer.box2d = std::move(*made);
+  }
+  return peer;
+}
+
 Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options) {
   Measured measured;
   std::vector<double> ours;
   std::vector<double> peers;
   const TickInput input{scene.settings.dt, {}};
   for (std::uint64_t repeat = 0; repeat < options.repeat_count; ++repeat) {
-    std::unique_ptr<verifier::Box2dPeer> peer;
-    if (!options.peer.empty()) {
-      auto peer_made = verifier::make_box2d_peer(scene, peer_options(options));
-      if (!peer_made) return peer_made.error();
-      peer = std::move(*peer_made);
-    }
+    Result<Peer> peer_made = make_peer(scene, options);
+    if (!peer_made) return peer_made.error();
+    Peer& peer = *peer_made;
     const std::size_t heap_before = heap_in_use();
     auto made = engine::make_engine(scene, engine_options(options));
     if (!made) return made.error();
     engine::Engine& engine = **made;
     if (Status accepted = engine.accept(input); !accepted) return accepted.error();
     engine.step(input, nullptr);
-    if (peer) peer->step();
+    peer.step();
     for (std::uint64_t tick = 1; tick < options.tick_count;) {
       const std::uint64_t block = std::min(options.block_size, options.tick_count - tick);
       ours.push_back(time_block(options.clock, block, [&] { engine.step(input, nullptr); }));
-      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer->step(); }));
+      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer.step(); }));
       tick += block;
     }
     const std::uint64_t hash = root_hash(engine.state());
+    if (peer.one_thread != nullptr && root_hash(peer.one_thread->state()) != hash)
+      return Error{ErrorCode::incompatible, scene.name + ": one thread and several give different states",
+                   "verify a trace of the scene with --mode threads"};
     if (repeat > 0 && hash != measured.hash)
       return Error{
           ErrorCode::incompatible,
@@ -214,7 +250,7 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
     if (!peer) measured.heap_size = heap_in_use() - heap_before;
     measured.body_count = engine.bodies().size();
     measured.contact_count = engine.contacts().size();
-    if (peer) measured.peer_contact_count = peer->contact_count();
+    if (peer) measured.peer_contact_count = peer.contact_count();
   }
   measured.ours = times_of(std::move(ours));
   if (!peers.empty()) measured.peer = times_of(std::move(peers));
@@ -261,6 +297,9 @@ Json report_json(const engine::Scene& scene, const BenchOptions& options, const 
   if (options.peer.empty()) {
     object["peer"] = nullptr;
     object["ratio"] = nullptr;
+  } else if (options.peer == one_thread_peer) {
+    object["peer"] = {{"name", "one thread"}, {"ms_per_tick", times_json(measured.peer)}};
+    object["ratio"] = measured.peer.median_ms / measured.ours.median_ms;
   } else {
     object["peer"] = {{"name", "Box2D"},
                       {"version", verifier::box2d_version()},
@@ -302,7 +341,11 @@ std::string report_text(const engine::Scene& scene, const BenchOptions& options,
                       1e6 * measured.ours.median_ms * per_body(1, measured), per_body(measured.state_size, measured));
   if (measured.heap_size > 0) text += fmt::format(", heap {:.0f} B per body", per_body(measured.heap_size, measured));
   text += "\n";
-  if (!options.peer.empty()) {
+  if (options.peer == one_thread_peer) {
+    text += line("one thread", measured.peer);
+    text += fmt::format("  {:.2f} times as fast as one thread (least times: {:.2f})\n",
+                        measured.peer.median_ms / measured.ours.median_ms, measured.peer.min_ms / measured.ours.min_ms);
+  } else if (!options.peer.empty()) {
     text += line("Box2D " + verifier::box2d_version(), measured.peer);
     text += fmt::format("  {:.2f} times as fast as Box2D {} ({})\n", measured.peer.median_ms / measured.ours.median_ms,
                         verifier::box2d_version(), peer_settings(scene, options));
@@ -344,8 +387,8 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", options.repeat_count, "Runs from the start")
       ->check(CLI::Range(1, 1'000))
       ->capture_default_str();
-  app.add_option("--threads", options.thread_count, "Threads of a tick; the engine uses one")
-      ->check(CLI::Range(1, 1))
+  app.add_option("--threads", options.thread_count, "Threads of a tick; of the peer one")
+      ->check(CLI::Range(1u, ticktrue::thread_count_max))
       ->capture_default_str();
   app.add_option("--clock", options.clock_name, "Time that passes, or that this thread has a core for: one thread only")
       ->check(CLI::IsMember({"wall", "cpu"}))
@@ -353,7 +396,8 @@ int main(int argc, char** argv) {
   app.add_option("--pipeline", options.pipeline, "Only the stages the scene needs, or all")
       ->check(CLI::IsMember({"composed", "full"}))
       ->capture_default_str();
-  app.add_option("--peer", options.peer, "Compare with another engine")->check(CLI::IsMember({"box2d"}));
+  app.add_option("--peer", options.peer, "Compare with another engine, or with this one on one thread")
+      ->check(CLI::IsMember({"box2d", ticktrue::one_thread_peer}));
   app.add_option("--velocity-iterations", options.velocity_iterations, "Of the peer")
       ->check(CLI::Range(1, 1'000))
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/result.h"
 #include "base/simulation.h"
 #include "engine/instruction_set.h"
@@ -23,6 +24,9 @@ struct EngineOptions {
   bool full_pipeline = false;                          // every stage the solver can use, needed or not
   std::optional<BroadPhaseKind> broad_phase;           // instead of the scene's
   std::optional<InstructionSet> instruction_set = {};  // instead of instruction_set_in_use(); requires can_use
+  unsigned thread_count = 1;                           // of a tick
+  // For tests: instead of threads of its own, and chunks of this size. The runner must outlive the engine.
+  Parallel parallel = {};
 };
 
 /// A stage that is, or could have been, in the pipeline.
@@ -86,7 +90,7 @@ class Engine : public Simulation {
   virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed
 };
 
-/// Errors: what check_scene refuses, and incompatible.
+/// Errors: what check_scene refuses, incompatible, and what make_workers refuses (base/workers.h).
 Result<std::unique_ptr<Engine>> make_engine(const Scene& scene, const EngineOptions& options = {});
 
 /// The engine as traces know it: its setup is encode_scene of the scene (scene_binary.h).

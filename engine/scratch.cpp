@@ -42,6 +42,12 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.large);
   poison_rows(scratch.touching);
   poison_rows(scratch.contacts);
+  poison_rows(scratch.part_counts);
+  poison_rows(scratch.parts);
+  poison_rows(scratch.touching_apart);
+  poison_rows(scratch.touching_moved);
+  poison_rows(scratch.contacts_apart);
+  poison_rows(scratch.contacts_moved);
   poison_rows(scratch.now_touching);
   poison_rows(scratch.removed_touching);
   poison_rows(scratch.removed_sensors);
@@ -65,6 +71,9 @@ void poison(Scratch& scratch) {
   scratch.contact_batches.batch_count = 0;
   poison_rows(scratch.contact_batches.colors);
   poison_rows(scratch.contact_batches.places);
+  poison_rows(scratch.contact_batches.ends);
+  poison_rows(scratch.contact_batches.slots);
+  poison_rows(scratch.contact_batches.runs);
   poison_rows(scratch.contact_batches.body_colors);
   poison_rows(scratch.contact_batches.saved);
   poison_rows(scratch.pulls);
@@ -100,7 +109,9 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.joint_ranges);
   poison_in_place(scratch.pins.batches);
   poison_in_place(scratch.pins.arms);
-  scratch.pins.batch_count = 0;
+  poison_rows(scratch.pins.spans);
+  poison_in_place(scratch.hinges.batches);
+  poison_rows(scratch.hinges.spans);
   poison_rows(scratch.joint_places);
   poison_rows(scratch.sorted_places);
   poison_rows(scratch.body_levels);

@@ -7,8 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel.h"
 #include "engine/broad_phase/sorting.h"
 #include "engine/constraints/contact_batch.h"
+#include "engine/constraints/hinge_batch.h"
 #include "engine/constraints/impacts.h"
 #include "engine/constraints/joint.h"
 #include "engine/constraints/pin_batch.h"
@@ -205,7 +207,7 @@ inline void forget(Kept& kept) {
 inline constexpr std::uint32_t no_group = 0xffffffff;
 
 /// Islands solved together, with the same number of substeps. Ranges of Scratch::group_rows, group_contacts and
-/// ContactBatches::batches.
+/// ContactBatches::batches and ::runs.
 struct SolveGroup {
   int substeps = 1;
   bool has_landings = false;
@@ -214,6 +216,7 @@ struct SolveGroup {
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
   std::uint32_t first_batch = 0, batch_end = 0;
+  std::uint32_t first_run = 0, run_end = 0;
 };
 
 /// A contact that hits a body at rest in this tick.
@@ -244,8 +247,21 @@ struct Circle {
   Real radius;  // with margin, m
 };
 
+/// What a chunk has added to a list.
+struct ListPart {
+  std::size_t first;  // where it wrote
+  std::size_t room;   // there; the rest is elsewhere
+  std::size_t count;
+  std::size_t place;  // in the list
+};
+
 struct Scratch {
   Kept kept;
+  Parallel parallel;  // the engine's
+
+  // Lists made in chunks are written where the chunk's part of the range begins, then put together.
+  std::vector<std::uint32_t> part_counts;  // [chunk]
+  std::vector<ListPart> parts;             // [chunk]
 
   // inputs
   std::vector<Input> inputs;
@@ -259,6 +275,7 @@ struct Scratch {
   std::vector<Circle> circles;  // [proxy], bounding_circle
   std::vector<Pair> pairs;      // by (first, second)
   std::vector<Pair> unsorted_pairs;
+  std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
@@ -270,7 +287,11 @@ struct Scratch {
 
   // narrow_phase
   std::vector<TouchingPair> touching;
-  std::vector<ContactRow> contacts;  // the rows that replace State::contacts
+  std::vector<ContactRow> contacts;          // the rows that replace State::contacts
+  std::vector<TouchingPair> touching_apart;  // where chunks write what does not fit, and to where all are moved
+  std::vector<TouchingPair> touching_moved;
+  std::vector<ContactRow> contacts_apart;
+  std::vector<ContactRow> contacts_moved;
 
   // impacts
   std::vector<ImpactPair> impacts;            // that may come in this tick
@@ -334,13 +355,14 @@ struct Scratch {
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
   std::vector<JointWork> joints;         // of the group that is being solved
-  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`, or of batches in `pins`
+  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`, or of batches in `pins` or `hinges`
   PinBatches pins;
+  HingeBatches hinges;
   std::vector<JointPlace> joint_places;  // of the group, in solving order
   std::vector<JointPlace> sorted_places;
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
   std::vector<Real> joint_torques;          // [body] the most that its joints' forces turn it with, N m
-  std::vector<std::uint32_t> level_starts;  // [2 level, pins first] in `joint_places`
+  std::vector<std::uint32_t> level_starts;  // [level and way] in `joint_places`
 };
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge

@@ -28,14 +28,17 @@ Error input_error(const std::string& what, const std::string& hint = "") {
 
 class World final : public Engine {
  public:
-  World(const Scene& scene, const EngineOptions& options)
-      : model_(make_model(scene)),
+  World(const Scene& scene, const EngineOptions& options, std::unique_ptr<ChunkRunner> workers)
+      : workers_(std::move(workers)),
+        model_(make_model(scene)),
         pipeline_(compose(model_, options.broad_phase.value_or(scene.settings.broad_phase), options.full_pipeline)),
         schema_(make_schema(model_, pipeline_.tables)),
         state_(initial_state(model_)) {
     const unsigned features = model_.contact_features | (options.full_pipeline ? contact_feature::general : 0u);
     set_kernels(model_, options.instruction_set.value_or(instruction_set_in_use()), features);
     for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
+    scratch_.parallel = options.parallel;
+    if (options.parallel.runner == nullptr) scratch_.parallel.runner = workers_.get();
     view_.schema = &schema_;
     update_view(state_, pipeline_.tables, view_);
   }
@@ -256,6 +259,7 @@ class World final : public Engine {
     return body_name(row.body_a) + " / " + body_name(row.body_b);
   }
 
+  std::unique_ptr<ChunkRunner> workers_;
   Model model_;
   Pipeline pipeline_;
   StateSchema schema_;
@@ -268,8 +272,9 @@ class World final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options) {
-  return std::make_unique<World>(scene, options);
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options,
+                                   std::unique_ptr<ChunkRunner> workers) {
+  return std::make_unique<World>(scene, options, std::move(workers));
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -9,7 +9,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Requires: check_scene(scene).
-std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options);
+/// `workers`: null for one thread. Requires: check_scene(scene).
+std::unique_ptr<Engine> make_world(const Scene& scene, const EngineOptions& options,
+                                   std::unique_ptr<ChunkRunner> workers);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

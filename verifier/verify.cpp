@@ -25,6 +25,9 @@ using replay::TraceCondition;
 // Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking.
 constexpr std::size_t stretches_per_thread = 32;
 
+// For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
+constexpr unsigned compared_thread_counts[] = {2, 4, 8};
+
 std::string count_text(std::uint64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -70,7 +73,8 @@ class Verifier {
           take(walk_twice(context_, source_));
           break;
         case VerifyMode::threads:
-          break;  // is_available() has refused it
+          run_threads();
+          break;
       }
     }
     conclude();
@@ -92,7 +96,7 @@ class Verifier {
       not_comparable("simulation " + setup_.simulation + " is not available in this build");
       return false;
     }
-    if (options_.mode == VerifyMode::threads) {
+    if (options_.mode == VerifyMode::threads && !info->make_on_threads) {
       not_comparable("threads: " + setup_.simulation + " of this build has one thread: there is nothing to compare",
                      "--mode replay compares with the recording");
       return false;
@@ -189,6 +193,36 @@ class Verifier {
       findings_.warnings.push_back("a run begun at the checkpoint of tick " + std::to_string(*unconfirmed_) +
                                    " does not match, the run from the start does: --mode restore tells where");
     }
+  }
+
+  /// Replays with one thread, then with each other number of them.
+  void run_threads() {
+    run_replay();
+    if (findings_.decided) return;
+    read_tail();
+    for (const unsigned thread_count : compared_thread_counts) {
+      SimulationInfo info = *options_.simulation;
+      info.make = [&](ByteView setup) { return options_.simulation->make_on_threads(setup, thread_count); };
+      VerifyOptions options = options_;
+      options.simulation = &info;
+      const WalkContext context{setup_, options};
+      Stretch whole;
+      whole.start = find_start(options_.from);
+      whole.progress = options_.progress;
+      if (!go_to_start(source_, whole.start)) source_.rewind();
+      WalkResult result = walk(context, source_, whole);
+      const std::string with = "with " + std::to_string(thread_count) + " threads: ";
+      if (result.mismatch) {
+        findings_.not_reproducible(with + "tick " + std::to_string(result.mismatch->expected.tick) +
+                                   " ends in another state than with one");
+        findings_.divergence = std::move(result.mismatch->divergence);
+      } else if (result.findings.decided) {
+        findings_.decide(result.findings.verdict, with + result.findings.reason, result.findings.hint);
+        findings_.divergence = std::move(result.findings.divergence);
+      }
+      if (findings_.decided) return;
+    }
+    findings_.notes.push_back("the same with 1, 2, 4 and 8 threads");
   }
 
   /// The second run begins at the checkpoint next to the mismatch; only where it ends in another state than the first

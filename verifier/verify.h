@@ -32,7 +32,7 @@ inline constexpr std::array<VerifyModeInfo, 4> verify_modes{{
     {VerifyMode::replay, "replay", "run from the start, compare every tick and checkpoint"},
     {VerifyMode::restore, "restore", "load each checkpoint into a fresh simulation and run on from there"},
     {VerifyMode::twice, "twice", "run twice side by side; needs no recorded hashes"},
-    {VerifyMode::threads, "threads", "run with several numbers of threads; simulations with one thread refuse"},
+    {VerifyMode::threads, "threads", "run with 1, 2, 4 and 8 threads; simulations that have one refuse"},
 }};
 
 struct VerifyOptions {

@@ -9,6 +9,7 @@
 // holds every pair that may touch. A shape that leaves gets a new large box and its pairs are found anew; it is then a
 // stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
 // on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm.
+#include <atomic>
 #include <cstring>
 
 #include "engine/broad_phase/broad_phase.h"
@@ -118,13 +119,14 @@ std::uint32_t top_level(const BoxTree& tree) {
   return static_cast<std::uint32_t>(tree.level_start.size()) - 2;
 }
 
-/// Calls `use` once with each two leaves of a tree whose boxes overlap.
+/// Calls `use` once with each two leaves below two nodes of one level of a tree, or below one, whose boxes overlap.
+/// Requires: a level above the leaves.
 template <typename Use>
-void for_each_overlap_within(const BoxTree& tree, Use use) {
-  if (tree.proxies.size() < 2) return;
+void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::uint32_t node_a, std::uint32_t node_b,
+                            Use use) {
   Task open[open_max];
   std::size_t open_count = 0;
-  open[open_count++] = {top_level(tree), 0, top_level(tree), 0};
+  open[open_count++] = {node_level, node_a, node_level, node_b};
   while (open_count > 0) {
     const Task task = open[--open_count];
     const std::uint32_t level = task.level_a - 1;
@@ -148,13 +150,14 @@ void for_each_overlap_within(const BoxTree& tree, Use use) {
   }
 }
 
-/// Calls `use` once with each two leaves of two trees whose boxes overlap.
+/// Calls `use` once with each leaf below a node of tree A and each leaf of tree B whose boxes overlap. Requires: a leaf
+/// in B.
 template <typename Use>
-void for_each_overlap_between(const BoxTree& tree_a, const BoxTree& tree_b, Use use) {
-  if (tree_a.proxies.empty() || tree_b.proxies.empty()) return;
+void for_each_overlap_between(const BoxTree& tree_a, std::uint32_t level, std::uint32_t node, const BoxTree& tree_b,
+                              Use use) {
   Task open[open_max];
   std::size_t open_count = 0;
-  open[open_count++] = {top_level(tree_a), 0, top_level(tree_b), 0};
+  open[open_count++] = {level, node, top_level(tree_b), 0};
   while (open_count > 0) {
     const Task task = open[--open_count];
     if (!overlaps(tree_a.boxes[tree_a.level_start[task.level_a] + task.node_a],
@@ -237,12 +240,18 @@ bool same_pose(const BodyRow& a, const BodyRow& b) {
 }
 
 /// Whether the proxies are those of the present bodies.
-bool fits(const KeptPairs& kept, const State& state) {
-  if (!kept.is_valid || kept.bodies.size() != state.bodies.size()) return false;
-  for (std::size_t row = 0; row < state.bodies.size(); ++row)
-    if (kept.bodies[row].id != state.bodies[row].id || kept.bodies[row].source != state.bodies[row].source)
-      return false;
-  return true;
+bool fits(const Scratch& scratch, const State& state) {
+  const KeptPairs& kept = scratch.kept.pairs;
+  const std::size_t count = state.bodies.size();
+  if (!kept.is_valid || kept.bodies.size() != count) return false;
+  std::atomic<bool> fits{true};
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
+    bool same = true;
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row)
+      same &= kept.bodies[row].id == state.bodies[row].id && kept.bodies[row].source == state.bodies[row].source;
+    if (!same) fits.store(false, std::memory_order_relaxed);
+  });
+  return fits.load(std::memory_order_relaxed);
 }
 
 void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
@@ -260,42 +269,125 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.is_still.resize(state.bodies.size());
 }
 
-/// Boxes of what has moved, or of everything; lists what has left its large box.
-void follow(const Model& model, const State& state, KeptPairs& kept, bool everything) {
+/// For the bodies first..end-1: boxes of what has moved, or of everything. Lists what has left its large box from
+/// `leaving` on; returns how many.
+std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, bool everything, std::size_t first,
+                          std::size_t end, std::uint32_t* leaving) {
   const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
-  kept.leaving.clear();
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+  std::size_t count = 0;
+  for (std::size_t row = first; row < end; ++row) {
     const BodyRow& body = state.bodies[row];
     BodyRow& before = kept.bodies[row];
     kept.is_still[row] = (foresees ? same_bits(body, before) : same_pose(body, before)) ? 1 : 0;
     if (!everything && same_bits(body, before)) continue;
     before = body;
-    const std::uint32_t end = kept.first_proxy[row + 1];
-    if (kept.first_proxy[row] == end) continue;
-    const Real way = sweep_of(model, state, row, kept.dt, kept.farthest);
-    for (std::uint32_t i = kept.first_proxy[row]; i < end; ++i) {
+    const std::uint32_t proxy_end = kept.first_proxy[row + 1];
+    if (kept.first_proxy[row] == proxy_end) continue;
+    const Real way = sweep_of(model, state, static_cast<std::uint32_t>(row), kept.dt, kept.farthest);
+    for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
-      if (!is_inside(kept.boxes[i], kept.large_boxes[i])) kept.leaving.push_back(i);
+      if (!is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
     }
   }
+  return count;
+}
+
+/// Moves the parts that chunks have written, each where its part of the range begins, together; returns their length.
+/// `begin_of(chunk)`: where that is. `counts`: [chunk].
+template <typename Row, typename Begin>
+std::size_t put_together(std::vector<Row>& rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
+  std::size_t total = counts.empty() ? 0 : counts[0];
+  for (std::size_t chunk = 1; chunk < counts.size(); ++chunk) {
+    const std::size_t begin = begin_of(chunk);
+    if (begin != total && counts[chunk] > 0)
+      std::memmove(rows.data() + total, rows.data() + begin, counts[chunk] * sizeof(Row));
+    total += counts[chunk];
+  }
+  return total;
+}
+
+/// Boxes of what has moved, or of everything; lists what has left its large box.
+void follow(const Model& model, const State& state, Scratch& scratch, bool everything) {
+  KeptPairs& kept = scratch.kept.pairs;
+  kept.leaving.resize(kept.proxies.size());
+  const std::size_t count = state.bodies.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, 128);
+  scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    scratch.part_counts[chunk.index] = static_cast<std::uint32_t>(follow_bodies(
+        model, state, kept, everything, chunk.begin, chunk.end, kept.leaving.data() + kept.first_proxy[chunk.begin]));
+  });
+  const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
+  kept.leaving.resize(put_together(kept.leaving, scratch.part_counts, begin_of));
+}
+
+/// Lists the pairs of the nodes first..end-1 of a level of the moving tree: each with itself, with those after it, and
+/// with what is static.
+void list_pairs_of_nodes(const KeptPairs& kept, std::uint32_t level, std::size_t first, std::size_t end,
+                         std::vector<Pair>& pairs) {
+  const BoxTree& moving = kept.moving_tree;
+  const BoxTree& others = kept.static_tree;
+  const auto add = [&](std::uint32_t a, std::uint32_t b) {
+    if (may_touch(kept.proxies[a], kept.proxies[b])) pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+  };
+  const Box* boxes = moving.boxes.data() + moving.level_start[level];
+  const std::uint32_t node_count = moving.level_start[level + 1] - moving.level_start[level];
+  for (auto a = static_cast<std::uint32_t>(first); a < end; ++a) {
+    const auto add_two = [&](std::uint32_t i, std::uint32_t j) { add(moving.proxies[i], moving.proxies[j]); };
+    if (level > 0) for_each_overlap_below(moving, level, a, a, add_two);
+    for (std::uint32_t b = a + 1; b < node_count; ++b)
+      if (level > 0 && overlaps(boxes[a], boxes[b])) for_each_overlap_below(moving, level, a, b, add_two);
+    if (!others.proxies.empty())
+      for_each_overlap_between(moving, level, a, others,
+                               [&](std::uint32_t i, std::uint32_t j) { add(moving.proxies[i], others.proxies[j]); });
+  }
+}
+
+/// The level of a tree whose nodes are shared out: of at most so many nodes, since each is compared with each.
+std::uint32_t shared_level(const BoxTree& tree) {
+  constexpr std::uint32_t node_count_max = 128;
+  std::uint32_t level = 0;
+  while (level < top_level(tree) && tree.level_start[level + 1] - tree.level_start[level] > node_count_max) ++level;
+  return level > 0 || tree.proxies.size() < 2 ? level : level + 1;
+}
+
+/// All pairs of large boxes that overlap, in any order.
+void list_pairs(Scratch& scratch) {
+  const KeptPairs& kept = scratch.kept.pairs;
+  scratch.unsorted_pairs.clear();
+  if (kept.moving_tree.proxies.empty()) return;
+  const std::size_t proxy_count = kept.moving_tree.proxies.size();
+  const bool is_shared = scratch.parallel.chunk_size(proxy_count, 128) < proxy_count;
+  const std::uint32_t level = is_shared ? shared_level(kept.moving_tree) : top_level(kept.moving_tree);
+  const std::size_t node_count = kept.moving_tree.level_start[level + 1] - kept.moving_tree.level_start[level];
+  const std::size_t size = is_shared ? 1 + node_count / 32 : node_count;
+  const std::size_t chunk_count = Parallel::chunk_count(node_count, size);
+  if (chunk_count == 1) {
+    list_pairs_of_nodes(kept, level, 0, node_count, scratch.unsorted_pairs);
+    return;
+  }
+  if (scratch.pair_parts.size() < chunk_count) scratch.pair_parts.resize(chunk_count);
+  scratch.parallel.for_chunks(node_count, size, [&](const Chunk& chunk) {
+    scratch.pair_parts[chunk.index].clear();
+    list_pairs_of_nodes(kept, level, chunk.begin, chunk.end, scratch.pair_parts[chunk.index]);
+  });
+  for (std::size_t i = 0; i < chunk_count; ++i)
+    scratch.unsorted_pairs.insert(scratch.unsorted_pairs.end(), scratch.pair_parts[i].begin(),
+                                  scratch.pair_parts[i].end());
 }
 
 void build_everything(const Model& model, const State& state, Scratch& scratch) {
   KeptPairs& kept = scratch.kept.pairs;
-  for (std::uint32_t i = 0; i < kept.proxies.size(); ++i) kept.large_boxes[i] = large_box(model, state, kept, i);
+  const std::size_t proxy_count = kept.proxies.size();
+  scratch.parallel.for_chunks(proxy_count, scratch.parallel.chunk_size(proxy_count, 128), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+      kept.large_boxes[i] = large_box(model, state, kept, static_cast<std::uint32_t>(i));
+  });
   kept.is_stray.assign(kept.proxies.size(), 0);
   kept.strays.clear();
   build(scratch, true, kept.static_tree);
   build(scratch, false, kept.moving_tree);
-  scratch.unsorted_pairs.clear();
-  const BoxTree& moving = kept.moving_tree;
-  const BoxTree& others = kept.static_tree;
-  const auto add = [&](std::uint32_t a, std::uint32_t b) {
-    if (may_touch(kept.proxies[a], kept.proxies[b])) scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
-  };
-  for_each_overlap_within(moving, [&](std::uint32_t a, std::uint32_t b) { add(moving.proxies[a], moving.proxies[b]); });
-  for_each_overlap_between(moving, others,
-                           [&](std::uint32_t a, std::uint32_t b) { add(moving.proxies[a], others.proxies[b]); });
+  list_pairs(scratch);
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 
@@ -347,18 +439,34 @@ void follow_strays(const Model& model, const State& state, Scratch& scratch) {
   for (const std::uint32_t index : kept.leaving) kept.is_stray[index] = 1;
 }
 
-/// The pairs whose present boxes overlap. Without branches: which do is anybody's guess.
-void keep_overlapping(const KeptPairs& kept, std::vector<Pair>& pairs) {
-  pairs.resize(kept.pairs.size());
+/// Copies those of the pairs whose present boxes overlap; returns how many. Without branches: which do is anybody's
+/// guess.
+std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size_t end, Pair* out) {
   std::size_t count = 0;
-  for (const Pair& pair : kept.pairs) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair pair = kept.pairs[i];
     const Box& a = kept.boxes[pair.first];
     const Box& b = kept.boxes[pair.second];
-    pairs[count] = pair;
+    out[count] = pair;
     count += static_cast<std::size_t>((a.lower.x <= b.upper.x) & (b.lower.x <= a.upper.x) & (a.lower.y <= b.upper.y) &
                                       (b.lower.y <= a.upper.y));
   }
-  pairs.resize(count);
+  return count;
+}
+
+/// The pairs whose present boxes overlap.
+void keep_overlapping(Scratch& scratch) {
+  const KeptPairs& kept = scratch.kept.pairs;
+  const std::size_t count = kept.pairs.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, 512);
+  scratch.pairs.resize(count);
+  scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    scratch.part_counts[chunk.index] =
+        static_cast<std::uint32_t>(copy_overlapping(kept, chunk.begin, chunk.end, scratch.pairs.data() + chunk.begin));
+  });
+  scratch.pairs.resize(
+      put_together(scratch.pairs, scratch.part_counts, [size](std::size_t chunk) { return chunk * size; }));
 }
 
 }  // namespace
@@ -367,7 +475,7 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   KeptPairs& kept = scratch.kept.pairs;
   const Real fall = fall_of_a_tick(model, state);
   const Real farthest = farthest_reach(model, state, dt);
-  const bool fitted = fits(kept, state);
+  const bool fitted = fits(scratch, state);
   if (!fitted) list_proxies(model, state, kept);
   const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == farthest;
   const bool foresees = model.scene.settings.auto_substeps.has_value();
@@ -376,7 +484,7 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   kept.fall = fall;
   kept.farthest = farthest;
   kept.is_valid = true;
-  follow(model, state, kept, !boxes_hold);
+  follow(model, state, scratch, !boxes_hold);
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
   if (!fitted || stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size())
     build_everything(model, state, scratch);
@@ -384,7 +492,7 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
     follow_strays(model, state, scratch);
 
   scratch.proxies = kept.proxies;
-  keep_overlapping(kept, scratch.pairs);
+  keep_overlapping(scratch);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/contact_batch.h"
 
+#include <atomic>
+
 #include "engine/constraints/bodies.h"
 #include "engine/scratch.h"
 
@@ -21,72 +23,123 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-/// Colours the contacts of one round; those of bodies that have no colour left wait for the next. True if any do.
-template <bool is_first>
-bool color_round(const State& state, Scratch& scratch, const SolveGroup& group, std::uint32_t round) {
-  ContactBatches& out = scratch.contact_batches;
+/// So many contacts are worth another thread's while.
+constexpr std::size_t contacts_per_chunk_least = 256;
+
+void find_ends(Scratch& scratch, const SolveGroup& group) {
+  std::vector<ContactEnds>& ends = scratch.contact_batches.ends;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const std::uint32_t unread = unread_record(scratch);
+  const std::size_t count = group.contact_end - group.first_contact;
+  ends.resize(count);
+  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                                  const TouchingPair& pair = scratch.touching[contacts[i]];
+                                  ends[i] = {mover(pair.body_a), mover(pair.body_b)};
+                                }
+                              });
+}
+
+/// Colours the contacts of one round, and counts those of each colour; those of bodies that have no colour left wait
+/// for the next. True if any do.
+template <bool is_first>
+bool color_round(Scratch& scratch, std::uint32_t round) {
+  ContactBatches& out = scratch.contact_batches;
   bool any_left = false;
-  out.body_colors.assign(state.bodies.size(), {0, 0});
+  out.body_colors.assign(scratch.masses.size(), {0, 0});
+  const std::uint32_t first_color = round * round_color_count;
+  out.places.resize(first_color + round_color_count, {0, 0});
   for (std::size_t i = 0; i < out.colors.size(); ++i) {
-    if (!is_first && out.colors[i] != uncolored) continue;
-    const TouchingPair& pair = scratch.touching[contacts[i]];
-    const bool a_moves = scratch.masses[pair.body_a].write != unread;
-    const bool b_moves = scratch.masses[pair.body_b].write != unread;
-    BodyColors& a = out.body_colors[pair.body_a];
-    BodyColors& b = out.body_colors[pair.body_b];
+    if (!is_first && out.colors[i].color != uncolored) continue;
+    const ContactEnds ends = out.ends[i];
+    const bool both_move = ends.a != no_body && ends.b != no_body;
     std::uint32_t used;
-    if (a_moves && b_moves) {
+    if (both_move) {
+      BodyColors& a = out.body_colors[ends.a];
+      BodyColors& b = out.body_colors[ends.b];
       used = a.moving | b.moving;
       const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
       a.moving |= bit;
       b.moving |= bit;
     } else {
-      BodyColors& mover = a_moves ? a : b;
+      BodyColors& mover = out.body_colors[ends.a != no_body ? ends.a : ends.b];
       used = mover.immovable;
       mover.immovable |= ~used & (used + 1);
     }
     const bool is_left = used == 0xffffffffu;
     any_left |= is_left;
-    const std::uint32_t color = is_left ? 0u : static_cast<std::uint32_t>(__builtin_ctz(~used));
-    out.colors[i] =
-        is_left ? uncolored : round * round_color_count + color + (a_moves && b_moves ? 0u : class_color_count);
+    out.colors[i] = {uncolored, 0};
+    if (is_left) continue;
+    const std::uint32_t color =
+        first_color + static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
+    out.colors[i] = {color, out.places[color].count++};
   }
   return any_left;
 }
 
-/// colors[i]: of the i-th contact of the group. Returns the number of rounds.
-std::uint32_t color_contacts(const State& state, Scratch& scratch, const SolveGroup& group) {
+/// colors[i]: of the i-th contact of the group, and which of the colour it is. Returns the number of rounds.
+std::uint32_t color_contacts(Scratch& scratch, const SolveGroup& group) {
+  find_ends(scratch, group);
   scratch.contact_batches.colors.resize(group.contact_end - group.first_contact);
+  scratch.contact_batches.places.clear();
   std::uint32_t round_count = 1;
-  bool any_left = color_round<true>(state, scratch, group, 0);
-  while (any_left) any_left = color_round<false>(state, scratch, group, round_count++);
+  bool any_left = color_round<true>(scratch, 0);
+  while (any_left) any_left = color_round<false>(scratch, round_count++);
   return round_count;
 }
 
-/// Counts batches, notes them in `group`, and makes room for them.
+/// So many batches are worth another thread's while.
+constexpr std::size_t batches_per_chunk_least = 10;
+
+/// Adds the batches of a colour to the runs: to the last one, if neither is for several threads.
+void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_first, std::uint32_t first,
+             std::uint32_t end) {
+  const std::size_t count = end - first;
+  if (count == 0) return;
+  const std::size_t size = parallel.chunk_size(count, batches_per_chunk_least, 1);
+  const bool is_alone = size >= count;
+  if (is_alone && !is_first && runs.back().chunk_size >= runs.back().end - runs.back().first) {
+    runs.back().end = end;
+    runs.back().chunk_size = end - runs.back().first;
+    return;
+  }
+  runs.push_back({first, end, is_alone ? count : size});
+}
+
+/// Deals the contacts out to batches, colour by colour, notes them in `group`, and makes room for them.
 void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::uint32_t round_count) {
   ContactBatches& out = scratch.contact_batches;
-  out.places.assign(std::size_t{round_count} * round_color_count, {0, 0});
-  for (const std::uint32_t color : out.colors) ++out.places[color].lane;  // counts for now
-  std::size_t next = out.batch_count;
-  group.first_batch = static_cast<std::uint32_t>(next);
-  for (const std::uint32_t first : {0u, class_color_count}) {
-    for (std::uint32_t round = 0; round < round_count; ++round) {
+  auto next = static_cast<std::uint32_t>(out.batch_count);
+  group.first_batch = next;
+  group.first_run = static_cast<std::uint32_t>(out.runs.size());
+  for (const std::uint32_t first : {0u, class_color_count})
+    for (std::uint32_t round = 0; round < round_count; ++round)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
         ColorPlace& place = out.places[round * round_color_count + first + color];
-        const std::uint32_t count = place.lane;
-        place = {static_cast<std::uint32_t>(next), 0};
-        next += (count + lane_count - 1) / lane_count;
+        const std::uint32_t begin = next;
+        place.first_slot = begin * lane_count;
+        next += (place.count + lane_count - 1) / lane_count;
+        add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, begin, next);
       }
-    }
-  }
   out.batch_count = next;
-  group.batch_end = static_cast<std::uint32_t>(next);
+  group.batch_end = next;
+  group.run_end = static_cast<std::uint32_t>(out.runs.size());
   if (out.batches.size() < next) out.batches.resize(next);
   if ((features & contact_feature::bounce) != 0 && out.bounces.size() < next) out.bounces.resize(next);
   if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
+  if (out.slots.size() < std::size_t{next} * lane_count) out.slots.resize(std::size_t{next} * lane_count);
+  for (const ColorPlace& place : out.places)
+    for (std::uint32_t slot = place.first_slot + place.count; slot % lane_count != 0; ++slot)
+      out.slots[slot] = no_contact;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::size_t count = out.colors.size();
+  scratch.parallel.for_chunks(
+      count, scratch.parallel.chunk_size(count, contacts_per_chunk_least), [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+          out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = contacts[i];
+      });
 }
 
 void empty_point(ContactPointLanes& out, std::uint32_t lane) {
@@ -96,23 +149,14 @@ void empty_point(ContactPointLanes& out, std::uint32_t lane) {
 }
 
 /// Lanes without a contact push nothing and are written to a record nobody reads.
-void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane) {
+void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t unread) {
   batch.read_a[lane] = batch.read_b[lane] = resting_record(scratch);
-  batch.write_a[lane] = batch.write_b[lane] = unread_record(scratch);
+  batch.write_a[lane] = batch.write_b[lane] = unread;
   batch.contact[lane] = 0;
   for (Lanes* lanes : {&batch.inv_mass_a, &batch.inv_mass_b, &batch.inv_inertia_a, &batch.inv_inertia_b,
                        &batch.normal_x, &batch.normal_y, &batch.friction, &batch.radius_a, &batch.radius_b})
     lanes->at[lane] = 0;
   for (ContactPointLanes& point : batch.points) empty_point(point, lane);
-}
-
-/// Ends a batch that is not full: what a full one does not need of the first `count` lanes, and the others.
-void end_batch(const Scratch& scratch, ContactBatch& batch, std::uint32_t count) {
-  for (std::uint32_t lane = 0; lane < count && batch.immovable == 0; ++lane) {
-    batch.write_a[lane] = batch.read_a[lane];
-    batch.write_b[lane] = batch.read_b[lane];
-  }
-  for (std::uint32_t lane = count; lane < lane_count; ++lane) empty_lane(scratch, batch, lane);
 }
 
 void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint& point, Real slop, Real normal_force,
@@ -128,17 +172,15 @@ void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint&
 }
 
 void fill_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t contact,
-               const ContactRow& row, Real slop) {
+               const ContactRow& row, Real slop, std::uint32_t unread) {
   const TouchingPair& pair = scratch.touching[contact];
   const BodyMass& a = scratch.masses[pair.body_a];
   const BodyMass& b = scratch.masses[pair.body_b];
   batch.contact[lane] = contact;
   batch.read_a[lane] = a.read;
   batch.read_b[lane] = b.read;
-  if (batch.immovable != 0) {
-    batch.write_a[lane] = a.write;
-    batch.write_b[lane] = b.write;
-  }
+  batch.write_a[lane] = a.write == unread_record(scratch) ? unread : a.write;
+  batch.write_b[lane] = b.write == unread_record(scratch) ? unread : b.write;
   batch.inv_mass_a.at[lane] = a.inv_mass;
   batch.inv_mass_b.at[lane] = b.inv_mass;
   batch.inv_inertia_a.at[lane] = a.inv_inertia;
@@ -163,17 +205,73 @@ void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
   out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
 }
 
-ContactWork work_of(Scratch& scratch, const SolveGroup& group) {
+/// What a kernel needs for the batches first..end-1.
+ContactWork work_of(Scratch& scratch, const SolveGroup& group, std::size_t first, std::size_t end) {
   ContactBatches& all = scratch.contact_batches;
-  const std::size_t first = group.first_batch;
   return {all.batches.data() + first,
-          group.batch_end - first,
+          end - first,
           all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
           all.bounces.empty() ? nullptr : all.bounces.data() + first,
           &scratch.bodies.data()->velocity.x,
           group.h,
           group.stiffness.moving,
           group.stiffness.immovable};
+}
+
+/// Runs a kernel over the batches of a group, colour by colour.
+template <typename Kernel>
+void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
+  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+    const BatchRun& run = scratch.contact_batches.runs[i];
+    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      kernel(work_of(scratch, group, run.first + chunk.begin, run.first + chunk.end));
+    });
+  }
+}
+
+/// Whether impulses move only one of the pair.
+bool is_immovable(const Scratch& scratch, const TouchingPair& pair) {
+  const std::uint32_t unread = unread_record(scratch);
+  return scratch.masses[pair.body_a].write == unread || scratch.masses[pair.body_b].write == unread;
+}
+
+constexpr std::size_t slots_ahead = 12;
+
+/// Fills the batches first..end-1 of a colour.
+void fill_batches(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group, std::size_t first,
+                  std::size_t end, std::uint32_t unread) {
+  ContactBatches& out = scratch.contact_batches;
+  const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
+  const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
+  const std::size_t slot_end = end * lane_count;
+  for (std::size_t i = first; i < end; ++i) {
+    const std::uint32_t* slots = out.slots.data() + i * lane_count;
+    ContactBatch& batch = out.batches[i];
+    batch.immovable = is_immovable(scratch, scratch.touching[slots[0]]) ? 1 : 0;
+    batch.bounces = 0;
+    batch.count = 0;
+    if (bounces) out.bounces[i] = {};
+    if (has_surfaces) out.surfaces[i] = {};
+    for (std::uint32_t lane = 0; lane < lane_count; ++lane) {
+      const std::uint32_t contact = slots[lane];
+      if (contact == no_contact) {
+        empty_lane(scratch, batch, lane, unread);
+        continue;
+      }
+      if (const std::size_t later = i * lane_count + lane + slots_ahead;
+          later < slot_end)  // a colour skips over memory
+        if (out.slots[later] != no_contact) {
+          __builtin_prefetch(&scratch.touching[out.slots[later]]);
+          __builtin_prefetch(&scratch.touching[out.slots[later]].manifold.points[1]);
+        }
+      const TouchingPair& pair = scratch.touching[contact];
+      fill_lane(scratch, batch, lane, contact, state.contacts[contact], group.stiffness.slop, unread);
+      if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
+      batch.bounces |= pair.restitution > 0 ? 1 : 0;
+      if (has_surfaces) fill_surface(scratch, out.surfaces[i], lane, pair);
+      ++batch.count;
+    }
+  }
 }
 
 }  // namespace
@@ -195,54 +293,40 @@ ContactStiffness baumgarte_contacts(Real h) {
 
 void clear_contacts(Scratch& scratch) {
   scratch.contact_batches.batch_count = 0;
+  scratch.contact_batches.runs.clear();
 }
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness) {
   group.stiffness = stiffness;
-  const std::uint32_t round_count = color_contacts(state, scratch, group);
+  const std::uint32_t round_count = color_contacts(scratch, group);
   place_batches(scratch, group, model.contact_features, round_count);
-  ContactBatches& out = scratch.contact_batches;
-  const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
-  const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  for (std::size_t i = 0; i < out.colors.size(); ++i) {
-    const std::uint32_t color = out.colors[i];
-    ColorPlace& place = out.places[color];
-    const std::uint32_t contact = contacts[i];
-    const TouchingPair& pair = scratch.touching[contact];
-    ContactBatch& batch = out.batches[place.batch];
-    if (place.lane == 0) {
-      batch.immovable = color % round_color_count >= class_color_count ? 1 : 0;
-      batch.bounces = 0;
-      if (bounces) out.bounces[place.batch] = {};
-      if (has_surfaces) out.surfaces[place.batch] = {};
-    }
-    fill_lane(scratch, batch, place.lane, contact, state.contacts[contact], stiffness.slop);
-    if (bounces) out.bounces[place.batch].restitution.at[place.lane] = pair.restitution;
-    batch.bounces |= pair.restitution > 0 ? 1 : 0;
-    if (has_surfaces) fill_surface(scratch, out.surfaces[place.batch], place.lane, pair);
-    batch.count = static_cast<std::int32_t>(++place.lane);
-    if (place.lane < lane_count) continue;
-    ++place.batch;
-    place.lane = 0;
+  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+    const BatchRun& run = scratch.contact_batches.runs[i];
+    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      const std::size_t first = run.first + chunk.begin;
+      const std::size_t end = run.first + chunk.end;
+      fill_batches(model, state, scratch, group, first, end, unread_record(scratch, chunk.index));
+      scratch.kernels->contacts.prepare(work_of(scratch, group, first, end));
+    });
   }
-  for (const ColorPlace& place : out.places)
-    if (place.lane > 0) end_batch(scratch, out.batches[place.batch], place.lane);
-  scratch.kernels->contacts.prepare(work_of(scratch, group));
 }
 
 void warm_start_contacts(Scratch& scratch, const SolveGroup& group) {
-  scratch.kernels->contacts.warm_start(work_of(scratch, group));
+  for_colors(scratch, group, scratch.kernels->contacts.warm_start);
 }
 
 void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
   const ContactKernels& kernels = scratch.kernels->contacts;
-  (bias == Bias::on ? kernels.solve : kernels.relax)(work_of(scratch, group));
+  for_colors(scratch, group, bias == Bias::on ? kernels.solve : kernels.relax);
 }
 
 bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
-  return scratch.kernels->contacts.bounce(work_of(scratch, group), threshold);
+  std::atomic<bool> any{false};
+  for_colors(scratch, group, [&](const ContactWork& work) {
+    if (scratch.kernels->contacts.bounce(work, threshold)) any.store(true, std::memory_order_relaxed);
+  });
+  return any.load(std::memory_order_relaxed);
 }
 
 void save_impulses(Scratch& scratch, const SolveGroup& group) {
@@ -268,16 +352,20 @@ void limit_impulses(Scratch& scratch, const SolveGroup& group) {
 
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
   const Real inv_h = 1 / group.h;
-  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i) {
-    const ContactBatch& batch = scratch.contact_batches.batches[i];
-    for (int lane = 0; lane < batch.count; ++lane) {
-      ContactRow& row = state.contacts[batch.contact[lane]];
-      for (int p = 0; p < 2; ++p) {
-        row.normal_force[p] = inv_h * batch.points[p].normal_impulse.at[lane];
-        row.tangent_force[p] = inv_h * batch.points[p].tangent_impulse.at[lane];
-      }
-    }
-  }
+  const std::size_t count = group.batch_end - group.first_batch;
+  scratch.parallel.for_chunks(
+      count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1), [&](const Chunk& chunk) {
+        for (std::size_t i = group.first_batch + chunk.begin; i < group.first_batch + chunk.end; ++i) {
+          const ContactBatch& batch = scratch.contact_batches.batches[i];
+          for (int lane = 0; lane < batch.count; ++lane) {
+            ContactRow& row = state.contacts[batch.contact[lane]];
+            for (int p = 0; p < 2; ++p) {
+              row.normal_force[p] = inv_h * batch.points[p].normal_impulse.at[lane];
+              row.tangent_force[p] = inv_h * batch.points[p].tangent_impulse.at[lane];
+            }
+          }
+        }
+      });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -26,10 +26,30 @@ struct BodyColors {
   std::uint32_t immovable;
 };
 
-/// Where the contacts of a colour go: batches in a row, lane after lane.
+/// The bodies that a contact moves, as rows; no_body for one that impulses do not move.
+struct ContactEnds {
+  std::uint32_t a;
+  std::uint32_t b;
+};
+inline constexpr std::uint32_t no_body = 0xffffffff;
+
+/// The colour of a contact, and which of that colour it is.
+struct ContactColor {
+  std::uint32_t color;
+  std::uint32_t rank;
+};
+
+/// Where the contacts of a colour are: slots in a row.
 struct ColorPlace {
-  std::uint32_t batch;  // the next contact's
-  std::uint32_t lane;
+  std::uint32_t count;  // of its contacts
+  std::uint32_t first_slot;
+};
+
+/// Batches that are solved in one go: those of a colour, on all threads, or of some colours one after the other.
+struct BatchRun {
+  std::uint32_t first;
+  std::uint32_t end;
+  std::size_t chunk_size;  // in batches
 };
 
 struct ContactBatches {
@@ -37,8 +57,11 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> colors;    // [contact of the group]
+  std::vector<ContactEnds> ends;        // [contact of the group]
+  std::vector<ContactColor> colors;     // [contact of the group]
   std::vector<ColorPlace> places;       // [colour]
+  std::vector<std::uint32_t> slots;     // [batch, lane] the contact, or no_contact
+  std::vector<BatchRun> runs;           // in solving order
   std::vector<BodyColors> body_colors;  // [body]
   std::vector<Lanes> saved;             // [batch of the group, point] normal impulses
 };
@@ -58,6 +81,8 @@ ContactStiffness soft_contacts(Real h);
 ContactStiffness baumgarte_contacts(Real h);
 /// N/m of a soft contact point per kg of effective mass, for substeps of length h.
 Real soft_contact_stiffness(Real h);
+
+inline constexpr std::uint32_t no_contact = 0xffffffff;
 
 /// Forgets the batches of the last tick.
 void clear_contacts(Scratch& scratch);

@@ -14,8 +14,12 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
     scratch.group_rows.push_back(row);
     scratch.body_group[row] = 0;
   }
+  scratch.group_contacts.resize(scratch.touching.size());
+  std::uint32_t count = 0;
+  const bool locates = model.scene.settings.locate_impacts;
   for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact)
-    if (!is_left_to_impacts(model, state, scratch, contact)) scratch.group_contacts.push_back(contact);
+    if (!locates || !is_left_to_impacts(model, state, scratch, contact)) scratch.group_contacts[count++] = contact;
+  scratch.group_contacts.resize(count);
   SolveGroup group;
   group.substeps = model.scene.settings.substeps;
   group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());

@@ -75,13 +75,8 @@ Real joint_stiffness(Real h) {
   return omega * omega;
 }
 
-namespace {
-
-constexpr std::size_t joints_ahead = 12;
-
-/// Adds a joint that is solved by itself to scratch.joints.
-void add_joint(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, const Softness& soft,
-               Real h) {
+JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
+                     const Softness& soft, Real h) {
   const JointRow& row = state.joints[place.row];
   JointWork joint{};
   joint.row = place.row;
@@ -102,65 +97,81 @@ void add_joint(const Model& model, const State& state, Scratch& scratch, const J
   joint.impulses = {h * row.linear_force, h * row.torque,      h * row.spring_force,
                     h * row.lower_force,  h * row.upper_force, h * row.motor_force};
   functions_of(joint.model->kind).prepare(joint, h);
-  scratch.joints.push_back(joint);
+  return joint;
 }
-
-}  // namespace
 
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   const Real h = group.h;
   const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   scratch.joints.clear();
   scratch.joint_ranges.clear();
-  scratch.pins.batch_count = 0;
+  scratch.pins.spans.clear();
   scratch.pins.soft = soft;
+  scratch.hinges.spans.clear();
+  scratch.hinges.soft = soft;
   if (state.joints.empty()) return;
-  scratch.pins.order = order_joints(model, state, scratch) ? PinOrder::levels : PinOrder::row;
+  const bool in_batches = order_joints(model, state, scratch);
+  scratch.pins.order = in_batches ? PinOrder::levels : PinOrder::row;
+  const bool by_level =
+      in_batches && scratch.parallel.runner != nullptr;  // pins of one level may be solved side by side
   raise_inertias(model, state, scratch, h);
   const std::size_t count = scratch.joint_places.size();
   for (std::size_t i = 0; i < count; ++i) {
     const JointPlace& place = scratch.joint_places[i];
-    if (i + joints_ahead < count) {  // levels take joints from everywhere: their memory is asked for early
-      const JointPlace& later = scratch.joint_places[i + joints_ahead];
-      __builtin_prefetch(&model.joints[later.joint]);
-      __builtin_prefetch(&state.joints[later.row].linear_force);
-    }
-    const bool is_pin = place.is_pin;
-    const bool begins = scratch.joint_ranges.empty() || scratch.joint_ranges.back().kind != place.kind ||
-                        scratch.joint_ranges.back().are_pins != is_pin;
-    if (begins) {
-      const auto first = is_pin ? scratch.pins.batch_count : static_cast<std::uint32_t>(scratch.joints.size());
-      scratch.joint_ranges.push_back({place.kind, is_pin, false, first, first});
-    }
-    JointRange& range = scratch.joint_ranges.back();
-    if (is_pin) {
-      add_pin(model, state, scratch, place, begins, h);
-      range.last = scratch.pins.batch_count;
+    const JointWay way = in_batches || place.way == JointWay::pin ? place.way : JointWay::single;
+    const bool in_batch = way != JointWay::single;
+    std::vector<JointRange>& ranges = scratch.joint_ranges;
+    const bool begins = ranges.empty() || ranges.back().kind != place.kind || ranges.back().way != way ||
+                        (by_level && in_batch && ranges.back().level != place.level);
+    const auto end_of = [&scratch](JointWay of) {
+      if (of == JointWay::single) return static_cast<std::uint32_t>(scratch.joints.size());
+      return static_cast<std::uint32_t>((of == JointWay::pin ? scratch.pins.spans : scratch.hinges.spans).size());
+    };
+    if (begins) ranges.push_back({place.kind, way, false, end_of(way), end_of(way), place.level});
+    if (in_batch) {
+      add_to_batches(way == JointWay::pin ? scratch.pins.spans : scratch.hinges.spans, i, in_batches ? place.level : 0,
+                     begins);
     } else {
-      add_joint(model, state, scratch, place, soft, h);
-      ++range.last;
-      range.springs |= has_springs(model.joints[state.joints[place.row].joint]);
+      ask_early(model, state, scratch, i);
+      scratch.joints.push_back(make_joint(model, state, scratch, place, soft, h));
     }
+    ranges.back().last = end_of(way);
+    ranges.back().springs |= way != JointWay::pin && has_springs(model.joints[place.joint]);
+  }
+  fill_pins(model, state, scratch, h);
+  fill_hinges(model, state, scratch, soft, h);
+  for (JointRange& range : scratch.joint_ranges) {
+    if (range.way == JointWay::pin) range.chunk_size = share_pins(scratch, range.first, range.last);
+    if (range.way == JointWay::hinge) range.chunk_size = share_hinges(scratch, range.first, range.last);
   }
 }
 
 void note_joint_velocities(Scratch& scratch) {
-  for (const JointRange& range : scratch.joint_ranges)
-    if (range.springs) functions_of(range.kind).note(run_of(scratch, range));
+  for (const JointRange& range : scratch.joint_ranges) {
+    if (!range.springs) continue;
+    if (range.way == JointWay::hinge)
+      note_hinges(scratch, range);
+    else
+      functions_of(range.kind).note(run_of(scratch, range));
+  }
 }
 
 void warm_start_joints(Scratch& scratch) {
   for (const JointRange& range : scratch.joint_ranges)
-    if (range.are_pins)
-      warm_start_pins(scratch, range.first, range.last);
+    if (range.way == JointWay::pin)
+      warm_start_pins(scratch, range.first, range.last, range.chunk_size);
+    else if (range.way == JointWay::hinge)
+      warm_start_hinges(scratch, range);
     else
       functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
   for (const JointRange& range : scratch.joint_ranges)
-    if (range.are_pins)
-      solve_pins(scratch, range.first, range.last, h, bias);
+    if (range.way == JointWay::pin)
+      solve_pins(scratch, range.first, range.last, range.chunk_size, h, bias);
+    else if (range.way == JointWay::hinge)
+      solve_hinges(scratch, range, h, bias);
     else
       functions_of(range.kind).solve(run_of(scratch, range), h, bias);
 }
@@ -178,6 +189,7 @@ void store_joints(const Scratch& scratch, State& state, Real h) {
     row.motor_force = inv_h * impulses.motor;
   }
   store_pins(scratch, state, h);
+  store_hinges(scratch, state, h);
 }
 
 // ---- Springs ----

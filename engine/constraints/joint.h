@@ -12,6 +12,7 @@
 
 #include "engine/constraints/contact_batch.h"
 #include "engine/constraints/joint_model.h"
+#include "engine/constraints/joint_order.h"
 #include "engine/constraints/joint_spring.h"
 #include "engine/constraints/soft.h"
 
@@ -72,14 +73,20 @@ struct JointFunctions {
   void (*solve)(JointRun run, Real h, Bias bias);
 };
 
-/// Joints of one kind that follow each other in Scratch::joints; or batches of pins.
+/// Joints of one kind that follow each other in Scratch::joints; or batches of pins or hinges.
 struct JointRange {
   JointKind kind;
-  bool are_pins;  // `first`, `last`: in Scratch::pins
-  bool springs;   // some joint of the run has one, or is driven like one
+  JointWay way;  // `first`, `last`: in Scratch::pins, ::hinges or ::joints
+  bool springs;  // some joint of the run has one, or is driven like one
   std::uint32_t first;
-  std::uint32_t last;  // one beyond
+  std::uint32_t last;          // one beyond
+  std::uint32_t level;         // of batches, where several threads solve them: a run is of one level
+  std::size_t chunk_size = 0;  // in batches
 };
+
+/// A joint made ready. Requires: scratch.bodies filled (prepare_bodies).
+JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
+                     const Softness& soft, Real h);
 
 /// Fills scratch.joints with those of a group. Requires: scratch.bodies filled (prepare_bodies).
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);

@@ -74,7 +74,9 @@ JointModel make_joint(const Model& model, const Joint& joint) {
     out.motor_speed = static_cast<Real>(joint.motor->speed);
     out.motor_force_max = static_cast<Real>(joint.motor->force_max);
   }
-  out.is_pin = joint.kind == JointKind::revolute && !out.spring.exists && !out.has_limits && !out.has_motor;
+  const bool is_plain = !out.spring.exists && !out.has_limits && !out.has_motor;
+  out.is_pin = joint.kind == JointKind::revolute && is_plain;
+  out.is_hinge = joint.kind == JointKind::revolute && !is_plain;
   out.length = static_cast<Real>(joint.length);
   out.force_max = static_cast<Real>(joint.force_max);
   out.torque_max = static_cast<Real>(joint.torque_max);

@@ -23,6 +23,7 @@ struct SpringModel {
 struct JointModel {
   JointKind kind = JointKind::revolute;
   bool is_pin = false;       // revolute without spring, limits and motor
+  bool is_hinge = false;     // revolute with one of them
   std::uint32_t body_a = 0;  // id; no_reference: the world
   std::uint32_t body_b = 0;  // id
   Vec2 anchor_a;             // from A's centre of mass in its frame, m; target: the point of the world

@@ -8,13 +8,20 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
-constexpr std::size_t pins_per_level_least = 2;
+constexpr std::size_t joints_per_level_least = 2;
 
-/// Sorts the places by level, pins first, otherwise in the order they are in.
+JointWay way_of(const JointModel& joint) {
+  if (joint.is_pin) return JointWay::pin;
+  return joint.is_hinge ? JointWay::hinge : JointWay::single;
+}
+
+/// Sorts the places by level and way, otherwise in the order they are in.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
   std::vector<std::uint32_t>& start = scratch.level_starts;
-  start.assign(2 * static_cast<std::size_t>(level_count) + 1, 0);
-  const auto key_of = [](const JointPlace& place) { return 2 * place.level + (place.is_pin ? 0 : 1); };
+  start.assign(joint_way_count * static_cast<std::size_t>(level_count) + 1, 0);
+  const auto key_of = [](const JointPlace& place) {
+    return joint_way_count * place.level + static_cast<std::uint32_t>(place.way);
+  };
   for (const JointPlace& place : scratch.joint_places) ++start[key_of(place) + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
   scratch.sorted_places.resize(scratch.joint_places.size());
@@ -34,7 +41,7 @@ bool order_joints(const Model& model, const State& state, Scratch& scratch) {
   scratch.joint_places.clear();
   scratch.body_levels.assign(state.bodies.size(), 0);
   std::uint32_t level_count = 0;
-  std::size_t pin_count = 0;
+  std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointModel& joint = model.joints[state.joints[i].joint];
     const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
@@ -49,10 +56,11 @@ bool order_joints(const Model& model, const State& state, Scratch& scratch) {
     if (a_moves) scratch.body_levels[a] = level + 1;
     if (b_moves) scratch.body_levels[b] = level + 1;
     if (level >= level_count) level_count = level + 1;
-    pin_count += joint.is_pin ? 1u : 0u;
-    scratch.joint_places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, joint.is_pin});
+    const JointWay way = way_of(joint);
+    in_batches += way == JointWay::single ? 0u : 1u;
+    scratch.joint_places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, way});
   }
-  if (pin_count < pins_per_level_least * level_count || pin_count == 0) return false;
+  if (in_batches < joints_per_level_least * level_count || in_batches == 0) return false;
   sort_by_level(scratch, level_count);
   return true;
 }

@@ -17,6 +17,10 @@ struct Model;
 struct State;
 struct Scratch;
 
+/// How a joint is solved: by kernels, in batches with others (pins also in a row), or by itself.
+enum class JointWay : std::uint8_t { pin, hinge, single };
+inline constexpr std::uint32_t joint_way_count = 3;
+
 /// A joint of the group that is being solved.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
@@ -24,14 +28,15 @@ struct JointPlace {
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;
-  bool is_pin;  // solved by kernels
+  JointWay way;  // where joints are in levels; in scene order hinges are solved by themselves
 };
 
 /// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level,
-/// the pins of each level first. False: in scene order. Requires: prepare_bodies, enter_group.
+/// in each level the pins first, then the hinges. False: in scene order. Requires: prepare_bodies,
+/// enter_group.
 bool order_joints(const Model& model, const State& state, Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -7,23 +7,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-void begin_batch(Scratch& scratch) {
-  PinBatches& pins = scratch.pins;
-  if (pins.batches.size() == pins.batch_count) {
-    pins.batches.emplace_back();
-    pins.arms.emplace_back();
-  }
-  PinBatch& batch = pins.batches[pins.batch_count++];
-  batch = {};
-  const std::uint32_t resting = resting_record(scratch);
-  const std::uint32_t unread = unread_record(scratch);
-  for (int lane = 0; lane < lane_count; ++lane) {
-    batch.read_a[lane] = batch.read_b[lane] = resting;
-    batch.write_a[lane] = batch.write_b[lane] = unread;
-  }
-}
-
-PinWork work_of(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real h) {
+PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h) {
   return {scratch.pins.batches.data() + first,
           scratch.pins.arms.data() + first,
           last - first,
@@ -34,14 +18,36 @@ PinWork work_of(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real 
 
 }  // namespace
 
-void add_pin(const Model& model, const State& state, Scratch& scratch, const JointPlace& place, bool begins_run,
-             Real h) {
-  PinBatches& pins = scratch.pins;
-  const bool begins_level = pins.order == PinOrder::levels && pins.last_level != place.level;
-  if (begins_run || begins_level || pins.batches[pins.batch_count - 1].count == lane_count) begin_batch(scratch);
-  pins.last_level = place.level;
-  PinBatch& batch = pins.batches[pins.batch_count - 1];
-  const auto lane = static_cast<std::size_t>(batch.count++);
+void ask_early(const Model& model, const State& state, const Scratch& scratch, std::size_t place) {
+  constexpr std::size_t joints_ahead = 12;
+  if (place + joints_ahead >= scratch.joint_places.size()) return;
+  const JointPlace& later = scratch.joint_places[place + joints_ahead];
+  __builtin_prefetch(&model.joints[later.joint]);
+  __builtin_prefetch(&state.joints[later.row].linear_force);
+}
+
+void empty_pins(const Scratch& scratch, PinBatch& batch) {
+  batch = {};
+  const std::uint32_t resting = resting_record(scratch);
+  const std::uint32_t unread = unread_record(scratch);
+  for (int lane = 0; lane < lane_count; ++lane) {
+    batch.read_a[lane] = batch.read_b[lane] = resting;
+    batch.write_a[lane] = batch.write_b[lane] = unread;
+  }
+}
+
+void write_elsewhere(const Scratch& scratch, PinBatch& batch, std::size_t chunk) {
+  const std::uint32_t unread = unread_record(scratch);
+  for (int lane = 0; lane < lane_count; ++lane) {
+    if (batch.write_a[lane] == unread) batch.write_a[lane] = unread_record(scratch, chunk);
+    if (batch.write_b[lane] == unread) batch.write_b[lane] = unread_record(scratch, chunk);
+  }
+}
+
+namespace {
+
+void fill_lane(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch,
+               std::size_t lane, Real h) {
   const JointRow& row = state.joints[place.row];
   const JointModel& joint = model.joints[place.joint];
   const BodyRow& b = state.bodies[place.body_b];
@@ -75,30 +81,69 @@ void add_pin(const Model& model, const State& state, Scratch& scratch, const Joi
   batch.row[lane] = place.row;
 }
 
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
-  const PinKernels& kernels = scratch.kernels->pins;
-  (scratch.pins.order == PinOrder::row ? kernels.warm_start_row
-                                       : kernels.warm_start)(work_of(scratch, first, last, Real(1)));
+}  // namespace
+
+void fill_pins(const Model& model, const State& state, Scratch& scratch, Real h) {
+  PinBatches& pins = scratch.pins;
+  const std::size_t count = pins.spans.size();
+  if (pins.batches.size() < count) pins.batches.resize(count);
+  if (pins.arms.size() < count) pins.arms.resize(count);
+  scratch.parallel.for_chunks(
+      count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1), [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+          const JointSpan& span = pins.spans[i];
+          PinBatch& batch = pins.batches[i];
+          empty_pins(scratch, batch);
+          batch.count = static_cast<std::int32_t>(span.count);
+          for (std::uint32_t lane = 0; lane < span.count; ++lane) {
+            ask_early(model, state, scratch, span.first + lane);
+            fill_lane(model, state, scratch, scratch.joint_places[span.first + lane], batch, lane, h);
+          }
+        }
+      });
 }
 
-void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, Real h, Bias bias) {
+std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
+  const std::size_t count = last - first;
+  if (scratch.pins.order == PinOrder::row) return count;
+  const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
+  for (std::size_t i = size; i < count; ++i)  // the first chunk has its record already
+    write_elsewhere(scratch, scratch.pins.batches[first + i], i / size);
+  return size;
+}
+
+void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size) {
   const PinKernels& kernels = scratch.kernels->pins;
-  const PinWork work = work_of(scratch, first, last, h);
-  if (scratch.pins.order == PinOrder::row)
-    (bias == Bias::on ? kernels.solve_row : kernels.relax_row)(work);
-  else
-    (bias == Bias::on ? kernels.solve : kernels.relax)(work);
+  const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : kernels.warm_start;
+  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, Real(1)));
+  });
+}
+
+void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Real h, Bias bias) {
+  const PinKernels& kernels = scratch.kernels->pins;
+  const bool in_row = scratch.pins.order == PinOrder::row;
+  const auto solve = in_row ? kernels.solve_row : kernels.solve;
+  const auto relax = in_row ? kernels.relax_row : kernels.relax;
+  const auto kernel = bias == Bias::on ? solve : relax;
+  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, h));
+  });
 }
 
 void store_pins(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  for (std::uint32_t i = 0; i < scratch.pins.batch_count; ++i) {
-    const PinBatch& batch = scratch.pins.batches[i];
-    for (std::int32_t lane = 0; lane < batch.count; ++lane) {
-      const Vec2 impulse{batch.impulse_x.at[lane], batch.impulse_y.at[lane]};
-      state.joints[batch.row[lane]].linear_force = inv_h * impulse;
-    }
-  }
+  const std::size_t count = scratch.pins.spans.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                                  const PinBatch& batch = scratch.pins.batches[i];
+                                  for (std::int32_t lane = 0; lane < batch.count; ++lane) {
+                                    const Vec2 impulse{batch.impulse_x.at[lane], batch.impulse_y.at[lane]};
+                                    state.joints[batch.row[lane]].linear_force = inv_h * impulse;
+                                  }
+                                }
+                              });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,26 +3,34 @@
 #pragma once
 
 #include "engine/constraints/contact_lanes.h"
+#include "engine/constraints/hinge_lanes.h"
 #include "engine/constraints/pin_lanes.h"
+#include "engine/narrow_phase/box_lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct SolverKernels {
   ContactKernels contacts;
   PinKernels pins;
+  HingeKernels hinges;
   MotionKernels motion;
+  BoxKernels boxes;
 };
 
 // Units of these namespaces include no standard header with code in it (math/wide.h).
 namespace baseline {
 ContactKernels contact_kernels(unsigned features);
 PinKernels pin_kernels();
+HingeKernels hinge_kernels();
 MotionKernels motion_kernels();
+BoxKernels box_kernels();
 }  // namespace baseline
 namespace avx2 {
 ContactKernels contact_kernels(unsigned features);
 PinKernels pin_kernels();
+HingeKernels hinge_kernels();
 MotionKernels motion_kernels();
+BoxKernels box_kernels();
 }  // namespace avx2
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

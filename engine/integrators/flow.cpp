@@ -51,24 +51,28 @@ Twist constant_acceleration(const Model& model, const State& state, const Scratc
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
   prepare_free_motion(model, scratch, h);
   scratch.velocity_steps.resize(state.bodies.size());
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+  const auto step_of = [&](std::size_t row) -> VelocityStep {
     const BodyModel& body = model.bodies[state.bodies[row].source];
+    if (body.type != BodyType::dynamic_body) return {{0, 0, 0, 0}, {1, 1, 1, 0}};
     const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
-    if (body.type != BodyType::dynamic_body) {
-      scratch.velocity_steps[row] = {{0, 0, 0, 0}, {1, 1, 1, 0}};
-      continue;
-    }
     const Twist acceleration = constant_acceleration(model, state, scratch, row);
     const Vec2 gain = motion.linear_gain * acceleration.linear;
-    scratch.velocity_steps[row] = {{gain.x, gain.y, motion.angular_gain * acceleration.angular, 0},
-                                   {motion.linear_decay, motion.linear_decay, motion.angular_decay, 0}};
-  }
+    return {{gain.x, gain.y, motion.angular_gain * acceleration.angular, 0},
+            {motion.linear_decay, motion.linear_decay, motion.angular_decay, 0}};
+  };
+  const std::size_t count = state.bodies.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) scratch.velocity_steps[row] = step_of(row);
+  });
 }
 
 void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   if (scratch.moving_rows.empty()) return;  // without bodies there are no rows to point to
-  scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.velocity_steps.data()->gain,
-                                          scratch.moving_rows.data(), scratch.moving_rows.size());
+  const std::size_t count = scratch.moving_rows.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
+    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.velocity_steps.data()->gain,
+                                            scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
+  });
   if (model.position_forces == nullptr) return;
   for (Twist& acceleration : scratch.accelerations) acceleration = {};
   model.position_forces(model, state, scratch);
@@ -82,8 +86,12 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
 }
 
 void move_bodies(Scratch& scratch, Real h) {
-  scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data(),
-                                      scratch.moving_rows.size(), resting_record(scratch), unread_record(scratch), h);
+  const std::size_t count = scratch.moving_rows.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+    scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data() + chunk.begin,
+                                        chunk.end - chunk.begin, resting_record(scratch),
+                                        unread_record(scratch, chunk.index), h);
+  });
 }
 
 void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch) {

@@ -6,6 +6,8 @@
 
 #include <limits>
 
+#include "engine/math/arc_tangent_terms.h"
+
 namespace ticktrue::engine {
 namespace {
 
@@ -15,9 +17,7 @@ constexpr double half_pi_2 = 0x1.0b4611a6p-34;
 constexpr double half_pi_3 = 0x1.3198a2e037073p-69;
 constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
 constexpr double two_pi = 0x1.921fb54442d18p+2;
-constexpr double half_pi = 0x1.921fb54442d18p+0;
-constexpr double half_pi_rest = 0x1.1a62633145c07p-54;  // pi/2 - half_pi
-constexpr double exactly_reduced_max = 1e6;             // rad; k stays below 2^20
+constexpr double exactly_reduced_max = 1e6;  // rad; k stays below 2^20
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Remainder of angle >= 0 by the double nearest to 2 pi. Every subtraction is exact (the operands are within a factor
@@ -56,19 +56,6 @@ double cos_series(double x) {
   p = p * z + 1.0 / 24.0;
   return 1.0 - (0.5 * z - z * z * p);
 }
-
-// atan(i / 8)
-constexpr double atan_of_eighths[9] = {
-    0,
-    0x1.fd5ba9aac2f6ep-4,
-    0x1.f5b75f92c80ddp-3,
-    0x1.6f61941e4def1p-2,
-    0x1.dac670561bb4fp-2,
-    0x1.1e00babdefeb4p-1,
-    0x1.4978fa3269ee1p-1,
-    0x1.700a7c5784634p-1,
-    0x1.921fb54442d18p-1,
-};
 
 /// atan(low / high) for 0 <= low <= high, high > 0: atan(c) + atan((t - c) / (1 + c t)) with c the nearest eighth.
 double atan_first_octant(double low, double high) {
@@ -130,7 +117,7 @@ double arc_tangent(double y, double x) {
   abs_x *= scale;
 
   double angle =
-      abs_y > abs_x ? half_pi - (atan_first_octant(abs_x, abs_y) - half_pi_rest) : atan_first_octant(abs_y, abs_x);
+      abs_y > abs_x ? half_pi_near - (atan_first_octant(abs_x, abs_y) - half_pi_rest) : atan_first_octant(abs_y, abs_x);
   if (x < 0) angle = pi - (angle - 2 * half_pi_rest);
   return y < 0 ? -angle : angle;
 }

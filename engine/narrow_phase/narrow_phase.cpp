@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/narrow_phase.h"
 
+#include <algorithm>
 #include <new>
 
+#include "engine/narrow_phase/box_pairs.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/narrow_phase/foresee.h"
 #include "engine/pipeline.h"
@@ -85,20 +87,70 @@ void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy
   pair.rolling_resistance = larger(a.rolling_resistance, b.rolling_resistance);
 }
 
-}  // namespace
+/// What the pairs of one tick are looked at with.
+struct PairSearch {
+  const Model& model;
+  const State& state;
+  const Scratch& scratch;
+  Real fall;
+  Real dt;
+  bool foresees;
+  bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
 
-void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  const bool foresees = model.scene.settings.auto_substeps.has_value();
-  const Real fall = fall_of_a_tick(model, state);
-  // Two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did then.
-  Kept& kept = scratch.kept;
-  const bool may_reuse = kept.has_touching && kept.touching.size() == state.contacts.size();
-  // Rows are written in their places: manifolds are large.
-  scratch.touching.resize(scratch.pairs.size());
-  scratch.contacts.resize(scratch.pairs.size());
+  bool is_still(const Pair& pair) const {
+    const std::vector<std::uint8_t>& still = scratch.kept.pairs.is_still;
+    return may_reuse && still[scratch.proxies[pair.first].body] != 0 && still[scratch.proxies[pair.second].body] != 0;
+  }
+};
+
+/// The first contact of the tick before that may belong to this pair or a later one.
+std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
+  const ContactRow row =
+      row_of_pair(search.state, search.scratch.proxies[pair.first], search.scratch.proxies[pair.second]);
+  const std::vector<ContactRow>& contacts = search.state.contacts;
+  std::size_t low = 0;
+  std::size_t high = contacts.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (comes_before(contacts[middle], row))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+struct ContactPlace {
+  TouchingPair& touching;
+  ContactRow& row;
+};
+
+/// The pairs begin..end-1 that kernels can do.
+void collide_boxes(const PairSearch& search, std::size_t begin, std::size_t end, BoxBlock& block) {
+  block.clear(end - begin);
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair& pair = search.scratch.pairs[i];
+    const Proxy& a = search.scratch.proxies[pair.first];
+    const Proxy& b = search.scratch.proxies[pair.second];
+    if (a.is_sensor || b.is_sensor || search.is_still(pair)) continue;
+    block.add(search.model.shapes[a.shape], search.model.shapes[b.shape], i - begin, a.body, b.body, search.fall);
+  }
+  block.collide(search.model, search.state);
+}
+
+/// Finds the contacts of the pairs begin..end-1, at most one each, and writes the i-th to place(i): manifolds are
+/// large. Returns how many. `old_index`: first_old_contact of the first pair.
+template <typename Place>
+std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::size_t end, std::size_t old_index,
+                             Place place) {
+  const auto& [model, state, scratch, fall, dt, foresees, may_reuse] = search;
+  const std::vector<TouchingPair>& kept_touching = scratch.kept.touching;
   std::size_t count = 0;
-  std::size_t old_index = 0;
-  for (const Pair& pair : scratch.pairs) {
+  BoxBlock boxes;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t in_block = (i - begin) % BoxBlock::pair_count_max;
+    if (in_block == 0) collide_boxes(search, i, std::min(i + BoxBlock::pair_count_max, end), boxes);
+    const Pair& pair = scratch.pairs[i];
     const Proxy& proxy_a = scratch.proxies[pair.first];
     const Proxy& proxy_b = scratch.proxies[pair.second];
     if (proxy_a.is_sensor || proxy_b.is_sensor) continue;  // the events stage has those
@@ -106,12 +158,16 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
     const BodyRow& body_b = state.bodies[proxy_b.body];
     if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
     ContactRow row = row_of_pair(state, proxy_a, proxy_b);
-    const bool is_still = may_reuse && kept.pairs.is_still[proxy_a.body] != 0 && kept.pairs.is_still[proxy_b.body] != 0;
+    const bool is_still = search.is_still(pair);
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];
     const ShapeModel& shape_b = model.shapes[proxy_b.shape];
-    TouchingPair& touching = scratch.touching[count];
+    const ContactPlace out = place(count);
+    TouchingPair& touching = out.touching;
     if (!is_still) {
-      new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, fall));
+      if (boxes.has(in_block))
+        boxes.write(in_block, touching.manifold);
+      else
+        new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, fall));
       if (foresees && touching.manifold.point_count == 0)
         touching.manifold = foresee(model, shape_a, shape_b, body_a, body_b, fall, dt);
       if (touching.manifold.point_count == 0) continue;
@@ -121,12 +177,90 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
     const bool has_old = old_index < state.contacts.size() && !comes_before(row, state.contacts[old_index]);
     if (is_still) {
       if (!has_old) continue;
-      touching = kept.touching[old_index];
+      touching = kept_touching[old_index];
     }
-    for (int i = 0; i < touching.manifold.point_count; ++i) row.feature[i] = touching.manifold.points[i].feature;
+    for (int p = 0; p < touching.manifold.point_count; ++p) row.feature[p] = touching.manifold.points[p].feature;
     if (has_old) carry_forces(state.contacts[old_index], row);
-    scratch.contacts[count++] = row;
+    out.row = row;
+    ++count;
   }
+  return count;
+}
+
+constexpr std::size_t pairs_per_chunk_least = 48;
+
+/// In chunks: each writes where the contacts of its pairs were a tick ago, and what does not fit elsewhere. Where every
+/// chunk has found as many as there were, all are in their places; else they are copied there.
+std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, std::size_t chunk_size) {
+  const std::size_t pair_count = scratch.pairs.size();
+  const std::size_t chunk_count = Parallel::chunk_count(pair_count, chunk_size);
+  scratch.parts.resize(chunk_count);
+  scratch.touching_apart.resize(pair_count);
+  scratch.contacts_apart.resize(pair_count);
+  const auto guess = [&](std::size_t chunk) {
+    if (chunk == chunk_count) return pair_count;
+    const std::size_t first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
+    return first < pair_count ? first : pair_count;
+  };
+  scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
+    const std::size_t first = guess(chunk.index);
+    const std::size_t room = guess(chunk.index + 1) - first;
+    const std::size_t old_index = first_old_contact(search, scratch.pairs[chunk.begin]);
+    const std::size_t count = find_contacts_of(search, chunk.begin, chunk.end, old_index, [&](std::size_t i) {
+      if (i < room) return ContactPlace{scratch.touching[first + i], scratch.contacts[first + i]};
+      return ContactPlace{scratch.touching_apart[chunk.begin + i], scratch.contacts_apart[chunk.begin + i]};
+    });
+    scratch.parts[chunk.index] = {first, room, count, 0};
+  });
+  std::size_t total = 0;
+  bool all_in_place = true;
+  for (ListPart& part : scratch.parts) {
+    all_in_place = all_in_place && part.first == total && part.count <= part.room;
+    part.place = total;
+    total += part.count;
+  }
+  if (all_in_place) return total;
+  scratch.touching_moved.resize(pair_count);
+  scratch.contacts_moved.resize(pair_count);
+  scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
+    const ListPart& part = scratch.parts[chunk.index];
+    for (std::size_t i = 0; i < part.count; ++i) {
+      const bool fits = i < part.room;
+      scratch.touching_moved[part.place + i] =
+          fits ? scratch.touching[part.first + i] : scratch.touching_apart[chunk.begin + i];
+      scratch.contacts_moved[part.place + i] =
+          fits ? scratch.contacts[part.first + i] : scratch.contacts_apart[chunk.begin + i];
+    }
+  });
+  scratch.touching.swap(scratch.touching_moved);
+  scratch.contacts.swap(scratch.contacts_moved);
+  return total;
+}
+
+/// In one go.
+std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
+  return find_contacts_of(search, 0, scratch.pairs.size(), 0, [&](std::size_t i) {
+    return ContactPlace{scratch.touching[i], scratch.contacts[i]};
+  });
+}
+
+}  // namespace
+
+void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
+  Kept& kept = scratch.kept;
+  const PairSearch search{model,
+                          state,
+                          scratch,
+                          fall_of_a_tick(model, state),
+                          dt,
+                          model.scene.settings.auto_substeps.has_value(),
+                          kept.has_touching && kept.touching.size() == state.contacts.size()};
+  const std::size_t pair_count = scratch.pairs.size();
+  scratch.touching.resize(pair_count);
+  scratch.contacts.resize(pair_count);
+  const std::size_t chunk_size = scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least);
+  const std::size_t count = chunk_size >= pair_count ? find_all_contacts(search, scratch)
+                                                     : find_contacts_in_chunks(search, scratch, chunk_size);
   scratch.touching.resize(count);
   scratch.contacts.resize(count);
   state.contacts.swap(scratch.contacts);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/impacts.h"
 
+#include <atomic>
 #include <tuple>
 
 #include "engine/broad_phase/broad_phase.h"
@@ -23,15 +24,23 @@ std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std
   return first < count && key_of(state.contacts[first]) == wanted ? first : count;
 }
 
+bool any_is_fast(const Model& model, const State& state, const Scratch& scratch, Real dt) {
+  std::atomic<bool> any{false};
+  const std::size_t count = state.bodies.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end && !any.load(std::memory_order_relaxed); ++row)
+      if (is_fast(model, state, static_cast<std::uint32_t>(row), dt)) any.store(true, std::memory_order_relaxed);
+  });
+  return any.load(std::memory_order_relaxed);
+}
+
 }  // namespace
 
 void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
   scratch.impacts.clear();
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
-  bool any = settings.locate_impacts;
-  for (std::uint32_t row = 0; row < state.bodies.size() && !any; ++row) any = is_fast(model, state, row, dt);
-  if (!any) return;
+  if (!settings.locate_impacts && !any_is_fast(model, state, scratch, dt)) return;
   const Real farthest = farthest_reach(model, state, dt);
   const Real fall = fall_of_a_tick(model, state);
   std::uint32_t next_contact = 0;

@@ -4,17 +4,20 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void measure_calm(const Model& model, State& state, Scratch&, Real dt) {
+void measure_calm(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Real speed_max = static_cast<Real>(model.scene.settings.sleep->speed_max);
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const BodyRow& body = state.bodies[row];
-    const BodyModel& constants = model.bodies[body.source];
-    SleepRow& sleep = state.sleep[row];
-    if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
-    // No point of the body is faster than this.
-    const Real speed = length(body.velocity) + absolute(body.angular_velocity) * constants.reach;
-    sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
-  }
+  const std::size_t count = state.bodies.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      const BodyRow& body = state.bodies[row];
+      const BodyModel& constants = model.bodies[body.source];
+      SleepRow& sleep = state.sleep[row];
+      if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
+      // No point of the body is faster than this.
+      const Real speed = length(body.velocity) + absolute(body.angular_velocity) * constants.reach;
+      sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
+    }
+  });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

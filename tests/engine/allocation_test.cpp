@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <new>
 
+#include "base/build_info.h"
 #include "engine/builtin_scenes.h"
 #include "tests/support/catch.h"
+#include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
 
 #ifndef __SANITIZE_ADDRESS__
@@ -68,6 +70,20 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
 }
 
 namespace ticktrue::test {
+namespace {
+
+void check_settled(const engine::Scene& scene, const engine::EngineOptions& options) {
+  const auto engine = make_engine_or_fail(scene, options);
+  const TickInput input{scene.settings.dt, {}};
+  // Long enough to have seen the most that this scene ever holds.
+  for (int tick = 0; tick < 400; ++tick) engine->step(input, nullptr);
+  const std::size_t before = allocation_count;
+  for (int tick = 0; tick < 20; ++tick) engine->step(input, nullptr);
+  const std::size_t allocated = allocation_count - before;
+  CHECK(allocated == 0);
+}
+
+}  // namespace
 
 TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]") {
   {
@@ -98,15 +114,25 @@ TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]")
                            "tumbler?columns=5"}) {
     auto scene = engine::make_builtin_scene(text);
     REQUIRE(scene.has_value());
-    const auto engine = make_engine_or_fail(*scene);
-    const TickInput input{scene->settings.dt, {}};
-    // Long enough to have seen the most that this scene ever holds.
-    for (int tick = 0; tick < 400; ++tick) engine->step(input, nullptr);
-    const std::size_t before = allocation_count;
-    for (int tick = 0; tick < 20; ++tick) engine->step(input, nullptr);
-    const std::size_t allocated = allocation_count - before;
     CAPTURE(text);
-    CHECK(allocated == 0);
+    check_settled(*scene, {});
+    // In chunks, as on several threads: small ones, so that these small scenes have some.
+    ChunkOrder order(false);
+    engine::EngineOptions in_chunks;
+    in_chunks.parallel = {&order, 8};
+    check_settled(*scene, in_chunks);
+  }
+}
+
+TEST_CASE("a tick on several threads allocates nothing", "[engine][allocation][threads]") {
+  if (!build_info().has_threads) return;
+  const auto scene = engine::make_builtin_scene("pyramid?base=20");
+  REQUIRE(scene.has_value());
+  for (const unsigned thread_count : {2u, 4u}) {
+    engine::EngineOptions options;
+    options.thread_count = thread_count;
+    CAPTURE(thread_count);
+    check_settled(*scene, options);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cfenv>
 #include <string>
 
+#include "base/workers.h"
 #include "engine/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
@@ -72,6 +73,14 @@ TEST_CASE("each worker thread looks at its own settings before it takes a job",
   REQUIRE_FALSE(status.has_value());
   CHECK_THAT(status.error().message, Catch::Contains("rounding upward"));
   CHECK(done == 20);
+}
+
+TEST_CASE("workers of a tick whose arithmetic is another are refused",
+          "[verifier][float_environment][workers][analytic]") {
+  const RoundingUpward upward;
+  const auto made = make_workers(2);
+  REQUIRE_FALSE(made.has_value());
+  CHECK_THAT(made.error().message, Catch::Contains("rounding upward"));
 }
 
 TEST_CASE("the probe gives every part the digest of every platform, and another one under another rounding",

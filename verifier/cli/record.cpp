@@ -22,6 +22,7 @@ struct RecordCommand {
   std::string scene;
   std::string inputs;
   std::optional<std::uint64_t> tick_count;
+  std::uint64_t thread_count = 1;
   HostOptions host;
   std::string detail = "cells";
   std::uint64_t checkpoint_interval = 600;  // 10 s at 60 Hz: seeking re-simulates less than a second's work
@@ -35,6 +36,7 @@ int run_record(const RecordCommand& options) {
   verifier::TraceChoices choices;
   choices.checkpoint_interval = static_cast<std::uint32_t>(options.checkpoint_interval);
   if (const Status status = parse_detail(options.detail, choices); !status) return fail_usage(status.error());
+  if (const Status status = check_threads(options.thread_count); !status) return fail_usage(status.error());
   if (has_plugin())
     return record_plugin({options.scene, options.inputs, options.tick_count, choices, options.output,
                           !options.no_compress, options.force, options.json});
@@ -44,7 +46,7 @@ int run_record(const RecordCommand& options) {
   if (!again) return fail_usage(again.error());
   const Result<engine::Scene> scene = runs_trace ? std::move(again->scene) : load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
-  const auto made = engine::make_engine(*scene);
+  const auto made = engine::make_engine(*scene, engine_options(options.thread_count));
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
   if (options.output == "-")
@@ -165,6 +167,7 @@ void add_record(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count,
              "How many ticks at most; without it: up to the `end` input. An earlier `end` wins",
              {1, limits::tick_count_max});
+  add_threads_option(*command, options->thread_count);
   add_host_options(*command, options->host);
   command
       ->add_option(

@@ -21,6 +21,7 @@ struct RunOptions {
   std::string scene;
   std::string inputs;
   std::optional<std::uint64_t> tick_count;
+  std::uint64_t thread_count = 1;
   HostOptions host;
   bool json = false;
 };
@@ -47,6 +48,7 @@ Json run_json(const engine::Engine& engine, const verifier::RunResult& result, s
 }
 
 int run_run(const RunOptions& options) {
+  if (const Status status = check_threads(options.thread_count); !status) return fail_usage(status.error());
   if (has_plugin()) {
     PluginSession session;
     session.scene = options.scene;
@@ -57,7 +59,7 @@ int run_run(const RunOptions& options) {
   }
   const Result<engine::Scene> scene = load_scene_argument(options.scene);
   if (!scene) return fail_usage(scene.error());
-  const auto made = engine::make_engine(*scene);
+  const auto made = engine::make_engine(*scene, engine_options(options.thread_count));
   if (!made) return fail_usage(made.error());
   engine::Engine& engine = **made;
   catch_stop_signals();
@@ -108,6 +110,7 @@ void add_run(CLI::App& app, CliContext& context) {
   command->add_option("--inputs", options->inputs, "Inputs as JSON Lines, - for standard input")->type_name("FILE");
   add_number(*command, "--ticks", options->tick_count, "How many ticks; without it: up to the `end` input",
              {1, limits::tick_count_max});
+  add_threads_option(*command, options->thread_count);
   add_host_options(*command, options->host);
   command->add_flag("--json", options->json, "One JSON object");
   set_examples(*command,

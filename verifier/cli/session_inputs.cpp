@@ -7,7 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "base/workers.h"
 #include "verifier/cli/cli.h"
+#include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/playback.h"
 #include "verifier/trace_inputs.h"
@@ -72,6 +74,24 @@ Result<TraceSession> open_trace_session(const std::string& path, const std::stri
   if (tick_count) session.inputs.ticks_expected = std::min(*tick_count, session.inputs.ticks_expected);
   session.inputs.source = std::make_unique<verifier::TraceInputs>(std::move(*reader));
   return session;
+}
+
+void add_threads_option(CLI::App& command, std::uint64_t& thread_count) {
+  add_number(command, "--threads", thread_count, "Threads of a tick; the results are those of one",
+             {1, thread_count_max});
+}
+
+Status check_threads(std::uint64_t thread_count) {
+  if (thread_count == 1 || !has_plugin()) return {};
+  return Error{ErrorCode::usage,
+               "--threads: found " + std::to_string(thread_count) + ", expected 1: a plug-in's ticks have one thread",
+               ""};
+}
+
+engine::EngineOptions engine_options(std::uint64_t thread_count) {
+  engine::EngineOptions options;
+  options.thread_count = static_cast<unsigned>(thread_count);
+  return options;
 }
 
 void add_host_options(CLI::App& command, HostOptions& options) {

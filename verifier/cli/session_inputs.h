@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 #include "base/simulation.h"
-#include "engine/scene.h"
+#include "engine/engine.h"
 #include "replay/recorder.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/clocked_inputs.h"
@@ -23,6 +23,12 @@ struct SessionInputs {
   const verifier::ClockedInputs* clock = nullptr;    // where a clock gives the ticks their length
   std::uint64_t ticks_expected = 0;                  // for the progress bar; 0: not known
 };
+
+/// --threads of a tick: of the engine, since a plug-in's ticks have one.
+void add_threads_option(CLI::App& command, std::uint64_t& thread_count);
+/// Errors: usage (several threads for a plug-in).
+Status check_threads(std::uint64_t thread_count);
+engine::EngineOptions engine_options(std::uint64_t thread_count);
 
 /// What the command line says of the host's frames.
 struct HostOptions {

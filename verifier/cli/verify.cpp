@@ -45,7 +45,8 @@ struct VerifyCommand {
   bool git_bisect = false;
   bool github = false;
   bool allow_truncated = false;
-  std::uint64_t jobs = 0;  // 0: every core
+  std::uint64_t jobs = 0;          // 0: every core
+  std::uint64_t thread_count = 1;  // of a tick
   std::string shard;
   std::string junit;
   std::string report_page;
@@ -92,6 +93,14 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
   options.simulation = verifier::find_simulation(reader->setup().simulation);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
+  SimulationInfo on_several;
+  if (command.thread_count > 1 && options.simulation != nullptr && options.simulation->make_on_threads) {
+    on_several = *options.simulation;
+    on_several.make = [&info = *options.simulation, &command](ByteView setup) {
+      return info.make_on_threads(setup, static_cast<unsigned>(command.thread_count));
+    };
+    options.simulation = &on_several;
+  }
   options.search_single_bit = true;
   options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
     auto again = replay::TraceReader::open(file);
@@ -125,7 +134,7 @@ Report verify_scene(const std::string& word, const VerifyCommand& command, const
   };
   const Result<engine::Scene> scene = load_scene_argument(word);
   if (!scene) return refused(scene.error());
-  const auto made = engine::make_engine(*scene);
+  const auto made = engine::make_engine(*scene, engine_options(command.thread_count));
   if (!made) return refused(made.error());
   auto inputs = open_session_inputs(*scene, command.inputs, command.tick_count);
   if (!inputs) return refused(inputs.error());
@@ -280,6 +289,9 @@ Status check_options(const VerifyCommand& command) {
   if (command.from && command.to && *command.from > *command.to)
     return refuse("--from: found " + std::to_string(*command.from) + ", expected at most --to " +
                   std::to_string(*command.to));
+  if (const Status status = check_threads(command.thread_count); !status) return status;
+  if (command.thread_count > 1 && command.mode == "threads")
+    return refuse("--threads: found --mode threads, expected another", "it runs with 1, 2, 4 and 8");
   if (command.to_end && command.mode != "restore")
     return refuse("--to-end: found --mode " + command.mode + ", expected restore",
                   "the other modes always run to the end");
@@ -369,6 +381,7 @@ void add_verify(CLI::App& app, CliContext& context) {
              "Threads: for the files, and within one for the stretches between its checkpoints (default: every core; "
              "1: in order from the start)",
              {1, 1024});
+  add_threads_option(*command, options->thread_count);
   command
       ->add_option("--shard", options->shard,
                    "Part I of N of the sorted list of files: the parts of different machines make up the whole")

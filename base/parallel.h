@@ -1,0 +1,77 @@
+// Ranges cut into chunks that any thread may take, in any order, with the same result.
+// SPDX-License-Identifier: MIT
+//
+// What runs in chunks writes nothing that another chunk reads or writes; lists that chunks make are put together in the
+// order of the chunks. So neither the number of threads nor the size of the chunks can show in a result.
+#pragma once
+
+#include <cstddef>
+
+namespace ticktrue {
+
+/// Elements begin..end-1 of a range; `index` counts the chunks of the range.
+struct Chunk {
+  std::size_t index;
+  std::size_t begin;
+  std::size_t end;
+};
+
+/// Something that runs chunks, such as the threads of base/workers.h.
+class ChunkRunner {
+ public:
+  using Work = void (*)(const void* context, const Chunk& chunk);
+
+  virtual ~ChunkRunner() = default;
+  /// Calls work(context, chunk) once for each chunk of `count` elements, and returns when all are done. The last chunk
+  /// may be shorter than `chunk_size`. Requires: chunk_size > 0; no run within a run.
+  virtual void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) = 0;
+  /// How many chunks may run at once.
+  virtual unsigned width() const = 0;
+};
+
+/// How a simulation runs its loops: by a runner, or without one each loop as a single chunk.
+struct Parallel {
+  ChunkRunner* runner = nullptr;
+  std::size_t chunk_size_forced = 0;  // for tests: every loop in chunks of this size; 0: as it pays
+
+  /// Elements per chunk for a range of `count`. `least`: as many as are worth being handed to another thread, about a
+  /// microsecond's work. `step`: chunks are a multiple of it long, such as whole batches or cache lines of small
+  /// elements.
+  std::size_t chunk_size(std::size_t count, std::size_t least, std::size_t step = 8) const {
+    const std::size_t whole = count > 0 ? count : 1;
+    if (runner == nullptr) return whole;
+    if (chunk_size_forced > 0) return chunk_size_forced;
+    if (count < 2 * least) return whole;
+    const std::size_t wanted = std::size_t{chunks_per_thread} * runner->width();
+    const std::size_t chunks = count / least < wanted ? count / least : wanted;
+    const std::size_t size = (count + chunks - 1) / chunks;
+    return (size + step - 1) / step * step;
+  }
+  static std::size_t chunk_count(std::size_t count, std::size_t chunk_size) {
+    return (count + chunk_size - 1) / chunk_size;
+  }
+  /// More chunks than any range of up to `count` elements has.
+  std::size_t chunk_count_max(std::size_t count) const {
+    if (runner == nullptr) return 1;
+    if (chunk_size_forced > 0) return chunk_count(count, chunk_size_forced) + 1;
+    return std::size_t{chunks_per_thread} * runner->width() + 1;
+  }
+
+  /// Calls body(chunk) for each chunk. A range of one chunk runs here, at the cost of a call.
+  template <typename Body>
+  void for_chunks(std::size_t count, std::size_t size, const Body& body) const {
+    if (count == 0) return;
+    if (size >= count) {
+      body(Chunk{0, 0, count});
+      return;
+    }
+    runner->run(
+        count, size, [](const void* context, const Chunk& chunk) { (*static_cast<const Body*>(context))(chunk); },
+        &body);
+  }
+
+ private:
+  static constexpr unsigned chunks_per_thread = 8;
+};
+
+}  // namespace ticktrue
