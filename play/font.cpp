@@ -177,7 +177,8 @@ Font::Font(double size_px) {
     Mask& mask = letters_[letter];
     mask.width = letter_width + 2 * grid.margin;
     mask.height = grid.letter_rows + 1 + 2 * grid.margin;
-    mask.coverage.assign(static_cast<std::size_t>(mask.width * mask.height), 0);
+    const int pixel_count = mask.width * mask.height;
+    mask.coverage.assign(static_cast<std::size_t>(pixel_count), 0);
     const std::vector<Stroke> list = strokes_of(strokes[letter], grid);
     for (int y = 0; y < mask.height; ++y)
       for (int x = 0; x < mask.width; ++x) {
@@ -185,7 +186,8 @@ Font::Font(double size_px) {
         for (const Stroke& stroke : list)
           for (std::size_t i = 0; i + 1 < stroke.size(); ++i)
             nearest = std::min(nearest, distance_to({x + 0.5, y + 0.5}, stroke[i], stroke[i + 1]));
-        mask.coverage[static_cast<std::size_t>(y * mask.width + x)] =
+        const int pixel = y * mask.width + x;
+        mask.coverage[static_cast<std::size_t>(pixel)] =
             static_cast<std::uint8_t>(255 * std::clamp(half_width + 0.5 - nearest, 0.0, 1.0));
       }
   }
