@@ -6,7 +6,7 @@
 #
 # Verified: no page writes an error to the console; every fact shown is the one of `verify --json`; bodies are drawn
 # where `replay` says, to half a step of the grid; playing stops at the divergence and rings the body it is about; keys,
-# buttons, timeline, wheel and theme do what they say; on a phone nothing sticks out. Exit 77, which ctest counts as
+# buttons, timeline and theme do what they say; on a phone nothing sticks out. Exit 77, which ctest counts as
 # skipped: there is no chromium or no chromedriver. Needs nothing but Python's own library.
 import json
 import os
