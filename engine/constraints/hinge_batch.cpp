@@ -7,29 +7,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-void fill_pin_lane(PinBatch& batch, std::size_t lane, const JointWork& joint) {
-  batch.read_a[lane] = joint.read_a;
-  batch.read_b[lane] = joint.read_b;
-  batch.write_a[lane] = joint.write_a;
-  batch.write_b[lane] = joint.write_b;
-  batch.inv_mass_a.at[lane] = joint.inv_mass_a;
-  batch.inv_mass_b.at[lane] = joint.inv_mass_b;
-  batch.inv_inertia_a.at[lane] = joint.inv_inertia_a;
-  batch.inv_inertia_b.at[lane] = joint.inv_inertia_b;
-  batch.anchor_a_x.at[lane] = joint.anchor_a.x;
-  batch.anchor_a_y.at[lane] = joint.anchor_a.y;
-  batch.anchor_b_x.at[lane] = joint.anchor_b.x;
-  batch.anchor_b_y.at[lane] = joint.anchor_b.y;
-  batch.apart_x.at[lane] = joint.apart.x;
-  batch.apart_y.at[lane] = joint.apart.y;
-  batch.impulse_x.at[lane] = joint.impulses.linear.x;
-  batch.impulse_y.at[lane] = joint.impulses.linear.y;
-  batch.row[lane] = joint.row;
-}
-
 void fill_lane(HingeBatch& batch, std::size_t lane, const JointWork& joint) {
   const JointModel& model = *joint.model;
-  fill_pin_lane(batch.pin, lane, joint);
+  fill_pin_lane(batch.pin, lane, joint.row, {joint.inv_mass_a, joint.inv_inertia_a, joint.read_a, joint.write_a},
+                {joint.inv_mass_b, joint.inv_inertia_b, joint.read_b, joint.write_b}, joint.anchor_a, joint.anchor_b,
+                joint.apart, joint.impulses.linear);
   if (model.spring.exists || model.has_limits) batch.needs_angle = 1;
   batch.turn_c.at[lane] = joint.turn.c;
   batch.turn_s.at[lane] = joint.turn.s;

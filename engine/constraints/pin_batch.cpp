@@ -44,6 +44,27 @@ void write_elsewhere(const Scratch& scratch, PinBatch& batch, std::size_t chunk)
   }
 }
 
+void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
+                   Vec2 anchor_a, Vec2 anchor_b, Vec2 apart, Vec2 impulse) {
+  batch.read_a[lane] = a.read;
+  batch.read_b[lane] = b.read;
+  batch.write_a[lane] = a.write;
+  batch.write_b[lane] = b.write;
+  batch.inv_mass_a.at[lane] = a.inv_mass;
+  batch.inv_mass_b.at[lane] = b.inv_mass;
+  batch.inv_inertia_a.at[lane] = a.inv_inertia;
+  batch.inv_inertia_b.at[lane] = b.inv_inertia;
+  batch.anchor_a_x.at[lane] = anchor_a.x;
+  batch.anchor_a_y.at[lane] = anchor_a.y;
+  batch.anchor_b_x.at[lane] = anchor_b.x;
+  batch.anchor_b_y.at[lane] = anchor_b.y;
+  batch.apart_x.at[lane] = apart.x;
+  batch.apart_y.at[lane] = apart.y;
+  batch.impulse_x.at[lane] = impulse.x;
+  batch.impulse_y.at[lane] = impulse.y;
+  batch.row[lane] = row;
+}
+
 namespace {
 
 void fill_lane(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch,
@@ -62,23 +83,7 @@ void fill_lane(const Model& model, const State& state, const Scratch& scratch, c
     apart = b.position - a.position;
   }
   const Vec2 anchor_b = rotate(b.rotation, joint.anchor_b);
-  batch.read_a[lane] = mass_a.read;
-  batch.read_b[lane] = mass_b.read;
-  batch.write_a[lane] = mass_a.write;
-  batch.write_b[lane] = mass_b.write;
-  batch.inv_mass_a.at[lane] = mass_a.inv_mass;
-  batch.inv_mass_b.at[lane] = mass_b.inv_mass;
-  batch.inv_inertia_a.at[lane] = mass_a.inv_inertia;
-  batch.inv_inertia_b.at[lane] = mass_b.inv_inertia;
-  batch.anchor_a_x.at[lane] = anchor_a.x;
-  batch.anchor_a_y.at[lane] = anchor_a.y;
-  batch.anchor_b_x.at[lane] = anchor_b.x;
-  batch.anchor_b_y.at[lane] = anchor_b.y;
-  batch.apart_x.at[lane] = apart.x;
-  batch.apart_y.at[lane] = apart.y;
-  batch.impulse_x.at[lane] = h * row.linear_force.x;
-  batch.impulse_y.at[lane] = h * row.linear_force.y;
-  batch.row[lane] = place.row;
+  fill_pin_lane(batch, lane, place.row, mass_a, mass_b, anchor_a, anchor_b, apart, h * row.linear_force);
 }
 
 }  // namespace

@@ -7,8 +7,11 @@
 #include "engine/constraints/contact_batch.h"
 #include "engine/constraints/joint_order.h"
 #include "engine/constraints/pin_lanes.h"
+#include "engine/math/vec2.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct BodyMass;
 
 /// How pins are solved.
 enum class PinOrder : std::uint8_t {
@@ -48,6 +51,10 @@ void ask_early(const Model& model, const State& state, const Scratch& scratch, s
 void empty_pins(const Scratch& scratch, PinBatch& batch);
 /// Lets a batch write what nobody reads to the record of this chunk.
 void write_elsewhere(const Scratch& scratch, PinBatch& batch, std::size_t chunk);
+
+/// The point of a joint, in one lane: `anchor_a`, `anchor_b`, `apart` and `impulse` as in JointWork.
+void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
+                   Vec2 anchor_a, Vec2 anchor_b, Vec2 apart, Vec2 impulse);
 
 /// Fills the batches of the spans.
 void fill_pins(const Model& model, const State& state, Scratch& scratch, Real h);

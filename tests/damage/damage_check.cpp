@@ -24,10 +24,13 @@
 #include <string>
 #include <vector>
 
+#include "engine/math/random.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 using Bytes = std::vector<char>;
+using ticktrue::engine::Random;
 
 constexpr double cpu_max_s = 2;
 constexpr int wall_max_s = 60;  // other work may keep the processor; a run that waits for something ends here
@@ -37,22 +40,6 @@ constexpr int sanitizer_exit_code = 99;
   std::fprintf(stderr, "damage_check: error: %s\n", message.c_str());
   std::exit(2);
 }
-
-/// splitmix64: the same damage on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::size_t below(std::size_t bound) {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>((z ^ (z >> 31)) % bound);
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 struct Trace {
   std::string path;

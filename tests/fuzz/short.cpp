@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/math/random.h"
 #include "tests/fuzz/fuzz.h"
 
 // Each harness is compiled under its own name (CMakeLists.txt, the list of all).
@@ -54,26 +55,6 @@ const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},   {"trace_
                                                {"setup", fuzz_setup},   {"input_lines", fuzz_input_lines},
                                                {"inputs", fuzz_inputs}, {"rube", fuzz_rube},
                                                {"mouse", fuzz_mouse},   {"host", fuzz_host}};
-
-/// splitmix64
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::size_t below(std::size_t bound) {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>((z ^ (z >> 31)) % bound);
-  }
-  template <typename T>
-  const T& one_of(const std::vector<T>& list) {
-    return list[below(list.size())];
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -109,13 +90,15 @@ class Mutator {
       : seeds_(seeds), words_(words), longest_(longest), random_(seed) {}
 
   Bytes next() {
-    Bytes bytes = random_.one_of(seeds_);
+    Bytes bytes = one_of(seeds_);
     for (std::size_t left = 1 + random_.below(4); left > 0; --left) change(bytes);
     bytes.resize(std::min(bytes.size(), longest_));
     return bytes;
   }
 
  private:
+  const Bytes& one_of(const std::vector<Bytes>& list) { return list[random_.below(list.size())]; }
+
   void change(Bytes& bytes) {
     const std::size_t at = random_.below(bytes.size() + 1);
     const auto place = [&](std::size_t offset) { return bytes.begin() + static_cast<std::ptrdiff_t>(offset); };
@@ -128,12 +111,12 @@ class Mutator {
         if (at < bytes.size()) bytes[at] = static_cast<std::uint8_t>(random_.below(256));
         break;
       case 2: {
-        const Bytes& word = random_.one_of(words_);
+        const Bytes& word = one_of(words_);
         for (std::size_t i = 0; i < word.size() && at + i < bytes.size(); ++i) bytes[at + i] = word[i];
         break;
       }
       case 3: {
-        const Bytes& word = random_.one_of(words_);
+        const Bytes& word = one_of(words_);
         bytes.insert(place(at), word.begin(), word.end());
         break;
       }
@@ -146,7 +129,7 @@ class Mutator {
         break;
       }
       default: {
-        const Bytes& other = random_.one_of(seeds_);
+        const Bytes& other = one_of(seeds_);
         const std::size_t from = random_.below(other.size() + 1);
         bytes.resize(at);
         bytes.insert(bytes.end(), other.begin() + static_cast<std::ptrdiff_t>(from), other.end());
@@ -157,7 +140,7 @@ class Mutator {
   const std::vector<Bytes>& seeds_;
   const std::vector<Bytes>& words_;
   std::size_t longest_;
-  Random random_;
+  engine::Random random_;
 };
 
 /// What both processes see: the input that runs.
