@@ -106,7 +106,7 @@ class Workers final : public ChunkRunner {
   Status start() {
     for (unsigned i = 1; i < slots_.size(); ++i) {
       try {
-        threads_.emplace_back([this, i] { work(i); });
+        threads_.emplace_back([this, i] { serve(i); });
       } catch (const std::system_error&) {
         return Error{ErrorCode::limit,
                      "threads: found room for " + std::to_string(i) + ", expected " + std::to_string(slots_.size()),
@@ -200,7 +200,7 @@ class Workers final : public ChunkRunner {
     return works_alone_;
   }
 
-  void work(unsigned self) {
+  void serve(unsigned self) {
     {
       const Status verdict = check_float_behaviour();
       const std::lock_guard<std::mutex> guard(lock_);

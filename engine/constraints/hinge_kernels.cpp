@@ -64,7 +64,7 @@ TICKTRUE_INLINE Wide relative_angle(const Wide& ac, const Wide& as, const Wide& 
   const Wide qs = s * turn_c + c * turn_s;
   Real angles[wide_count];
   for (int part = 0; part < angle_parts; ++part) {
-    Doubles y, x;
+    Doubles y{}, x{};
     for (int i = 0; i < double_count; ++i) {
       y[i] = static_cast<double>(qs[part * double_count + i]);
       x[i] = static_cast<double>(qc[part * double_count + i]);
