@@ -23,22 +23,32 @@ std::uint64_t chain(std::uint64_t h, const Words& words) {
   return i < words.size() ? mix(h, words[i]) : h;
 }
 
+/// The rows of a state as files have them, whatever the machine's byte order.
+struct FileState {
+  explicit FileState(const StateView& state) : schema(*state.schema) {
+    encode_image(state, image);
+    tables = *split_image(schema, image);
+  }
+  const StateSchema& schema;
+  Bytes image;
+  std::vector<ImageTable> tables;
+};
+
 /// Words of some columns of a row.
-Words words_of(const StateView& state, std::size_t t, std::size_t row, std::size_t first_column,
+Words words_of(const FileState& state, std::size_t t, std::size_t row, std::size_t first_column,
                std::size_t end_column) {
-  const TableSchema& table = state.schema->tables[t];
-  const ByteView rows(state.tables[t].data, std::size_t{state.tables[t].row_count} * table.row_size);
+  const TableSchema& table = state.schema.tables[t];
   Words words;
   for (std::size_t c = first_column; c < end_column; ++c)
     for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
-      const std::uint64_t bits = lane_bits(table, rows, {t, row, c, lane});
+      const std::uint64_t bits = lane_bits(table, state.tables[t].rows, {t, row, c, lane});
       words.push_back(static_cast<std::uint32_t>(bits));
       if (scalar_info(table.columns[c].type)->size == 8) words.push_back(static_cast<std::uint32_t>(bits >> 32));
     }
   return words;
 }
 
-std::uint32_t column_hash(const StateView& state, std::size_t t, std::size_t c) {
+std::uint32_t column_hash(const FileState& state, std::size_t t, std::size_t c) {
   const std::size_t row_count = state.tables[t].row_count;
   std::vector<Words> rows;
   for (std::size_t row = 0; row < row_count; ++row) rows.push_back(words_of(state, t, row, c, c + 1));
@@ -55,8 +65,9 @@ std::uint32_t column_hash(const StateView& state, std::size_t t, std::size_t c) 
   return static_cast<std::uint32_t>(h);
 }
 
-StateCells documented_cells(const StateView& state) {
-  const StateSchema& schema = *state.schema;
+StateCells documented_cells(const StateView& view) {
+  const FileState state(view);
+  const StateSchema& schema = state.schema;
   struct Owner {
     std::size_t table, row;
     std::uint64_t value;
