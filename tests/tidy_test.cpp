@@ -229,7 +229,7 @@ constexpr HeaderBan header_bans[] = {
     {"", "xxhash.h", "base/row_kernels.cpp", "base/hash.h"},
     {"", "xxh3.h", "base/row_kernels.cpp", "base/hash.h"},
     {"", "zstd.h", "replay/", "TraceReader and TraceWriter"},
-    {"", "box2d/", "verifier/box2d_peer.cpp,bench/", "verifier/box2d_peer.h (its bits are not portable)"},
+    {"", "box2d/", "verifier/box2d_,bench/", "verifier/box2d_peer.h (its bits are not portable)"},
     {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
     {"", "CLI/", "verifier/,bench/", "an options struct, filled by the subcommand"},
     {"", "benchmark/", "bench/", "bench/"},
