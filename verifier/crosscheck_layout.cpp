@@ -31,7 +31,7 @@ Point turned(const Point& p, const engine::SinCos& turn) {
 }
 
 // A convex outline in (across, up), counter-clockwise, with its box.
-struct Outline {
+struct BoundedOutline {
   std::vector<Point> points;
   Point lower{infinite, infinite};
   Point upper{-infinite, -infinite};
@@ -55,9 +55,9 @@ std::vector<Point> rounded(const std::vector<Point>& core, double radius) {
   return corners;
 }
 
-Outline outline_of(const Body& body, const std::vector<Point>& corners, const CrosscheckLayout& layout) {
+BoundedOutline bounded_outline_of(const Body& body, const std::vector<Point>& corners, const CrosscheckLayout& layout) {
   const engine::SinCos turn = engine::sin_cos(body.angle);
-  Outline outline;
+  BoundedOutline outline;
   for (const Point& corner : corners) {
     const Point p = turned(corner, turn);
     const Point world{body.position.x + p.x, body.position.y + p.y};
@@ -70,13 +70,14 @@ Outline outline_of(const Body& body, const std::vector<Point>& corners, const Cr
 }
 
 // One outline; of a segment or chain one for each edge. Sensors have none: nothing lies on them.
-std::vector<Outline> outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
+std::vector<BoundedOutline> bounded_outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
   if (shape.sensor) return {};
   const std::vector<Point> core = engine::core_of(shape);
-  if (!is_thin(shape)) return {outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
-  std::vector<Outline> edges;
-  for (std::size_t i = 0; i + 1 < core.size(); ++i) edges.push_back(outline_of(body, {core[i], core[i + 1]}, layout));
-  if (shape.loop) edges.push_back(outline_of(body, {core.back(), core.front()}, layout));
+  if (!is_thin(shape)) return {bounded_outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
+  std::vector<BoundedOutline> edges;
+  for (std::size_t i = 0; i + 1 < core.size(); ++i)
+    edges.push_back(bounded_outline_of(body, {core[i], core[i + 1]}, layout));
+  if (shape.loop) edges.push_back(bounded_outline_of(body, {core.back(), core.front()}, layout));
   return edges;
 }
 
@@ -85,7 +86,7 @@ struct Span {
   double low = infinite;
   double high = -infinite;
 };
-Span span_at(const Outline& outline, double across) {
+Span span_at(const BoundedOutline& outline, double across) {
   Span span;
   for (std::size_t i = 0; i < outline.points.size(); ++i) {
     const Point& a = outline.points[i];
@@ -102,7 +103,7 @@ Span span_at(const Outline& outline, double across) {
 
 // How far `upper` may sink until it meets `lower`; infinite if they do not stand above each other. Exact for polygons:
 // between the corners of both, both outlines are straight.
-double gap_between(const Outline& upper, const Outline& lower) {
+double gap_between(const BoundedOutline& upper, const BoundedOutline& lower) {
   const double left = std::max(upper.lower.x, lower.lower.x);
   const double right = std::min(upper.upper.x, lower.upper.x);
   const double width = std::min(upper.upper.x - upper.lower.x, lower.upper.x - lower.lower.x);
@@ -120,7 +121,7 @@ double gap_between(const Outline& upper, const Outline& lower) {
 }
 
 struct Outlines {
-  std::vector<Outline> shapes;
+  std::vector<BoundedOutline> shapes;
   Point lower{infinite, infinite};
   Point upper{-infinite, -infinite};
 };
@@ -151,8 +152,8 @@ void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout
       if (under.upper.x <= outline.lower.x || under.lower.x >= outline.upper.x || under.lower.y >= outline.upper.y)
         continue;
       double gap = infinite;
-      for (const Outline& a : outline.shapes)
-        for (const Outline& b : under.shapes) gap = std::min(gap, gap_between(a, b));
+      for (const BoundedOutline& a : outline.shapes)
+        for (const BoundedOutline& b : under.shapes) gap = std::min(gap, gap_between(a, b));
       if (gap < -0.1 * body.height) continue;  // beside or around it, not below
       if (gap == infinite) continue;
       const double own_drop = layout.bodies[other].is_dynamic ? layout.bodies[other].drop : 0;
@@ -241,7 +242,7 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
     for (const Shape& shape : description.shapes) {
       if (shape.kind != ShapeKind::circle) body.shows_tilt = true;
       Outlines& all = outlines[i];
-      for (Outline& outline : outlines_of(description, shape, layout)) {
+      for (BoundedOutline& outline : bounded_outlines_of(description, shape, layout)) {
         all.lower = {std::min(all.lower.x, outline.lower.x), std::min(all.lower.y, outline.lower.y)};
         all.upper = {std::max(all.upper.x, outline.upper.x), std::max(all.upper.y, outline.upper.y)};
         all.shapes.push_back(std::move(outline));

@@ -104,7 +104,7 @@ class Camera {
 };
 
 /// A simulation of the trace's setup; `engine` where it is one of ours.
-struct Run {
+struct FilmedRun {
   std::unique_ptr<Simulation> simulation;
   const engine::Engine* engine = nullptr;
   std::vector<double> angles;  // [body], of the state before
@@ -177,8 +177,8 @@ class Filming {
     return true;
   }
 
-  Run make_run() {
-    Run run;
+  FilmedRun make_run() {
+    FilmedRun run;
     const SimulationInfo* info = options_.simulation;
     if (info == nullptr) {
       film_.no_poses = "This build has no simulation " + reader_.setup().simulation + ": nothing was run again.";
@@ -345,7 +345,7 @@ class Filming {
   }
 
   void choose() {
-    const Run start = make_run();
+    const FilmedRun start = make_run();
     if (start.engine == nullptr) return;
     const WorldBox view = choose_view(*start.engine, camera_->visited());
     film_.view = {{view.lower_x, view.lower_y}, {view.upper_x, view.upper_y}};
@@ -355,8 +355,8 @@ class Filming {
   const FilmOptions& options_;
   InputListing listing_;
   Film film_;
-  Run here_;
-  Run recorded_;
+  FilmedRun here_;
+  FilmedRun recorded_;
   bool differed_ = false;
   bool recorded_is_known_ = false;
   std::unique_ptr<Camera> camera_;

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/study/measures.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "engine/math/trig.h"
 
@@ -135,7 +136,7 @@ Result<Run> Run::make(const engine::Scene& scene) {
 
 double computed_s() {
 #if defined(CLOCK_THREAD_CPUTIME_ID)
-  std::timespec now{};
+  timespec now{};
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0)
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 #endif
