@@ -346,7 +346,10 @@ TEST_CASE("images with odd values in range are refused or run on", "[properties]
           const std::size_t row = (*tables)[t].row_count / 2;
           const std::size_t lane = column.lane_count - std::size_t{1};
           const Status status = engine->load(with_lane(image, (*tables)[t], table, row, column, lane, bits));
-          if (!status) CHECK(status.error().code == ErrorCode::corrupt);
+          if (!status) {
+            CHECK(status.error().code == ErrorCode::corrupt);
+            continue;
+          }
           // No inputs: which ones an odd state takes is accept's to say.
           for (int tick = 0; tick < 3; ++tick)
             if (engine->accept({session.scene.settings.dt, {}})) engine->step({session.scene.settings.dt, {}}, nullptr);
