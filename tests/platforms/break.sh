@@ -29,11 +29,11 @@ change() {
     { print }' "$1" >"$1.new" && mv "$1.new" "$1"
 }
 
-# copy_tree KIND: what a build needs, into out/broken/KIND; the rest of a kind happens there.
+# copy_tree KIND: the tree, without what was built, into out/broken/KIND; the rest of a kind happens there.
 copy_tree() {
   mkdir -p "$out/$1"
-  for part in CMakeLists.txt CMakePresets.json base bench cmake docs engine replay tests verifier; do
-    cp -R "$root/$part" "$out/$1/"
+  for part in "$root"/*; do
+    case ${part##*/} in build | out) ;; *) cp -R "$part" "$out/$1/" ;; esac
   done
   cd "$out/$1" || fail "cannot enter $out/$1"
 }
