@@ -79,6 +79,11 @@ for kind in "$@"; do
       copy_tree libm
       change engine/math/vec2.h 'if (quadrant == 0) return {cosine, sine};' \
         'if (quadrant >= 0) return {Real(__builtin_cos(angle)), Real(__builtin_sin(angle))};'
+      change engine/integrators/motion_kernels.cpp '  return {is_even ?' \
+        '  Real c[wide_count], s[wide_count];
+  for (int i = 0; i < wide_count; ++i) c[i] = Real(__builtin_cos(angle[i])), s[i] = Real(__builtin_sin(angle[i]));
+  if (wide_count > 0) return {load_wide(c), load_wide(s)};
+  return {is_even ?'
       find_place libm gcc
       ;;
     flush)
