@@ -154,6 +154,7 @@ class TraceMode {
         {playback_.is_playing() ? "playing" : "paused",
          playback_.is_seeking() ? "seeking" : fmt::format("{:g}x   h: help", playback_.speed()),
          playback_.is_playing() ? theme::text : theme::warning}};
+    if (const std::string pace = stage_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
     if (position > 0 && player_.has_inputs(position - 1)) {
       std::string text = engine.inputs_text(position - 1, player_.inputs(position - 1));
       text = text.substr(0, text.find('\n'));
