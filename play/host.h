@@ -31,6 +31,7 @@ struct Event {
 /// The time between two pictures, and what happened in it.
 struct HostFrame {
   double seconds = 0;
+  double show_s = 0;          // that showing the picture took, without waiting for the moment of the next one
   std::vector<Event> events;  // by at_s
 };
 
@@ -49,8 +50,8 @@ struct WindowSize {
   int width = 1280;
   int height = 800;
 };
-/// A window on the display. Frames are as long as they took.
-/// Errors: unsupported (built without SDL2), io (there is no display).
+/// A window on the display: 60 pictures a second (play/pacing.h).
+/// Errors: usage (built without SDL2), io (there is no display).
 Result<std::unique_ptr<Host>> open_window(const std::string& title, WindowSize size);
 
 }  // namespace ticktrue::play

@@ -5,8 +5,9 @@
 namespace ticktrue::play {
 
 Result<std::unique_ptr<Host>> open_window(const std::string&, WindowSize) {
-  return Error{ErrorCode::usage, "window: this build has none: found no SDL2 when it was configured",
-               "install libsdl2-dev and configure again, or play without a window: --headless"};
+  return Error{ErrorCode::usage,
+               "window: this build has none: found no SDL2 when it was configured, or it was left out",
+               "install libsdl2-dev and configure with TICKTRUE_WITH_SDL2=ON, or play without a window: --headless"};
 }
 
 }  // namespace ticktrue::play

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "base/float_behaviour.h"
+#include "verifier/parallel.h"
 #include "verifier/playback.h"
 #include "verifier/verify.h"
 
@@ -151,6 +152,8 @@ const verifier::Report* Player::report() {
   options.from = *difference_;
   options.to = *difference_;
   options.spread_ticks = 0;
+  options.search_single_bit = true;
+  options.thread_count = verifier::core_count();
   report_ = verifier::verify(*reader, options);
   reader->seek(*difference_);
   while (true) {

@@ -172,6 +172,7 @@ class SceneMode {
                                  {"bodies", fmt::format("{}", picture.bodies().size())},
                                  {"contacts", fmt::format("{}", row_count(engine.state(), "contacts"))},
                                  {"tick takes", fmt::format("{:.3f} ms", timed.ms_per_tick())}};
+    if (const std::string pace = stage_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
     draw_panel(canvas, stage_.fonts().normal, Corner::upper_left, lines);
     draw_layer_keys(canvas, stage_.fonts().small, session.layers());
     std::vector<PanelLine> below{{session.is_paused() ? "paused" : "recording",

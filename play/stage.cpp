@@ -11,7 +11,8 @@
 namespace ticktrue::play {
 namespace {
 
-constexpr double picture_s = 1.0 / 60;
+constexpr double ticks_share = 0.75;  // of a picture's time; the rest is for drawing it
+constexpr double forget_share = 0.05;
 constexpr std::size_t script_size_max = 16u << 20;  // bytes
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -97,12 +98,21 @@ Canvas& Stage::begin_picture(const View& view) {
 }
 
 Result<HostFrame> Stage::show() {
-  work_.add(std::chrono::duration<double>(Clock::now() - work_begin_).count());
-  const Clock::time_point before = Clock::now();
+  const double drawn_s = std::chrono::duration<double>(Clock::now() - last_).count();
   Result<HostFrame> frame = scripted_.next(canvas_);
-  work_begin_ = Clock::now();
-  shown_.add(std::chrono::duration<double>(work_begin_ - before).count());
-  if (frame && cli::stop_requested()) {
+  const Clock::time_point now = Clock::now();
+  if (!frame) return frame;
+  const bool is_first = scripted_.frames_done() == 1;
+  const auto mean = [is_first](double& value, double latest) {
+    value += (is_first ? 1 : forget_share) * (latest - value);
+  };
+  mean(recent_work_s_, drawn_s + frame->show_s);
+  mean(recent_frame_s_, is_first ? picture_s : std::chrono::duration<double>(now - last_).count());
+  work_.add(drawn_s + frame->show_s);
+  shown_.add(frame->show_s);
+  if (is_first) first_ = now;
+  last_ = now;
+  if (cli::stop_requested()) {
     Event quit;
     quit.at_s = frame->seconds;
     frame->events.push_back(quit);
@@ -111,7 +121,7 @@ Result<HostFrame> Stage::show() {
 }
 
 bool Stage::is_late() const {
-  const bool is_over = std::chrono::duration<double>(Clock::now() - work_begin_).count() > picture_s;
+  const bool is_over = std::chrono::duration<double>(Clock::now() - last_).count() > ticks_share * picture_s;
   return (is_over && !options_.headless) || cli::stop_requested();
 }
 
@@ -125,20 +135,30 @@ Status Stage::write_files(const engine::Engine& engine, const WorldPicture& pict
   return write_file(options_.dump, options_.force, frame_json(engine, picture, view, canvas_).dump(1) + "\n");
 }
 
+double Stage::frames_per_second() const {
+  const double seconds = std::chrono::duration<double>(last_ - first_).count();
+  return seconds > 0 ? static_cast<double>(scripted_.frames_done() - 1) / seconds : 0;
+}
+
 cli::Json Stage::frames_json() const {
-  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  const auto spread = [](const verifier::TickTimes& times) {
+    return cli::Json{{"median", 1e3 * times.median_s()}, {"p99", 1e3 * times.quantile_s(0.99)}};
+  };
   return {{"frames", scripted_.frames_done()},
-          {"frames_per_second", static_cast<double>(scripted_.frames_done()) / seconds},
-          {"work_ms", {{"median", 1e3 * work_.median_s()}, {"p99", 1e3 * work_.quantile_s(0.99)}}},
-          {"wait_and_show_ms", {{"median", 1e3 * shown_.median_s()}, {"p99", 1e3 * shown_.quantile_s(0.99)}}}};
+          {"frames_per_second", frames_per_second()},
+          {"work_ms", spread(work_)},
+          {"show_ms", spread(shown_)}};
 }
 
 std::string Stage::frames_text() const {
-  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   return fmt::format(
       "{} frames, {:.1f} a second; {:.2f} ms of work in each (median), {:.2f} ms in the slowest hundredth",
-      scripted_.frames_done(), static_cast<double>(scripted_.frames_done()) / seconds, 1e3 * work_.median_s(),
-      1e3 * work_.quantile_s(0.99));
+      scripted_.frames_done(), frames_per_second(), 1e3 * work_.median_s(), 1e3 * work_.quantile_s(0.99));
+}
+
+std::string Stage::pace_text() const {
+  if (options_.headless || recent_frame_s_ <= 0) return "";
+  return fmt::format("{:.1f} a second, {:.1f} ms of work", 1 / recent_frame_s_, 1e3 * recent_work_s_);
 }
 
 Result<LayerSet> parse_layers(const std::string& keys) {

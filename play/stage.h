@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "engine/engine.h"
 #include "play/canvas.h"
 #include "play/host.h"
+#include "play/pacing.h"
 #include "play/panel.h"
 #include "play/script.h"
 #include "play/view.h"
@@ -38,23 +38,28 @@ class Stage {
   /// Writes the files that were asked for. Errors: io.
   Status write_files(const engine::Engine& engine, const WorldPicture& picture, const View& view);
 
-  /// Frames shown, per second; how long one takes to simulate and draw.
+  /// Frames shown, per second from the first to the last; how long one takes to simulate, draw and show.
   cli::Json frames_json() const;
   std::string frames_text() const;
+  /// The same of the last second or so, for the picture; empty without a display, where nobody waits.
+  std::string pace_text() const;
 
  private:
   Stage(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script);
-  using Clock = std::chrono::steady_clock;
+  using Clock = Pacer::Clock;
+  double frames_per_second() const;
 
   const cli::PlayOptions& options_;
   std::unique_ptr<Host> host_;
   ScriptedHost scripted_;
   Canvas canvas_;
   Fonts fonts_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point work_begin_ = Clock::now();  // of this frame, without waiting for the display
+  Clock::time_point first_ = Clock::now();  // when the first frame began
+  Clock::time_point last_ = Clock::now();   // when the last one did: from here on it is simulated and drawn
   verifier::TickTimes work_;
   verifier::TickTimes shown_;
+  double recent_frame_s_ = 0;
+  double recent_work_s_ = 0;
 };
 
 /// The layers whose keys are in `keys`. Errors: usage.

@@ -68,6 +68,7 @@ std::vector<PanelLine> divergence_lines(const verifier::Report& report) {
     if (found.lane_count > row_count_max)
       lines.push_back({fmt::format("and {} more", found.lane_count - row_count_max), "", theme::faint});
   } else {
+    lines.push_back({side_by_side("", "expected", "got"), "", theme::faint});
     lines.push_back({side_by_side("root hash", hex64(found.expected_root), hex64(found.got_root)), "", theme::text});
     for (std::size_t i = 0; i < found.candidates.size() && i < row_count_max; ++i)
       lines.push_back({"can have differed: " + found.candidates[i].name, "", theme::text});
@@ -154,6 +155,7 @@ class TraceMode {
         {playback_.is_playing() ? "playing" : "paused",
          playback_.is_seeking() ? "seeking" : fmt::format("{:g}x   h: help", playback_.speed()),
          playback_.is_playing() ? theme::text : theme::warning}};
+    if (const std::string pace = stage_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
     if (position > 0 && player_.has_inputs(position - 1)) {
       std::string text = engine.inputs_text(position - 1, player_.inputs(position - 1));
       text = text.substr(0, text.find('\n'));

@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <thread>
 
 #include "play/host.h"
+#include "play/pacing.h"
 
 namespace ticktrue::play {
 namespace {
 
-constexpr double frame_s = 1.0 / 60;      // pictures are not shown faster
-constexpr double frame_s_max = 1.0 / 20;  // a longer frame counts as this: slow motion, not a growing debt of ticks
+using Clock = Pacer::Clock;
 
 class SdlWindow : public Host {
  public:
-  explicit SdlWindow(SDL_Window* window) : window_(window), frame_begin_(SDL_GetPerformanceCounter()) {}
+  explicit SdlWindow(SDL_Window* window) : window_(window) {}
   SdlWindow(const SdlWindow&) = delete;
   SdlWindow& operator=(const SdlWindow&) = delete;
   ~SdlWindow() override {
@@ -25,13 +26,13 @@ class SdlWindow : public Host {
   }
 
   Result<HostFrame> next(const Canvas& picture) override {
-    if (const Status shown = show(picture); !shown) return shown.error();
-    wait();
-    const std::uint64_t now = SDL_GetPerformanceCounter();
-    const double seconds = seconds_between(frame_begin_, now);
-    frame_begin_ = now;
+    const Clock::time_point before = Clock::now();
+    if (const Status status = show(picture); !status) return status.error();
     HostFrame frame;
-    frame.seconds = std::clamp(seconds, 1e-4, frame_s_max);
+    const Clock::time_point shown = Clock::now();
+    frame.show_s = std::chrono::duration<double>(shown - before).count();
+    std::this_thread::sleep_until(pacer_.next(shown));
+    frame.seconds = pacer_.passed_s();
     const std::uint32_t end_ms = SDL_GetTicks();
     SDL_Event event;
     while (SDL_PollEvent(&event) != 0) {
@@ -47,18 +48,6 @@ class SdlWindow : public Host {
   void set_title(const std::string& title) override { SDL_SetWindowTitle(window_, title.c_str()); }
 
  private:
-  static double seconds_between(std::uint64_t begin, std::uint64_t end) {
-    return static_cast<double>(end - begin) / static_cast<double>(SDL_GetPerformanceFrequency());
-  }
-
-  /// Until the frame's time is up. By the clock, not from frame to frame: a delay that lasts longer is made up for.
-  void wait() {
-    const std::uint64_t now = SDL_GetPerformanceCounter();
-    const auto length = static_cast<std::uint64_t>(frame_s * static_cast<double>(SDL_GetPerformanceFrequency()));
-    due_ = due_ + 2 * length < now ? now : due_ + length;
-    if (now < due_) SDL_Delay(static_cast<std::uint32_t>(1e3 * seconds_between(now, due_) + 0.5));
-  }
-
   Status show(const Canvas& picture) {
     SDL_Surface* surface = SDL_GetWindowSurface(window_);
     if (surface == nullptr) return Error{ErrorCode::io, std::string("window: ") + SDL_GetError(), ""};
@@ -133,40 +122,52 @@ class SdlWindow : public Host {
   }
 
   SDL_Window* window_;
-  std::uint64_t frame_begin_;
-  std::uint64_t due_ = 0;  // when the next picture may be shown
+  Pacer pacer_;
   bool ctrl_ = false;
   Pixel pointer_;  // where it was last
 };
 
 constexpr const char* no_display_hint = "run it on a desktop, under xvfb-run, or without a window: --headless";
 
-/// Without a display, SDL draws where nobody sees it and says nothing.
-Status check_display() {
+bool is_set(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr && *value != '\0';
+}
+
+/// Begins with the display that the environment names. Left to itself SDL, where that does not answer, goes on to
+/// drivers that draw where nobody sees it, and says nothing. Errors: io.
+Status start_video() {
 #if defined(__unix__) && !defined(__APPLE__)
-  for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
-    if (const char* value = std::getenv(name); value != nullptr && *value != '\0') return {};
-  return Error{ErrorCode::io, "window: there is no display: found neither DISPLAY nor WAYLAND_DISPLAY",
-               no_display_hint};
-#else
-  return {};
+  if (!is_set("SDL_VIDEODRIVER")) {
+    if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
+      return Error{ErrorCode::io, "window: there is no display: found neither DISPLAY nor WAYLAND_DISPLAY",
+                   no_display_hint};
+    std::string why;
+    for (const auto& [variable, driver] : {std::pair{"DISPLAY", "x11"}, std::pair{"WAYLAND_DISPLAY", "wayland"}}) {
+      if (!is_set(variable)) continue;
+      SDL_setenv("SDL_VIDEODRIVER", driver, 1);
+      if (SDL_Init(SDL_INIT_VIDEO) == 0) return {};
+      why += (why.empty() ? "" : "; ") + std::string(variable) + "=" + std::getenv(variable) + ": " + SDL_GetError();
+    }
+    return Error{ErrorCode::io, "window: no display answers: " + why, no_display_hint};
+  }
 #endif
+  if (SDL_Init(SDL_INIT_VIDEO) == 0) return {};
+  return Error{ErrorCode::io, std::string("window: cannot open one: ") + SDL_GetError(), no_display_hint};
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Host>> open_window(const std::string& title, WindowSize size) {
-  if (const Status display = check_display(); !display) return display.error();
-  const auto refusal = [] {
-    return Error{ErrorCode::io, std::string("window: cannot open one: ") + SDL_GetError(), no_display_hint};
-  };
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");        // Ctrl-C is the tool's
+  SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");  // the pictures are made in memory: no detour by a renderer
+  SDL_SetHint(SDL_HINT_RENDER_VSYNC, "0");              // and where SDL takes it all the same, it does not wait, too
   SDL_SetHint(SDL_HINT_MOUSE_FOCUS_CLICKTHROUGH, "1");  // the click that wakes the window counts
-  if (SDL_Init(SDL_INIT_VIDEO) != 0) return refusal();
+  if (const Status started = start_video(); !started) return started.error();
   SDL_Window* window = SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, size.width,
                                         size.height, SDL_WINDOW_RESIZABLE);
   if (window == nullptr) {
-    const Error failed = refusal();
+    const Error failed{ErrorCode::io, std::string("window: cannot open one: ") + SDL_GetError(), no_display_hint};
     SDL_Quit();
     return failed;
   }

@@ -6,10 +6,13 @@
 #
 # Verified: no page writes an error to the console; every fact shown is the one of `verify --json`; bodies are drawn
 # where `replay` says, to half a step of the grid; playing stops at the divergence and rings the body it is about; keys,
-# buttons, timeline and theme do what they say; on a phone nothing sticks out. Exit 77, which ctest counts as
+# buttons, wheel, fingers, timeline and theme do what they say; on a phone nothing sticks out; on paper there is the
+# report without its buttons. Exit 77, which ctest counts as
 # skipped: there is no chromium or no chromedriver. Needs nothing but Python's own library.
+import base64
 import json
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -77,15 +80,35 @@ class Browser:
         self.call('POST', '/actions', {'actions': [{'type': 'key', 'id': 'keyboard', 'actions': [
             {'type': 'keyDown', 'value': code}, {'type': 'keyUp', 'value': code}]}]})
 
-    def point(self, selector, share_x, share_y):
-        """A click of the mouse at a place of an element."""
+    def place(self, selector, share_x, share_y):
+        """Where a place of an element is on the screen, which shows it then."""
         x, y = self.run('const e = document.querySelector(arguments[0]); e.scrollIntoView({block: "center"});'
                         'const b = e.getBoundingClientRect();'
                         'return [b.left + b.width * arguments[1], b.top + b.height * arguments[2]]',
                         selector, share_x, share_y)
+        return int(x), int(y)
+
+    def wheel(self, selector, delta_y):
+        x, y = self.place(selector, 0.5, 0.5)
+        self.call('POST', '/actions', {'actions': [{'type': 'wheel', 'id': 'wheel', 'actions': [
+            {'type': 'scroll', 'duration': 0, 'x': x, 'y': y, 'deltaX': 0, 'deltaY': delta_y}]}]})
+
+    def spread_fingers(self, selector, begin, end):
+        """Two fingers, side by side at `begin` px from the middle, move to `end` px from it."""
+        x, y = self.place(selector, 0.5, 0.5)
+        self.call('POST', '/actions', {'actions': [{
+            'type': 'pointer', 'id': name, 'parameters': {'pointerType': 'touch'}, 'actions': [
+                {'type': 'pointerMove', 'duration': 0, 'x': x + side * begin, 'y': y},
+                {'type': 'pointerDown', 'button': 0},
+                {'type': 'pointerMove', 'duration': 100, 'x': x + side * end, 'y': y},
+                {'type': 'pointerUp', 'button': 0}]} for name, side in [('thumb', -1), ('finger', 1)]]})
+
+    def point(self, selector, share_x, share_y):
+        """A click of the mouse at a place of an element."""
+        x, y = self.place(selector, share_x, share_y)
         self.call('POST', '/actions', {'actions': [{
             'type': 'pointer', 'id': 'mouse', 'parameters': {'pointerType': 'mouse'}, 'actions': [
-                {'type': 'pointerMove', 'duration': 0, 'x': int(x), 'y': int(y)},
+                {'type': 'pointerMove', 'duration': 0, 'x': x, 'y': y},
                 {'type': 'pointerDown', 'button': 0}, {'type': 'pointerUp', 'button': 0}]}]})
 
     def state(self):
@@ -200,6 +223,46 @@ def check_console(browser, where):
     check(messages == [], '%s: console: %r' % (where, messages))
 
 
+def check_zoom(browser):
+    def scale():
+        return browser.state()['pixelsPerMetre']
+
+    def becomes(least, most):
+        """Wheel and fingers reach the page after they were asked for."""
+        end = time.monotonic() + 5
+        while not least * fitted < scale() < most * fitted and time.monotonic() < end:
+            time.sleep(0.05)
+        return least * fitted < scale() < most * fitted
+    browser.press('0')
+    fitted = scale()
+    browser.point('#world', 0.5, 0.1)
+    browser.wheel('#world', -300)
+    check(becomes(1.3, 2), 'the wheel zooms from %r to %r' % (fitted, scale()))
+    browser.wheel('#world', 300)
+    check(becomes(0.99, 1.01), 'the wheel does not zoom back: %r, %r' % (fitted, scale()))
+    browser.press('0')
+    browser.spread_fingers('#world', 40, 120)
+    check(becomes(2.5, 3.5), 'two fingers zoom from %r to %r' % (fitted, scale()))
+    browser.press('0')
+    check(scale() == fitted, '0 does not show everything again')
+
+
+def check_paper(browser):
+    """In the dark theme that the page has by now: paper is white all the same."""
+    browser.call('POST', '/goog/cdp/execute', {'cmd': 'Emulation.setEmulatedMedia', 'params': {'media': 'print'}})
+    shown = browser.run('const shown = (id) => getComputedStyle(document.getElementById(id)).display !== "none";'
+                        'return ["verdict", "world", "strip", "plots", "controls", "theme"].map(shown)')
+    check(shown == [True, True, True, True, False, False], 'on paper there is %r' % shown)
+    check(browser.run('return getComputedStyle(document.body).backgroundColor') == 'rgb(255, 255, 255)',
+          'paper is not white')
+    check(browser.run('return document.documentElement.scrollWidth <= window.innerWidth'), 'on paper something sticks out')
+    browser.call('POST', '/goog/cdp/execute', {'cmd': 'Emulation.setEmulatedMedia', 'params': {'media': ''}})
+    pdf = base64.b64decode(browser.call('POST', '/print', {'background': True}))
+    pages = len(re.findall(rb'/Type\s*/Page\b', pdf))
+    check(pdf.startswith(b'%PDF') and 1 <= pages <= 4, 'printing gives %d pages in %d bytes' % (pages, len(pdf)))
+    check(pdf.count(b'/Subtype /Image') >= 3, 'playback and plots are not on the printed pages')
+
+
 def use_matching_page(browser, bench):
     bench.call('record', 'pyramid?base=6', '--ticks', '300', '--checkpoint-interval', '100', '-o', 'match.ttr')
     browser.open(bench.page('match'))
@@ -227,6 +290,8 @@ def use_matching_page(browser, bench):
     browser.point('#theme', 0.5, 0.5)
     check(browser.run('return getComputedStyle(document.body).backgroundColor') != before, 'the theme does not change')
     check(browser.run(red_pixels) == 0, 'match: something is ringed')
+    check_zoom(browser)
+    check_paper(browser)
     check_console(browser, 'match')
 
 

@@ -1,6 +1,7 @@
 #!/bin/sh
 # A scripted person at the window, under Xvfb: clicks 50 bodies, drags three, pauses, steps, ends. What was played
-# verifies, what was clicked is where it was clicked, and what is drawn is where the state says.
+# verifies, what was clicked is where it was clicked, and the screen shows bodies where the state has them. Then the
+# recording is played in the window: to its end, and nearer by the wheel.
 # usage: window.sh TOOL [TRACE_CHECK]   TRACE_CHECK: of another build or preset, verifies the recording, too
 # Exit 77: there is no Xvfb, no xdotool, or the tool has no window.
 # SPDX-License-Identifier: MIT
@@ -12,7 +13,7 @@ command -v Xvfb >/dev/null 2>&1 && command -v xdotool >/dev/null 2>&1 || {
   exit 77
 }
 work=$(mktemp -d) || exit 1
-server= player=
+server="" player=""
 cleanup() {
   [ -z "$player" ] || kill "$player" 2>/dev/null
   [ -z "$server" ] || kill "$server" 2>/dev/null
@@ -25,7 +26,8 @@ fail() {
   exit 1
 }
 
-Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>"$work/display" >/dev/null 2>&1 &
+mkdir "$work/screen"
+Xvfb -displayfd 3 -screen 0 1024x768x24 -fbdir "$work/screen" -nolisten tcp 3>"$work/display" >/dev/null 2>&1 &
 server=$!
 tries=0
 while [ ! -s "$work/display" ]; do
@@ -38,15 +40,53 @@ export DISPLAY
 unset WAYLAND_DISPLAY
 cd "$work" || exit 1
 
+# open TITLE ARGUMENT...: the tool with a window, in the background.
+open() {
+  title=$1
+  shift
+  "$tool" play "$@" >out.json 2>err &
+  player=$!
+  window="" tries=0
+  while [ -z "$window" ]; do
+    grep -q 'this build has none' err && exit 77
+    tries=$((tries + 1))
+    [ $tries -lt 200 ] || fail "no window came"
+    sleep 0.1
+    window=$(xdotool search --onlyvisible --name "$title" 2>/dev/null | head -n 1)
+  done
+  xdotool windowfocus "$window" sleep 0.5
+}
+# close: presses q, and waits until the tool has ended well.
+close() {
+  xdotool key q
+  tries=0
+  while kill -0 "$player" 2>/dev/null; do
+    tries=$((tries + 1))
+    [ $tries -lt 100 ] || fail "the window did not close on q"
+    sleep 0.1
+  done
+  wait "$player" || fail "exit code $?"
+  player=""
+}
+
+# Xvfb keeps what its screen shows in an XWD file: big-endian words, a table of colours, rows of pixels.
+word() {
+  od -An -v -tu1 -j $(($1 * 4)) -N 4 screen.xwd | awk '{ print (($1 * 256 + $2) * 256 + $3) * 256 + $4 }'
+}
+take_screen() {
+  cp screen/Xvfb_screen0 screen.xwd
+  [ "$(word 7) $(word 11)" = "0 32" ] || fail "the screen has other pixels than expected: $(word 7) $(word 11)"
+  pixels=$(($(word 0) + 12 * $(word 19)))
+  row_size=$(word 12)
+  eval "$(xdotool getwindowgeometry --shell "$window" | grep '^[XY]=')"
+}
+# shown X Y: the colour at a place of the window.
+shown() {
+  od -An -v -tx1 -j $((pixels + (Y + $2) * row_size + (X + $1) * 4)) -N 3 screen.xwd | awk '{ print $3 $2 $1 }'
+}
+
 # The thesis' window is 32 x 24 m: 31.25 px to the metre here. Without gravity what is clicked stays there.
-"$tool" play 'thesis?gravity=0' --size 1000x750 -o played.ttr --dump-frame end.json --json >out.json 2>err &
-player=$!
-window=$(timeout 20 xdotool search --sync --onlyvisible --name 'ticktrue - thesis' | head -n 1)
-if [ -z "$window" ]; then
-  grep -q 'this build has none' err && exit 77
-  fail "no window came"
-fi
-xdotool windowfocus "$window" sleep 0.5
+open 'ticktrue - thesis' 'thesis?gravity=0' --size 1000x750 -o played.ttr --dump-frame end.json --json
 
 # x y button ctrl, in rows; the pieces do not touch each other.
 rows() {
@@ -73,15 +113,10 @@ for from in '90 600' '354 600' '618 600'; do
     mousemove_relative 3 12 sleep 0.1 mouseup 1
 done
 sleep 0.2
-xdotool key space sleep 0.3 key period sleep 0.1 key period sleep 0.1 key period sleep 0.2 key space sleep 0.3 key q
-tries=0
-while kill -0 "$player" 2>/dev/null; do
-  tries=$((tries + 1))
-  [ $tries -lt 100 ] || fail "the window did not close on q"
-  sleep 0.1
-done
-wait "$player" || fail "exit code $?"
-player=
+xdotool key space sleep 0.3 key period sleep 0.1 key period sleep 0.1 key period sleep 0.2 key space sleep 0.3 \
+  key space sleep 0.5
+take_screen # paused: this is the last state
+close
 
 "$tool" verify played.ttr >/dev/null || fail "the recording does not verify"
 if [ -n "$other" ]; then
@@ -106,15 +141,45 @@ awk 'NR == FNR { click_x[NR] = $1; click_y[NR] = $2; next }
   }
   END { if (n != 50) { print n " places, expected 50"; bad = 1 }; exit bad }' clicks places || fail "clicks and pieces differ"
 
-# The last picture: every body is drawn where the state has it, on a pixel that is not the ground.
+# The last picture: every body is drawn where the state has it.
 hash=$(sed -n 's/^ *"hash": "\([0-9a-f]*\)".*/\1/p' out.json | head -n 1)
 [ -n "$hash" ] && grep -q "\"hash\": \"$hash\"" end.json || fail "the picture is not of the last state"
-tr -d ' ,"' <end.json | awk -F: '
-  $1 == "x" { x = $2 } $1 == "y" { y = $2 } $1 == "px" { px = $2 }
-  $1 == "py" {
-    ++n; dx = x * 31.25 - px; dy = (24 - y) * 31.25 - $2
-    if (dx * dx + dy * dy > 0.01) { print "body " n " is drawn beside its place"; bad = 1 }
-  }
-  $1 == "color" && $2 ~ /^(161a21|1d222b|262d39)$/ { print "body " n " is not drawn"; bad = 1 }
-  END { if (n != 55) { print n " bodies, expected 55"; bad = 1 }; exit bad }' || fail "drawn positions differ from the state"
-echo "50 clicks, 3 drags: $(sed -n 's/^ *"ticks": \([0-9]*\).*/\1/p' out.json | head -n 1) ticks verified"
+# bodies FILE: their x, y (m), px, py and colours in a dumped frame.
+bodies() {
+  tr -d ' ,"' <"$1" | awk -F: '
+    $1 == "id" { ++n } $1 == "color" || $1 == "px" || $1 == "py" || $1 == "x" || $1 == "y" { value[n, $1] = $2 }
+    END { for (i = 1; i <= n; ++i)
+      print value[i, "x"], value[i, "y"], value[i, "px"], value[i, "py"], value[i, "color"] }'
+}
+bodies end.json >drawn
+awk '{ dx = $1 * 31.25 - $3; dy = (24 - $2) * 31.25 - $4
+    if (dx * dx + dy * dy > 0.01) { print "body " NR " is drawn beside its place"; bad = 1 } }
+  END { if (NR != 55) { print NR " bodies, expected 55"; bad = 1 }; exit bad }' drawn || fail "drawn positions differ from the state"
+
+# The screen: at the place that the state gives, the body and not the ground.
+ground='161a21 1d222b 262d39'
+seen=0
+while read -r _ _ px py color; do
+  [ -n "$color" ] || continue
+  on_screen=$(shown "${px%.*}" "${py%.*}")
+  [ "$on_screen" = "$color" ] || fail "the screen shows $on_screen at $px, $py, expected $color"
+  case " $ground " in *" $on_screen "*) fail "at $px, $py is no body on the screen" ;; esac
+  seen=$((seen + 1))
+done <drawn
+[ $seen -ge 50 ] || fail "only $seen bodies are on the screen"
+empty=$(shown 500 440)
+case " $ground " in *" $empty "*) ;; *) fail "where no body is the screen shows $empty" ;; esac
+
+# The recording in the window: its last tick, nearer by two notches of the wheel around the pointer.
+open 'ticktrue - played.ttr' played.ttr --size 800x600 --dump-frame seen.json --json
+xdotool key End sleep 0.5 mousemove --window "$window" 200 150 click 4 click 4 click 4 click 5 sleep 0.4
+close
+ticks=$(sed -n 's/^ *"ticks": \([0-9]*\).*/\1/p' out.json)
+position=$(sed -n 's/^ *"position": \([0-9]*\).*/\1/p' out.json)
+[ -n "$ticks" ] && [ "$position" = "$ticks" ] || fail "End went to $position of $ticks"
+grep -q '"first_difference": null' out.json || fail "playing the recording found a difference"
+grep -q "\"hash\": \"$hash\"" seen.json || fail "the recording does not end as the session did"
+bodies seen.json | awk '{ x = 200.5 + ($1 * 25 - 200.5) * 1.21; y = 150.5 + ((24 - $2) * 25 - 150.5) * 1.21
+    if ((x - $3) ^ 2 + (y - $4) ^ 2 > 0.01) { print "body " NR " is at " $3 ", " $4 ", expected " x ", " y; bad = 1 } }
+  END { if (NR != 55) { print NR " bodies, expected 55"; bad = 1 }; exit bad }' || fail "the wheel zooms wrongly"
+echo "50 clicks, 3 drags: $ticks ticks verified; $seen bodies seen on the screen"

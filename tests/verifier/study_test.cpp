@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/build_info.h"
 #include "engine/builtin_scenes.h"
 #include "engine/math/trig.h"
 #include "tests/support/catch.h"
@@ -321,6 +322,44 @@ TEST_CASE("compare calls a broad phase equal in bits, an integrator drift, and a
   CHECK(report->rows[1].position_max > 1e-4);  // 16 times the sag
   CHECK(report->rows[2].verdict == CompareVerdict::not_applicable);
   CHECK_FALSE(report->rows[2].reason.empty());
+}
+
+TEST_CASE("compare finds every column equal whatever the threads of a tick, and not under another solver",
+          "[verifier][study][threads]") {
+  auto scene = engine::make_builtin_scene("pyramid?base=30");  // large enough that threads are asked
+  REQUIRE(scene);
+  CompareSession session;
+  session.scene = *scene;
+  session.seconds = 0.1;
+  CompareAxes axes;
+  axes.threads = {1, 2, 3};
+  std::vector<Variant> variants = product_of(axes);
+  REQUIRE(variants.size() == 3);
+  CHECK(variants[2].name == "3 threads");
+  axes.solvers = {engine::SolverKind::pgs};
+  axes.substeps = {1};
+  axes.threads = {2};
+  for (const Variant& variant : product_of(axes)) variants.push_back(variant);
+  CompareOptions options;
+  options.wall_clock = true;
+  options.twin_count = 1;
+  options.sample_count = 2;
+  const auto report = compare_variants(session, variants, options);
+  REQUIRE(report.has_value());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const CompareRow& row = report->rows[i];
+    CAPTURE(row.variant.name, row.reason);
+    if (i > 0 && !build_info().has_threads) {
+      CHECK(row.verdict == CompareVerdict::not_applicable);
+      continue;
+    }
+    CHECK(row.whole_state);
+    CHECK(row.verdict == CompareVerdict::same_bits);
+    CHECK(row.root_hash == report->base.root_hash);
+    CHECK(row.ms_per_s > 0);
+  }
+  CHECK_FALSE(report->rows[3].whole_state);
+  CHECK(report->rows[3].root_hash != report->base.root_hash);
 }
 
 TEST_CASE("a variant with other ticks is compared at equal times", "[verifier][study]") {

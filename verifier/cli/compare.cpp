@@ -1,4 +1,4 @@
-// `ticktrue compare`: what integrators, clocks, solvers, substeps, precisions and steps change on a scene.
+// `ticktrue compare`: what integrators, clocks, solvers, substeps, precisions, steps and threads change on a scene.
 // SPDX-License-Identifier: MIT
 #include "verifier/study/compare.h"
 
@@ -9,7 +9,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/hash.h"
 #include "base/limits.h"
+#include "base/workers.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
@@ -29,13 +31,13 @@ using verifier::TextTable;
 
 struct CompareCommand {
   std::string subject;
-  std::vector<std::string> integrators, clocks, solvers, substeps, precisions, dts, broad_phases;
+  std::vector<std::string> integrators, clocks, solvers, substeps, precisions, dts, broad_phases, threads;
   std::optional<std::uint64_t> tick_count;
   double seconds = 10;
   std::uint64_t twin_count = 3;
   std::string host = "jitter_60";
   std::uint64_t host_seed = 1;
-  std::uint64_t thread_count = 0;  // 0: as many as there are cores
+  std::uint64_t job_count = 0;  // 0: as many as there are cores, or one where threads of a tick are compared
   StudyFiles files;
 };
 
@@ -79,6 +81,17 @@ void add_outcome(TextTable& table, const CompareRow& row) {
              fmt::format("{:.3g}", row.ms_per_s)});
 }
 
+// Whole states at the end, where threads were compared: what they must not change.
+std::string hashes_text(const CompareReport& report) {
+  const auto has_threads = [](const CompareRow& row) { return row.variant.threads.has_value(); };
+  if (std::none_of(report.rows.begin(), report.rows.end(), has_threads)) return "";
+  TextTable table({"root hash at the end", "whole state"});
+  table.add({name_text(report.base), hex64(report.base.root_hash)});
+  for (const CompareRow& row : report.rows)
+    if (row.verdict != CompareVerdict::not_applicable) table.add({name_text(row), hex64(row.root_hash)});
+  return "\n" + table.text();
+}
+
 std::string report_text(const CompareReport& report, const CompareSession& session, const std::string& command_line) {
   std::string text =
       fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
@@ -92,7 +105,7 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
   for (const CompareRow& row : report.twins) add_outcome(outcome, row);
   for (const CompareRow& row : report.rows) add_drift(drift, row);
   for (const CompareRow& row : report.rows) add_outcome(outcome, row);
-  text += "\n" + drift.text() + "\n" + outcome.text();
+  text += "\n" + drift.text() + "\n" + outcome.text() + hashes_text(report);
   for (const CompareRow& row : report.rows)
     if (!row.reason.empty())
       text += verifier::wrapped(fmt::format("{}: {}: {}", row.variant.name, brief_verdict(row), row.reason), 4);
@@ -106,6 +119,8 @@ Json row_json(const CompareRow& row, bool is_twin) {
   entry["verdict"] = verdict_name(row.verdict);
   entry["reason"] = row.reason;
   entry["same_ticks"] = row.same_ticks;
+  entry["bits_of"] = !row.same_ticks ? Json(nullptr) : Json(row.whole_state ? "state" : "bodies");
+  entry["root_hash"] = hex64(row.root_hash);
   entry["first_different_tick"] = row.first_different ? Json(*row.first_different) : Json(nullptr);
   entry["ticks"] = row.tick_count;
   entry["position_max_m"] = number_json(row.position_max);
@@ -220,6 +235,14 @@ Result<verifier::CompareAxes> axes_of(const CompareCommand& command) {
       return Error{ErrorCode::usage, "--substeps: found " + text + ", expected 1..256 or auto", {}};
     axes.substeps.push_back(count);
   }
+  for (const std::string& text : command.threads) {
+    const unsigned count = text.size() <= 2 ? static_cast<unsigned>(std::max(0, std::atoi(text.c_str()))) : 0;
+    if (count < 1 || count > thread_count_max || std::to_string(count) != text)
+      return Error{ErrorCode::usage,
+                   "--threads: found " + text + ", expected 1.." + std::to_string(thread_count_max) + ", such as 1,2,4",
+                   {}};
+    axes.threads.push_back(count);
+  }
   return axes;
 }
 
@@ -237,6 +260,7 @@ std::string command_line_of(const CompareCommand& command, const CompareSession&
   add("--precision", command.precisions);
   add("--dt", command.dts);
   add("--broad-phase", command.broad_phases);
+  add("--threads", command.threads);
   if (session.dts.empty()) line += " --seconds " + full_number(session.seconds);
   line += " --twins " + std::to_string(command.twin_count);
   if (!command.clocks.empty()) line += " --host " + command.host + " --host-seed " + std::to_string(command.host_seed);
@@ -254,7 +278,7 @@ int run_compare(const CompareCommand& command) {
   if (variants.empty())
     return fail_usage(Error{ErrorCode::usage,
                             "compare: found nothing to compare with, expected at least one of --integrator, --clock, "
-                            "--solver, --substeps, --precision, --dt, --broad-phase",
+                            "--solver, --substeps, --precision, --dt, --broad-phase, --threads",
                             "ticktrue compare pyramid --integrator velocity_verlet,rk4"});
   CompareSession session;
   if (is_trace(command.subject)) {
@@ -272,8 +296,9 @@ int run_compare(const CompareCommand& command) {
   options.twin_count = static_cast<int>(command.twin_count);
   options.host = command.host;
   options.host_seed = command.host_seed;
-  options.thread_count =
-      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : verifier::core_count();
+  options.wall_clock = !command.threads.empty();
+  const unsigned job_count = options.wall_clock ? 1 : verifier::core_count();
+  options.thread_count = command.job_count > 0 ? static_cast<unsigned>(command.job_count) : job_count;
   Progress progress("compare " + session.scene.name, 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   const auto report = verifier::compare_variants(session, variants, options);
@@ -318,6 +343,7 @@ void add_compare(CLI::App& app, CliContext& context) {
   add_axis(*command, "--precision", options->precisions, engine::precisions, "Precisions");
   command->add_option("--dt", options->dts, "Lengths of a tick, s, such as 1/120")->delimiter(',');
   add_axis(*command, "--broad-phase", options->broad_phases, engine::broad_phases, "Broad phases");
+  command->add_option("--threads", options->threads, "Threads of a tick, 1..64")->delimiter(',');
   auto* seconds = command->add_option("--seconds", options->seconds, "Simulated time; of a trace: its own")
                       ->check(CLI::Range(1e-3, 1e6))
                       ->capture_default_str();
@@ -327,13 +353,14 @@ void add_compare(CLI::App& app, CliContext& context) {
   command->add_option("--host", options->host, "Frames for --clock: a model of `ticktrue run --help`, or a file")
       ->capture_default_str();
   add_number(*command, "--host-seed", options->host_seed, "Of the model; default: 1");
-  add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
+  add_number(*command, "-j,--jobs", options->job_count, "Runs at once; default: one a core, with --threads one",
+             {1, 1024});
   add_study_files(*command, options->files);
   set_examples(*command,
                "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16\n"
                "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
                "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"
-               "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid");
+               "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid --threads 1,2");
   command->callback([options, &context] { context.exit_code = run_compare(*options); });
 }
 

@@ -199,7 +199,9 @@ if (film && tickCount > 0) {
 // What tests and curious people may ask.
 window.ticktrue = {
   data, seek, play, pause,
-  state: () => ({ ticksDone: player.at, isPlaying: player.isPlaying, ringed: byId('world').dataset.ringed || '' }),
+  state: () => ({
+    ticksDone: player.at, isPlaying: player.isPlaying, ringed: byId('world').dataset.ringed || '', pixelsPerMetre: camera.scale,
+  }),
   pose: (name) => {
     const pose = {};
     const { frame, share } = frameAt(player.at);

@@ -3,6 +3,7 @@
 #include "verifier/study/compare.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -101,6 +102,10 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
     v.broad_phase = kind;
     return std::string(engine::info_of(engine::broad_phases, kind).name);
   });
+  multiply(axes.threads, [](Variant& v, unsigned count) {
+    v.threads = count;
+    return std::to_string(count) + (count == 1 ? " thread" : " threads");
+  });
   if (variants.size() == 1 && variants[0].name.empty()) variants.clear();
   return variants;
 }
@@ -154,6 +159,7 @@ struct Course {
   bool has_clock = false;
   std::vector<double> dts;          // s, of the ticks
   std::vector<std::uint64_t> bits;  // of the bodies after each tick
+  std::vector<std::uint64_t> root;  // of the whole state after each tick
   std::vector<Bodies> samples;      // at the common times
   CompareRow row;                   // what needs no base
   CrosscheckRun outcome;
@@ -174,6 +180,11 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   if (variant.clock) settings.clock.kind = *variant.clock;
   if (variant.broad_phase) settings.broad_phase = *variant.broad_phase;
   return scene;
+}
+
+/// What it changes is no state: every column must keep its bits.
+bool keeps_state(const Variant& v) {
+  return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt;
 }
 
 std::uint64_t bits_of(const StateView& view) {
@@ -264,7 +275,9 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
   Course course;
   course.has_clock = variant.clock.has_value();
   course.row.variant = variant;
-  Result<Run> made = Run::make(scene);
+  engine::EngineOptions choices;
+  choices.thread_count = variant.threads.value_or(1);
+  Result<Run> made = Run::make(scene, choices);
   if (!made) {
     course.why_not = made.error().message;
     return course;
@@ -292,9 +305,13 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
       }
       before_s = engine.time_s();
       if (before_s + input->dt >= time_s - 1e-9) before = run.bodies();
-      step_time_s += run.step(*input);
+      const auto wall = std::chrono::steady_clock::now();
+      const double computed_s = run.step(*input);
+      step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
+                                        : computed_s;
       course.dts.push_back(input->dt);
       course.bits.push_back(bits_of(engine.state()));
+      course.root.push_back(root_hash(engine.state()));
     }
     now = run.bodies();
     if (!all_finite(now)) {
@@ -308,6 +325,7 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
     measure.add(time_s, now, time_s > session.seconds - 1 ? &contacts : nullptr);
   }
   course.row.tick_count = engine.tick();
+  course.row.root_hash = root_hash(engine.state());
   course.row.energy = energy_of(scene, now) - energy_of(scene, start);
   const engine::Point momentum = momentum_of(now);
   course.row.momentum = std::hypot(momentum.x, momentum.y);
@@ -360,9 +378,12 @@ CompareRow against(const Course& base, const Course& course, const std::vector<d
   row.same_ticks = course.dts == base.dts;
   const bool same_rows = row.same_ticks && session.scene.settings.precision ==
                                                row.variant.precision.value_or(session.scene.settings.precision);
+  row.whole_state = same_rows && keeps_state(row.variant);
+  const std::vector<std::uint64_t>& bits = row.whole_state ? course.root : course.bits;
+  const std::vector<std::uint64_t>& base_bits = row.whole_state ? base.root : base.bits;
   if (same_rows)
-    for (std::size_t i = 0; i < std::min(course.bits.size(), base.bits.size()); ++i)
-      if (course.bits[i] != base.bits[i]) {
+    for (std::size_t i = 0; i < std::min(bits.size(), base_bits.size()); ++i)
+      if (bits[i] != base_bits[i]) {
         row.first_different = i;
         break;
       }

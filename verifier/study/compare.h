@@ -1,10 +1,11 @@
-// Compares ways to simulate one scene: integrators, clocks, solvers, substeps, precisions, steps, broad phases.
+// Compares ways to simulate one scene: integrators, clocks, solvers, substeps, precisions, steps, threads and more.
 // SPDX-License-Identifier: MIT
 //
 // Every variant runs the same session as a base and is measured against it at equal simulated times. Beside them run
 // twins: the base with every moving body shifted by one unit in the last place. What a variant is off by is called its
 // own drift only where it is beyond what the twins are off by: chaos makes any two runs part.
-// Verified: bits of the bodies, tick by tick, where the ticks are the same; poses at equal times; who stands, in what
+// Verified: bits, tick by tick, where the ticks are the same: of the bodies, and of the whole state in variants that
+// only change what no bit may depend on (broad phase, threads); poses at equal times; who stands, in what
 // order, where bodies rest. Not verified: which of two runs is nearer to the truth (`ticktrue accuracy` does that).
 #pragma once
 
@@ -48,6 +49,7 @@ struct Variant {
   std::optional<engine::Precision> precision = {};
   std::optional<double> dt = {};
   std::optional<engine::BroadPhaseKind> broad_phase = {};
+  std::optional<unsigned> threads = {};  // of a tick; the base has one
 };
 
 /// Values per axis; the product of all is what is compared.
@@ -59,6 +61,7 @@ struct CompareAxes {
   std::vector<engine::Precision> precisions;
   std::vector<double> dts;
   std::vector<engine::BroadPhaseKind> broad_phases;
+  std::vector<unsigned> threads;
 };
 std::vector<Variant> product_of(const CompareAxes& axes);
 
@@ -80,8 +83,10 @@ struct CompareRow {
   CompareVerdict verdict = CompareVerdict::not_applicable;
   std::string reason;                            // of the verdict
   bool same_ticks = false;                       // as the base's, so that bits can be compared
-  std::optional<std::uint64_t> first_different;  // tick after which the bodies' bits differ first
+  bool whole_state = false;                      // bits of every column were compared, else those of the bodies
+  std::optional<std::uint64_t> first_different;  // tick after which bits differ first
   std::uint64_t tick_count = 0;
+  std::uint64_t root_hash = 0;  // of the state at the end
   std::vector<CompareSample> samples;
   double position_max = 0;         // m, over all samples
   double position_rms = 0;         // m, at the end
@@ -97,7 +102,7 @@ struct CompareRow {
   double order = 0;                 // share of supports still below what they carried
   std::size_t resting_count = 0;    // at rest in the last second
   std::size_t elsewhere_count = 0;  // resting in both, farther from the base's place than half the bodies' size
-  double ms_per_s = 0;              // run time per simulated second, once
+  double ms_per_s = 0;              // run time per simulated second, once: computed, or by the clock on the wall
 };
 
 struct CompareReport {
@@ -112,7 +117,8 @@ struct CompareOptions {
   std::string host = "jitter_60";  // of variants with a clock
   std::uint64_t host_seed = 1;
   int sample_count = 120;
-  unsigned thread_count = 1;
+  unsigned thread_count = 1;  // runs at once
+  bool wall_clock = false;    // for ms_per_s: threads that share a tick compute more than passes
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // runs; from one thread at a time
 };
 inline constexpr double beyond_factor = 4;  // of the twins' spread

@@ -126,8 +126,8 @@ double fastest(const Bodies& bodies) {
   return out;
 }
 
-Result<Run> Run::make(const engine::Scene& scene) {
-  auto made = engine::make_engine(scene);
+Result<Run> Run::make(const engine::Scene& scene, const engine::EngineOptions& options) {
+  auto made = engine::make_engine(scene, options);
   if (!made) return made.error();
   Run run;
   run.engine_ = std::move(*made);

@@ -41,7 +41,7 @@ double computed_s();
 class Run {
  public:
   /// Errors: what make_engine refuses.
-  static Result<Run> make(const engine::Scene& scene);
+  static Result<Run> make(const engine::Scene& scene, const engine::EngineOptions& options = {});
 
   /// Ticks of `dt` (the scene's, if 0).
   void advance(std::uint64_t tick_count, double dt = 0);
