@@ -293,6 +293,10 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
       before_s = engine.time_s();
       if (before_s + input->dt >= time_s - 1e-9) before = run.bodies();
       step_time_s += run.step(*input);
+      if (const Status did = engine.last_step(); !did) {
+        course.why_not = did.error().message;
+        return course;
+      }
       course.dts.push_back(input->dt);
       course.bits.push_back(bits_of(engine.state()));
     }
