@@ -51,6 +51,11 @@ class Simulation {
   /// Requires: accept(input).
   virtual void step(const TickInput& input, StageObserver* observer) = 0;
 
+  /// Whether the last step did its tick. Where not, the state is that of no tick, and nothing is accepted until a state
+  /// has been loaded. What wraps a simulation passes this on.
+  /// Errors: limit (the tick needs more than base/limits.h allows), with the tick.
+  virtual Status last_step() const { return {}; }
+
   /// Every column that can influence a later tick. Valid until the next step or load.
   virtual const StateView& state() const = 0;
 

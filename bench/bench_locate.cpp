@@ -35,6 +35,7 @@ class FlippedEngine : public Simulation {
     real_.step(input, observer);
     if (tick_++ == flip_tick_) flip();
   }
+  Status last_step() const override { return real_.last_step(); }
   const StateView& state() const override { return real_.state(); }
   Status load(ByteView image) override { return real_.load(image); }
   std::span<const std::string> stage_names() const override { return real_.stage_names(); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/limits.h"
 #include "base/parallel.h"
 #include "base/result.h"
 #include "base/simulation.h"
@@ -27,6 +28,7 @@ struct EngineOptions {
   unsigned thread_count = 1;                           // of a tick
   // For tests: instead of threads of its own, and chunks of this size. The runner must outlive the engine.
   Parallel parallel = {};
+  std::size_t pair_count_max = limits::pair_count_max;  // for tests: fewer
 };
 
 /// A stage that is, or could have been, in the pipeline.
@@ -82,7 +84,8 @@ class Engine : public Simulation {
   virtual std::vector<StageDescription> describe() const = 0;
   virtual const Scene& scene() const = 0;
   virtual std::vector<BodyReport> bodies() const = 0;
-  /// Contacts of the present poses, found anew; forces are those of the last tick.
+  /// Contacts of the present poses, found anew; forces are those of the last tick. None where more pairs are near each
+  /// other than a tick may have: the next step will say so. So too below.
   virtual std::vector<ContactReport> contacts() const = 0;
   virtual BroadPhaseReport broad_phase() const = 0;
   virtual std::uint64_t tick() const = 0;            // ticks done

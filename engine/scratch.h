@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/limits.h"
 #include "base/parallel.h"
 #include "engine/broad_phase/sorting.h"
 #include "engine/constraints/contact_batch.h"
@@ -257,7 +258,8 @@ struct ListPart {
 
 struct Scratch {
   Kept kept;
-  Parallel parallel;  // the engine's
+  Parallel parallel;                                    // the engine's
+  std::size_t pair_count_max = limits::pair_count_max;  // likewise
 
   // Lists made in chunks are written where the chunk's part of the range begins, then put together.
   std::vector<std::uint32_t> part_counts;  // [chunk]
@@ -271,9 +273,10 @@ struct Scratch {
   // broad_phase
   std::span<const Proxy> proxies;  // those of `kept`, or the rows below
   std::vector<Proxy> proxy_rows;
-  std::vector<Box> boxes;       // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
-  std::vector<Circle> circles;  // [proxy], bounding_circle
-  std::vector<Pair> pairs;      // by (first, second)
+  std::vector<Box> boxes;           // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
+  std::vector<Circle> circles;      // [proxy], bounding_circle
+  std::vector<Pair> pairs;          // by (first, second)
+  bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
   std::vector<Pair> unsorted_pairs;
   std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree
   std::vector<std::uint32_t> counts;

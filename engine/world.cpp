@@ -39,11 +39,13 @@ class World final : public Engine {
     for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
     scratch_.parallel = options.parallel;
     if (options.parallel.runner == nullptr) scratch_.parallel.runner = workers_.get();
+    scratch_.pair_count_max = options.pair_count_max;
     view_.schema = &schema_;
     update_view(state_, pipeline_.tables, view_);
   }
 
   Status accept(const TickInput& input) const override {
+    if (!last_step_) return last_step_;
     if (!(input.dt >= limits::dt_min_s && input.dt <= limits::dt_max_s))
       return input_error("dt: found " + lane_text(ScalarType::f64, bits_of(input.dt)) + " s, expected 1e-09..1");
     if (state_.world.tick >= limits::tick_count_max) return input_error("tick: no more ticks are possible");
@@ -73,6 +75,7 @@ class World final : public Engine {
   }
 
   void step(const TickInput& input, StageObserver* observer) override {
+    if (!last_step_) return;
     scratch_.kept.touching.swap(scratch_.touching);
 #ifdef TICKTRUE_POISON
     poison(scratch_);
@@ -82,16 +85,25 @@ class World final : public Engine {
     scratch_.force.clear();
     scratch_.torque.clear();
     scratch_.planted = std::exchange(planted_, std::nullopt);
+    scratch_.has_too_many_pairs = false;
     ++state_.world.tick;
     state_.world.time += input.dt;
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
       pipeline_.stages[i].run(model_, state_, scratch_, dt);
+      if (scratch_.has_too_many_pairs) {
+        last_step_ = too_many_pairs();
+        break;
+      }
       if (observer == nullptr) continue;
       update_view(state_, pipeline_.tables, view_);
       observer->after_stage(i, view_);
     }
     update_view(state_, pipeline_.tables, view_);
+  }
+
+  Status last_step() const override {
+    return last_step_;
   }
 
   const StateView& state() const override {
@@ -100,7 +112,10 @@ class World final : public Engine {
 
   Status load(ByteView image) override {
     const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
-    if (status) forget(scratch_.kept);
+    if (status) {
+      forget(scratch_.kept);
+      last_step_ = {};
+    }
     update_view(state_, pipeline_.tables, view_);
     return status;
   }
@@ -196,6 +211,7 @@ class World final : public Engine {
 
   std::vector<ContactReport> contacts() const override {
     Scratch found;
+    found.pair_count_max = scratch_.pair_count_max;
     State poses = state_;
     broad_phase_function(BroadPhaseKind::sweep_and_prune)(model_, poses, found, Real(0));
     find_contacts(model_, poses, found, Real(0));
@@ -221,6 +237,7 @@ class World final : public Engine {
   BroadPhaseReport broad_phase() const override {
     const Real dt = static_cast<Real>(model_.scene.settings.dt);
     Scratch found;
+    found.pair_count_max = scratch_.pair_count_max;
     State poses = state_;
     broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
     const Real fall = fall_of_a_tick(model_, state_);
@@ -237,6 +254,14 @@ class World final : public Engine {
   }
 
  private:
+  Error too_many_pairs() const {
+    const std::string most = std::to_string(scratch_.pair_count_max);
+    return {ErrorCode::limit,
+            "tick " + std::to_string(state_.world.tick - 1) + ": pairs of shapes near each other: found more than " +
+                most + ", expected at most " + most,
+            "thousands of shapes are in one place: move them apart, or give them filters that keep them from meeting"};
+  }
+
   const Body& description_of(const BodyRow& row) const {
     return row.source < model_.first_prototype ? model_.scene.bodies[row.source]
                                                : model_.scene.prototypes[row.source - model_.first_prototype];
@@ -266,6 +291,7 @@ class World final : public Engine {
   State state_;
   Scratch scratch_;
   std::optional<PlantedFault> planted_;  // for the next tick
+  Status last_step_;
   StateView view_;
   std::vector<std::string> stage_names_;
 };

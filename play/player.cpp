@@ -106,6 +106,10 @@ void Player::run_tick() {
   }
   const auto before = std::chrono::steady_clock::now();
   engine_->step(input, nullptr);
+  if (const Status did = engine_->last_step(); !did) {
+    refused_ = did.error().message;
+    return;
+  }
   const double ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   ms_per_tick_ = ms_per_tick_ == 0 ? ms : 0.9 * ms_per_tick_ + 0.1 * ms;
   const bool same = root_hash(engine_->state()) == hashes_[position_];

@@ -53,6 +53,7 @@ class Recording {
       if (const Status status = writer_.begin_tick(**input); !status) return status.error();
       const bool is_full = writer_.wants_full();
       step(**input, is_full);
+      if (const Status status = simulation_.last_step(); !status) return give_up(status.error());
       if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
         return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
       result_.root_hash = root_hash(simulation_.state());
@@ -86,6 +87,17 @@ class Recording {
       writer_.discard();
       return error;
     }
+    return close_before(std::move(error));
+  }
+
+  /// The tick cannot be done: the ticks before it are what there is to see of the way there.
+  Error give_up(Error error) {
+    if (writer_.tick_count() > 0) return close_before(std::move(error));
+    writer_.discard();
+    return error;
+  }
+
+  Error close_before(Error error) {
     const std::uint64_t tick_count = writer_.tick_count();
     if (const Status status = writer_.finish(EndReason::interrupted, error.message); !status) return status.error();
     error.hint += (error.hint.empty() ? "" : "; ") + std::string("the trace was closed and holds the ") +

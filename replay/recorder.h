@@ -54,9 +54,10 @@ struct RecordResult {
 
 /// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the
 /// trace is closed before it.
-/// Errors: unsupported (check_float_behaviour), io, limit, invalid_input (also a session without a tick). On
-/// invalid_input from a repeatable source, or before the first tick, no file is left behind and an overwritten one is
-/// back; else the trace is closed (interrupted) and the message says what it holds.
+/// Errors: unsupported (check_float_behaviour), io, limit (also of a tick that could not be done: last_step),
+/// invalid_input (also a session without a tick). On invalid_input from a repeatable source, or before the first tick,
+/// no file is left behind and an overwritten one is back; else the trace is closed (interrupted) and the message says
+/// what it holds.
 Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
                             const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options);
 

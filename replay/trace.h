@@ -78,7 +78,8 @@ struct EndReasonInfo {
 };
 inline constexpr std::array<EndReasonInfo, 4> end_reasons{{
     {EndReason::complete, "complete", "the recording ended as planned"},
-    {EndReason::interrupted, "interrupted", "the recorder was asked to stop, or its inputs failed"},
+    {EndReason::interrupted, "interrupted",
+     "the recorder was asked to stop, its inputs failed, or the next tick could not be done"},
     {EndReason::non_finite, "non_finite", "the next tick gave a NaN or an infinity"},
     {EndReason::recovered, "recovered", "closed by `ticktrue recover`; what followed is lost"},
 }};

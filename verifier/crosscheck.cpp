@@ -101,6 +101,7 @@ class Runner {
     watch(engine, settings.dt, measure, [&] {
       accepted = engine.accept(input);
       if (accepted) engine.step(input, nullptr);
+      if (accepted) accepted = engine.last_step();
       return accepted.has_value();
     });
     if (!accepted) return accepted.error();

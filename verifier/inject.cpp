@@ -137,6 +137,7 @@ class FlippingSimulation : public Simulation {
     if (is_due && is_inside && flip_.done) note_planted();
     shows_flip_ = is_due && !is_inside && make_flip();
   }
+  Status last_step() const override { return real_->last_step(); }
   const StateView& state() const override { return shows_flip_ ? view_ : real_->state(); }
   Status load(ByteView image) override {
     const Status loaded = real_->load(image);

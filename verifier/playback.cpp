@@ -52,6 +52,10 @@ Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t fir
       return result;
     }
     engine.step(input, nullptr);
+    if (const Status did = engine.last_step(); !did) {
+      result.refused = did.error().message;
+      return result;
+    }
     ++result.tick_count;
     if (!result.first_difference && root_hash(engine.state()) != record->root_hash)
       result.first_difference = record->tick;

@@ -20,6 +20,7 @@ class SimulationPool::Loan : public Simulation {
     TICKTRUE_ASSERT(is_loaded_);
     real_->step(input, observer);
   }
+  Status last_step() const override { return real_->last_step(); }
   const StateView& state() const override { return real_->state(); }
   Status load(ByteView image) override {
     Status loaded = real_->load(image);

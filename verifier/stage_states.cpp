@@ -108,6 +108,7 @@ Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info
     found.states.push_back(std::move(before));
     StateKeeper keeper(simulation.stage_names(), found.states);
     simulation.step(input, &keeper);
+    if (const Status did = simulation.last_step(); !did) return did.error();
     return found;
   }
   return Error{ErrorCode::usage, "tick " + std::to_string(tick) + ": not in the part of the trace that is intact", ""};

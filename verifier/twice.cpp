@@ -51,6 +51,10 @@ class TwiceWalk {
     }
     first_->step(input, nullptr);
     second_->step(input, nullptr);
+    if (const Status did = first_->last_step(); !did) {
+      result_.findings.decide(Verdict::not_comparable, "cannot be done here: " + did.error().message, did.error().hint);
+      return false;
+    }
     ++result_.ticks_compared;
     result_.last_tick_s = result_.time_s;
     if (!same_states("", "not looked for: two runs here differ", input.inputs)) return false;

@@ -8,7 +8,8 @@
 // Each shape gets a box that is larger than it needs. While all shapes stay inside, the list of overlapping large boxes
 // holds every pair that may touch. A shape that leaves gets a new large box and its pairs are found anew; it is then a
 // stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
-// on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm.
+// on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm. Where more
+// large boxes overlap than a tick may have pairs, only the pairs of present boxes are listed, and nothing is kept.
 #include <atomic>
 #include <cstring>
 
@@ -119,8 +120,8 @@ std::uint32_t top_level(const BoxTree& tree) {
   return static_cast<std::uint32_t>(tree.level_start.size()) - 2;
 }
 
-/// Calls `use` once with each two leaves below two nodes of one level of a tree, or below one, whose boxes overlap.
-/// Requires: a level above the leaves.
+/// Calls `use` once with each two leaves below two nodes of one level of a tree, or below one, whose boxes overlap,
+/// until it says false; so too below. Requires: a level above the leaves.
 template <typename Use>
 void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::uint32_t node_a, std::uint32_t node_b,
                             Use use) {
@@ -141,10 +142,10 @@ void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::
       if (same && level > 0) open[open_count++] = {level, a, level, a};
       for (std::uint32_t b = same ? a + 1 : of_b.begin; b < of_b.end; ++b) {
         if (!overlaps(box, boxes[b])) continue;
-        if (level == 0)
-          use(a, b);
-        else
+        if (level > 0)
           open[open_count++] = {level, a, level, b};
+        else if (!use(a, b))
+          return;
       }
     }
   }
@@ -164,7 +165,7 @@ void for_each_overlap_between(const BoxTree& tree_a, std::uint32_t level, std::u
                   tree_b.boxes[tree_b.level_start[task.level_b] + task.node_b]))
       continue;
     if (task.level_a == 0 && task.level_b == 0) {
-      use(task.node_a, task.node_b);
+      if (!use(task.node_a, task.node_b)) return;
     } else if (task.level_a >= task.level_b) {
       const Children children = children_of(tree_a, task.level_a, task.node_a);
       for (std::uint32_t a = children.begin; a < children.end; ++a)
@@ -192,7 +193,7 @@ void for_each_overlap_of(const BoxTree& tree, const Box& box, Use use) {
     const Node at = open[--open_count];
     if (!overlaps(tree.boxes[tree.level_start[at.level] + at.node], box)) continue;
     if (at.level == 0) {
-      use(at.node);
+      if (!use(at.node)) return;
       continue;
     }
     const Children children = children_of(tree, at.level, at.node);
@@ -321,25 +322,45 @@ void follow(const Model& model, const State& state, Scratch& scratch, bool every
   kept.leaving.resize(put_together(kept.leaving, scratch.part_counts, begin_of));
 }
 
+/// Which pairs are listed, and how many there may be. Chunks that list count together, a block at a time: once the sum
+/// is too large each of them stops, so that no chunk alone decides and no order of them shows.
+struct PairListing {
+  bool is_tight;  // present boxes must overlap, too
+  std::size_t count_max;
+  std::atomic<std::size_t> count{0};  // in whole blocks
+  static constexpr std::size_t block_size = 4096;
+
+  bool goes_on(std::size_t listed_here) {
+    if (listed_here % block_size != 0) return true;
+    return count.fetch_add(block_size, std::memory_order_relaxed) + block_size <= count_max;
+  }
+};
+
 /// Lists the pairs of the nodes first..end-1 of a level of the moving tree: each with itself, with those after it, and
 /// with what is static.
 void list_pairs_of_nodes(const KeptPairs& kept, std::uint32_t level, std::size_t first, std::size_t end,
-                         std::vector<Pair>& pairs) {
+                         PairListing& listing, std::vector<Pair>& pairs) {
   const BoxTree& moving = kept.moving_tree;
   const BoxTree& others = kept.static_tree;
+  bool goes_on = true;
   const auto add = [&](std::uint32_t a, std::uint32_t b) {
-    if (may_touch(kept.proxies[a], kept.proxies[b])) pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+    if (!may_touch(kept.proxies[a], kept.proxies[b])) return true;
+    if (listing.is_tight && !overlaps(kept.boxes[a], kept.boxes[b])) return true;
+    pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+    goes_on = listing.goes_on(pairs.size());
+    return goes_on;
   };
   const Box* boxes = moving.boxes.data() + moving.level_start[level];
   const std::uint32_t node_count = moving.level_start[level + 1] - moving.level_start[level];
-  for (auto a = static_cast<std::uint32_t>(first); a < end; ++a) {
-    const auto add_two = [&](std::uint32_t i, std::uint32_t j) { add(moving.proxies[i], moving.proxies[j]); };
+  for (auto a = static_cast<std::uint32_t>(first); a < end && goes_on; ++a) {
+    const auto add_two = [&](std::uint32_t i, std::uint32_t j) { return add(moving.proxies[i], moving.proxies[j]); };
     if (level > 0) for_each_overlap_below(moving, level, a, a, add_two);
-    for (std::uint32_t b = a + 1; b < node_count; ++b)
+    for (std::uint32_t b = a + 1; b < node_count && goes_on; ++b)
       if (level > 0 && overlaps(boxes[a], boxes[b])) for_each_overlap_below(moving, level, a, b, add_two);
-    if (!others.proxies.empty())
-      for_each_overlap_between(moving, level, a, others,
-                               [&](std::uint32_t i, std::uint32_t j) { add(moving.proxies[i], others.proxies[j]); });
+    if (goes_on && !others.proxies.empty())
+      for_each_overlap_between(moving, level, a, others, [&](std::uint32_t i, std::uint32_t j) {
+        return add(moving.proxies[i], others.proxies[j]);
+      });
   }
 }
 
@@ -351,11 +372,13 @@ std::uint32_t shared_level(const BoxTree& tree) {
   return level > 0 || tree.proxies.size() < 2 ? level : level + 1;
 }
 
-/// All pairs of large boxes that overlap, in any order.
-void list_pairs(Scratch& scratch) {
+/// All pairs of large boxes that overlap, in any order; `is_tight`: of these, those whose present boxes do. False:
+/// there are more of them than a tick may have, and not all are listed.
+bool list_pairs(Scratch& scratch, bool is_tight) {
   const KeptPairs& kept = scratch.kept.pairs;
+  PairListing listing{is_tight, scratch.pair_count_max};
   scratch.unsorted_pairs.clear();
-  if (kept.moving_tree.proxies.empty()) return;
+  if (kept.moving_tree.proxies.empty()) return true;
   const std::size_t proxy_count = kept.moving_tree.proxies.size();
   const bool is_shared = scratch.parallel.chunk_size(proxy_count, 128) < proxy_count;
   const std::uint32_t level = is_shared ? shared_level(kept.moving_tree) : top_level(kept.moving_tree);
@@ -363,17 +386,21 @@ void list_pairs(Scratch& scratch) {
   const std::size_t size = is_shared ? 1 + node_count / 32 : node_count;
   const std::size_t chunk_count = Parallel::chunk_count(node_count, size);
   if (chunk_count == 1) {
-    list_pairs_of_nodes(kept, level, 0, node_count, scratch.unsorted_pairs);
-    return;
+    list_pairs_of_nodes(kept, level, 0, node_count, listing, scratch.unsorted_pairs);
+    return scratch.unsorted_pairs.size() <= listing.count_max;
   }
   if (scratch.pair_parts.size() < chunk_count) scratch.pair_parts.resize(chunk_count);
   scratch.parallel.for_chunks(node_count, size, [&](const Chunk& chunk) {
     scratch.pair_parts[chunk.index].clear();
-    list_pairs_of_nodes(kept, level, chunk.begin, chunk.end, scratch.pair_parts[chunk.index]);
+    list_pairs_of_nodes(kept, level, chunk.begin, chunk.end, listing, scratch.pair_parts[chunk.index]);
   });
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < chunk_count; ++i) count += scratch.pair_parts[i].size();
+  if (count > listing.count_max) return false;
   for (std::size_t i = 0; i < chunk_count; ++i)
     scratch.unsorted_pairs.insert(scratch.unsorted_pairs.end(), scratch.pair_parts[i].begin(),
                                   scratch.pair_parts[i].end());
+  return true;
 }
 
 void build_everything(const Model& model, const State& state, Scratch& scratch) {
@@ -387,7 +414,12 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
   kept.strays.clear();
   build(scratch, true, kept.static_tree);
   build(scratch, false, kept.moving_tree);
-  list_pairs(scratch);
+  const bool fits = list_pairs(scratch, false);
+  if (!fits && !list_pairs(scratch, true)) {
+    are_too_many(scratch, scratch.pair_count_max + 1);
+    return;
+  }
+  kept.is_valid = fits;
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 
@@ -400,11 +432,12 @@ void find_pairs_of(Scratch& scratch, std::uint32_t index) {
   const auto add = [&](std::uint32_t other) {
     if (may_touch(kept.proxies[index], kept.proxies[other]))
       scratch.unsorted_pairs.push_back(index < other ? Pair{index, other} : Pair{other, index});
+    return true;
   };
-  for_each_overlap_of(kept.static_tree, box, [&](std::uint32_t leaf) { add(kept.static_tree.proxies[leaf]); });
+  for_each_overlap_of(kept.static_tree, box, [&](std::uint32_t leaf) { return add(kept.static_tree.proxies[leaf]); });
   for_each_overlap_of(kept.moving_tree, box, [&](std::uint32_t leaf) {
     const std::uint32_t other = kept.moving_tree.proxies[leaf];
-    if (kept.is_stray[other] == 0) add(other);
+    return kept.is_stray[other] != 0 || add(other);
   });
   for (const std::uint32_t other : kept.strays)
     if ((kept.is_stray[other] != strays_now || index < other) && other != index &&
@@ -412,8 +445,9 @@ void find_pairs_of(Scratch& scratch, std::uint32_t index) {
       add(other);
 }
 
-/// Puts the pairs of what has left its large box in the place of those it had.
-void follow_strays(const Model& model, const State& state, Scratch& scratch) {
+/// Puts the pairs of what has left its large box in the place of those it had. False: large boxes have too many pairs,
+/// and all is to be built anew.
+bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
   KeptPairs& kept = scratch.kept.pairs;
   for (const std::uint32_t index : kept.leaving) {
     kept.large_boxes[index] = large_box(model, state, kept, index);
@@ -421,7 +455,10 @@ void follow_strays(const Model& model, const State& state, Scratch& scratch) {
     kept.is_stray[index] = strays_now;
   }
   scratch.unsorted_pairs.clear();
-  for (const std::uint32_t index : kept.leaving) find_pairs_of(scratch, index);
+  for (const std::uint32_t index : kept.leaving) {
+    find_pairs_of(scratch, index);
+    if (scratch.unsorted_pairs.size() > scratch.pair_count_max) return false;
+  }
   sort_pairs(scratch, kept.proxies.size(), scratch.pairs);
   kept.merged.clear();
   std::size_t next = 0;
@@ -437,6 +474,7 @@ void follow_strays(const Model& model, const State& state, Scratch& scratch) {
   while (next < scratch.pairs.size()) kept.merged.push_back(scratch.pairs[next++]);
   kept.pairs.swap(kept.merged);
   for (const std::uint32_t index : kept.leaving) kept.is_stray[index] = 1;
+  return kept.pairs.size() <= scratch.pair_count_max;
 }
 
 /// Copies those of the pairs whose present boxes overlap; returns how many. Without branches: which do is anybody's
@@ -486,12 +524,13 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   kept.is_valid = true;
   follow(model, state, scratch, !boxes_hold);
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
-  if (!fitted || stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size())
+  const bool are_many =
+      stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size();
+  if (!fitted || are_many || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
     build_everything(model, state, scratch);
-  else if (!kept.leaving.empty())
-    follow_strays(model, state, scratch);
 
   scratch.proxies = kept.proxies;
+  if (scratch.has_too_many_pairs) return;
   keep_overlapping(scratch);
 }
 

@@ -86,6 +86,14 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch, Real
                                        sweep_of(model, state, proxy.body, dt, farthest)));
 }
 
+bool are_too_many(Scratch& scratch, std::size_t pair_count) {
+  if (pair_count <= scratch.pair_count_max) return false;
+  scratch.has_too_many_pairs = true;
+  forget(scratch.kept);
+  scratch.pairs.clear();
+  return true;
+}
+
 void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& out) {
   // Two counting sorts, by `second` and then, stable, by `first`.
   std::vector<std::uint32_t>& start = scratch.counts;
@@ -106,13 +114,35 @@ void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
   const std::span<const Proxy> proxies = scratch.proxies;
   const std::vector<Box>& boxes = scratch.boxes;
   scratch.pairs.clear();
-  for (std::uint32_t i = 0; i < proxies.size(); ++i)
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
       if (overlaps(boxes[i], boxes[j]) && may_touch(proxies[i], proxies[j])) scratch.pairs.push_back({i, j});
+    if (are_too_many(scratch, scratch.pairs.size())) return;
+  }
 }
+
+namespace {
+
+/// Counts the pairs of boxes and lists none of them. Where proxies are too few for too many pairs, it does not look.
+bool boxes_are_too_many(Scratch& scratch) {
+  const std::span<const Proxy> proxies = scratch.proxies;
+  const std::vector<Box>& boxes = scratch.boxes;
+  const std::uint64_t count = proxies.size();
+  std::size_t pair_count = 0;
+  if (count == 0 || count * (count - 1) / 2 <= scratch.pair_count_max) return false;
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) {
+    for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
+      pair_count += overlaps(boxes[i], boxes[j]) && may_touch(proxies[i], proxies[j]) ? 1 : 0;
+    if (are_too_many(scratch, pair_count)) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
+  if (boxes_are_too_many(scratch)) return;
   const std::span<const Proxy> proxies = scratch.proxies;
   const Real fall = fall_of_a_tick(model, state);
   const Real farthest = farthest_reach(model, state, dt);
@@ -122,12 +152,15 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
     circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
                                     sweep_of(model, state, proxy.body, dt, farthest)));
   scratch.pairs.clear();
-  for (std::uint32_t i = 0; i < proxies.size(); ++i)
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
       const Real reach = circles[i].radius + circles[j].radius;
       if (length_squared(circles[j].center - circles[i].center) <= reach * reach && may_touch(proxies[i], proxies[j]))
         scratch.pairs.push_back({i, j});
     }
+    // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
+    if (scratch.pairs.size() > scratch.pair_count_max) return brute_force(model, state, scratch, dt);
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

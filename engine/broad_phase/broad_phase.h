@@ -36,6 +36,10 @@ inline bool may_touch(const Proxy& a, const Proxy& b) {
   return a.is_dynamic || b.is_dynamic;
 }
 
+/// Whether so many pairs are more than a tick may have; then also gives up: notes it and lists none. What counts are
+/// pairs that may touch and whose boxes overlap, so that every broad phase gives up in the same tick.
+bool are_too_many(Scratch& scratch, std::size_t pair_count);
+
 /// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`. Works in scratch.counts.
 void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& pairs);
 

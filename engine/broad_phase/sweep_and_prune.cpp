@@ -40,6 +40,7 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
       const std::uint32_t b = entries[j].proxy;
       if (may_touch(proxies[a], proxies[b])) scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     }
+    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return;
   }
   sort_pairs(scratch, proxies.size(), scratch.pairs);
 }

@@ -90,13 +90,14 @@ void add_pair(Scratch& scratch, std::uint32_t a, std::uint32_t b) {
   scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
 }
 
-/// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone.
-void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
+/// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone. False: too
+/// many; so too below.
+bool find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
   const std::span<const Proxy> proxies = scratch.proxies;
   for (std::uint32_t i = begin; i < end; ++i) {
     const CellEntry entry = scratch.cell_entries[i];
     const Proxy& a = proxies[entry.proxy];
-    if (a.is_static) return;  // as is what follows
+    if (a.is_static) return true;  // as is what follows
     const CellRange& cells = scratch.cell_ranges[entry.proxy];
     for (std::uint32_t j = i + 1; j < end; ++j) {
       const CellEntry other = scratch.cell_entries[j];
@@ -108,10 +109,12 @@ void find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t e
       const bool is_lowest_y = entry.y == cells.first_y || entry.y == other_cells.first_y;
       if (is_lowest_x && is_lowest_y) add_pair(scratch, entry.proxy, other.proxy);
     }
+    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return false;
   }
+  return true;
 }
 
-void find_pairs_of_large(Scratch& scratch) {
+bool find_pairs_of_large(Scratch& scratch) {
   const std::span<const Proxy> proxies = scratch.proxies;
   for (std::size_t k = 0; k < scratch.large.size(); ++k) {
     const std::uint32_t a = scratch.large[k];
@@ -123,7 +126,9 @@ void find_pairs_of_large(Scratch& scratch) {
       }
       if (overlaps(scratch.boxes[a], scratch.boxes[b]) && may_touch(proxies[a], proxies[b])) add_pair(scratch, a, b);
     }
+    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return false;
   }
+  return true;
 }
 
 }  // namespace
@@ -142,10 +147,10 @@ void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.unsorted_pairs.clear();
   for (std::uint32_t bucket = 0, begin = 0; bucket <= mask; ++bucket) {
     const std::uint32_t end = scratch.cell_starts[bucket];  // fill_cells moved it to the end of the bucket
-    find_pairs_in_bucket(scratch, begin, end);
+    if (!find_pairs_in_bucket(scratch, begin, end)) return;
     begin = end;
   }
-  find_pairs_of_large(scratch);
+  if (!find_pairs_of_large(scratch)) return;
   sort_pairs(scratch, proxies.size(), scratch.pairs);
 }
 

@@ -1,95 +1,105 @@
-// A state that one process saved is loaded by another, which runs on with the same bits: for every golden scene.
+// States that one process saves are loaded by another, which runs on with the same bits: for every golden scene.
 // SPDX-License-Identifier: MIT
 //
-// A recording with a checkpoint at every tick is the saved states; `verify --from N` is a process of its own that
-// begins at the checkpoint of tick N and compares what follows.
+// This process runs the session of a golden trace and writes a trace of its own, with checkpoints at random ticks: the
+// saved states. `verify --mode restore --to-end` is a process of its own that loads each of them into a simulation just
+// made, runs on to the end of the session, and compares every tick with what was recorded here.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "engine/math/random.h"
+#include "engine/scene_binary.h"
+#include "replay/trace_reader.h"
+#include "replay/trace_writer.h"
 #include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "verifier/session.h"
 
 namespace fs = std::filesystem;
 
 namespace ticktrue::test {
 namespace {
 
-constexpr std::uint64_t ticks_compared = 20;
+/// Some of 0 .. end - 1, and always 0: a trace begins with a checkpoint.
+std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, engine::Random& random) {
+  std::set<std::uint64_t> ticks{0};
+  while (ticks.size() < count && ticks.size() < end) ticks.insert(random.below(end));
+  return ticks;
+}
 
-struct GoldenRow {
-  std::string file, scene, inputs, ticks;
-};
-
-std::vector<GoldenRow> golden_rows() {
-  std::ifstream in(std::string(TICKTRUE_SOURCE_DIR) + "/traces/MANIFEST.tsv");
-  std::vector<GoldenRow> rows;
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream fields(line);
-    GoldenRow row;
-    std::getline(fields, row.file, '\t');
-    std::getline(fields, row.scene, '\t');
-    std::getline(fields, row.inputs, '\t');
-    std::getline(fields, row.ticks, '\t');
-    if (row.file != "file") rows.push_back(row);
+/// Runs the session of the golden trace at `from` anew, saving its state at these ticks.
+void record_with_checkpoints(const std::string& from, const std::string& to, std::size_t checkpoint_count,
+                             engine::Random& random) {
+  auto reader = replay::TraceReader::open(from);
+  REQUIRE(reader.has_value());
+  const auto scene = engine::decode_scene(reader->setup().setup);
+  REQUIRE(scene.has_value());
+  const auto engine = make_engine_or_fail(*scene);
+  verifier::TraceChoices choices;
+  choices.checkpoint_interval = 0;
+  replay::WriterOptions options;
+  options.overwrite = true;
+  options.sync = false;
+  auto writer = replay::TraceWriter::create(to, verifier::make_trace_setup(*engine, choices),
+                                            verifier::make_build_facts(), options);
+  REQUIRE(writer.has_value());
+  const std::uint64_t end = reader->tick_count_hint().value_or(0);
+  const std::set<std::uint64_t> saved = random_ticks(end, checkpoint_count, random);
+  REQUIRE(saved.size() == checkpoint_count);
+  while (true) {
+    const replay::TraceReader::Item& item = reader->next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (record == nullptr) continue;
+    if (saved.count(record->tick) != 0)
+      REQUIRE(writer->checkpoint(engine->state(), root_hash(engine->state())).has_value());
+    const TickInput input{record->dt, record->inputs};
+    REQUIRE(writer->begin_tick(input).has_value());
+    engine->step(input, nullptr);
+    REQUIRE(writer->end_tick(root_hash(engine->state()), {}, nullptr).has_value());
   }
-  return rows;
+  REQUIRE(writer->tick_count() == end);
+  REQUIRE(writer->finish(replay::EndReason::complete, "").has_value());
 }
 
-// Runs the tool in the repository's directory; true if it says 0.
-bool run(const std::string& arguments) {
-  const std::string command = std::string("cd '") + TICKTRUE_SOURCE_DIR + "' && '" + TICKTRUE_TOOL + "' " + arguments;
-  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
+/// Whether the tool says 0.
+bool runs(const std::string& arguments) {
+  return std::system((std::string("'") + TICKTRUE_TOOL + "' " + arguments + " > /dev/null 2>&1").c_str()) == 0;
 }
 
-// host:NAME:SEED are the frames of a host, anything else is a file.
-std::string inputs_of(const GoldenRow& row) {
-  const std::string prefix = "host:";
-  if (row.inputs == "-") return "";
-  if (row.inputs.compare(0, prefix.size(), prefix) != 0) return " --inputs '" + row.inputs + "'";
-  const std::size_t colon = row.inputs.find(':', prefix.size());
-  return " --host " + row.inputs.substr(prefix.size(), colon - prefix.size()) + " --host-seed " +
-         row.inputs.substr(colon + 1);
-}
-
-// Every `stride`-th golden, at this many random ticks.
-void check_goldens(std::size_t stride, int tick_count) {
+/// Every `stride`-th golden, at this many ticks.
+void check_goldens(std::size_t stride, std::size_t checkpoint_count) {
   const fs::path place = fs::temp_directory_path() / ("ticktrue_fresh_process_" + std::to_string(stride));
   fs::create_directories(place);
-  const std::vector<GoldenRow> rows = golden_rows();
-  REQUIRE(rows.size() >= 22);
+  std::set<fs::path> goldens;  // by name
+  for (const auto& entry : fs::directory_iterator(std::string(TICKTRUE_SOURCE_DIR) + "/traces"))
+    if (entry.path().extension() == ".ttr") goldens.insert(entry.path());
+  REQUIRE(goldens.size() >= 49);
   engine::Random random(stride);
-  for (std::size_t i = 0; i < rows.size(); i += stride) {
-    const GoldenRow& row = rows[i];
-    CAPTURE(row.file);
-    const std::string trace = "'" + (place / row.file).string() + "'";
-    std::string recording = "record '" + row.scene + "' --checkpoint-interval 1 --force -o " + trace;
-    recording += inputs_of(row);
-    if (row.ticks != "-") recording += " --ticks " + row.ticks;
-    REQUIRE(run(recording));
-    const std::uint64_t end = row.ticks != "-" ? std::stoull(row.ticks) : 120;
-    for (int k = 0; k < tick_count; ++k) {
-      const std::uint64_t from = random.below(end);
-      CAPTURE(from);
-      const std::uint64_t to = from + ticks_compared < end ? from + ticks_compared : end;
-      CHECK(run("verify " + trace + " --from " + std::to_string(from) + " --to " + std::to_string(to)));
-    }
-    fs::remove(place / row.file);
+  std::size_t index = 0;
+  for (const fs::path& golden : goldens) {
+    if (index++ % stride != 0) continue;
+    CAPTURE(golden);
+    const std::string trace = (place / golden.filename()).string();
+    record_with_checkpoints(golden.string(), trace, checkpoint_count, random);
+    CHECK(runs("verify '" + trace + "' --mode restore --to-end"));
+    fs::remove(trace);
   }
   fs::remove_all(place);
 }
 
 }  // namespace
 
-TEST_CASE("a state saved by one process runs on with the same bits in another", "[cli][restore][determinism]") {
-  check_goldens(9, 2);
+TEST_CASE("states that one process saves at 50 random ticks run on with the same bits in another",
+          "[cli][restore][determinism]") {
+  check_goldens(5, 50);
 }
 
-TEST_CASE("states of every golden scene, at 50 random ticks, run on with the same bits in other processes",
+TEST_CASE("states of every golden scene, at 50 random ticks, run on with the same bits in another process",
           "[cli][restore][determinism][.slow]") {
   check_goldens(1, 50);
 }

@@ -38,6 +38,7 @@ class FaultyEngine : public Simulation {
     image[at + fault_.bit / 8] = static_cast<std::uint8_t>(image[at + fault_.bit / 8] ^ 1u << fault_.bit % 8);
     if (!engine_.load(image)) std::abort();
   }
+  Status last_step() const override { return engine_.last_step(); }
   const StateView& state() const override { return engine_.state(); }
   Status load(ByteView image) override { return engine_.load(image); }
   std::span<const std::string> stage_names() const override { return engine_.stage_names(); }

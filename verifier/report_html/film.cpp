@@ -226,6 +226,11 @@ class Filming {
       return;
     }
     here_.simulation->step(input, nullptr);
+    if (const Status did = here_.simulation->last_step(); !did) {
+      film_.stopped = did.error().message;
+      add_to_strip(record.tick, TickMatch::not_compared);
+      return;
+    }
     film_.ticks_run = record.tick + 1;
     film_.time_s = time_s_;
     const bool same = root_hash(here_.simulation->state()) == record.root_hash;

@@ -99,6 +99,7 @@ Status run_on_frames(const Problem& problem, const Method& method, const Setting
     if (!input) return input.error();
     if (!*input) break;
     run.engine().step(**input, nullptr);
+    if (const Status did = run.engine().last_step(); !did) return did.error();
     observed.step_time_s += computed_s() - start;
     note_sample(problem, run.engine(), observed);
   }

@@ -309,6 +309,10 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
       const double computed_s = run.step(*input);
       step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
                                         : computed_s;
+      if (const Status did = engine.last_step(); !did) {
+        course.why_not = did.error().message;
+        return course;
+      }
       course.dts.push_back(input->dt);
       course.bits.push_back(bits_of(engine.state()));
       course.root.push_back(root_hash(engine.state()));
