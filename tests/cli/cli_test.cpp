@@ -249,6 +249,10 @@ TEST_CASE("compare, accuracy and stress print what they found, and refuse what t
 TEST_CASE("the window's sessions and pictures work without a display", "[cli][play]") {
   run_cases("play.case");
 }
+
+TEST_CASE("more shapes in one place than a tick can look at are told, and what came before is kept", "[cli][limits]") {
+  run_cases("crowds.case");
+}
 TEST_CASE("ten scenes are described word for word", "[cli][describe][golden]") {
   // describe.expected: files as in cases, and after each line "$ COMMAND" what it prints.
   const fs::path path = root / "tests/cli/describe.expected";
