@@ -38,6 +38,20 @@ bool is_in(const Scratch& scratch, const Landing& landing) {
   return scratch.body_group[scratch.touching[landing.contact].body_a] == scratch.group_index;
 }
 
+std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
+  while (scratch.island_parent[row] != row) row = scratch.island_parent[row];
+  return row;
+}
+
+/// Joints would take the impulses of a landing along as forces, which throw what they join: islands with joints are
+/// left to the passes of each substep.
+void leave_out_joined(const State& state, Scratch& scratch) {
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference)
+      for (const std::uint32_t id : {joint.body_a, joint.body_b})
+        scratch.island_lands[island_of(scratch, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
+}
+
 }  // namespace
 
 void find_landings(const Model& model, const State& state, Scratch& scratch, Real dt) {
@@ -47,8 +61,7 @@ void find_landings(const Model& model, const State& state, Scratch& scratch, Rea
     const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
     const bool b_moves = model.bodies[state.bodies[pair.body_b].source].type == BodyType::dynamic_body;
     if (!a_moves || !b_moves || !(scratch.load[pair.body_a] > 0 || scratch.load[pair.body_b] > 0)) continue;
-    std::uint32_t root = pair.body_a;
-    while (scratch.island_parent[root] != root) root = scratch.island_parent[root];
+    const std::uint32_t root = island_of(scratch, pair.body_a);
     const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
     const Real h = dt / static_cast<Real>(scratch.island_level[root]);
     const Real allowed = target * pair.size;
@@ -56,6 +69,7 @@ void find_landings(const Model& model, const State& state, Scratch& scratch, Rea
     scratch.landings.push_back({contact, closing, allowed});
     scratch.island_lands[root] = 1;
   }
+  leave_out_joined(state, scratch);
 }
 
 void begin_landings(Scratch& scratch, const SolveGroup& group) {
