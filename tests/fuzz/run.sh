@@ -1,6 +1,7 @@
 #!/bin/sh
 # Runs fuzz harnesses that are built: run.sh CORES SECONDS [NAME...]; a line each, and what they found in out/fuzz/found.
-# With --short BUILD before them: those of that build, which change seeds at random, without libFuzzer.
+# With --short BUILD before them: those of that build, which change seeds at random, without libFuzzer; FUZZ_SEED fixes
+# the changes.
 # SPDX-License-Identifier: MIT
 set -u
 cd "$(dirname "$0")/../.." || exit 2
@@ -37,7 +38,7 @@ fi
 how=one
 if [ "${1-}" = --short ]; then
   build=$2
-  how="random $build $(date +%s)"
+  how="random $build ${FUZZ_SEED:-$(date +%s)}"
   shift 2
 fi
 cores=$1
