@@ -235,6 +235,7 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
       if (peer) peers.push_back(time_block(options.clock, block, [&] { peer.step(); }));
       tick += block;
     }
+    if (const Status did = engine.last_step(); !did) return did.error();  // ticks that were not made cost nothing
     const std::uint64_t hash = root_hash(engine.state());
     if (peer.one_thread != nullptr && root_hash(peer.one_thread->state()) != hash)
       return Error{ErrorCode::incompatible, scene.name + ": one thread and several give different states",

@@ -15,6 +15,9 @@
 #include "include/ticktrue.h"
 #include "replay/trace_reader.h"
 #include "tests/support/catch.h"
+#include "tests/support/text.h"
+
+using ticktrue::test::contains;
 
 namespace {
 
@@ -147,10 +150,6 @@ Outcome play(const ticktrue_options& options, std::uint64_t tick_count) {
 std::vector<char> bytes_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

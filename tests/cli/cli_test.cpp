@@ -29,6 +29,9 @@
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "tests/support/text.h"
+
+using ticktrue::test::contains;
 
 namespace {
 
@@ -146,10 +149,6 @@ std::vector<Case> read_cases(const fs::path& path) {
     cases.back().steps.back().checks.push_back({line, std::string(*kind), line.substr(kind->size())});
   }
   return cases;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 long count_lines(const std::string& text, std::string_view beginning) {

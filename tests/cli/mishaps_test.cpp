@@ -78,7 +78,7 @@ void require_part_of(const ReadTrace& part, const ReadTrace& whole) {
 }
 
 /// A session on disk, and its undisturbed recording.
-struct Session {
+struct RecordedSession {
   static constexpr std::uint64_t tick_count = 6'000;
   TemporaryFolder folder;
   std::string scene_path = folder.file("three.json");
@@ -88,7 +88,7 @@ struct Session {
   ReadTrace whole;
   std::size_t whole_size = 0;
 
-  Session() {
+  RecordedSession() {
     std::ofstream(scene_path) << scene;
     write_inputs(inputs_path, tick_count);
     const std::string path = folder.file("whole.ttr");
@@ -108,7 +108,7 @@ struct Session {
 }  // namespace
 
 TEST_CASE("a recording killed at any moment keeps every earlier input and hash", "[cli][mishaps][corruption]") {
-  const Session session;
+  const RecordedSession session;
   std::uint64_t state = 1;
   int killed_count = 0;
   for (int round = 0; round < 20; ++round) {
@@ -146,7 +146,7 @@ TEST_CASE("a recording killed at any moment keeps every earlier input and hash",
 }
 
 TEST_CASE("a full disk ends a recording with one line, and every earlier tick is safe", "[cli][mishaps][corruption]") {
-  const Session session;
+  const RecordedSession session;
   for (const std::size_t size : {std::size_t{300}, std::size_t{700}, session.whole_size / 3, session.whole_size - 1}) {
     CAPTURE(size);
     ::unlink(session.output.c_str());
@@ -171,7 +171,7 @@ TEST_CASE("a full disk ends a recording with one line, and every earlier tick is
 }
 
 TEST_CASE("a place that may not be written to is told, and nothing there changes", "[cli][mishaps][analytic]") {
-  const Session session;
+  const RecordedSession session;
   const std::string locked = session.folder.file("locked");
   REQUIRE(::mkdir(locked.c_str(), 0555) == 0);
   const std::string inside = locked + "/x.ttr";

@@ -11,6 +11,7 @@
 #include "engine/engine.h"
 #include "engine/math/trig.h"
 #include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 
 using namespace ticktrue;
@@ -32,11 +33,6 @@ std::unique_ptr<Engine> engine_of(const Scene& scene) {
   auto made = engine::make_engine(scene);
   if (!made) FAIL(made.error().message);
   return std::move(*made);
-}
-
-void run_ticks(Engine& engine, int tick_count) {
-  const TickInput input{engine.scene().settings.dt, {}};
-  for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
 }
 
 BodyReport body_at_end(const Scene& scene, int tick_count, std::size_t body) {

@@ -48,7 +48,7 @@ Shape circle(double radius, Point center = {}, double density = 1) {
   return shape;
 }
 
-Body body_of(std::vector<Shape> shapes) {
+Body body_with(std::vector<Shape> shapes) {
   Body body;
   body.shapes = std::move(shapes);
   return body;
@@ -247,7 +247,7 @@ TEST_CASE("lines have no mass, and a body of them takes what it states", "[engin
   Shape segment;
   segment.kind = ShapeKind::segment;
   segment.vertices = {{1, 2}, {3, 4}};
-  Body body = body_of({segment});
+  Body body = body_with({segment});
   CHECK(body_mass(body).mass == 0);
   CHECK(body_mass(body).center == Point{0, 0});
   body.shapes.push_back(segment);
@@ -265,14 +265,14 @@ TEST_CASE("lines have no mass, and a body of them takes what it states", "[engin
 
 TEST_CASE("several shapes add up by the parallel axis theorem", "[engine][mass][analytic]") {
   // Two half boxes are the whole box.
-  const MassProperties whole = body_mass(body_of({box(2, 1)}));
-  const MassProperties halves = body_mass(body_of({box(1, 1, {-1, 0}), box(1, 1, {1, 0})}));
+  const MassProperties whole = body_mass(body_with({box(2, 1)}));
+  const MassProperties halves = body_mass(body_with({box(1, 1, {-1, 0}), box(1, 1, {1, 0})}));
   CHECK(halves.mass == Approx(whole.mass));
   CHECK(halves.inertia == Approx(whole.inertia).epsilon(1e-14));
   CHECK(halves.center == Point{0, 0});
 
   // A dumbbell: I = 2 (m r^2 / 2 + m d^2).
-  const MassProperties bell = body_mass(body_of({circle(0.5, {-3, 5}), circle(0.5, {3, 5})}));
+  const MassProperties bell = body_mass(body_with({circle(0.5, {-3, 5}), circle(0.5, {3, 5})}));
   const double m = pi / 4;
   CHECK(bell.mass == Approx(2 * m));
   CHECK(bell.center.y == Approx(5));
@@ -280,7 +280,7 @@ TEST_CASE("several shapes add up by the parallel axis theorem", "[engine][mass][
 }
 
 TEST_CASE("a stated mass scales the inertia, and what is stated counts", "[engine][mass][analytic]") {
-  Body body = body_of({box(1, 0.5, {2, 0})});
+  Body body = body_with({box(1, 0.5, {2, 0})});
   body.mass = ExplicitMass{8, {}, {}};
   CHECK(body_mass(body).mass == 8);
   CHECK(body_mass(body).inertia == Approx(8 * (4 + 1) / 12.0));
@@ -291,7 +291,7 @@ TEST_CASE("a stated mass scales the inertia, and what is stated counts", "[engin
   body.fixed_rotation = true;
   CHECK(body_mass(body).inertia == 0);
   CHECK(body_mass(body).mass == 8);
-  body = body_of({box(1, 0.5, {2, 0})});
+  body = body_with({box(1, 0.5, {2, 0})});
   body.type = BodyType::static_body;
   CHECK(body_mass(body).mass == 0);
   CHECK(body_mass(body).inertia == 0);

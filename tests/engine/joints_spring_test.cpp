@@ -15,12 +15,7 @@ using engine::Engine;
 
 namespace {
 
-constexpr double dt = 1.0 / 60;
 constexpr double h = dt / 4;
-
-void run_ticks(Engine& engine, int tick_count) {
-  for (int i = 0; i < tick_count; ++i) engine.step({dt, {}}, nullptr);
-}
 
 // 1 kg on a spring of 1 m that is stretched by `stretch`.
 Scene spring_scene(Precision precision, double stiffness, double damping, double stretch) {

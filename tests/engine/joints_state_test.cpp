@@ -12,8 +12,6 @@ using engine::InputKind;
 
 namespace {
 
-constexpr double dt = 1.0 / 60;
-
 Bytes encoded(const Input& input) {
   Bytes bytes;
   engine::encode_inputs({input}, bytes);

@@ -18,7 +18,6 @@ using engine::pi;
 
 namespace {
 
-constexpr double dt = 1.0 / 60;
 // w^2 at four substeps.
 constexpr double stiffness = (2 * pi * 0.25 * 4 / dt) * (2 * pi * 0.25 * 4 / dt);
 
@@ -44,10 +43,6 @@ double kinetic_energy(const std::vector<BodyReport>& bodies) {
     energy += 0.5 * b.mass * (b.velocity.x * b.velocity.x + b.velocity.y * b.velocity.y) +
               0.5 * b.inertia * b.angular_velocity * b.angular_velocity;
   return energy;
-}
-
-void run_ticks(Engine& engine, int ticks) {
-  for (int i = 0; i < ticks; ++i) engine.step({dt, {}}, nullptr);
 }
 
 Scene grid_of(const char* precision) {

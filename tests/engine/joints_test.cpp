@@ -19,12 +19,6 @@ using engine::pi;
 
 namespace {
 
-constexpr double dt = 1.0 / 60;
-
-void run_ticks(Engine& engine, int tick_count) {
-  for (int i = 0; i < tick_count; ++i) engine.step({dt, {}}, nullptr);
-}
-
 double length_of(Point a, Point b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }

@@ -20,10 +20,6 @@ namespace {
 
 constexpr Precision both_precisions[]{Precision::f32, Precision::f64};
 
-void run_ticks(Engine& engine, int tick_count) {
-  for (int i = 0; i < tick_count; ++i) engine.step({engine.scene().settings.dt, {}}, nullptr);
-}
-
 // ---- On a slope of 20 degrees ----
 
 const engine::SinCos slope = engine::sin_cos(20 * pi / 180);

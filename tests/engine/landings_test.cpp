@@ -20,10 +20,6 @@ constexpr double slop = 0.005;  // m
 constexpr double gravity = 10;  // m/s^2
 constexpr double drops[] = {0.1, 0.5, 1.0, 2.0, 5.0};
 
-void run_ticks(Engine& engine, int tick_count) {
-  for (int i = 0; i < tick_count; ++i) engine.step({engine.scene().settings.dt, {}}, nullptr);
-}
-
 // Towers of unit boxes at these places, body 0 is the ground.
 Scene towers_scene(int count, const std::vector<double>& places, Precision precision = Precision::f32) {
   Scene scene = empty_scene(precision);

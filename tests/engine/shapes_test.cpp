@@ -24,11 +24,6 @@ using engine::Random;
 
 namespace {
 
-void run_ticks(Engine& engine, int tick_count) {
-  const TickInput input{engine.scene().settings.dt, {}};
-  for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
-}
-
 // ---- Distance of two cores by brute force ----
 
 struct Placed {

@@ -21,10 +21,6 @@ namespace {
 
 constexpr int twenty_seconds = 1200;  // ticks
 
-void run_ticks(Engine& engine, int tick_count) {
-  for (int i = 0; i < tick_count; ++i) engine.step({engine.scene().settings.dt, {}}, nullptr);
-}
-
 // Boxes of `size` m and 1 kg/m^2 upon each other, each shifted sideways by up to `jitter` m. Body 0 is the ground.
 Scene tower_scene(int count, double jitter = 0, std::uint64_t seed = 1, double size = 1,
                   Precision precision = Precision::f32) {

@@ -4,7 +4,6 @@
 
 #include <fstream>
 
-#include "engine/builtin_scenes.h"
 #include "play/playback.h"
 #include "tests/play/playing.h"
 #include "tests/support/catch.h"
@@ -13,12 +12,6 @@ namespace ticktrue {
 namespace {
 
 const auto never = [] { return false; };
-
-engine::Scene scene_of(const char* text) {
-  auto scene = engine::make_builtin_scene(text);
-  REQUIRE(scene);
-  return std::move(*scene);
-}
 
 std::unique_ptr<play::Player> open_player(const std::string& path) {
   auto player = play::Player::open(path);
@@ -39,7 +32,8 @@ constexpr std::uint64_t no_flip = UINT64_MAX;
 TEST_CASE("wherever a trace is sought, the state is the recorded one", "[play][player]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("a.ttr");
-  test::record_flipped(scene_of("pyramid?base=5"), 400, no_flip, 0, choices_of(replay::Detail::root, 90), path);
+  test::record_flipped(test::builtin_scene("pyramid?base=5"), 400, no_flip, 0, choices_of(replay::Detail::root, 90),
+                       path);
   const auto player = open_player(path);
   REQUIRE(player->tick_count() == 400);
   CHECK(player->checkpoints() == std::vector<std::uint64_t>{0, 90, 180, 270, 360});
@@ -56,7 +50,8 @@ TEST_CASE("wherever a trace is sought, the state is the recorded one", "[play][p
 TEST_CASE("a seek to a far tick begins at a checkpoint and leaves what lies between unknown", "[play][player]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("a.ttr");
-  test::record_flipped(scene_of("stack?boxes=3"), 400, no_flip, 0, choices_of(replay::Detail::root, 100), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=3"), 400, no_flip, 0, choices_of(replay::Detail::root, 100),
+                       path);
   const auto player = open_player(path);
   player->go_to(310, true, never);
   CHECK(player->match(0) == play::Match::unknown);
@@ -69,7 +64,8 @@ TEST_CASE("a seek to a far tick begins at a checkpoint and leaves what lies betw
 TEST_CASE("a long way is run in pieces", "[play][player]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("a.ttr");
-  test::record_flipped(scene_of("stack?boxes=3"), 200, no_flip, 0, choices_of(replay::Detail::root, 0), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=3"), 200, no_flip, 0, choices_of(replay::Detail::root, 0),
+                       path);
   const auto player = open_player(path);
   int ticks = 0;
   for (int piece = 1; piece <= 4; ++piece) {
@@ -83,7 +79,7 @@ TEST_CASE("a divergence stops the player, and the verifier names the body whose 
   const test::TemporaryDirectory directory;
   for (const replay::Detail detail : {replay::Detail::full, replay::Detail::cells}) {
     const std::string path = directory.file("bad.ttr");
-    test::record_flipped(scene_of("pyramid?base=4"), 240, 130, 5, choices_of(detail, 50), path);
+    test::record_flipped(test::builtin_scene("pyramid?base=4"), 240, 130, 5, choices_of(detail, 50), path);
     const auto player = open_player(path);
     CHECK(player->report() == nullptr);
     CHECK(player->search(never));
@@ -113,7 +109,8 @@ TEST_CASE("a divergence stops the player, and the verifier names the body whose 
 TEST_CASE("of a cut trace what is intact plays; what is no trace is refused", "[play][player][corruption]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("a.ttr");
-  test::record_flipped(scene_of("stack?boxes=3"), 200, no_flip, 0, choices_of(replay::Detail::root, 50), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=3"), 200, no_flip, 0, choices_of(replay::Detail::root, 50),
+                       path);
   const std::string bytes = test::file_bytes(path);
   const auto write = [&](const std::string& text) { std::ofstream(directory.file("b.ttr"), std::ios::binary) << text; };
   write(bytes.substr(0, bytes.size() * 3 / 4));
@@ -157,7 +154,8 @@ play::Event mouse(play::EventKind kind, double x, double y) {
 TEST_CASE("keys and timeline lead where they say", "[play][playback]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("a.ttr");
-  test::record_flipped(scene_of("stack?boxes=3"), 300, no_flip, 0, choices_of(replay::Detail::root, 100), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=3"), 300, no_flip, 0, choices_of(replay::Detail::root, 100),
+                       path);
   const auto player = open_player(path);
   play::Playback playback(*player, nullptr, play::first_view(player->engine(), 800, 600), {});
   const auto press = [&](const std::string& name) {
@@ -198,7 +196,7 @@ TEST_CASE("keys and timeline lead where they say", "[play][playback]") {
 TEST_CASE("playing stops at the divergence, goes on when asked, and d leads back to it", "[play][playback]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("bad.ttr");
-  test::record_flipped(scene_of("stack?boxes=4"), 120, 60, 2, choices_of(replay::Detail::cells, 50), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=4"), 120, 60, 2, choices_of(replay::Detail::cells, 50), path);
   const auto player = open_player(path);
   play::Playback playback(*player, nullptr, play::first_view(player->engine(), 800, 600), {});
   for (int i = 0; i < 200; ++i) playback.take(frame_with({}), never);
@@ -214,7 +212,7 @@ TEST_CASE("playing stops at the divergence, goes on when asked, and d leads back
 TEST_CASE("d finds the first difference from anywhere, also behind it", "[play][playback]") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("bad.ttr");
-  test::record_flipped(scene_of("stack?boxes=4"), 400, 130, 2, choices_of(replay::Detail::cells, 50), path);
+  test::record_flipped(test::builtin_scene("stack?boxes=4"), 400, 130, 2, choices_of(replay::Detail::cells, 50), path);
   const auto player = open_player(path);
   play::Playback playback(*player, nullptr, play::first_view(player->engine(), 800, 600), {});
   playback.take(frame_with({key("end")}), never);
@@ -233,10 +231,10 @@ TEST_CASE("d finds the first difference from anywhere, also behind it", "[play][
 
 TEST_CASE("a second trace is kept at the same tick", "[play][playback]") {
   const test::TemporaryDirectory directory;
-  test::record_flipped(scene_of("stack?boxes=3"), 100, no_flip, 0, choices_of(replay::Detail::root, 0),
+  test::record_flipped(test::builtin_scene("stack?boxes=3"), 100, no_flip, 0, choices_of(replay::Detail::root, 0),
                        directory.file("a.ttr"));
-  test::record_flipped(scene_of("stack?boxes=3&substeps=8"), 80, no_flip, 0, choices_of(replay::Detail::root, 0),
-                       directory.file("b.ttr"));
+  test::record_flipped(test::builtin_scene("stack?boxes=3&substeps=8"), 80, no_flip, 0,
+                       choices_of(replay::Detail::root, 0), directory.file("b.ttr"));
   const auto one = open_player(directory.file("a.ttr"));
   const auto other = open_player(directory.file("b.ttr"));
   play::Playback playback(*one, other.get(), play::first_view(one->engine(), 800, 600), {});

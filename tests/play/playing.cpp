@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/builtin_scenes.h"
 #include "play/script.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
@@ -22,6 +23,12 @@ TemporaryDirectory::TemporaryDirectory() {
 TemporaryDirectory::~TemporaryDirectory() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
+}
+
+engine::Scene builtin_scene(const char* text) {
+  auto scene = engine::make_builtin_scene(text);
+  REQUIRE(scene);
+  return std::move(*scene);
 }
 
 std::string file_bytes(const std::string& path) {

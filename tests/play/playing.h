@@ -44,6 +44,9 @@ PlayedSession play_script(const engine::Scene& scene, const std::string& script,
 
 std::string file_bytes(const std::string& path);
 
+/// Fails the test where there is none of that name.
+engine::Scene builtin_scene(const char* text);
+
 /// Records `tick_count` ticks of the scene. At the end of tick `flip_tick` the lowest bit of a value of a body is
 /// flipped in the recorded run: a trace that this build does not repeat. No flip beyond the end.
 void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::uint64_t flip_tick, std::uint32_t body,

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "engine/builtin_scenes.h"
 #include "play/world_picture.h"
 #include "replay/trace_reader.h"
 #include "tests/play/playing.h"
@@ -18,12 +17,6 @@ namespace {
 
 using test::play_script;
 using test::PlayedSession;
-
-engine::Scene scene_of(const char* text) {
-  auto scene = engine::make_builtin_scene(text);
-  REQUIRE(scene);
-  return std::move(*scene);
-}
 
 std::string event(double t, const std::string& rest) {
   return "{\"t\":" + std::to_string(t) + ",\"event\":" + rest + "}\n";
@@ -80,12 +73,13 @@ TEST_CASE("a session is the same trace, byte for byte, at 30, 60, 144 and 17 fra
   const test::TemporaryDirectory directory;
   for (const char* name : {"thesis", "thesis?precision=f64", "pyramid?base=6"}) {
     CAPTURE(name);
-    const PlayedSession at_60 = play_script(scene_of(name), busy_script(), 60, directory.file("60.ttr"));
+    const PlayedSession at_60 = play_script(test::builtin_scene(name), busy_script(), 60, directory.file("60.ttr"));
     REQUIRE(at_60.tick_count > 120);
     REQUIRE(at_60.engine->bodies().size() > 20);
     for (const double hz : {30.0, 144.0, 17.0}) {
       CAPTURE(hz);
-      const PlayedSession other = play_script(scene_of(name), busy_script(), hz, directory.file("other.ttr"));
+      const PlayedSession other =
+          play_script(test::builtin_scene(name), busy_script(), hz, directory.file("other.ttr"));
       std::filesystem::remove(directory.file("other.ttr"));
       CHECK(other.tick_count == at_60.tick_count);
       CHECK((other.trace == at_60.trace));
@@ -93,7 +87,7 @@ TEST_CASE("a session is the same trace, byte for byte, at 30, 60, 144 and 17 fra
     // The control: a click a tick later is another session.
     std::string later = busy_script();
     later.replace(later.find("0.0113"), 6, "0.0413");
-    CHECK((play_script(scene_of(name), later, 60, directory.file("later.ttr")).trace != at_60.trace));
+    CHECK((play_script(test::builtin_scene(name), later, 60, directory.file("later.ttr")).trace != at_60.trace));
     std::filesystem::remove(directory.file("later.ttr"));
     std::filesystem::remove(directory.file("60.ttr"));
   }
@@ -101,12 +95,13 @@ TEST_CASE("a session is the same trace, byte for byte, at 30, 60, 144 and 17 fra
 
 TEST_CASE("looking with every layer on changes no bit of what is recorded", "[play][determinism]") {
   const test::TemporaryDirectory directory;
-  const PlayedSession plain = play_script(scene_of("thesis"), busy_script(), 60, directory.file("plain.ttr"));
+  const PlayedSession plain =
+      play_script(test::builtin_scene("thesis"), busy_script(), 60, directory.file("plain.ttr"));
   play::LayerSet all;
   for (const play::LayerInfo& info : play::all_layers) all.toggle(info.layer);
   play::Canvas canvas(800, 600);
   std::unique_ptr<play::WorldPicture> picture;
-  const PlayedSession drawn = play_script(scene_of("thesis"), busy_script(), 60, directory.file("drawn.ttr"),
+  const PlayedSession drawn = play_script(test::builtin_scene("thesis"), busy_script(), 60, directory.file("drawn.ttr"),
                                           [&](const engine::Engine& engine, const play::Session& session) {
                                             if (!picture) picture = std::make_unique<play::WorldPicture>(engine);
                                             picture->draw(canvas, session.view(), all);
@@ -119,7 +114,7 @@ TEST_CASE("what was played verifies, from the scene inside the trace", "[play][v
   for (const char* name : {"thesis", "bridge?planks=8", "shapes?bodies=10", "projectile"}) {
     CAPTURE(name);
     const std::string path = directory.file("played.ttr");
-    const PlayedSession played = play_script(scene_of(name), busy_script(), 60, path);
+    const PlayedSession played = play_script(test::builtin_scene(name), busy_script(), 60, path);
     auto reader = replay::TraceReader::open(path);
     REQUIRE(reader);
     CHECK(*verifier::scene_of(reader->setup()) == played.playable->scene);
@@ -138,7 +133,7 @@ TEST_CASE("each button makes its piece where it was clicked, ctrl makes it stati
                              mouse(0.04, "click", "middle", 300, 100) + mouse(0.05, "click", "left", 400, 100, true) +
                              mouse(0.06, "click", "right", 500, 100, true) +
                              mouse(0.07, "click", "middle", 600, 100, true) + quit(0.12);
-  engine::Scene scene = scene_of("thesis");
+  engine::Scene scene = test::builtin_scene("thesis");
   scene.gravity = {0, 0};
   const PlayedSession played = play_script(scene, script, 60, directory.file("a.ttr"));
   const std::vector<engine::BodyReport> bodies = played.engine->bodies();
@@ -157,7 +152,7 @@ TEST_CASE("each button makes its piece where it was clicked, ctrl makes it stati
 
 TEST_CASE("a press on a body pulls it to the pointer, and a release lets it go", "[play][inputs]") {
   const test::TemporaryDirectory directory;
-  engine::Scene scene = scene_of("thesis");
+  engine::Scene scene = test::builtin_scene("thesis");
   scene.gravity = {0, 0};
   const std::string begin = mouse(0.02, "click", "left", 150, 150) + mouse(0.2, "press", "left", 150, 150) +
                             move(0.3, 250, 200) + move(0.4, 330, 130);
@@ -182,18 +177,19 @@ TEST_CASE("nothing is made inside of a body", "[play][inputs]") {
   const std::string script = mouse(0.02, "click", "left", 400, 590) + mouse(0.03, "click", "right", 400, 590) +
                              mouse(0.04, "click", "middle", 205, 300) + mouse(0.05, "click", "left", 205, 300, true) +
                              quit(0.1);
-  CHECK(play_script(scene_of("thesis"), script, 60, directory.file("a.ttr")).engine->bodies().size() == 5);
+  CHECK(play_script(test::builtin_scene("thesis"), script, 60, directory.file("a.ttr")).engine->bodies().size() == 5);
 }
 
 TEST_CASE("while paused no tick runs; each . runs one", "[play][pause]") {
   const test::TemporaryDirectory directory;
   const std::string script = key(0.51, "space") + key(1.0, ".") + key(1.1, ".") + key(1.2, ".") +
                              mouse(1.3, "click", "left", 100, 100) + quit(5);
-  const PlayedSession played = play_script(scene_of("stack"), script, 60, directory.file("a.ttr"));
+  const PlayedSession played = play_script(test::builtin_scene("stack"), script, 60, directory.file("a.ttr"));
   CHECK(played.tick_count == 30 + 3);
   CHECK(count_of(*played.engine, "circle") == 0);  // clicked while paused: its tick never came
-  const PlayedSession stepped = play_script(
-      scene_of("stack"), script.substr(0, script.rfind("{")) + key(1.4, ".") + quit(5), 60, directory.file("b.ttr"));
+  const PlayedSession stepped =
+      play_script(test::builtin_scene("stack"), script.substr(0, script.rfind("{")) + key(1.4, ".") + quit(5), 60,
+                  directory.file("b.ttr"));
   CHECK(stepped.tick_count == 30 + 4);
   CHECK(count_of(*stepped.engine, "circle") == 1);
 }
@@ -202,7 +198,7 @@ TEST_CASE("dragging with the middle button pans and makes nothing", "[play][view
   const test::TemporaryDirectory directory;
   const std::string script = mouse(0.1, "press", "middle", 100, 100) + move(0.15, 140, 90) +
                              mouse(0.2, "release", "middle", 140, 90) + quit(0.5);
-  const engine::Scene scene = scene_of("thesis");
+  const engine::Scene scene = test::builtin_scene("thesis");
   const PlayedSession played = play_script(scene, script, 60, directory.file("a.ttr"));
   CHECK(played.engine->bodies().size() == 5);
   const play::View before = play::first_view(*played.engine, 800, 600);
@@ -230,7 +226,7 @@ TEST_CASE("keys ask for a restart, another scene, or the end", "[play][keys]") {
       {"r", play::Wish::restart}, {"4", play::Wish::scene}, {"q", play::Wish::quit}, {"escape", play::Wish::quit}};
   for (const auto& [name, wish] : rows) {
     CAPTURE(name);
-    const auto playable = play::make_playable(scene_of("stack"));
+    const auto playable = play::make_playable(test::builtin_scene("stack"));
     REQUIRE(playable);
     auto engine = engine::make_engine(playable->scene);
     REQUIRE(engine);
@@ -261,7 +257,7 @@ TEST_CASE("keys ask for a restart, another scene, or the end", "[play][keys]") {
 }
 
 TEST_CASE("a scene gets what playing needs, keeps its own pieces, and is else as it was", "[play][scene]") {
-  const engine::Scene thesis = scene_of("thesis");
+  const engine::Scene thesis = test::builtin_scene("thesis");
   const auto playable = play::make_playable(thesis);
   REQUIRE(playable);
   CHECK(playable->can_touch);
@@ -278,7 +274,7 @@ TEST_CASE("a scene gets what playing needs, keeps its own pieces, and is else as
 }
 
 TEST_CASE("a scene whose choices allow no contacts is only looked at", "[play][scene]") {
-  const engine::Scene scene = scene_of("projectile?integrator=yoshida4");
+  const engine::Scene scene = test::builtin_scene("projectile?integrator=yoshida4");
   const auto playable = play::make_playable(scene);
   REQUIRE(playable);
   CHECK_FALSE(playable->can_touch);
@@ -295,7 +291,7 @@ TEST_CASE("every clock plays and its session verifies", "[play][clocks]") {
   const test::TemporaryDirectory directory;
   for (const auto& clock : engine::clock_kinds) {
     CAPTURE(clock.name);
-    engine::Scene scene = scene_of("thesis");
+    engine::Scene scene = test::builtin_scene("thesis");
     scene.settings.clock.kind = clock.kind;
     const std::string path = directory.file(std::string(clock.name) + ".ttr");
     const PlayedSession played = play_script(

@@ -426,4 +426,9 @@ Bytes image_of(const Simulation& simulation) {
   return image;
 }
 
+void run_ticks(engine::Engine& engine, int tick_count) {
+  const TickInput input{engine.scene().settings.dt, {}};
+  for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
+}
+
 }  // namespace ticktrue::test

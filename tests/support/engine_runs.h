@@ -43,4 +43,7 @@ std::vector<std::uint64_t> tick_hashes(const Session& session, std::uint64_t tic
 
 Bytes image_of(const Simulation& simulation);
 
+/// Ticks of the scene's length without inputs.
+void run_ticks(engine::Engine& engine, int tick_count);
+
 }  // namespace ticktrue::test

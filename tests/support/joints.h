@@ -15,6 +15,8 @@ namespace ticktrue::test {
 using engine::Joint;
 using engine::JointKind;
 
+constexpr double dt = 1.0 / 60;  // s, of a tick of these scenes
+
 /// A disc of 0.1 m radius with this mass and inertia.
 inline Body bob(Point position, double mass = 1, double inertia = 0.01) {
   Body body = body_of(disc_shape(0.1), position);

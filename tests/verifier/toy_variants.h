@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tests/replay/toy_traces.h"
+#include "tests/support/text.h"
 #include "tests/support/toy_simulation.h"
 #include "verifier/verify.h"
 
@@ -71,10 +72,6 @@ inline verifier::Report verify_bytes(ByteView bytes, const verifier::VerifyOptio
 inline verifier::Report verify_bytes(ByteView bytes, const SimulationInfo& info,
                                      verifier::VerifyMode mode = verifier::VerifyMode::replay) {
   return verify_bytes(bytes, verify_options(info, mode));
-}
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace ticktrue::test
