@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 //
 //   damage_check TOOL TRACE TRACE TRACE [--changes N] [--cuts N] [--splices N] [--seed S]
+//   damage_check TOOL TRACE... --every
 //
+// The second form changes every byte by three masks and cuts at every length, and goes to `verify` alone.
 // Each damaged file goes to `verify`, and then to one of show, recover, diff and replay. Verified: `verify` gives exit
 // code 3 or 4 and nothing else; no other command dies; each ends within 2 s of processor time; what `recover` writes
 // verifies with exit code 0. Not verified: the messages (traces/bad/EXPECTED.tsv does).
@@ -114,8 +116,8 @@ class Checker {
   Checker(std::string tool, const fs::path& folder)
       : tool_(std::move(tool)), damaged_((folder / "damaged.ttr").string()), saved_((folder / "saved.ttr").string()) {}
 
-  void check(const Trace& from, const Bytes& bytes, const std::string& what, Count& count) {
-    if (bytes == from.bytes) return;
+  /// `verify` alone.
+  void verify(const Trace& from, const Bytes& bytes, const std::string& what, Count& count) {
     std::ofstream(damaged_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     ++count.files;
     const int code = judge({"verify", damaged_}, what, count);
@@ -123,6 +125,12 @@ class Checker {
     if (code == 0) tell(from, "accepted", what, ++count.accepted);
     if (code != 0 && code != 3 && code != 4)
       tell(from, "verify: exit " + std::to_string(code), what, ++count.misjudged);
+  }
+
+  /// `verify`, and one of the other commands that read traces.
+  void check(const Trace& from, const Bytes& bytes, const std::string& what, Count& count) {
+    if (bytes == from.bytes) return;
+    verify(from, bytes, what, count);
     switch (count.files % 4) {
       case 0:
         judge({"show", damaged_}, what, count);
@@ -212,6 +220,17 @@ Bytes spliced(const Trace& trace, const Trace& other, Random& random, std::strin
   return made;
 }
 
+void verify_every(Checker& checker, const Trace& trace, Count& changes, Count& cuts) {
+  for (std::size_t at = 0; at < trace.bytes.size(); ++at) {
+    for (const int mask : {0x01, 0x80, 0xff}) {
+      Bytes bytes = trace.bytes;
+      bytes[at] = static_cast<char>(bytes[at] ^ static_cast<char>(mask));
+      checker.verify(trace, bytes, "byte " + std::to_string(at) + " ^ " + std::to_string(mask), changes);
+    }
+    checker.verify(trace, part(trace.bytes, 0, at), "cut at " + std::to_string(at), cuts);
+  }
+}
+
 void print(const char* name, const Count& count) {
   std::string codes;
   for (const auto& [code, files] : count.exit_codes)
@@ -225,16 +244,21 @@ void print(const char* name, const Count& count) {
 int main(int argument_count, char** arguments) {
   std::vector<std::string> words(arguments + 1, arguments + argument_count);
   std::map<std::string, std::size_t> options{{"--changes", 1000}, {"--cuts", 200}, {"--splices", 200}, {"--seed", 1}};
+  bool every = false;
   std::vector<std::string> files;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto option = options.find(words[i]);
-    if (option == options.end())
+    if (words[i] == "--every")
+      every = true;
+    else if (option == options.end())
       files.push_back(words[i]);
     else if (++i < words.size())
       option->second = std::stoul(words[i]);
   }
-  if (files.size() < 3)
-    fail("usage: damage_check TOOL TRACE TRACE... [--changes N] [--cuts N] [--splices N] [--seed S]");
+  if (files.size() < (every ? 2 : 3))
+    fail(
+        "usage: damage_check TOOL TRACE TRACE... [--changes N] [--cuts N] [--splices N] [--seed S], or TOOL TRACE... "
+        "--every");
   ::setenv("ASAN_OPTIONS", ("exitcode=" + std::to_string(sanitizer_exit_code) + ":detect_leaks=0").c_str(), 1);
   ::setenv("UBSAN_OPTIONS", ("exitcode=" + std::to_string(sanitizer_exit_code)).c_str(), 1);
   std::vector<Trace> traces;
@@ -245,6 +269,10 @@ int main(int argument_count, char** arguments) {
   Checker checker(files[0], folder);
   Random random(options["--seed"]);
   Count changes, cuts, splices;
+  if (every) {
+    for (const Trace& trace : traces) verify_every(checker, trace, changes, cuts);
+    for (auto& [name, count] : options) count = 0;
+  }
   for (std::size_t i = 0; i < options["--changes"]; ++i) {
     const Trace& trace = traces[i % traces.size()];
     Bytes bytes = trace.bytes;
