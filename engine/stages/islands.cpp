@@ -303,7 +303,9 @@ void find_leans(const State& state, Scratch& scratch) {
       const Vec2 position = state.bodies[row].position;
       const Vec2 middle = position + support.middle;
       const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
-      const Real torque = scratch.load[row] * cross(center - middle, down);
+      const Real lever = cross(center - middle, down);
+      if (!(lever * lever < support.half_width2)) return;  // it topples
+      const Real torque = scratch.load[row] * lever;
       const Lean& below = scratch.leans[support.other];
       Lean& lean = scratch.leans[row];
       lean.turn = below.turn + torque * support.softness / support.half_width2;
