@@ -137,7 +137,8 @@ struct Model {
   std::vector<MixedMaterial> mixed_materials;  // [material of A * material_count + material of B], if not too many
   std::uint32_t material_count = 0;
 
-  std::vector<JointModel> joints;        // [joint of the scene]
+  std::vector<JointModel> joints;  // [joint of the scene]
+  std::vector<Hub> hubs;
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
 
   std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn

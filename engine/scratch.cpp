@@ -103,6 +103,16 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.pull);
   poison_rows(scratch.sag);
   poison_rows(scratch.give);
+  poison_rows(scratch.load_moment);
+  poison_rows(scratch.handed_down);
+  poison_rows(scratch.leans);
+  ImpulseStep& step = scratch.impulse_step;
+  poison_rows(step.rows);
+  for (std::vector<double>* rows : {&step.whole, &step.matrix, &step.velocity, &step.total}) poison_rows(*rows);
+  for (std::vector<std::uint32_t>* rows : {&step.start, &step.neighbours, &step.place, &step.bodies, &step.first})
+    poison_rows(*rows);
+  poison_rows(step.is_start);
+  poison_rows(step.row_start);
   poison_rows(scratch.shortfalls);
   poison_rows(scratch.mass_factor);
   poison_rows(scratch.joints);

@@ -189,6 +189,14 @@ struct Support {
   std::uint32_t other;  // row
   Real softness;        // m/N at four substeps
   Real arm, other_arm;  // of a joint, from the two centres of mass, m; of a contact 0
+  Vec2 middle;          // of a contact, from the body's centre of mass, m
+  Real half_width2;     // of a contact with two points, m^2; else 0
+};
+
+/// How far a body leans with what carries it.
+struct Lean {
+  Vec2 way;   // m
+  Real turn;  // rad
 };
 
 /// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
@@ -212,7 +220,8 @@ inline constexpr std::uint32_t no_group = 0xffffffff;
 struct SolveGroup {
   int substeps = 1;
   bool has_landings = false;
-  Real h = 0;  // s, of a substep
+  std::uint32_t joint_sweeps = 1;  // over its joints before bodies move
+  Real h = 0;                      // s, of a substep
   ContactStiffness stiffness;
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
@@ -225,6 +234,35 @@ struct Landing {
   std::uint32_t contact;  // in `touching`
   Real closing;           // m/s, before the pass
   Real allowed;           // m, how far the bodies may move meanwhile
+};
+
+/// A contact point that pushes, or holds by friction, as a row J of the velocities of its two bodies.
+struct PushingRow {
+  std::uint32_t batch, lane, point;  // where its impulse is
+  std::uint32_t body_a, body_b;      // rows
+  std::uint32_t read_a, read_b;      // records
+  std::uint32_t place_a, place_b;    // in ImpulseStep::bodies, or no_body
+  double along_a[3], along_b[3];     // x, y, angular
+  double off;                        // J v less what is wanted, m/s
+  double stiffness;                  // kg
+  double impulse, change;            // N s
+  double friction;                   // coefficient
+  bool is_friction;                  // with the row before as its normal
+};
+
+/// All contacts of a group that push, solved at once.
+struct ImpulseStep {
+  std::vector<PushingRow> rows;
+  std::vector<double> whole;              // [row] changes before they are cut
+  std::vector<std::uint32_t> start;       // [body] in `neighbours`
+  std::vector<std::uint32_t> neighbours;  // bodies
+  std::vector<std::uint8_t> is_start;     // [body] touches something immovable
+  std::vector<std::uint32_t> place;       // [body] in `bodies`, or no_body
+  std::vector<std::uint32_t> bodies;
+  std::vector<std::uint32_t> first;    // [unknown] column of the first entry of its row
+  std::vector<std::size_t> row_start;  // [unknown] in `matrix`
+  std::vector<double> matrix;
+  std::vector<double> velocity, total;  // [unknown]
 };
 
 /// The cells of the uniform grid that a proxy's box overlaps, both ends included.
@@ -319,6 +357,7 @@ struct Scratch {
   std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
   std::vector<Landing> landings;
   std::vector<Twist> landing_velocities;  // [body] before the last passes
+  ImpulseStep impulse_step;
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] in `supports`
   std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
@@ -326,6 +365,9 @@ struct Scratch {
   std::vector<Real> load;                    // [body] N
   std::vector<Real> pull;                    // [body] m/s^2, of the joints that it whirls at
   std::vector<Real> sag;                     // [body] m, expected at four substeps
+  std::vector<Vec2> load_moment;             // [body] N m, load times where it is
+  std::vector<Real> handed_down;             // [body] N, of what others have put on it
+  std::vector<Lean> leans;                   // [body] expected at four substeps
   std::vector<Real> give;                    // [body] the same against what carries it alone, of the smaller of the two
   std::vector<Shortfall> shortfalls;         // [body] at the island's first row
   std::vector<Real> mass_factor;             // [body] how much heavier constraints see it; with automatic substeps

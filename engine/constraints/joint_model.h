@@ -51,7 +51,14 @@ struct SeparatedPair {
   std::uint32_t second;  // id
 };
 
-/// Fills model.joints and model.separated from model.scene. Requires: model.bodies.
+/// A light body that holds heavier ones together. A pass over its joints moves it back and forth and them hardly: they
+/// need several before anything moves.
+struct Hub {
+  std::uint32_t body;    // id
+  std::uint32_t sweeps;  // over the joints, in place of one
+};
+
+/// Fills model.joints, model.hubs and model.separated from model.scene. Requires: model.bodies.
 void make_joints(Model& model);
 
 /// Whether a joint of the scene keeps two bodies from touching, as long as both exist: a joint goes with its bodies.

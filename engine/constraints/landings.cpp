@@ -1,10 +1,10 @@
-// Detection of impacts on bodies at rest, and rigid passes until they have gone through.
+// Detection of impacts on bodies at rest; rigid passes, and steps of all that push, until they have gone through.
 // SPDX-License-Identifier: MIT
 // Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (an impact is solved for
 // velocities alone, positions held).
 #include "engine/constraints/landings.h"
 
-#include "engine/constraints/joint.h"
+#include "engine/constraints/impulse_step.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -102,10 +102,8 @@ void pass_on_landings(const Model& model, const State& state, Scratch& scratch, 
   for (std::uint32_t look = 0; look < look_count; ++look) {
     for (const std::uint32_t row : scratch.moving_rows)
       before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
-    for (int pass = 0; pass < passes_per_look; ++pass) {
-      solve_joints(scratch, group.h, Bias::off);
-      solve_contacts(scratch, group, Bias::off);
-    }
+    for (int pass = 0; pass < passes_per_look; ++pass) solve_contacts(scratch, group, Bias::off);
+    step_pushing_contacts(scratch, group);
     Real most = 0;
     for (const std::uint32_t row : scratch.moving_rows) {
       const MovingBody& body = scratch.bodies[row];

@@ -11,6 +11,20 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+namespace {
+
+std::uint32_t sweeps_of(const Model& model, const State& state, const Scratch& scratch) {
+  std::uint32_t most = 1;
+  for (const Hub& hub : model.hubs) {
+    const std::size_t row = state.find_body(hub.body);
+    const bool is_in = row < state.bodies.size() && scratch.body_group[row] == scratch.group_index;
+    if (is_in && hub.sweeps > most) most = hub.sweeps;
+  }
+  return most;
+}
+
+}  // namespace
+
 void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt) {
   if (!model.finds_islands) group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
@@ -19,6 +33,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
   for (SolveGroup& group : scratch.groups) {
     const Real h = dt / static_cast<Real>(group.substeps);  // s
     enter_group(model, state, scratch, group, h);
+    group.joint_sweeps = sweeps_of(model, state, scratch);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
@@ -32,7 +47,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       warm_start_joints(scratch);
       warm_start_pulls(scratch);
       warm_start_contacts(scratch, group);
-      solve_joints(scratch, h, Bias::on);
+      for (std::uint32_t sweep = 0; sweep < group.joint_sweeps; ++sweep) solve_joints(scratch, h, Bias::on);
       solve_pulls(scratch);
       solve_contacts(scratch, group, Bias::on);
       Real settled = group.has_landings ? settled_speed(state, scratch, group) : Real(0);

@@ -167,8 +167,13 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
   for (const TouchingPair& pair : scratch.touching) {
     if (!carries(pair)) continue;
     const Real softness = contact_softness(model, state, pair, h);
-    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness, 0, 0};
-    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness, 0, 0};
+    const ManifoldPoint& p = pair.manifold.points[0];
+    const ManifoldPoint& q = pair.manifold.points[pair.manifold.point_count - 1];
+    const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
+    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a),
+                                                  half_width2};
+    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b),
+                                                  half_width2};
   }
   for (const JointRow& joint : state.joints) {
     if (joint.body_a == no_reference) continue;
@@ -177,8 +182,8 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
     const Real softness = joint_softness(model, state, a, b, h);
     const Real arm_a = length(model.joints[joint.joint].anchor_a);
     const Real arm_b = length(model.joints[joint.joint].anchor_b);
-    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b};
-    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a};
+    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b, {0, 0}, 0};
+    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a, {0, 0}, 0};
   }
 }
 
@@ -265,6 +270,51 @@ void find_sags(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
+/// A load beside the middle of a contact tilts what lies on it, and all that stands there leans. Of bodies that one
+/// contact alone carries.
+void find_leans(const State& state, Scratch& scratch) {
+  scratch.load_moment.assign(state.bodies.size(), {0, 0});
+  scratch.leans.assign(state.bodies.size(), {{0, 0}, 0});
+  const Vec2 gravity = state.world.gravity;
+  if (!(length(gravity) > 0)) return;
+  const Vec2 down = (1 / length(gravity)) * gravity;
+  const auto count_of = [&](std::uint32_t row) {
+    int count = 0;
+    for_each_carrier(scratch, row, [&](const Support&) { ++count; });
+    return count;
+  };
+  std::vector<Real>& handed_down = scratch.handed_down;
+  handed_down.assign(state.bodies.size(), 0);
+  for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
+    const std::uint32_t row = scratch.support_order[i];
+    if (scratch.support_depth[row] == 0) continue;
+    Vec2& moment = scratch.load_moment[row];
+    moment = moment + (scratch.load[row] - handed_down[row]) * state.bodies[row].position;
+    const Real share = 1 / static_cast<Real>(count_of(row));
+    for_each_carrier(scratch, row, [&](const Support& support) {
+      handed_down[support.other] += share * scratch.load[row];
+      scratch.load_moment[support.other] = scratch.load_moment[support.other] + share * moment;
+    });
+  }
+  for (const std::uint32_t row : scratch.support_order) {
+    if (scratch.support_depth[row] == 0 || count_of(row) != 1 || !(scratch.load[row] > 0)) continue;
+    for_each_carrier(scratch, row, [&](const Support& support) {
+      if (!(support.half_width2 > 0)) return;
+      const Vec2 position = state.bodies[row].position;
+      const Vec2 middle = position + support.middle;
+      const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
+      const Real lever = cross(center - middle, down);
+      if (!(lever * lever < support.half_width2)) return;  // it topples
+      const Real torque = scratch.load[row] * lever;
+      const Lean& below = scratch.leans[support.other];
+      Lean& lean = scratch.leans[row];
+      lean.turn = below.turn + torque * support.softness / support.half_width2;
+      const Vec2 under = middle - state.bodies[support.other].position;
+      lean.way = (below.way + cross(below.turn, under)) - cross(lean.turn, support.middle);
+    });
+  }
+}
+
 /// Powers of two from `least` to `most` that keep the sag of a body within its allowance.
 std::uint32_t wanted_substeps(Real sag, Real allowed, std::uint32_t least, std::uint32_t most) {
   std::uint32_t count = least;
@@ -315,6 +365,7 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, scratch);
   find_sags(model, state, scratch);
+  find_leans(state, scratch);
   find_mass_factors(model, state, scratch);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
@@ -324,7 +375,9 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
     std::uint32_t& island = level[find_root(scratch.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
-    const std::uint32_t wanted = wanted_substeps(scratch.sag[row], target * body.size, least, most);
+    // What comes suddenly swings out twice as far.
+    const Real way = larger(scratch.sag[row], 2 * length(scratch.leans[row].way));
+    const std::uint32_t wanted = wanted_substeps(way, target * body.size, least, most);
     const std::uint32_t wanted_here = wanted_substeps(scratch.give[row], target, least, most);
     island = island > wanted ? island : wanted;
     island = island > wanted_here ? island : wanted_here;
