@@ -18,12 +18,10 @@ PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h) {
 
 }  // namespace
 
-void ask_early(const Model& model, const State& state, const Scratch& scratch, std::size_t place) {
+void ask_early(const State& state, const Scratch& scratch, std::size_t place) {
   constexpr std::size_t joints_ahead = 12;
-  if (place + joints_ahead >= scratch.joint_places.size()) return;
-  const JointPlace& later = scratch.joint_places[place + joints_ahead];
-  __builtin_prefetch(&model.joints[later.joint]);
-  __builtin_prefetch(&state.joints[later.row].linear_force);
+  if (place + joints_ahead >= scratch.kept.joints.places.size()) return;
+  __builtin_prefetch(&state.joints[scratch.kept.joints.places[place + joints_ahead].row].linear_force);
 }
 
 void empty_pins(const Scratch& scratch, PinBatch& batch) {
@@ -67,43 +65,44 @@ void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const B
 
 namespace {
 
-void fill_lane(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch,
-               std::size_t lane, Real h) {
+void fill_lane(const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch, std::size_t lane,
+               Real h) {
   const JointRow& row = state.joints[place.row];
-  const JointModel& joint = model.joints[place.joint];
   const BodyRow& b = state.bodies[place.body_b];
   const BodyMass& mass_b = scratch.masses[place.body_b];
   BodyMass mass_a{0, 0, resting_record(scratch), unread_record(scratch)};
   Vec2 anchor_a{0, 0};
-  Vec2 apart = b.position - joint.anchor_a;  // held to the world: from the point
+  Vec2 apart = b.position - place.anchor_a;  // held to the world: from the point
   if (place.body_a != no_reference) {
     const BodyRow& a = state.bodies[place.body_a];
     mass_a = scratch.masses[place.body_a];
-    anchor_a = rotate(a.rotation, joint.anchor_a);
+    anchor_a = rotate(a.rotation, place.anchor_a);
     apart = b.position - a.position;
   }
-  const Vec2 anchor_b = rotate(b.rotation, joint.anchor_b);
+  const Vec2 anchor_b = rotate(b.rotation, place.anchor_b);
   fill_pin_lane(batch, lane, place.row, mass_a, mass_b, anchor_a, anchor_b, apart, h * row.linear_force);
 }
 
 }  // namespace
 
-void fill_pins(const Model& model, const State& state, Scratch& scratch, Real h) {
+void fill_pins(const State& state, Scratch& scratch, Real h) {
   PinBatches& pins = scratch.pins;
-  const std::size_t count = pins.spans.size();
+  const std::vector<JointSpan>& spans = scratch.kept.joints.pins;
+  const std::size_t count = spans.size();
   if (pins.batches.size() < count) pins.batches.resize(count);
   if (pins.arms.size() < count) pins.arms.resize(count);
   scratch.parallel.for_chunks(
       count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1), [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-          const JointSpan& span = pins.spans[i];
+          const JointSpan& span = spans[i];
           PinBatch& batch = pins.batches[i];
           empty_pins(scratch, batch);
           batch.count = static_cast<std::int32_t>(span.count);
           for (std::uint32_t lane = 0; lane < span.count; ++lane) {
-            ask_early(model, state, scratch, span.first + lane);
-            fill_lane(model, state, scratch, scratch.joint_places[span.first + lane], batch, lane, h);
+            ask_early(state, scratch, span.first + lane);
+            fill_lane(state, scratch, scratch.kept.joints.places[span.first + lane], batch, lane, h);
           }
+          if (scratch.is_woven) write_elsewhere(scratch, batch, span.level);
         }
       });
 }
@@ -117,9 +116,10 @@ std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last
   return size;
 }
 
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size) {
+void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Poses poses) {
   const PinKernels& kernels = scratch.kernels->pins;
-  const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : kernels.warm_start;
+  const auto in_levels = poses == Poses::moved ? kernels.warm_start : kernels.warm_start_again;
+  const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : in_levels;
   scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
     kernel(work_of(scratch, first + chunk.begin, first + chunk.end, Real(1)));
   });
@@ -138,7 +138,7 @@ void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::
 
 void store_pins(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.pins.spans.size();
+  const std::size_t count = scratch.kept.joints.pins.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) {
                                 for (std::size_t i = chunk.begin; i < chunk.end; ++i) {

@@ -5,6 +5,7 @@
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
 #include "engine/constraints/landings.h"
+#include "engine/constraints/weave.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
@@ -12,18 +13,20 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt) {
-  if (!model.finds_islands) group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
+  if (!model.finds_islands) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   for (SolveGroup& group : scratch.groups) {
     const Real h = dt / static_cast<Real>(group.substeps);  // s
-    enter_group(model, state, scratch, group, h);
+    enter_group(state, scratch, group, h);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
     scheme.begin(model, state, scratch, h);
-    for (int substep = 0; substep < group.substeps; ++substep) {
+    if (scratch.is_woven) solve_woven(scratch, group);
+    const int substeps_in_turn = scratch.is_woven ? 0 : group.substeps;
+    for (int substep = 0; substep < substeps_in_turn; ++substep) {
       note_joint_velocities(scratch);
       note_impact_velocities(state, scratch);
       scheme.predict(model, state, scratch, h);
