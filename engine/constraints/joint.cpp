@@ -133,18 +133,18 @@ void note_velocities_of(Scratch& scratch, const JointRange& range) {
     functions_of(range.kind).note(run_of(scratch, range));
 }
 
-void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses) {
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
   if (range.way == JointWay::pin)
-    warm_start_pins(scratch, range.first, range.last, range.chunk_size, poses);
+    warm_start_pins(scratch, range, poses, line);
   else if (range.way == JointWay::hinge)
     warm_start_hinges(scratch, range);
   else
     functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
-void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias) {
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
   if (range.way == JointWay::pin)
-    solve_pins(scratch, range.first, range.last, range.chunk_size, h, bias);
+    solve_pins(scratch, range, h, bias, line);
   else if (range.way == JointWay::hinge)
     solve_hinges(scratch, range, h, bias);
   else
@@ -156,11 +156,11 @@ void note_joint_velocities(Scratch& scratch) {
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.kept.joints.ranges) warm_start_range(scratch, range, Poses::moved);
+  for (const JointRange& range : scratch.kept.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.kept.joints.ranges) solve_range(scratch, range, h, bias);
+  for (const JointRange& range : scratch.kept.joints.ranges) solve_range(scratch, range, h, bias, 0);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {

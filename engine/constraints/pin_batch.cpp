@@ -3,13 +3,14 @@
 #include "engine/constraints/pin_batch.h"
 
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/weave.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h) {
+PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t line) {
   return {scratch.pins.batches.data() + first,
-          scratch.pins.arms.data() + first,
+          scratch.pins.arms.data() + line * scratch.kept.joints.pins.size() + first,
           last - first,
           &scratch.bodies.data()->velocity.x,
           h,
@@ -90,7 +91,8 @@ void fill_pins(const State& state, Scratch& scratch, Real h) {
   const std::vector<JointSpan>& spans = scratch.kept.joints.pins;
   const std::size_t count = spans.size();
   if (pins.batches.size() < count) pins.batches.resize(count);
-  if (pins.arms.size() < count) pins.arms.resize(count);
+  const std::size_t arms_count = count * (scratch.is_woven ? woven_line_count(scratch) : 1);
+  if (pins.arms.size() < arms_count) pins.arms.resize(arms_count);
   scratch.parallel.for_chunks(
       count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1), [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -116,23 +118,23 @@ std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last
   return size;
 }
 
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Poses poses) {
+void warm_start_pins(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
   const PinKernels& kernels = scratch.kernels->pins;
   const auto in_levels = poses == Poses::moved ? kernels.warm_start : kernels.warm_start_again;
   const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : in_levels;
-  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, Real(1)));
+  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, Real(1), line));
   });
 }
 
-void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Real h, Bias bias) {
+void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
   const PinKernels& kernels = scratch.kernels->pins;
   const bool in_row = scratch.pins.order == PinOrder::row;
   const auto solve = in_row ? kernels.solve_row : kernels.solve;
   const auto relax = in_row ? kernels.relax_row : kernels.relax;
   const auto kernel = bias == Bias::on ? solve : relax;
-  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, h));
+  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, h, line));
   });
 }
 

@@ -12,6 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct BodyMass;
+struct JointRange;
 
 /// How pins are solved.
 enum class PinOrder : std::uint8_t {
@@ -29,7 +30,7 @@ struct JointSpan {
 struct PinBatches {
   PinOrder order = PinOrder::levels;
   std::vector<PinBatch> batches;  // as many are in use as the plan has
-  std::vector<PinArms> arms;      // [batch]
+  std::vector<PinArms> arms;      // [line of passes, batch], so that each thread has its own (weave.h)
   Softness soft;
 };
 
@@ -53,8 +54,8 @@ void fill_pins(const State& state, Scratch& scratch, Real h);
 /// Makes the batches first..last-1 ready for threads and says how many one takes. Requires: pins of one level, or one
 /// thread.
 std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last);
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Poses poses);
-void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Real h, Bias bias);
+void warm_start_pins(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
+void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
 /// Impulses back to state.joints, as forces.
 void store_pins(const Scratch& scratch, State& state, Real h);
 

@@ -27,7 +27,7 @@ void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
     motion.move_bodies(bodies, rows, count, resting_record(scratch), unread_record(scratch, level), h);
 }
 
-void do_level(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
+void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level, Real h) {
   const JointPlan& plan = scratch.kept.joints;
   step_bodies(scratch, pass, level, h);
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
@@ -37,16 +37,16 @@ void do_level(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
         note_velocities_of(scratch, range);
         break;
       case Pass::warm_start:
-        warm_start_range(scratch, range, Poses::moved);
+        warm_start_range(scratch, range, Poses::moved, line);
         break;
       case Pass::warm_start_again:
-        warm_start_range(scratch, range, Poses::unmoved);
+        warm_start_range(scratch, range, Poses::unmoved, line);
         break;
       case Pass::solve:
-        solve_range(scratch, range, h, Bias::on);
+        solve_range(scratch, range, h, Bias::on, line);
         break;
       case Pass::relax:
-        solve_range(scratch, range, h, Bias::off);
+        solve_range(scratch, range, h, Bias::off, line);
         break;
     }
   }
@@ -102,6 +102,11 @@ bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group) {
          !scratch.planted;
 }
 
+std::size_t woven_line_count(const Scratch& scratch) {
+  const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
+  return std::min(width, line_count_max);
+}
+
 void set_apart_levels(Scratch& scratch) {
   JointPlan& plan = scratch.kept.joints;
   const std::uint32_t needed = unread_record(scratch, plan.level_count);
@@ -120,12 +125,13 @@ void set_apart_levels(Scratch& scratch) {
 void solve_woven(Scratch& scratch, const SolveGroup& group) {
   const JointPlan& plan = scratch.kept.joints;
   const Passes passes(plan, group.substeps);
-  const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
-  const std::size_t line_count = std::min({width, passes.count, line_count_max});
+  const std::size_t line_count = woven_line_count(scratch);
   std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
   std::size_t longest = 0;
   for (std::size_t line = 1; line <= line_count; ++line) {
     first[line] = passes.up_to_share(first[line - 1], line, line_count);
+    // A line begins with a pass that finds its own arms.
+    if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
     longest = std::max(longest, first[line] - first[line - 1]);
   }
   if (longest == 0) return;
@@ -134,7 +140,8 @@ void solve_woven(Scratch& scratch, const SolveGroup& group) {
     for (std::size_t i = first[line]; i < first[line + 1]; ++i) {
       const std::size_t behind = (i - first[line]) * plan.distance;
       if (step < behind || step - behind >= plan.level_count) continue;
-      do_level(scratch, passes.at(i), static_cast<std::uint32_t>(step - behind), group.h);
+      const Pass pass = i == first[line] && passes.at(i) == Pass::warm_start_again ? Pass::warm_start : passes.at(i);
+      do_level(scratch, pass, line, static_cast<std::uint32_t>(step - behind), group.h);
     }
   });
 }

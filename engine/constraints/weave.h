@@ -17,6 +17,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 bool allows_weaving(const Model& model);
 /// Whether in this tick nothing but joints acts on the bodies of a group.
 bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group);
+/// How many lines of passes there are at most, each for one thread.
+std::size_t woven_line_count(const Scratch& scratch);
 /// Makes joints ready for it: what nobody reads is written to a record of the level's own. Call before batches are
 /// filled.
 void set_apart_levels(Scratch& scratch);
