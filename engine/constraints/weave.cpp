@@ -6,6 +6,7 @@
 #include <array>
 
 #include "engine/constraints/bodies.h"
+#include "engine/integrators/flow.h"
 #include "engine/model.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -72,6 +73,13 @@ struct Passes {
     return pass == Pass::warm_start && i >= per_substep ? Pass::warm_start_again : pass;
   }
 
+  /// The i-th pass in a line from `first` on: a line finds what poses make of its joints itself.
+  Pass in_line(std::size_t i, std::size_t first) const {
+    if (at(i) != Pass::warm_start_again) return at(i);
+    while (first < i && at(first) == Pass::note) ++first;
+    return first == i ? Pass::warm_start : Pass::warm_start_again;
+  }
+
   /// What a pass costs, about: the first ones fetch bodies and joints from where another thread had them.
   std::size_t cost(std::size_t i) const {
     constexpr std::size_t costs[] = {1, 8, 2, 3, 5};
@@ -92,9 +100,7 @@ struct Passes {
 }  // namespace
 
 bool allows_weaving(const Model& model) {
-  const Settings& settings = model.scene.settings;
-  return settings.solver == SolverKind::tgs_soft && settings.integrator == IntegratorKind::semi_implicit_euler &&
-         model.position_forces == nullptr && !model.has_velocity_forces;
+  return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model);
 }
 
 bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group) {
@@ -130,7 +136,7 @@ void solve_woven(Scratch& scratch, const SolveGroup& group) {
   std::size_t longest = 0;
   for (std::size_t line = 1; line <= line_count; ++line) {
     first[line] = passes.up_to_share(first[line - 1], line, line_count);
-    // A line begins with a pass that finds its own arms.
+    // Not with what needs another pass before it (pin_lanes.h).
     if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
     longest = std::max(longest, first[line] - first[line - 1]);
   }
@@ -140,7 +146,7 @@ void solve_woven(Scratch& scratch, const SolveGroup& group) {
     for (std::size_t i = first[line]; i < first[line + 1]; ++i) {
       const std::size_t behind = (i - first[line]) * plan.distance;
       if (step < behind || step - behind >= plan.level_count) continue;
-      const Pass pass = i == first[line] && passes.at(i) == Pass::warm_start_again ? Pass::warm_start : passes.at(i);
+      const Pass pass = passes.in_line(i, first[line]);
       do_level(scratch, pass, line, static_cast<std::uint32_t>(step - behind), group.h);
     }
   });

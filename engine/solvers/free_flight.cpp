@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/solver.h"
 
@@ -15,10 +16,13 @@ void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real 
   group_everything(model, state, scratch);
   enter_group(state, scratch, scratch.groups[0], h);
   scheme.begin(model, state, scratch, h);
-  for (int substep = 0; substep < substep_count; ++substep) {
-    scheme.predict(model, state, scratch, h);
-    scheme.drift(model, state, scratch, h);
-  }
+  if (bodies_step_alone(model))
+    fly(scratch, h, substep_count);
+  else
+    for (int substep = 0; substep < substep_count; ++substep) {
+      scheme.predict(model, state, scratch, h);
+      scheme.drift(model, state, scratch, h);
+    }
   store_bodies(scratch, state);
 }
 

@@ -6,6 +6,7 @@
 #include "engine/constraints/groups.h"
 #include "engine/constraints/landings.h"
 #include "engine/constraints/weave.h"
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
@@ -24,8 +25,10 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
     scheme.begin(model, state, scratch, h);
+    const bool flies = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, group);
+    if (flies) fly(scratch, h, group.substeps);
     if (scratch.is_woven) solve_woven(scratch, group);
-    const int substeps_in_turn = scratch.is_woven ? 0 : group.substeps;
+    const int substeps_in_turn = flies || scratch.is_woven ? 0 : group.substeps;
     for (int substep = 0; substep < substeps_in_turn; ++substep) {
       note_joint_velocities(scratch);
       note_impact_velocities(state, scratch);
