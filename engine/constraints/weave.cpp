@@ -80,9 +80,9 @@ struct Passes {
     return first == i ? Pass::warm_start : Pass::warm_start_again;
   }
 
-  /// What a pass costs, about: the first ones fetch bodies and joints from where another thread had them.
+  /// What a pass costs, about.
   std::size_t cost(std::size_t i) const {
-    constexpr std::size_t costs[] = {1, 8, 2, 3, 5};
+    constexpr std::size_t costs[] = {1, 5, 2, 3, 5};
     return costs[static_cast<std::size_t>(at(i))];
   }
   /// The end of the passes from `first` on that make up `share` of `share_count` equal shares of the cost.
