@@ -16,15 +16,30 @@ struct Chunk {
   std::size_t end;
 };
 
+/// Lines of steps that follow each other at a distance: before step s of a line its own steps before s are done, and of
+/// the line before it those before s + lag.
+struct Lines {
+  std::size_t line_count;
+  std::size_t step_count;  // of each line
+  std::size_t lag;
+};
+
 /// Something that runs chunks, such as the threads of base/workers.h.
 class ChunkRunner {
  public:
   using Work = void (*)(const void* context, const Chunk& chunk);
+  using LineWork = void (*)(const void* context, std::size_t line, std::size_t step);
 
   virtual ~ChunkRunner() = default;
   /// Calls work(context, chunk) once for each chunk of `count` elements, and returns when all are done. The last chunk
   /// may be shorter than `chunk_size`. Requires: chunk_size > 0; no run within a run.
   virtual void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) = 0;
+  /// Calls work(context, line, step) once for each step, and returns when all are done. Requires: at most width()
+  /// lines; no run within a run.
+  virtual void run_lines(const Lines& lines, LineWork work, const void* context) {
+    for (std::size_t line = 0; line < lines.line_count; ++line)
+      for (std::size_t step = 0; step < lines.step_count; ++step) work(context, line, step);
+  }
   /// How many chunks may run at once.
   virtual unsigned width() const = 0;
 };
@@ -68,6 +83,21 @@ struct Parallel {
     runner->run(
         count, size, [](const void* context, const Chunk& chunk) { (*static_cast<const Body*>(context))(chunk); },
         &body);
+  }
+
+  /// Calls body(line, step) for each step. One line runs here.
+  template <typename Body>
+  void for_lines(const Lines& lines, const Body& body) const {
+    if (lines.line_count > 1) {
+      runner->run_lines(
+          lines,
+          [](const void* context, std::size_t line, std::size_t step) {
+            (*static_cast<const Body*>(context))(line, step);
+          },
+          &body);
+      return;
+    }
+    for (std::size_t step = 0; step < lines.step_count; ++step) body(std::size_t{0}, step);
   }
 
  private:

@@ -64,6 +64,13 @@ bool spin(std::chrono::microseconds limit, Done done) {
   }
 }
 
+/// Room in the caller's frame: other threads read what it has on its stack, and would wait for cache lines that it writes
+/// while it works on chunks of its own.
+struct StackGap {
+  StackGap() { bytes[0] = 0; }
+  volatile char bytes[256];
+};
+
 // A share: run << 32 | chunks taken so far << 16 | end of the chunks.
 constexpr std::size_t chunk_count_max = 0xffff;
 struct Share {
@@ -91,7 +98,7 @@ struct alignas(64) Slot {
 
 class Workers final : public ChunkRunner {
  public:
-  explicit Workers(unsigned thread_count) : slots_(thread_count) {}
+  explicit Workers(unsigned thread_count) : slots_(thread_count), lines_done_(thread_count) {}
 
   ~Workers() override {
     {
@@ -121,6 +128,7 @@ class Workers final : public ChunkRunner {
   unsigned width() const override { return static_cast<unsigned>(slots_.size()); }
 
   void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) override {
+    const StackGap gap;
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
     if (chunk_count > chunk_count_max || is_alone()) {
       for (std::size_t i = 0; i < chunk_count; ++i) work(context, chunk_of(i, count, chunk_size));
@@ -146,7 +154,42 @@ class Workers final : public ChunkRunner {
     if (by_others > 0) wait_for(by_others);
   }
 
+  void run_lines(const Lines& lines, LineWork work, const void* context) override {
+    for (std::size_t line = 0; line < lines.line_count; ++line)
+      lines_done_[line].steps.store(0, std::memory_order_relaxed);
+    // A line is a chunk. Whoever comes to one finds the one before it taken: the caller takes them in their order.
+    const LineRun all{lines, work, context, lines_done_.data()};
+    run(
+        lines.line_count, 1,
+        [](const void* of, const Chunk& chunk) { run_line(*static_cast<const LineRun*>(of), chunk.index); }, &all);
+  }
+
  private:
+  struct alignas(64) LineProgress {
+    std::atomic<std::size_t> steps{0};  // done
+  };
+  struct LineRun {
+    Lines lines;
+    LineWork work;
+    const void* context;
+    LineProgress* done;  // [line]
+  };
+
+  static void run_line(const LineRun& run, std::size_t line) {
+    std::size_t ahead = line == 0 ? run.lines.step_count : 0;  // steps of the line before that are known to be done
+    for (std::size_t step = 0; step < run.lines.step_count; ++step) {
+      const std::size_t needed = std::min(step + run.lines.lag, run.lines.step_count);
+      const auto may_go = [&] {
+        if (ahead < needed) ahead = run.done[line - 1].steps.load(std::memory_order_acquire);
+        return ahead >= needed;
+      };
+      while (!spin(late_max, may_go)) {
+      }
+      run.work(run.context, line, step);
+      run.done[line].steps.store(step + 1, std::memory_order_release);
+    }
+  }
+
   static Chunk chunk_of(std::size_t index, std::size_t count, std::size_t chunk_size) {
     const std::size_t begin = index * chunk_size;
     return {index, begin, std::min(begin + chunk_size, count)};
@@ -232,6 +275,7 @@ class Workers final : public ChunkRunner {
   }
 
   std::vector<Slot> slots_;                       // [thread]
+  std::vector<LineProgress> lines_done_;          // [line]
   alignas(64) std::atomic<std::size_t> done_{0};  // chunks of the run that others than the caller have done
   std::atomic<bool> caller_waits_{false};         // asleep
   alignas(64) std::atomic<std::uint32_t> asleep_{0};

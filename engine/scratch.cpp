@@ -116,16 +116,14 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.shortfalls);
   poison_rows(scratch.mass_factor);
   poison_rows(scratch.joints);
-  poison_rows(scratch.joint_ranges);
   poison_in_place(scratch.pins.batches);
   poison_in_place(scratch.pins.arms);
-  poison_rows(scratch.pins.spans);
   poison_in_place(scratch.hinges.batches);
-  poison_rows(scratch.hinges.spans);
-  poison_rows(scratch.joint_places);
   poison_rows(scratch.sorted_places);
+  poison_rows(scratch.joint_ends);
   poison_rows(scratch.body_levels);
   poison_rows(scratch.joint_torques);
+  poison_rows(scratch.body_torques);
   poison_rows(scratch.level_starts);
 }
 

@@ -14,6 +14,7 @@
 #include "engine/constraints/hinge_batch.h"
 #include "engine/constraints/impacts.h"
 #include "engine/constraints/joint.h"
+#include "engine/constraints/joint_plan.h"
 #include "engine/constraints/pin_batch.h"
 #include "engine/constraints/pointer.h"
 #include "engine/constraints/solver_kernels.h"
@@ -205,12 +206,14 @@ struct Kept {
   KeptPairs pairs;
   std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
   bool has_touching = false;           // and no contact, body or margin has changed since
+  JointPlan joints;
 };
 
 /// Makes the next tick build everything anew.
 inline void forget(Kept& kept) {
   kept.pairs.is_valid = false;
   kept.has_touching = false;
+  kept.joints.is_of_scene = false;
 }
 
 inline constexpr std::uint32_t no_group = 0xffffffff;
@@ -292,6 +295,19 @@ struct ListPart {
   std::size_t room;   // there; the rest is elsewhere
   std::size_t count;
   std::size_t place;  // in the list
+};
+
+/// The most that a joint's force turns its bodies with, N m.
+struct JointTorques {
+  Real a;
+  Real b;
+};
+
+/// The first and the last joint that moves a body: in the plan's places, before they are sorted.
+struct JointEnds {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+  std::uint32_t count = 0;  // of its joints
 };
 
 struct Scratch {
@@ -399,15 +415,16 @@ struct Scratch {
   std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
   std::vector<PointerPull> pulls;
-  std::vector<JointWork> joints;         // of the group that is being solved
-  std::vector<JointRange> joint_ranges;  // runs of one kind in `joints`, or of batches in `pins` or `hinges`
+  std::vector<JointWork> joints;  // those of the group that are solved by themselves
   PinBatches pins;
   HingeBatches hinges;
-  std::vector<JointPlace> joint_places;  // of the group, in solving order
+  bool is_woven = false;  // the passes over the group's joints are
   std::vector<JointPlace> sorted_places;
+  std::vector<JointEnds> joint_ends;        // [body]
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
-  std::vector<Real> joint_torques;          // [body] the most that its joints' forces turn it with, N m
-  std::vector<std::uint32_t> level_starts;  // [level and way] in `joint_places`
+  std::vector<JointTorques> joint_torques;  // [place of the plan]
+  std::vector<Real> body_torques;           // [body] the most that its joints' forces turn it with, N m
+  std::vector<std::uint32_t> level_starts;  // [level and way] in the plan's places
 };
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge

@@ -8,12 +8,16 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
   scratch.groups.clear();
   scratch.group_rows.clear();
   scratch.group_contacts.clear();
-  scratch.body_group.assign(state.bodies.size(), no_group);
+  scratch.body_group.resize(state.bodies.size());
+  scratch.group_rows.resize(state.bodies.size());
+  std::uint32_t row_count = 0;
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (model.bodies[state.bodies[row].source].type == BodyType::static_body) continue;
-    scratch.group_rows.push_back(row);
-    scratch.body_group[row] = 0;
+    const bool moves = scratch.masses[row].read == row;
+    scratch.group_rows[row_count] = row;
+    scratch.body_group[row] = moves ? 0 : no_group;
+    row_count += moves ? 1 : 0;
   }
+  scratch.group_rows.resize(row_count);
   scratch.group_contacts.resize(scratch.touching.size());
   std::uint32_t count = 0;
   const bool locates = model.scene.settings.locate_impacts;
@@ -27,13 +31,13 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
   scratch.groups.push_back(group);
 }
 
-void enter_group(const Model& model, const State& state, Scratch& scratch, SolveGroup& group, Real h) {
+void enter_group(const State& state, Scratch& scratch, SolveGroup& group, Real h) {
   group.h = h;
   scratch.group_index = static_cast<std::uint32_t>(&group - scratch.groups.data());
   scratch.moving_rows = {scratch.group_rows.data() + group.first_row, group.row_end - group.first_row};
   for (const std::uint32_t row : scratch.moving_rows) {
+    if (scratch.masses[row].write == row) continue;
     const BodyRow& body = state.bodies[row];
-    if (model.bodies[body.source].type != BodyType::kinematic_body) continue;
     scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
   }
 }

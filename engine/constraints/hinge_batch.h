@@ -11,12 +11,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct HingeBatches {
-  std::vector<JointSpan> spans;     // [batch]
-  std::vector<HingeBatch> batches;  // as many are in use as there are spans
+  std::vector<HingeBatch> batches;  // as many are in use as the plan has
   Softness soft;
 };
 
-/// Fills the batches of the spans.
+/// Fills the batches of the plan.
 void fill_hinges(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h);
 /// As share_pins (pin_batch.h).
 std::size_t share_hinges(Scratch& scratch, std::uint32_t first, std::uint32_t last);

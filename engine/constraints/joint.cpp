@@ -7,6 +7,7 @@
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/joint_inertia.h"
 #include "engine/constraints/joint_rows.h"
+#include "engine/constraints/weave.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -58,11 +59,6 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
   joint.turn = between(body.rotation * constants.reference, body_b.rotation);
 }
 
-bool has_springs(const JointModel& joint) {
-  return joint.spring.exists || joint.linear_spring.exists || joint.kind == JointKind::motor ||
-         joint.kind == JointKind::target;
-}
-
 JointRun run_of(Scratch& scratch, const JointRange& range) {
   JointWork* joints = scratch.joints.data();
   return {joints + range.first, joints + range.last, scratch.bodies.data()};
@@ -104,76 +100,67 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   const Real h = group.h;
   const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   scratch.joints.clear();
-  scratch.joint_ranges.clear();
-  scratch.pins.spans.clear();
   scratch.pins.soft = soft;
-  scratch.hinges.spans.clear();
   scratch.hinges.soft = soft;
-  if (state.joints.empty()) return;
-  const bool in_batches = order_joints(model, state, scratch);
-  scratch.pins.order = in_batches ? PinOrder::levels : PinOrder::row;
-  const bool by_level =
-      in_batches && scratch.parallel.runner != nullptr;  // pins of one level may be solved side by side
-  raise_inertias(model, state, scratch, h);
-  const std::size_t count = scratch.joint_places.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const JointPlace& place = scratch.joint_places[i];
-    const JointWay way = in_batches || place.way == JointWay::pin ? place.way : JointWay::single;
-    const bool in_batch = way != JointWay::single;
-    std::vector<JointRange>& ranges = scratch.joint_ranges;
-    const bool begins = ranges.empty() || ranges.back().kind != place.kind || ranges.back().way != way ||
-                        (by_level && in_batch && ranges.back().level != place.level);
-    const auto end_of = [&scratch](JointWay of) {
-      if (of == JointWay::single) return static_cast<std::uint32_t>(scratch.joints.size());
-      return static_cast<std::uint32_t>((of == JointWay::pin ? scratch.pins.spans : scratch.hinges.spans).size());
-    };
-    if (begins) ranges.push_back({place.kind, way, false, end_of(way), end_of(way), place.level});
-    if (in_batch) {
-      add_to_batches(way == JointWay::pin ? scratch.pins.spans : scratch.hinges.spans, i, in_batches ? place.level : 0,
-                     begins);
-    } else {
-      ask_early(model, state, scratch, i);
-      scratch.joints.push_back(make_joint(model, state, scratch, place, soft, h));
-    }
-    ranges.back().last = end_of(way);
-    ranges.back().springs |= way != JointWay::pin && has_springs(model.joints[place.joint]);
+  scratch.is_woven = false;
+  if (state.joints.empty()) {
+    scratch.kept.joints = {};
+    return;
   }
-  fill_pins(model, state, scratch, h);
+  plan_joints(model, state, scratch);
+  JointPlan& plan = scratch.kept.joints;
+  scratch.pins.order = plan.in_levels ? PinOrder::levels : PinOrder::row;
+  scratch.is_woven = plan.is_woven && is_left_to_joints(scratch, group) &&
+                     plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
+  raise_inertias(state, scratch, h);
+  for (const std::uint32_t place : plan.single)
+    scratch.joints.push_back(make_joint(model, state, scratch, plan.places[place], soft, h));
+  if (scratch.is_woven) set_apart_levels(scratch);
+  fill_pins(state, scratch, h);
   fill_hinges(model, state, scratch, soft, h);
-  for (JointRange& range : scratch.joint_ranges) {
+  if (scratch.is_woven) return;
+  for (JointRange& range : plan.ranges) {
     if (range.way == JointWay::pin) range.chunk_size = share_pins(scratch, range.first, range.last);
     if (range.way == JointWay::hinge) range.chunk_size = share_hinges(scratch, range.first, range.last);
   }
 }
 
+void note_velocities_of(Scratch& scratch, const JointRange& range) {
+  if (!range.springs) return;
+  if (range.way == JointWay::hinge)
+    note_hinges(scratch, range);
+  else
+    functions_of(range.kind).note(run_of(scratch, range));
+}
+
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
+  if (range.way == JointWay::pin)
+    warm_start_pins(scratch, range, poses, line);
+  else if (range.way == JointWay::hinge)
+    warm_start_hinges(scratch, range);
+  else
+    functions_of(range.kind).warm_start(run_of(scratch, range));
+}
+
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
+  if (range.way == JointWay::pin)
+    solve_pins(scratch, range, h, bias, line);
+  else if (range.way == JointWay::hinge)
+    solve_hinges(scratch, range, h, bias);
+  else
+    functions_of(range.kind).solve(run_of(scratch, range), h, bias);
+}
+
 void note_joint_velocities(Scratch& scratch) {
-  for (const JointRange& range : scratch.joint_ranges) {
-    if (!range.springs) continue;
-    if (range.way == JointWay::hinge)
-      note_hinges(scratch, range);
-    else
-      functions_of(range.kind).note(run_of(scratch, range));
-  }
+  for (const JointRange& range : scratch.kept.joints.ranges) note_velocities_of(scratch, range);
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.joint_ranges)
-    if (range.way == JointWay::pin)
-      warm_start_pins(scratch, range.first, range.last, range.chunk_size);
-    else if (range.way == JointWay::hinge)
-      warm_start_hinges(scratch, range);
-    else
-      functions_of(range.kind).warm_start(run_of(scratch, range));
+  for (const JointRange& range : scratch.kept.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.joint_ranges)
-    if (range.way == JointWay::pin)
-      solve_pins(scratch, range.first, range.last, range.chunk_size, h, bias);
-    else if (range.way == JointWay::hinge)
-      solve_hinges(scratch, range, h, bias);
-    else
-      functions_of(range.kind).solve(run_of(scratch, range), h, bias);
+  for (const JointRange& range : scratch.kept.joints.ranges) solve_range(scratch, range, h, bias, 0);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {

@@ -96,6 +96,10 @@ Real joint_stiffness(Real h);
 void note_joint_velocities(Scratch& scratch);
 void warm_start_joints(Scratch& scratch);
 void solve_joints(Scratch& scratch, Real h, Bias bias);
+// The same for a part of them, by a line of passes (weave.h).
+void note_velocities_of(Scratch& scratch, const JointRange& range);
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
 /// Impulses back to state.joints, as forces.
 void store_joints(const Scratch& scratch, State& state, Real h);
 

@@ -17,20 +17,30 @@ void raise_inertia(BodyMass& mass, Real least) {
 
 }  // namespace
 
-void raise_inertias(const Model& model, const State& state, Scratch& scratch, Real h) {
-  std::vector<Real>& torques = scratch.joint_torques;
+void raise_inertias(const State& state, Scratch& scratch, Real h) {
+  const std::vector<JointPlace>& places = scratch.kept.joints.places;
+  const Parallel& parallel = scratch.parallel;
+  std::vector<JointTorques>& of_joints = scratch.joint_torques;
+  of_joints.resize(places.size());
+  parallel.for_chunks(places.size(), parallel.chunk_size(places.size(), 256), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      ask_early(state, scratch, i);
+      const Real force2 = length_squared(state.joints[places[i].row].linear_force);
+      of_joints[i] = {square_root(force2 * length_squared(places[i].anchor_a)),
+                      square_root(force2 * length_squared(places[i].anchor_b))};
+    }
+  });
+  std::vector<Real>& torques = scratch.body_torques;
   torques.assign(state.bodies.size(), 0);
-  for (const JointPlace& place : scratch.joint_places) {
-    const JointModel& joint = model.joints[place.joint];
-    const Real force2 = length_squared(state.joints[place.row].linear_force);
-    torques[place.body_b] += square_root(force2 * length_squared(joint.anchor_b));
-    if (place.body_a != no_reference) torques[place.body_a] += square_root(force2 * length_squared(joint.anchor_a));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    torques[places[i].body_b] += of_joints[i].b;
+    if (places[i].body_a != no_reference) torques[places[i].body_a] += of_joints[i].a;
   }
   const Real per_torque = h * h / turning_limit;
-  for (const JointPlace& place : scratch.joint_places) {
-    raise_inertia(scratch.masses[place.body_b], per_torque * torques[place.body_b]);
-    if (place.body_a != no_reference) raise_inertia(scratch.masses[place.body_a], per_torque * torques[place.body_a]);
-  }
+  parallel.for_chunks(torques.size(), parallel.chunk_size(torques.size(), 512), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row)
+      raise_inertia(scratch.masses[row], per_torque * torques[row]);
+  });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -19,6 +19,6 @@ struct Scratch;
 
 /// Raises inertias in scratch.masses, where the joints' forces of the last substep ask for it. h: of a substep, s.
 /// Requires: prepare_bodies, order_joints.
-void raise_inertias(const Model& model, const State& state, Scratch& scratch, Real h);
+void raise_inertias(const State& state, Scratch& scratch, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -165,6 +165,8 @@ void find_hubs(Model& model) {
 void make_joints(Model& model) {
   for (const Joint& joint : model.scene.joints) {
     model.joints.push_back(make_joint(model, joint));
+    for (const std::uint32_t id : {joint.body_a, joint.body_b})
+      if (id != no_reference && id > model.last_joined) model.last_joined = id;
     if (joint.collide_connected || joint.kind == JointKind::target) continue;
     const bool ascending = joint.body_a < joint.body_b;
     model.separated.push_back({ascending ? joint.body_a : joint.body_b, ascending ? joint.body_b : joint.body_a});

@@ -3,6 +3,7 @@
 #include "engine/constraints/joint_order.h"
 
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/near_levels.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -17,16 +18,17 @@ JointWay way_of(const JointModel& joint) {
 
 /// Sorts the places by level and way, otherwise in the order they are in.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
+  std::vector<JointPlace>& places = scratch.kept.joints.places;
   std::vector<std::uint32_t>& start = scratch.level_starts;
   start.assign(joint_way_count * static_cast<std::size_t>(level_count) + 1, 0);
   const auto key_of = [](const JointPlace& place) {
     return joint_way_count * place.level + static_cast<std::uint32_t>(place.way);
   };
-  for (const JointPlace& place : scratch.joint_places) ++start[key_of(place) + 1];
+  for (const JointPlace& place : places) ++start[key_of(place) + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.sorted_places.resize(scratch.joint_places.size());
-  for (const JointPlace& place : scratch.joint_places) scratch.sorted_places[start[key_of(place)]++] = place;
-  scratch.joint_places.swap(scratch.sorted_places);
+  scratch.sorted_places.resize(places.size());
+  for (const JointPlace& place : places) scratch.sorted_places[start[key_of(place)]++] = place;
+  places.swap(scratch.sorted_places);
 }
 
 }  // namespace
@@ -36,11 +38,13 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
   return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
 }
 
-bool order_joints(const Model& model, const State& state, Scratch& scratch) {
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven) {
+  JointPlan& plan = scratch.kept.joints;
   const std::uint32_t unread = unread_record(scratch);
-  scratch.joint_places.clear();
+  plan.places.clear();
+  plan.level_count = 0;
+  plan.is_woven = false;
   scratch.body_levels.assign(state.bodies.size(), 0);
-  std::uint32_t level_count = 0;
   std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointModel& joint = model.joints[state.joints[i].joint];
@@ -55,14 +59,15 @@ bool order_joints(const Model& model, const State& state, Scratch& scratch) {
     if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];
     if (a_moves) scratch.body_levels[a] = level + 1;
     if (b_moves) scratch.body_levels[b] = level + 1;
-    if (level >= level_count) level_count = level + 1;
+    if (level >= plan.level_count) plan.level_count = level + 1;
     const JointWay way = way_of(joint);
     in_batches += way == JointWay::single ? 0u : 1u;
-    scratch.joint_places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, way});
+    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, way, joint.anchor_a, joint.anchor_b});
   }
-  if (in_batches < joints_per_level_least * level_count || in_batches == 0) return false;
-  sort_by_level(scratch, level_count);
-  return true;
+  plan.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * plan.level_count;
+  if (!plan.in_levels) return;
+  plan.is_woven = may_be_woven && draw_near(scratch);
+  sort_by_level(scratch, plan.level_count);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/math/real.h"
+#include "engine/math/vec2.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -21,6 +21,9 @@ struct Scratch;
 enum class JointWay : std::uint8_t { pin, hinge, single };
 inline constexpr std::uint32_t joint_way_count = 3;
 
+/// Whether bodies have moved since the last pass over the same joints.
+enum class Poses : std::uint8_t { moved, unmoved };
+
 /// A joint of the group that is being solved.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
@@ -28,15 +31,16 @@ struct JointPlace {
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;
-  JointWay way;  // where joints are in levels; in scene order hinges are solved by themselves
+  JointWay way;             // where joints are in levels; in scene order hinges are solved by themselves
+  Vec2 anchor_a, anchor_b;  // as in JointModel, which is large and elsewhere
 };
 
 /// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Fills scratch.joint_places with the group's joints in the order in which they are to be prepared. True: by level,
-/// in each level the pins first, then the hinges. False: in scene order. Requires: prepare_bodies,
-/// enter_group.
-bool order_joints(const Model& model, const State& state, Scratch& scratch);
+/// Fills the places of the plan with the group's joints in the order in which they are to be prepared: by level, in
+/// each level the pins first, then the hinges; or in scene order. `may_be_woven`: looks for levels that can be
+/// (weave.h). Requires: prepare_bodies, enter_group.
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,13 +3,14 @@
 #include "engine/constraints/pin_batch.h"
 
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/weave.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h) {
+PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t line) {
   return {scratch.pins.batches.data() + first,
-          scratch.pins.arms.data() + first,
+          scratch.pins.arms.data() + line * scratch.kept.joints.pins.size() + first,
           last - first,
           &scratch.bodies.data()->velocity.x,
           h,
@@ -18,12 +19,10 @@ PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h) {
 
 }  // namespace
 
-void ask_early(const Model& model, const State& state, const Scratch& scratch, std::size_t place) {
+void ask_early(const State& state, const Scratch& scratch, std::size_t place) {
   constexpr std::size_t joints_ahead = 12;
-  if (place + joints_ahead >= scratch.joint_places.size()) return;
-  const JointPlace& later = scratch.joint_places[place + joints_ahead];
-  __builtin_prefetch(&model.joints[later.joint]);
-  __builtin_prefetch(&state.joints[later.row].linear_force);
+  if (place + joints_ahead >= scratch.kept.joints.places.size()) return;
+  __builtin_prefetch(&state.joints[scratch.kept.joints.places[place + joints_ahead].row].linear_force);
 }
 
 void empty_pins(const Scratch& scratch, PinBatch& batch) {
@@ -67,43 +66,45 @@ void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const B
 
 namespace {
 
-void fill_lane(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch,
-               std::size_t lane, Real h) {
+void fill_lane(const State& state, const Scratch& scratch, const JointPlace& place, PinBatch& batch, std::size_t lane,
+               Real h) {
   const JointRow& row = state.joints[place.row];
-  const JointModel& joint = model.joints[place.joint];
   const BodyRow& b = state.bodies[place.body_b];
   const BodyMass& mass_b = scratch.masses[place.body_b];
   BodyMass mass_a{0, 0, resting_record(scratch), unread_record(scratch)};
   Vec2 anchor_a{0, 0};
-  Vec2 apart = b.position - joint.anchor_a;  // held to the world: from the point
+  Vec2 apart = b.position - place.anchor_a;  // held to the world: from the point
   if (place.body_a != no_reference) {
     const BodyRow& a = state.bodies[place.body_a];
     mass_a = scratch.masses[place.body_a];
-    anchor_a = rotate(a.rotation, joint.anchor_a);
+    anchor_a = rotate(a.rotation, place.anchor_a);
     apart = b.position - a.position;
   }
-  const Vec2 anchor_b = rotate(b.rotation, joint.anchor_b);
+  const Vec2 anchor_b = rotate(b.rotation, place.anchor_b);
   fill_pin_lane(batch, lane, place.row, mass_a, mass_b, anchor_a, anchor_b, apart, h * row.linear_force);
 }
 
 }  // namespace
 
-void fill_pins(const Model& model, const State& state, Scratch& scratch, Real h) {
+void fill_pins(const State& state, Scratch& scratch, Real h) {
   PinBatches& pins = scratch.pins;
-  const std::size_t count = pins.spans.size();
+  const std::vector<JointSpan>& spans = scratch.kept.joints.pins;
+  const std::size_t count = spans.size();
   if (pins.batches.size() < count) pins.batches.resize(count);
-  if (pins.arms.size() < count) pins.arms.resize(count);
+  const std::size_t arms_count = count * (scratch.is_woven ? woven_line_count(scratch) : 1);
+  if (pins.arms.size() < arms_count) pins.arms.resize(arms_count);
   scratch.parallel.for_chunks(
       count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1), [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-          const JointSpan& span = pins.spans[i];
+          const JointSpan& span = spans[i];
           PinBatch& batch = pins.batches[i];
           empty_pins(scratch, batch);
           batch.count = static_cast<std::int32_t>(span.count);
           for (std::uint32_t lane = 0; lane < span.count; ++lane) {
-            ask_early(model, state, scratch, span.first + lane);
-            fill_lane(model, state, scratch, scratch.joint_places[span.first + lane], batch, lane, h);
+            ask_early(state, scratch, span.first + lane);
+            fill_lane(state, scratch, scratch.kept.joints.places[span.first + lane], batch, lane, h);
           }
+          if (scratch.is_woven) write_elsewhere(scratch, batch, span.level);
         }
       });
 }
@@ -117,28 +118,29 @@ std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last
   return size;
 }
 
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size) {
+void warm_start_pins(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
   const PinKernels& kernels = scratch.kernels->pins;
-  const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : kernels.warm_start;
-  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, Real(1)));
+  const auto in_levels = poses == Poses::moved ? kernels.warm_start : kernels.warm_start_again;
+  const auto kernel = scratch.pins.order == PinOrder::row ? kernels.warm_start_row : in_levels;
+  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, Real(1), line));
   });
 }
 
-void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Real h, Bias bias) {
+void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
   const PinKernels& kernels = scratch.kernels->pins;
   const bool in_row = scratch.pins.order == PinOrder::row;
   const auto solve = in_row ? kernels.solve_row : kernels.solve;
   const auto relax = in_row ? kernels.relax_row : kernels.relax;
   const auto kernel = bias == Bias::on ? solve : relax;
-  scratch.parallel.for_chunks(last - first, chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, first + chunk.begin, first + chunk.end, h));
+  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, h, line));
   });
 }
 
 void store_pins(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.pins.spans.size();
+  const std::size_t count = scratch.kept.joints.pins.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) {
                                 for (std::size_t i = chunk.begin; i < chunk.end; ++i) {

@@ -12,6 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct BodyMass;
+struct JointRange;
 
 /// How pins are solved.
 enum class PinOrder : std::uint8_t {
@@ -19,25 +20,17 @@ enum class PinOrder : std::uint8_t {
   row,     // one after the other
 };
 
-/// The joints of a batch: those of scratch.joint_places from `first` on.
+/// The joints of a batch: those of the plan's places from `first` on.
 struct JointSpan {
   std::uint32_t first;
   std::uint32_t count;
   std::uint32_t level;
 };
 
-/// Adds the next place to the last batch, or to a new one where that is full, of another level or not of this run.
-inline void add_to_batches(std::vector<JointSpan>& spans, std::size_t place, std::uint32_t level, bool begins_run) {
-  if (begins_run || spans.back().level != level || spans.back().count == lane_count)
-    spans.push_back({static_cast<std::uint32_t>(place), 0, level});
-  ++spans.back().count;
-}
-
 struct PinBatches {
   PinOrder order = PinOrder::levels;
-  std::vector<JointSpan> spans;   // [batch]
-  std::vector<PinBatch> batches;  // as many are in use as there are spans
-  std::vector<PinArms> arms;      // [batch], of rows
+  std::vector<PinBatch> batches;  // as many are in use as the plan has
+  std::vector<PinArms> arms;      // [line of passes, batch], so that each thread has its own (weave.h)
   Softness soft;
 };
 
@@ -45,7 +38,7 @@ struct PinBatches {
 inline constexpr std::size_t joint_batches_per_chunk_least = 10;
 
 /// Levels take joints from everywhere: asks for the memory of one some places later.
-void ask_early(const Model& model, const State& state, const Scratch& scratch, std::size_t place);
+void ask_early(const State& state, const Scratch& scratch, std::size_t place);
 
 /// Empties a batch: lanes that hold nothing read the resting record and write to one that nobody reads.
 void empty_pins(const Scratch& scratch, PinBatch& batch);
@@ -56,13 +49,13 @@ void write_elsewhere(const Scratch& scratch, PinBatch& batch, std::size_t chunk)
 void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
                    Vec2 anchor_a, Vec2 anchor_b, Vec2 apart, Vec2 impulse);
 
-/// Fills the batches of the spans.
-void fill_pins(const Model& model, const State& state, Scratch& scratch, Real h);
+/// Fills the batches of the plan.
+void fill_pins(const State& state, Scratch& scratch, Real h);
 /// Makes the batches first..last-1 ready for threads and says how many one takes. Requires: pins of one level, or one
 /// thread.
 std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last);
-void warm_start_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size);
-void solve_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last, std::size_t chunk_size, Real h, Bias bias);
+void warm_start_pins(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
+void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
 /// Impulses back to state.joints, as forces.
 void store_pins(const Scratch& scratch, State& state, Real h);
 

@@ -7,18 +7,57 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
+/// Where the impulse acts, and what it does there.
+struct Hold {
+  Arms arms;
+  Wide k11, k12, k22, inv_determinant;
+};
+
+/// At the present poses; keeps it for passes that meet the same ones.
+TICKTRUE_INLINE Hold find_hold(const Group& group, const Pair& pair, const Real* bodies, PinArms& out) {
+  const Wide one = spread(1);
+  const Arms arms = load_arms(group, pair, bodies);
+  const PinMobility k = mobility_of(pair, arms);
+  // Empty lanes have no mobility: they divide by one instead.
+  const Hold hold{arms, k.k11, k.k12, k.k22, one / (k.determinant > Wide{} ? k.determinant : one)};
+  group.store(out.ax, arms.ax);
+  group.store(out.ay, arms.ay);
+  group.store(out.bx, arms.bx);
+  group.store(out.by, arms.by);
+  group.store(out.ex, arms.ex);
+  group.store(out.ey, arms.ey);
+  group.store(out.k11, hold.k11);
+  group.store(out.k12, hold.k12);
+  group.store(out.k22, hold.k22);
+  group.store(out.inv_determinant, hold.inv_determinant);
+  return hold;
+}
+
+TICKTRUE_INLINE Hold load_hold(const Group& group, const PinArms& from) {
+  return {{group.load(from.ax), group.load(from.ay), group.load(from.bx), group.load(from.by), group.load(from.ex),
+           group.load(from.ey)},
+          group.load(from.k11),
+          group.load(from.k12),
+          group.load(from.k22),
+          group.load(from.inv_determinant)};
+}
+
+/// Soft: as the pass before found it. Rigid: bodies have moved since.
 template <bool is_soft>
 void solve(const PinWork& work) {
   const Wide h = spread(work.h);
   const Wide inv_h = spread(1 / work.h);
-  const Wide one = spread(1);
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     PinBatch& batch = work.batches[i];
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Pair pair = load_pair(group, work.bodies);
-      const Arms arms = load_arms(group, pair, work.bodies);
-      const PinMobility k = mobility_of(pair, arms);
+      Hold hold;
+      if constexpr (is_soft)
+        hold = load_hold(group, work.arms[i]);
+      else
+        hold = find_hold(group, pair, work.bodies, work.arms[i]);
+      const Arms& arms = hold.arms;
       const Wide wa = pair.a.at[2];
       const Wide wb = pair.b.at[2];
       Wide vx = (pair.b.at[0] - wb * arms.by) - (pair.a.at[0] - wa * arms.ay);
@@ -30,10 +69,8 @@ void solve(const PinWork& work) {
         vx = (vx + inv_h * (short_a * arms.ax - short_b * arms.bx)) + bias_rate * arms.ex;
         vy = (vy + inv_h * (short_a * arms.ay - short_b * arms.by)) + bias_rate * arms.ey;
       }
-      // Empty lanes have no mobility: they divide by one instead.
-      const Wide inv_determinant = one / (k.determinant > Wide{} ? k.determinant : one);
-      Wide px = -(inv_determinant * (k.k22 * vx - k.k12 * vy));
-      Wide py = -(inv_determinant * (k.k11 * vy - k.k12 * vx));
+      Wide px = -(hold.inv_determinant * (hold.k22 * vx - hold.k12 * vy));
+      Wide py = -(hold.inv_determinant * (hold.k11 * vy - hold.k12 * vx));
       const Wide old_x = group.load(batch.impulse_x);
       const Wide old_y = group.load(batch.impulse_y);
       if constexpr (is_soft) {
@@ -47,41 +84,31 @@ void solve(const PinWork& work) {
   }
 }
 
+template <bool has_moved>
 void warm_start(const PinWork& work) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     PinBatch& batch = work.batches[i];
     for (int first = 0; first < batch.count; first += wide_count) {
       const Group group{batch, first};
       Pair pair = load_pair(group, work.bodies);
-      const Arms arms = load_arms(group, pair, work.bodies);
-      push(group, pair, arms, group.load(batch.impulse_x), group.load(batch.impulse_y), work.bodies);
+      Hold hold;
+      if constexpr (has_moved)
+        hold = find_hold(group, pair, work.bodies, work.arms[i]);
+      else
+        hold = load_hold(group, work.arms[i]);
+      push(group, pair, hold.arms, group.load(batch.impulse_x), group.load(batch.impulse_y), work.bodies);
     }
   }
 }
 
 // ---- In a row ----
 
-void find_arms(const PinWork& work) {
-  const Wide one = spread(1);
-  for (std::size_t i = 0; i < work.batch_count; ++i) {
-    PinArms& out = work.arms[i];
+void find_holds(const PinWork& work) {
+  for (std::size_t i = 0; i < work.batch_count; ++i)
     for (int first = 0; first < work.batches[i].count; first += wide_count) {
       const Group group{work.batches[i], first};
-      const Pair pair = load_pair(group, work.bodies);
-      const Arms arms = load_arms(group, pair, work.bodies);
-      const PinMobility k = mobility_of(pair, arms);
-      group.store(out.ax, arms.ax);
-      group.store(out.ay, arms.ay);
-      group.store(out.bx, arms.bx);
-      group.store(out.by, arms.by);
-      group.store(out.ex, arms.ex);
-      group.store(out.ey, arms.ey);
-      group.store(out.k11, k.k11);
-      group.store(out.k12, k.k12);
-      group.store(out.k22, k.k22);
-      group.store(out.inv_determinant, one / (k.determinant > Wide{} ? k.determinant : one));
+      find_hold(group, load_pair(group, work.bodies), work.bodies, work.arms[i]);
     }
-  }
 }
 
 /// One pin of a row: its bodies' velocities in and out, and the impulses between them.
@@ -149,7 +176,7 @@ TICKTRUE_INLINE void solve_one(const PinWork& work, const Softness& soft, RowPin
 }
 
 void warm_start_row(const PinWork& work) {
-  find_arms(work);
+  find_holds(work);
   for (std::size_t i = 0; i < work.batch_count; ++i)
     for (int lane = 0; lane < work.batches[i].count; ++lane) {
       RowPin pin(work, i, lane);
@@ -165,7 +192,7 @@ void solve_row(const PinWork& work) {
 }
 
 void relax_row(const PinWork& work) {
-  find_arms(work);
+  find_holds(work);
   const Softness rigid;
   for (std::size_t i = 0; i < work.batch_count; ++i)
     for (int lane = 0; lane < work.batches[i].count; ++lane) solve_one<false>(work, rigid, RowPin(work, i, lane));
@@ -174,7 +201,7 @@ void relax_row(const PinWork& work) {
 }  // namespace
 
 PinKernels pin_kernels() {
-  return {warm_start, solve<true>, solve<false>, warm_start_row, solve_row, relax_row};
+  return {warm_start<true>, warm_start<false>, solve<true>, solve<false>, warm_start_row, solve_row, relax_row};
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA

@@ -21,8 +21,7 @@ struct PinBatch {
   std::int32_t count;             // lanes from here on are empty
 };
 
-/// What the poses make of the pins of a batch. Pins of a row share bodies, so that velocities go from one to the next;
-/// but this part of the work is done for eight at a time, once per change of the poses.
+/// What the poses make of the pins of a batch: found for eight at a time, once per change of the poses.
 struct PinArms {
   Lanes ax, ay, bx, by;  // from the centres of mass to where the impulse acts, m
   Lanes ex, ey;          // the anchors' gap, m
@@ -32,7 +31,7 @@ struct PinArms {
 /// Batches that follow each other, for one call of a kernel.
 struct PinWork {
   PinBatch* batches;
-  PinArms* arms;  // [batch], of rows
+  PinArms* arms;  // [batch]
   std::size_t batch_count;
   Real* bodies;
   Real h;  // s, of a substep
@@ -40,10 +39,12 @@ struct PinWork {
 };
 
 struct PinKernels {
+  // Requires of `solve`: `warm_start` since the poses changed; of `warm_start_again`: `relax` since then.
   void (*warm_start)(const PinWork& work);
+  void (*warm_start_again)(const PinWork& work);
   void (*solve)(const PinWork& work);
   void (*relax)(const PinWork& work);
-  /// Of rows. Requires of `solve_row`: `warm_start_row` since the poses changed.
+  // Of pins that share bodies, so that velocities go from one to the next. Requires as above.
   void (*warm_start_row)(const PinWork& work);
   void (*solve_row)(const PinWork& work);
   void (*relax_row)(const PinWork& work);

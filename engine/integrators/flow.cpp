@@ -31,7 +31,8 @@ void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
 }
 
 /// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
-Twist constant_acceleration(const Model& model, const State& state, const Scratch& scratch, std::size_t row) {
+[[gnu::always_inline]] inline Twist constant_acceleration(const Model& model, const State& state,
+                                                          const Scratch& scratch, std::size_t row) {
   const std::uint32_t source = state.bodies[row].source;
   const BodyModel& body = model.bodies[source];
   Twist acceleration{body.gravity_scale * state.world.gravity, 0};
@@ -91,6 +92,28 @@ void move_bodies(Scratch& scratch, Real h) {
     scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data() + chunk.begin,
                                         chunk.end - chunk.begin, resting_record(scratch),
                                         unread_record(scratch, chunk.index), h);
+  });
+}
+
+bool bodies_step_alone(const Model& model) {
+  return model.scene.settings.integrator == IntegratorKind::semi_implicit_euler && model.position_forces == nullptr &&
+         !model.has_velocity_forces;
+}
+
+void fly(Scratch& scratch, Real h, int substeps) {
+  constexpr std::size_t block_size = 128;  // bodies: 12 KB in f32
+  const std::size_t count = scratch.moving_rows.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, block_size), [&](const Chunk& chunk) {
+    const MotionKernels& motion = scratch.kernels->motion;
+    Real* bodies = &scratch.bodies.data()->velocity.x;
+    for (std::size_t first = chunk.begin; first < chunk.end; first += block_size) {
+      const std::uint32_t* rows = scratch.moving_rows.data() + first;
+      const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
+      for (int substep = 0; substep < substeps; ++substep) {
+        motion.step_velocities(bodies, scratch.velocity_steps.data()->gain, rows, row_count);
+        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread_record(scratch, chunk.index), h);
+      }
+    }
   });
 }
 

@@ -16,6 +16,12 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch);
 /// x' = x + h v.
 void move_bodies(Scratch& scratch, Real h);
 
+/// Whether a substep is step_velocities and move_bodies, each body by itself.
+bool bodies_step_alone(const Model& model);
+/// All substeps of bodies on which nothing acts between them: the same steps, so many bodies at a time that they stay
+/// in the nearest cache. Requires: bodies_step_alone, prepare_velocity_steps.
+void fly(Scratch& scratch, Real h, int substeps);
+
 /// Fills scratch.constant_accelerations, for total_accelerations.
 void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/solver.h"
 
@@ -11,14 +12,17 @@ void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real 
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   const int substep_count = model.scene.settings.substeps;
   const Real h = dt / static_cast<Real>(substep_count);  // s
-  group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
-  enter_group(model, state, scratch, scratch.groups[0], h);
+  group_everything(model, state, scratch);
+  enter_group(state, scratch, scratch.groups[0], h);
   scheme.begin(model, state, scratch, h);
-  for (int substep = 0; substep < substep_count; ++substep) {
-    scheme.predict(model, state, scratch, h);
-    scheme.drift(model, state, scratch, h);
-  }
+  if (bodies_step_alone(model))
+    fly(scratch, h, substep_count);
+  else
+    for (int substep = 0; substep < substep_count; ++substep) {
+      scheme.predict(model, state, scratch, h);
+      scheme.drift(model, state, scratch, h);
+    }
   store_bodies(scratch, state);
 }
 

@@ -175,9 +175,9 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
 
 void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
-  enter_group(model, state, scratch, scratch.groups[0], dt);
+  group_everything(model, state, scratch);
+  enter_group(state, scratch, scratch.groups[0], dt);
   prepare_pulls(model, state, scratch, scratch.groups[0]);
   scheme.begin(model, state, scratch, dt);
   scheme.predict(model, state, scratch, dt);

@@ -11,12 +11,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
-  if (!model.finds_islands) group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
+  if (!model.finds_islands) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   for (SolveGroup& group : scratch.groups) {
-    enter_group(model, state, scratch, group, dt);
+    enter_group(state, scratch, group, dt);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, baumgarte_contacts(dt));

@@ -5,6 +5,8 @@
 #include "engine/constraints/bodies.h"
 #include "engine/constraints/groups.h"
 #include "engine/constraints/landings.h"
+#include "engine/constraints/weave.h"
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
@@ -26,19 +28,23 @@ std::uint32_t sweeps_of(const Model& model, const State& state, const Scratch& s
 }  // namespace
 
 void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt) {
-  if (!model.finds_islands) group_everything(model, state, scratch);
   prepare_bodies(model, state, scratch);
+  if (!model.finds_islands) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   for (SolveGroup& group : scratch.groups) {
     const Real h = dt / static_cast<Real>(group.substeps);  // s
-    enter_group(model, state, scratch, group, h);
+    enter_group(state, scratch, group, h);
     group.joint_sweeps = sweeps_of(model, state, scratch);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
     scheme.begin(model, state, scratch, h);
-    for (int substep = 0; substep < group.substeps; ++substep) {
+    const bool flies = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, group);
+    if (flies) fly(scratch, h, group.substeps);
+    if (scratch.is_woven) solve_woven(scratch, group);
+    const int substeps_in_turn = flies || scratch.is_woven ? 0 : group.substeps;
+    for (int substep = 0; substep < substeps_in_turn; ++substep) {
       note_joint_velocities(scratch);
       note_impact_velocities(state, scratch);
       scheme.predict(model, state, scratch, h);

@@ -171,9 +171,9 @@ class Stepper {
     state_ = engine::f64::initial_state(model_);
   }
   void step(double h) {
-    engine::f64::group_everything(model_, state_, scratch_);
     engine::f64::prepare_bodies(model_, state_, scratch_);
-    engine::f64::enter_group(model_, state_, scratch_, scratch_.groups[0], h);
+    engine::f64::group_everything(model_, state_, scratch_);
+    engine::f64::enter_group(state_, scratch_, scratch_.groups[0], h);
     scheme_.begin(model_, state_, scratch_, h);
     scheme_.predict(model_, state_, scratch_, h);
     scheme_.drift(model_, state_, scratch_, h);

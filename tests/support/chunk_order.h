@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <vector>
+
 #include "base/parallel.h"
 
 namespace ticktrue::test {
@@ -23,9 +26,22 @@ class ChunkOrder final : public ChunkRunner {
       work(context, {index, begin, end});
     }
   }
+  /// Each line as early as it may go; else as late as it can, one line after the other.
+  void run_lines(const Lines& lines, LineWork work, const void* context) override {
+    ++line_run_count;
+    if (!reversed_) return ChunkRunner::run_lines(lines, work, context);
+    std::vector<std::size_t> done(lines.line_count, 0);
+    while (done.back() < lines.step_count)
+      for (std::size_t line = lines.line_count; line-- > 0;) {
+        const std::size_t needed = std::min(done[line] + lines.lag, lines.step_count);
+        if (done[line] == lines.step_count || (line > 0 && done[line - 1] < needed)) continue;
+        work(context, line, done[line]++);
+      }
+  }
   unsigned width() const override { return width_; }
 
   std::size_t run_count = 0;
+  std::size_t line_run_count = 0;
 
  private:
   bool reversed_;
