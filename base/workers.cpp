@@ -64,13 +64,6 @@ bool spin(std::chrono::microseconds limit, Done done) {
   }
 }
 
-/// Room in the caller's frame: other threads read what it has on its stack, and would wait for cache lines that it writes
-/// while it works on chunks of its own.
-struct StackGap {
-  StackGap() { bytes[0] = 0; }
-  volatile char bytes[256];
-};
-
 // A share: run << 32 | chunks taken so far << 16 | end of the chunks.
 constexpr std::size_t chunk_count_max = 0xffff;
 struct Share {
@@ -128,7 +121,6 @@ class Workers final : public ChunkRunner {
   unsigned width() const override { return static_cast<unsigned>(slots_.size()); }
 
   void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) override {
-    const StackGap gap;
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
     if (chunk_count > chunk_count_max || is_alone()) {
       for (std::size_t i = 0; i < chunk_count; ++i) work(context, chunk_of(i, count, chunk_size));
