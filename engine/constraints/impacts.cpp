@@ -70,6 +70,23 @@ bool stay_apart(const Placement& a, const Placement& b, const ShapeModel& shape_
   return length_squared(apart) > Real(1.01) * (reach * reach);
 }
 
+/// Along which normal, from A to B, an edge of a chain may push the other shape of a pair; others along any.
+EdgePush push_of_pair(const Model& model, const ShapeModel& shape_a, const Placement& a, const ShapeModel& shape_b,
+                      const Placement& b, const Distance& gap) {
+  const auto push_of = [&](const ShapeModel& edge, const Placement& at, const ShapeModel& other,
+                           const Placement& other_at, Vec2 normal) {
+    const Vec2 center = (other_at.position - at.position) + rotate(other_at.rotation, other.center);
+    EdgePush push = edge_push(model, edge, rotate_back(at.rotation, normal), rotate_back(at.rotation, center));
+    push.normal = rotate(at.rotation, push.normal);
+    return push;
+  };
+  if (shape_a.family == ShapeFamily::chain_edge) return push_of(shape_a, a, shape_b, b, gap.normal);
+  if (shape_b.family != ShapeFamily::chain_edge) return {true, true, gap.normal};
+  EdgePush push = push_of(shape_b, b, shape_a, a, -gap.normal);
+  push.normal = -push.normal;
+  return push;
+}
+
 /// Sets the pair's next impact at or after `start`.
 void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
   pair.time = no_impact;
@@ -95,20 +112,22 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
       const Vec2 relative = velocity_at(path_b, time) - velocity_at(path_a, time);
       if (stay_apart(a, b, shape_a, shape_b, (length(relative) + quickening * (h - time)) + spin, h - time)) return;
     }
-    const Distance gap = distance(model, shape_a, a, shape_b, b);
-    // An edge of a chain is felt from its right side only, and its corners as the narrow phase has it.
-    if (shape_a.family == ShapeFamily::chain_edge &&
-        !may_push(model, shape_a, rotate_back(a.rotation, gap.normal), gap.at_corner_a))
-      return;
-    if (shape_b.family == ShapeFamily::chain_edge &&
-        !may_push(model, shape_b, rotate_back(b.rotation, -gap.normal), gap.at_corner_b))
-      return;
+    Distance gap = distance(model, shape_a, a, shape_b, b);
+    const EdgePush push = push_of_pair(model, shape_a, a, shape_b, b, gap);
     const Real tolerance = touch_tolerance(size, a.position, b.position);
-    if (gap.separation <= (has_contact ? larger(tolerance, near_share * size) : tolerance)) {
+    // What an edge of a chain does not push along may come nearer until it touches; then the edge's own normal counts.
+    if (!push.is_allowed && gap.separation <= tolerance) {
+      if (!push.in_front) return;
+      gap.normal = push.normal;
+    }
+    const Real near = has_contact && push.is_allowed ? larger(tolerance, near_share * size) : tolerance;
+    if (gap.separation <= near) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       const bool bounces = pair.restitution > 0 && closing > threshold;
       // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
       // and a wall would push each other without end.
+      // At a joint of a chain the edge that the shape is over has it, with friction: this one stops only what falls.
+      if (!push.is_allowed && !bounces && closing * h <= slow_share * size) return;
       const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
       const bool touches = gap.separation <= tolerance;
       // Nor is there an impact where what is left of the substep is too short to get anywhere.
@@ -138,7 +157,7 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     const Real closing_max = (along + quickening * (h - time)) + spin;
     if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
     time += gap.separation / closing_max;
-    if (i + 1 < advance_count_max || !pair.is_fast) continue;
+    if (i + 1 < advance_count_max || !pair.is_fast || !push.is_allowed) continue;
     // A grazing or spinning pair that is not settled: rather stopped than passed.
     pair.time = time;
     pair.normal = gap.normal;

@@ -93,9 +93,13 @@ Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real p
 
 }  // namespace
 
-bool may_push(const Model& model, const ShapeModel& shape, Vec2 normal, bool at_corner) {
+EdgePush edge_push(const Model& model, const ShapeModel& shape, Vec2 normal, Vec2 center) {
   const Edge edge = edge_of(model, shape);
-  return dot(edge.normal, normal) > 0 && (!at_corner || belongs_to_corner(edge, normal));
+  const bool in_front = dot(edge.normal, center - edge.begin) >= 0;
+  const Real limit = 16 * epsilon * square_root(length_squared(edge.along));  // of turning there and back
+  const bool along_own = absolute(dot(edge.along, normal)) <= limit;
+  if (dot(edge.normal, normal) > 0 && (along_own || belongs_to_corner(edge, normal))) return {true, in_front, normal};
+  return {false, in_front, edge.normal};
 }
 
 Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,

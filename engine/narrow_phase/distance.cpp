@@ -62,8 +62,6 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
       best.separation = gap;
       best.normal = normal;
       is_apart = true;
-      best.at_corner_a = closest.vertex_a != no_vertex;
-      best.at_corner_b = closest.vertex_b != no_vertex;
     } else if (!has_axis) {
       best.separation = 0;
       best.normal = a.count > 1 ? a.normals[0] : Vec2{0, 1};

@@ -7,11 +7,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Distance {
-  Real separation = 0;       // m; < 0: they overlap, along `normal` by that much
-  Vec2 normal;               // from A to B, unit
-  Vec2 point;                // between the two, world, m
-  bool at_corner_a = false;  // a corner of A is nearest, not a side
-  bool at_corner_b = false;
+  Real separation = 0;  // m; < 0: they overlap, along `normal` by that much
+  Vec2 normal;          // from A to B, unit
+  Vec2 point;           // between the two, world, m
 };
 
 /// Exact where the shapes are apart, up to rounding. Poses are those of the bodies' centres of mass.

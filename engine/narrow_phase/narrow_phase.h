@@ -61,9 +61,14 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b, Real fall);
 
-/// Whether an edge of a chain may push along `normal` (from the edge, in its body's frame): to its right side; from a
-/// corner only if that is convex and the edge owns it.
-bool may_push(const Model& model, const ShapeModel& edge, Vec2 normal, bool at_corner);
+/// How an edge of a chain pushes what lies from it along some normal.
+struct EdgePush {
+  bool is_allowed;  // along that normal: the edge's own, or one of a convex corner or free end
+  bool in_front;    // the centre of the other shape is on the right side of the edge
+  Vec2 normal;      // that one, or the edge's own
+};
+/// `normal` from the edge, `center` of the other shape, both in the frame of the edge's body.
+EdgePush edge_push(const Model& model, const ShapeModel& edge, Vec2 normal, Vec2 center);
 
 /// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);
