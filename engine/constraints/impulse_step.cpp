@@ -35,15 +35,15 @@ double separation_of(const ContactBatch& batch, const ContactPointLanes& point, 
   return at(point.separation) + (along + (lost + turned));
 }
 
-double product(const double (&row)[3], const double* velocity) {
+double speed_along(const double (&row)[3], const double* velocity) {
   return (row[0] * velocity[0] + row[1] * velocity[1]) + row[2] * velocity[2];
 }
 
 /// J v of a row; `velocity`: three of each place.
-double product(const PushingRow& row, const std::vector<double>& velocity) {
+double speed_along(const PushingRow& row, const std::vector<double>& velocity) {
   double sum = 0;
-  if (row.place_a != no_body) sum += product(row.along_a, &velocity[3 * row.place_a]);
-  if (row.place_b != no_body) sum += product(row.along_b, &velocity[3 * row.place_b]);
+  if (row.place_a != no_body) sum += speed_along(row.along_a, &velocity[3 * row.place_a]);
+  if (row.place_b != no_body) sum += speed_along(row.along_b, &velocity[3 * row.place_b]);
   return sum;
 }
 
@@ -60,7 +60,7 @@ double speed_of(const PushingRow& row, const Scratch& scratch) {
     const MovingBody& moving = scratch.bodies[body];
     const double velocity[3] = {static_cast<double>(moving.velocity.x), static_cast<double>(moving.velocity.y),
                                 static_cast<double>(moving.angular_velocity)};
-    return product(along, velocity);
+    return speed_along(along, velocity);
   };
   return part(row.read_a, row.along_a) + part(row.read_b, row.along_b);
 }
@@ -262,10 +262,11 @@ void find_changes(ImpulseStep& out) {
   out.total.assign(out.first.size(), 0);
   for (int i = 0; i < proximal_count; ++i) {
     out.velocity.assign(out.first.size(), 0);
-    for (const PushingRow& row : out.rows) add(row, -row.stiffness * (row.off + product(row, out.total)), out.velocity);
+    for (const PushingRow& row : out.rows)
+      add(row, -row.stiffness * (row.off + speed_along(row, out.total)), out.velocity);
     solve_factored(out, out.velocity);
     for (PushingRow& row : out.rows)
-      row.change -= row.stiffness * ((row.off + product(row, out.total)) + product(row, out.velocity));
+      row.change -= row.stiffness * ((row.off + speed_along(row, out.total)) + speed_along(row, out.velocity));
     for (std::size_t k = 0; k < out.total.size(); ++k) out.total[k] += out.velocity[k];
   }
 }
@@ -317,7 +318,7 @@ void cut_changes(ImpulseStep& out) {
 /// What the changes add to the energy that passes minimize.
 double added_energy(const ImpulseStep& out) {
   double sum = 0;
-  for (const PushingRow& row : out.rows) sum += row.change * (row.off + 0.5 * product(row, out.velocity));
+  for (const PushingRow& row : out.rows) sum += row.change * (row.off + 0.5 * speed_along(row, out.velocity));
   return sum;
 }
 

@@ -54,7 +54,7 @@ Body body_with(std::vector<Shape> shapes) {
   return body;
 }
 
-std::string refusal(const std::vector<Point>& points) {
+std::string hull_refusal(const std::vector<Point>& points) {
   const auto hull = build_hull(points);
   if (hull) return "accepted";
   CHECK(hull.error().code == ErrorCode::invalid_scene);
@@ -102,32 +102,32 @@ TEST_CASE("a hull is the same for every order of its points", "[engine][hull][eq
 }
 
 TEST_CASE("a hull needs 3 to 16 vertices", "[engine][hull][analytic]") {
-  CHECK_THAT(refusal({}), Contains("found 0, expected 3..16"));
-  CHECK_THAT(refusal({{0, 0}, {1, 0}}), Contains("found 2, expected 3..16"));
-  CHECK(refusal(regular(3, 1)) == "accepted");
-  CHECK(refusal(regular(16, 1)) == "accepted");
-  CHECK_THAT(refusal(regular(17, 1)), Contains("found 17, expected 3..16"));
+  CHECK_THAT(hull_refusal({}), Contains("found 0, expected 3..16"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 0}}), Contains("found 2, expected 3..16"));
+  CHECK(hull_refusal(regular(3, 1)) == "accepted");
+  CHECK(hull_refusal(regular(16, 1)) == "accepted");
+  CHECK_THAT(hull_refusal(regular(17, 1)), Contains("found 17, expected 3..16"));
 }
 
 TEST_CASE("degenerate hulls are refused with the vertex and the reason", "[engine][hull][analytic]") {
-  CHECK_THAT(refusal({{0, 0}, {2, 0}, {2, 2}, {0, 0}}), StartsWith("vertices 0 and 3 coincide"));
-  CHECK_THAT(refusal({{0, 0}, {2, 0}, {2, 2}, {2, 2.0001}}), StartsWith("vertices 2 and 3 coincide"));
-  CHECK_THAT(refusal({{3, 3}, {3, 3}, {3, 3}}), StartsWith("vertices 0 and 1 coincide"));
-  CHECK_THAT(refusal({{0, 0}, {1, 1}, {2, 2}, {3, 3}}), Contains("one line"));
-  CHECK_THAT(refusal({{0, 0}, {1, 0.1}, {2, 0.2}}), Contains("one line") || Contains("on the line"));
-  CHECK_THAT(refusal({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
-  CHECK_THAT(refusal({{0, 0}, {1, -1e-7}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
-  CHECK_THAT(refusal({{0, 0}, {1, 1e-7}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
-  CHECK_THAT(refusal({{0, 0}, {2, 0}, {1, 0.5}, {1, 2}}), StartsWith("concave: found vertex 2 (1, 0.5)"));
-  CHECK_THAT(refusal({{0, 0}, {std::nan(""), 0}, {1, 2}}), Contains("must be finite"));
-  CHECK_THAT(refusal({{0, 0}, {1, 0}, {1, INFINITY}}), Contains("must be finite"));
+  CHECK_THAT(hull_refusal({{0, 0}, {2, 0}, {2, 2}, {0, 0}}), StartsWith("vertices 0 and 3 coincide"));
+  CHECK_THAT(hull_refusal({{0, 0}, {2, 0}, {2, 2}, {2, 2.0001}}), StartsWith("vertices 2 and 3 coincide"));
+  CHECK_THAT(hull_refusal({{3, 3}, {3, 3}, {3, 3}}), StartsWith("vertices 0 and 1 coincide"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 1}, {2, 2}, {3, 3}}), Contains("one line"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 0.1}, {2, 0.2}}), Contains("one line") || Contains("on the line"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, -1e-7}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 1e-7}, {2, 0}, {2, 2}, {0, 2}}), StartsWith("vertex 1 lies on the line"));
+  CHECK_THAT(hull_refusal({{0, 0}, {2, 0}, {1, 0.5}, {1, 2}}), StartsWith("concave: found vertex 2 (1, 0.5)"));
+  CHECK_THAT(hull_refusal({{0, 0}, {std::nan(""), 0}, {1, 2}}), Contains("must be finite"));
+  CHECK_THAT(hull_refusal({{0, 0}, {1, 0}, {1, INFINITY}}), Contains("must be finite"));
 }
 
 TEST_CASE("thin but real polygons are accepted", "[engine][hull][analytic]") {
-  CHECK(refusal({{-1, -0.0005}, {1, -0.0005}, {1, 0.0005}, {-1, 0.0005}}) == "accepted");
-  CHECK(refusal({{0, 0}, {1, 0}, {1, 1.745e-4}}) == "accepted");  // an angle of 0.01 degrees
-  CHECK(refusal({{1e5, 1e5}, {1e5 + 1, 1e5}, {1e5 + 1, 1e5 + 1}}) == "accepted");
-  CHECK(refusal({{0, 0}, {1e-5, 0}, {0, 1e-5}}) == "accepted");
+  CHECK(hull_refusal({{-1, -0.0005}, {1, -0.0005}, {1, 0.0005}, {-1, 0.0005}}) == "accepted");
+  CHECK(hull_refusal({{0, 0}, {1, 0}, {1, 1.745e-4}}) == "accepted");  // an angle of 0.01 degrees
+  CHECK(hull_refusal({{1e5, 1e5}, {1e5 + 1, 1e5}, {1e5 + 1, 1e5 + 1}}) == "accepted");
+  CHECK(hull_refusal({{0, 0}, {1e-5, 0}, {0, 1e-5}}) == "accepted");
 }
 
 TEST_CASE("masses of circle, box, triangle and regular polygons are those of the closed forms",

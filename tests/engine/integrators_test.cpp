@@ -50,7 +50,7 @@ Scene one_disc(Point position, Point velocity) {
   return scene;
 }
 
-Force force_of(ForceKind kind) {
+Force smooth_force(ForceKind kind) {
   Force force;
   force.kind = kind;
   return force;
@@ -58,7 +58,7 @@ Force force_of(ForceKind kind) {
 
 /// A spring of relaxed length 5 from the origin of the disc to (-5, 0): k x along the x axis.
 Force spring_along_x(double stiffness, double damping) {
-  Force force = force_of(ForceKind::spring);
+  Force force = smooth_force(ForceKind::spring);
   force.body = 0;
   force.point = {-5, 0};
   force.rest_length = 5;
@@ -81,7 +81,7 @@ Problem linear_drag() {
                     return Point{20 * gone, -20 * t + 60 * gone};
                   }};
   problem.scene.gravity = {0, -10};
-  problem.scene.forces.push_back(force_of(ForceKind::linear_drag));
+  problem.scene.forces.push_back(smooth_force(ForceKind::linear_drag));
   problem.scene.forces[0].coefficient = 0.5;
   return problem;
 }
@@ -139,7 +139,7 @@ Point kepler_at(double t) {
 
 Problem kepler() {
   Problem problem{"kepler", 2 * engine::pi, 480, one_disc({0.7, 0}, {0, std::sqrt(1.3 / 0.7)}), kepler_at};
-  problem.scene.forces.push_back(force_of(ForceKind::central));
+  problem.scene.forces.push_back(smooth_force(ForceKind::central));
   problem.scene.forces[0].coefficient = 1;
   problem.scene.forces[0].exponent = -2;
   return problem;

@@ -42,14 +42,14 @@ double energy_above(const std::vector<BodyReport>& bodies, const std::vector<Bod
   return energy;
 }
 
-struct Outcome {
+struct LandingOutcome {
   double energy_max = 0;  // J, above rest
   double moved_max = 0;   // m, of all but the last body
   Point last;             // where the last body ends
 };
 
-Outcome watch(Engine& engine, const std::vector<BodyReport>& rest, int tick_count) {
-  Outcome outcome;
+LandingOutcome watch(Engine& engine, const std::vector<BodyReport>& rest, int tick_count) {
+  LandingOutcome outcome;
   for (int tick = 0; tick < tick_count; ++tick) {
     run_ticks(engine, 1);
     const std::vector<BodyReport> bodies = engine.bodies();
@@ -63,7 +63,7 @@ Outcome watch(Engine& engine, const std::vector<BodyReport>& rest, int tick_coun
 }
 
 // After two seconds `lands` falls onto the bodies of `scene` from `drop` m. `landed`: where its centre comes to rest.
-Outcome land(Scene scene, const Body& lands, double drop, Point landed) {
+LandingOutcome land(Scene scene, const Body& lands, double drop, Point landed) {
   scene.prototypes = {lands};
   scene.prototypes[0].name = "falling";
   scene.inputs = {engine::InputKind::spawn};
@@ -85,7 +85,7 @@ Outcome land(Scene scene, const Body& lands, double drop, Point landed) {
 // They stay, and no energy comes from nowhere.
 void check_landing(const Scene& scene, const Body& lands, double drop, Point landed) {
   CAPTURE(drop, landed.x);
-  const Outcome outcome = land(scene, lands, drop, landed);
+  const LandingOutcome outcome = land(scene, lands, drop, landed);
   CHECK(outcome.last.y == Approx(landed.y).margin(0.01));
   const double mass = 4 * lands.shapes[0].half_size.x * lands.shapes[0].half_size.y;
   CHECK(outcome.energy_max < 1.01 * gravity * mass * drop);
@@ -147,7 +147,7 @@ TEST_CASE("a box that slides against a resting tower adds no energy and pushes i
       for (Body& body : scene.bodies) body.shapes[0].material.friction = friction;
       const auto engine = make_engine_or_fail(scene);
       const std::vector<BodyReport> rest = engine->bodies();
-      const Outcome outcome = watch(*engine, rest, 300);
+      const LandingOutcome outcome = watch(*engine, rest, 300);
       CHECK(outcome.energy_max < 1.01 * 0.5 * slider.velocity.x * slider.velocity.x);
       // At worst the lowest box takes half the speed at once; friction above and below it, and below the slider, then
       // brakes both.

@@ -34,7 +34,7 @@ std::string file_text(const std::filesystem::path& path) {
 
 const std::filesystem::path scenes_folder = std::filesystem::path(TICKTRUE_SOURCE_DIR) / "scenes";
 
-std::string refusal(const std::string& text) {
+std::string json_refusal(const std::string& text) {
   const auto scene = parse_scene(text, "s.json");
   if (scene) return "accepted";
   return scene.error().message + (scene.error().hint.empty() ? "" : "\n" + scene.error().hint);
@@ -42,7 +42,7 @@ std::string refusal(const std::string& text) {
 
 /// A scene with one body, whose JSON is given.
 std::string body_refusal(const std::string& body) {
-  return refusal("{\"bodies\": [" + body + "]}");
+  return json_refusal("{\"bodies\": [" + body + "]}");
 }
 std::string shape_refusal(const std::string& shape) {
   return body_refusal("{\"shapes\": [" + shape + "]}");
@@ -55,10 +55,10 @@ std::string with_two_bodies(const std::string& list, const std::string& element)
          ",{" + disc + "]}";
 }
 std::string joint_refusal(const std::string& joint) {
-  return refusal(with_two_bodies("joints", joint));
+  return json_refusal(with_two_bodies("joints", joint));
 }
 std::string force_refusal(const std::string& force) {
-  return refusal(with_two_bodies("forces", force));
+  return json_refusal(with_two_bodies("forces", force));
 }
 
 std::string input_refusal(const std::string& line) {
@@ -166,7 +166,7 @@ TEST_CASE("springs, limits and motors are refused where their form is wrong", "[
              StartsWith("s.json: joints[0].type: unknown: found \"hinge\", expected revolute, prismatic, "));
   CHECK_THAT(force_refusal("{}"), StartsWith("s.json: forces[0].type: missing"));
   CHECK(force_refusal("3") == "s.json: forces[0]: wrong type: found 3, expected an object");
-  CHECK(refusal("{\"joints\":3}") == "s.json: joints: wrong type: found 3, expected an array");
+  CHECK(json_refusal("{\"joints\":3}") == "s.json: joints: wrong type: found 3, expected an array");
 }
 
 TEST_CASE("substeps, sleep and clock have a short and a long form", "[engine][scene_json][analytic]") {
@@ -186,13 +186,13 @@ TEST_CASE("substeps, sleep and clock have a short and a long form", "[engine][sc
   CHECK(settings(R"("clock":"adaptive")").clock.kind == ClockKind::adaptive);
   CHECK(settings(R"("clock":{"type":"variable","dt_max":0.5})").clock.dt_max == 0.5);
   CHECK(
-      refusal(R"({"settings":{"substeps":true}})") ==
+      json_refusal(R"({"settings":{"substeps":true}})") ==
       R"(s.json: settings.substeps: wrong type: found true, expected a number, "auto" or {"least", "target_error", "most"})");
-  CHECK(refusal(R"({"settings":{"sleep":1}})") ==
+  CHECK(json_refusal(R"({"settings":{"sleep":1}})") ==
         R"(s.json: settings.sleep: wrong type: found 1, expected true, false or {"after", "speed_max"})");
-  CHECK_THAT(refusal(R"({"settings":{"clock":"fast"}})"),
+  CHECK_THAT(json_refusal(R"({"settings":{"clock":"fast"}})"),
              StartsWith("s.json: settings.clock: unknown: found \"fast\", expected fixed, semi_fixed, "));
-  CHECK_THAT(refusal(R"({"settings":{"clock":{"type":"fixed","dt_max":1}}})"),
+  CHECK_THAT(json_refusal(R"({"settings":{"clock":{"type":"fixed","dt_max":1}}})"),
              StartsWith("s.json: settings.clock: unknown key: found \"dt_max\", expected type"));
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("dt may be a quotient, divided once", "[engine][scene_json][analytic]"
   CHECK(dt_of("\"1001/60000\"") == 1001.0 / 60000);
   CHECK(dt_of("0.0167") == 0.0167);
   for (const char* bad : {"\"1/\"", "\"/60\"", "\"1/0\"", "\"1/-60\"", "\"one\"", "\"1/60/2\"", "\"1/nan\"", "\"\""})
-    CHECK_THAT(refusal("{\"settings\":{\"dt\":" + std::string(bad) + "}}"),
+    CHECK_THAT(json_refusal("{\"settings\":{\"dt\":" + std::string(bad) + "}}"),
                StartsWith("s.json: settings.dt: not a quotient: found "));
 }
 
@@ -215,30 +215,31 @@ TEST_CASE("a solver without substeps has one by default", "[engine][scene_json][
   const std::string bodies = ",\"bodies\":[{\"shapes\":[{\"type\":\"circle\",\"radius\":1}]}]}";
   CHECK(parse_scene("{\"settings\":{\"solver\":\"impulse\"}" + bodies, "s")->settings.substeps == 1);
   CHECK(parse_scene("{\"settings\":{}" + bodies, "s")->settings.substeps == 4);
-  CHECK_THAT(refusal("{\"settings\":{\"substeps\":4,\"solver\":\"impulse\"}" + bodies),
+  CHECK_THAT(json_refusal("{\"settings\":{\"substeps\":4,\"solver\":\"impulse\"}" + bodies),
              Contains("impulse does not substep"));
 }
 
 TEST_CASE("broken JSON is refused with line and column", "[engine][scene_json][corruption]") {
-  CHECK_THAT(refusal(""), StartsWith("s.json:1:0: broken JSON: ") || StartsWith("s.json:1:1: broken JSON: "));
-  CHECK_THAT(refusal("{\n  \"name\": \"x\",\n  \"gravity\": [0, -10,]\n}"),
+  CHECK_THAT(json_refusal(""), StartsWith("s.json:1:0: broken JSON: ") || StartsWith("s.json:1:1: broken JSON: "));
+  CHECK_THAT(json_refusal("{\n  \"name\": \"x\",\n  \"gravity\": [0, -10,]\n}"),
              StartsWith("s.json:3:22: broken JSON: syntax error"));
-  CHECK_THAT(refusal("{\"gravity\": [0, NaN]}"),
+  CHECK_THAT(json_refusal("{\"gravity\": [0, NaN]}"),
              StartsWith("s.json:1:17: broken JSON: ") && Contains("JSON has no NaN, no Infinity"));
-  CHECK_THAT(refusal("{\"gravity\": [0, -Infinity]}"), StartsWith("s.json:1:18: broken JSON: "));
-  CHECK_THAT(refusal("{\"gravity\": [0, 1e999]}"), StartsWith("s.json:1:21: broken JSON: number overflow"));
-  CHECK_THAT(refusal("{'name': 1}"), StartsWith("s.json:1:2: broken JSON: "));
-  CHECK_THAT(refusal("{} {}"), StartsWith("s.json:1:4: broken JSON: "));
-  CHECK_THAT(refusal("{\"name\": \"\xff\"}"), StartsWith("s.json:1:11: broken JSON: "));
-  CHECK_THAT(refusal("// comment\n{}"), Contains("no comments"));
-  CHECK_THAT(refusal("{\"name\": \"" + std::string(100'000, 'x')), StartsWith("s.json:1:") && Contains("broken JSON"));
-  CHECK(refusal("{\"name\": \"" + std::string(100'000, 'x')).size() < 300);
+  CHECK_THAT(json_refusal("{\"gravity\": [0, -Infinity]}"), StartsWith("s.json:1:18: broken JSON: "));
+  CHECK_THAT(json_refusal("{\"gravity\": [0, 1e999]}"), StartsWith("s.json:1:21: broken JSON: number overflow"));
+  CHECK_THAT(json_refusal("{'name': 1}"), StartsWith("s.json:1:2: broken JSON: "));
+  CHECK_THAT(json_refusal("{} {}"), StartsWith("s.json:1:4: broken JSON: "));
+  CHECK_THAT(json_refusal("{\"name\": \"\xff\"}"), StartsWith("s.json:1:11: broken JSON: "));
+  CHECK_THAT(json_refusal("// comment\n{}"), Contains("no comments"));
+  CHECK_THAT(json_refusal("{\"name\": \"" + std::string(100'000, 'x')),
+             StartsWith("s.json:1:") && Contains("broken JSON"));
+  CHECK(json_refusal("{\"name\": \"" + std::string(100'000, 'x')).size() < 300);
 }
 
 TEST_CASE("a scene cut anywhere is refused, never a crash", "[engine][scene_json][corruption]") {
   std::string whole = print_scene(*make_builtin_scene("thesis"));
   while (whole.back() != '}') whole.pop_back();
-  for (std::size_t size = 0; size < whole.size(); ++size) REQUIRE(refusal(whole.substr(0, size)) != "accepted");
+  for (std::size_t size = 0; size < whole.size(); ++size) REQUIRE(json_refusal(whole.substr(0, size)) != "accepted");
   for (std::size_t i = 0; i < whole.size(); ++i) {
     std::string changed = whole;
     changed[i] = static_cast<char>(changed[i] ^ 0x15);
@@ -249,7 +250,7 @@ TEST_CASE("a scene cut anywhere is refused, never a crash", "[engine][scene_json
 
 TEST_CASE("unknown keys are refused with those that are known and the nearest of them",
           "[engine][scene_json][corruption]") {
-  CHECK(refusal("{\"gravty\": [0, 1]}") ==
+  CHECK(json_refusal("{\"gravty\": [0, 1]}") ==
         "s.json: unknown key: found \"gravty\", expected $schema, name, gravity, settings, bodies, joints, forces, "
         "prototypes, inputs, pointer, bounds or spawned_max\ndid you mean gravity?");
   CHECK_THAT(body_refusal("{\"shape\": []}"),
@@ -258,38 +259,41 @@ TEST_CASE("unknown keys are refused with those that are known and the nearest of
       shape_refusal("{\"type\":\"box\",\"half_size\":[1,1],\"points\":2}"),
       StartsWith(
           "s.json: bodies[0].shapes[0]: unknown key: found \"points\", expected type, half_size, center, angle"));
-  CHECK_THAT(refusal("{\"settings\":{\"sub_steps\":2}}"), Contains("did you mean substeps?"));
-  CHECK_THAT(refusal("{\"completely_different\":2}"), !Contains("did you mean"));
+  CHECK_THAT(json_refusal("{\"settings\":{\"sub_steps\":2}}"), Contains("did you mean substeps?"));
+  CHECK_THAT(json_refusal("{\"completely_different\":2}"), !Contains("did you mean"));
 }
 
 TEST_CASE("a key that is given twice is refused", "[engine][scene_json][corruption]") {
-  CHECK_THAT(refusal("{\"name\":\"a\",\"name\":\"b\"}"), StartsWith("s.json: key given twice: found \"name\" again"));
+  CHECK_THAT(json_refusal("{\"name\":\"a\",\"name\":\"b\"}"),
+             StartsWith("s.json: key given twice: found \"name\" again"));
   CHECK_THAT(body_refusal("{\"angle\":1,\"angle\":1,\"shapes\":[]}"),
              StartsWith("s.json: bodies[0]: key given twice: found \"angle\""));
   CHECK_THAT(shape_refusal("{\"type\":\"circle\",\"radius\":1,\"radius\":2}"),
              StartsWith("s.json: bodies[0].shapes[0]: key given twice: found \"radius\""));
-  CHECK_THAT(refusal("{\"bodies\":[],\"bodies\":[]}"), StartsWith("s.json: key given twice"));
+  CHECK_THAT(json_refusal("{\"bodies\":[],\"bodies\":[]}"), StartsWith("s.json: key given twice"));
 }
 
 TEST_CASE("wrong types and missing keys are refused with their place", "[engine][scene_json][corruption]") {
-  CHECK(refusal("[]") == "s.json: wrong type: found an array of 0, expected an object");
-  CHECK(refusal("3") == "s.json: wrong type: found 3, expected an object");
-  CHECK(refusal("{\"bodies\": 3}") == "s.json: bodies: wrong type: found 3, expected an array");
-  CHECK(refusal("{\"bodies\": [3]}") == "s.json: bodies[0]: wrong type: found 3, expected an object");
-  CHECK(refusal("{\"gravity\": 9.81}") == "s.json: gravity: wrong type: found 9.81, expected [x, y]");
-  CHECK(refusal("{\"gravity\": [0, 1, 2]}") == "s.json: gravity: wrong type: found an array of 3, expected [x, y]");
-  CHECK(refusal("{\"gravity\": [0, \"down\"]}") == "s.json: gravity[1]: wrong type: found \"down\", expected a number");
-  CHECK(refusal("{\"name\": null}") == "s.json: name: wrong type: found null, expected a string");
-  CHECK_THAT(refusal("{\"settings\":{\"substeps\":2.5}}"),
+  CHECK(json_refusal("[]") == "s.json: wrong type: found an array of 0, expected an object");
+  CHECK(json_refusal("3") == "s.json: wrong type: found 3, expected an object");
+  CHECK(json_refusal("{\"bodies\": 3}") == "s.json: bodies: wrong type: found 3, expected an array");
+  CHECK(json_refusal("{\"bodies\": [3]}") == "s.json: bodies[0]: wrong type: found 3, expected an object");
+  CHECK(json_refusal("{\"gravity\": 9.81}") == "s.json: gravity: wrong type: found 9.81, expected [x, y]");
+  CHECK(json_refusal("{\"gravity\": [0, 1, 2]}") ==
+        "s.json: gravity: wrong type: found an array of 3, expected [x, y]");
+  CHECK(json_refusal("{\"gravity\": [0, \"down\"]}") ==
+        "s.json: gravity[1]: wrong type: found \"down\", expected a number");
+  CHECK(json_refusal("{\"name\": null}") == "s.json: name: wrong type: found null, expected a string");
+  CHECK_THAT(json_refusal("{\"settings\":{\"substeps\":2.5}}"),
              StartsWith("s.json: settings.substeps: must be a whole number in range: found 2.5, expected 1..256"));
   CHECK_THAT(
-      refusal("{\"settings\":{\"solver\":\"tgs\"}}"),
+      json_refusal("{\"settings\":{\"solver\":\"tgs\"}}"),
       StartsWith("s.json: settings.solver: unknown: found \"tgs\", expected free_flight, impulse, tgs_soft or pgs"));
-  CHECK_THAT(refusal("{\"settings\":{\"solver\":\"tgs_sofd\"}}"), Contains("did you mean tgs_soft?"));
-  CHECK_THAT(refusal("{\"inputs\":[\"jump\"]}"),
+  CHECK_THAT(json_refusal("{\"settings\":{\"solver\":\"tgs_sofd\"}}"), Contains("did you mean tgs_soft?"));
+  CHECK_THAT(json_refusal("{\"inputs\":[\"jump\"]}"),
              StartsWith("s.json: inputs[0]: unknown: found \"jump\", expected spawn, remove, "));
-  CHECK_THAT(refusal("{\"bounds\":{\"lower\":[0,0]}}"), StartsWith("s.json: bounds.upper: missing"));
-  CHECK_THAT(refusal("{\"spawned_max\":-1}"),
+  CHECK_THAT(json_refusal("{\"bounds\":{\"lower\":[0,0]}}"), StartsWith("s.json: bounds.upper: missing"));
+  CHECK_THAT(json_refusal("{\"spawned_max\":-1}"),
              StartsWith("s.json: spawned_max: must be a whole number in range: found -1"));
   CHECK(body_refusal("{\"fixed_rotation\":1}") ==
         "s.json: bodies[0].fixed_rotation: wrong type: found 1, expected true or false");
@@ -324,15 +328,15 @@ TEST_CASE("a million bodies, deep nesting and huge objects are refused in bounde
   text = "{\"forces\":[";
   for (std::size_t i = 0; i < limits::force_count_max + 1; ++i)
     text += std::string(i == 0 ? "" : ",") + "{\"type\":\"linear_drag\",\"coefficient\":1}";
-  CHECK_THAT(refusal(text + "]}"), StartsWith("s.json: forces: too many: found more than 4096"));
+  CHECK_THAT(json_refusal(text + "]}"), StartsWith("s.json: forces: too many: found more than 4096"));
 
-  CHECK_THAT(refusal("{\"gravity\":" + std::string(100'000, '[')), Contains("nested too deeply"));
+  CHECK_THAT(json_refusal("{\"gravity\":" + std::string(100'000, '[')), Contains("nested too deeply"));
   std::string numbers = "{\"gravity\":[0";
   for (int i = 0; i < 300'000; ++i) numbers += ",0";
-  CHECK_THAT(refusal(numbers + "]}"), Contains("too many"));
+  CHECK_THAT(json_refusal(numbers + "]}"), Contains("too many"));
   std::string keys = "{";
   for (int i = 0; i < 100; ++i) keys += "\"k" + std::to_string(i) + "\":[],";
-  CHECK_THAT(refusal(keys + "\"z\":0}"), Contains("too many keys"));
+  CHECK_THAT(json_refusal(keys + "\"z\":0}"), Contains("too many keys"));
 }
 
 TEST_CASE("an input comes back from its line", "[engine][scene_json][equivalence]") {
@@ -415,7 +419,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
     for (const auto& item : object["properties"].items()) keys.insert(item.key());
     return keys;
   };
-  // What the parser takes: its refusal of an unknown key lists it.
+  // What the parser takes: its json_refusal of an unknown key lists it.
   const auto parser_keys = [](const std::string& message) {
     REQUIRE_THAT(message, Contains("unknown key: found \"?\", expected "));
     std::string list = message.substr(message.find("expected ") + 9);
@@ -426,13 +430,13 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
     for (std::string key; std::getline(in, key, ',');) keys.insert(key.substr(key.find_first_not_of(' ')));
     return keys;
   };
-  CHECK(parser_keys(refusal("{\"?\":0}")) == keys_of(schema));
-  CHECK(parser_keys(refusal("{\"settings\":{\"?\":0}}")) == keys_of(defs["settings"]));
-  CHECK(parser_keys(refusal("{\"pointer\":{\"?\":0}}")) == keys_of(defs["pointer"]));
-  CHECK(parser_keys(refusal("{\"bounds\":{\"?\":0}}")) == keys_of(defs["bounds"]));
+  CHECK(parser_keys(json_refusal("{\"?\":0}")) == keys_of(schema));
+  CHECK(parser_keys(json_refusal("{\"settings\":{\"?\":0}}")) == keys_of(defs["settings"]));
+  CHECK(parser_keys(json_refusal("{\"pointer\":{\"?\":0}}")) == keys_of(defs["pointer"]));
+  CHECK(parser_keys(json_refusal("{\"bounds\":{\"?\":0}}")) == keys_of(defs["bounds"]));
   CHECK(parser_keys(body_refusal("{\"?\":0}")) == keys_of(defs["body"]));
-  CHECK(parser_keys(refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) == keys_of(defs["auto_substeps"]));
-  CHECK(parser_keys(refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]));
+  CHECK(parser_keys(json_refusal("{\"settings\":{\"substeps\":{\"?\":0}}}")) == keys_of(defs["auto_substeps"]));
+  CHECK(parser_keys(json_refusal("{\"settings\":{\"sleep\":{\"?\":0}}}")) == keys_of(defs["sleep"]));
   CHECK(parser_keys(shape_refusal("{\"type\":\"circle\",\"filter\":{\"?\":0}}")) == keys_of(defs["filter"]));
   // One valid value for each key that some kind needs.
   const std::map<std::string, std::string> samples{{"radius", "1"},
@@ -485,7 +489,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   same_kinds("joint", "_joint", joint_kinds, joint_refusal);
   same_kinds("force", "_force", force_kinds, force_refusal);
   same_kinds("clock", "_clock", clock_kinds,
-             [](const std::string& clock) { return refusal("{\"settings\":{\"clock\":" + clock + "}}"); });
+             [](const std::string& clock) { return json_refusal("{\"settings\":{\"clock\":" + clock + "}}"); });
   CHECK(parser_keys(joint_refusal("{\"type\":\"revolute\",\"motor\":{\"?\":0}}")) == keys_of(defs["motor"]));
   std::set<std::string> spring = keys_of(defs["relative_spring"]);
   spring.merge(keys_of(defs["absolute_spring"]));
@@ -529,10 +533,10 @@ TEST_CASE("the JSON Schema states the defaults and limits that hold", "[engine][
     for (const char* side : {"minimum", "maximum"}) {
       if (!rule.contains(side)) continue;
       const double limit = rule[side];
-      CHECK_THAT(refusal(text(json(limit).dump())), !Contains(key + ": "));
+      CHECK_THAT(json_refusal(text(json(limit).dump())), !Contains(key + ": "));
       const double step = limit == 0 ? 0.1 : (limit > 0 ? limit : -limit) * 0.01;
       const double beyond = side == std::string("minimum") ? limit - step : limit + step;
-      CHECK_THAT(refusal(text(json(beyond).dump())), Contains(key + ": "));
+      CHECK_THAT(json_refusal(text(json(beyond).dump())), Contains(key + ": "));
     }
   };
   for (const auto& item : defs["settings"]["properties"].items()) {

@@ -12,11 +12,11 @@ using namespace ticktrue;
 using namespace ticktrue::engine;
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double ulps(double got, double expected) {
   const double magnitude = std::fabs(expected);
-  return std::fabs(got - expected) / (std::nextafter(magnitude, infinity) - magnitude);
+  return std::fabs(got - expected) / (std::nextafter(magnitude, infinite) - magnitude);
 }
 }  // namespace
 
@@ -53,7 +53,7 @@ TEST_CASE("sine and cosine stay on the unit circle for any finite angle and are 
   }
   CHECK(std::fabs(sin_cos(3e6).sin - std::sin(3e6)) < 1e-9);
   CHECK(std::fabs(sin_cos(-1e9).cos - std::cos(1e9)) < 1e-6);
-  for (const double x : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double x : {infinite, -infinite, std::numeric_limits<double>::quiet_NaN()}) {
     CHECK(std::isnan(sin_cos(x).sin));
     CHECK(std::isnan(sin_cos(x).cos));
   }
@@ -88,7 +88,7 @@ TEST_CASE("arc tangent keeps its symmetries, its corners and its range", "[engin
   CHECK(arc_tangent(1e308, 1e308) == pi / 4);
   CHECK(arc_tangent(5e-324, 5e-324) == pi / 4);
   CHECK(arc_tangent(5e-324, 1e308) == 0);
-  CHECK(std::isnan(arc_tangent(infinity, 1)));
+  CHECK(std::isnan(arc_tangent(infinite, 1)));
   CHECK(std::isnan(arc_tangent(1, std::numeric_limits<double>::quiet_NaN())));
   for (int i = 1; i < 2000; ++i) {
     const double y = i * 0.37, x = 200 - i * 0.21;

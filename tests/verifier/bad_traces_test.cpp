@@ -27,7 +27,7 @@ struct BadTrace {
   std::string message;
 };
 
-const fs::path root = TICKTRUE_SOURCE_DIR;
+const fs::path source_root = TICKTRUE_SOURCE_DIR;
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -42,7 +42,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 
 std::vector<BadTrace> expected_rows() {
   std::vector<BadTrace> rows;
-  std::ifstream in(root / "traces/bad/EXPECTED.tsv");
+  std::ifstream in(source_root / "traces/bad/EXPECTED.tsv");
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line[0] == '#' || line.compare(0, 5, "file\t") == 0) continue;
     const std::vector<std::string> fields = fields_of(line);
@@ -53,14 +53,14 @@ std::vector<BadTrace> expected_rows() {
   return rows;
 }
 
-struct Outcome {
+struct ToolOutcome {
   int exit_code = -1;  // -1: killed by a signal
   std::string output;  // stdout and stderr
 };
 
-Outcome run_tool(const std::string& arguments) {
+ToolOutcome run_tool(const std::string& arguments) {
   const std::string command = std::string("'") + TICKTRUE_TOOL + "' " + arguments + " 2>&1 </dev/null";
-  Outcome outcome;
+  ToolOutcome outcome;
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   std::array<char, 4096> buffer{};
@@ -75,7 +75,7 @@ TEST_CASE("each damaged trace gives its exit code and message", "[verifier][bad_
   const std::vector<BadTrace> rows = expected_rows();
   CHECK(rows.size() >= 15);
   for (const BadTrace& row : rows) {
-    const Outcome outcome = run_tool("verify '" + (root / "traces/bad" / row.file).string() + "'");
+    const ToolOutcome outcome = run_tool("verify '" + (source_root / "traces/bad" / row.file).string() + "'");
     CAPTURE(row.file, row.recipe, outcome.output);
     CHECK(outcome.exit_code == row.exit_code);
     CHECK(outcome.output.find(row.message) != std::string::npos);
@@ -85,14 +85,14 @@ TEST_CASE("each damaged trace gives its exit code and message", "[verifier][bad_
 
 TEST_CASE("a damaged trace among good ones decides the exit code", "[verifier][bad_traces][corruption]") {
   std::string good;
-  for (const fs::directory_entry& entry : fs::directory_iterator(root / "traces"))
+  for (const fs::directory_entry& entry : fs::directory_iterator(source_root / "traces"))
     if (entry.path().extension() == ".ttr" && (good.empty() || entry.path().string() < good))
       good = entry.path().string();
   REQUIRE_FALSE(good.empty());
   CHECK(run_tool("verify '" + good + "'").exit_code == 0);
   for (const BadTrace& row : expected_rows()) {
     CAPTURE(row.file);
-    const std::string bad = (root / "traces/bad" / row.file).string();
+    const std::string bad = (source_root / "traces/bad" / row.file).string();
     CHECK(run_tool("verify '" + good + "' '" + bad + "'").exit_code == row.exit_code);
   }
 }
@@ -100,7 +100,7 @@ TEST_CASE("a damaged trace among good ones decides the exit code", "[verifier][b
 TEST_CASE("EXPECTED.tsv and traces/bad hold the same files", "[verifier][bad_traces]") {
   std::set<std::string> listed, found;
   for (const BadTrace& row : expected_rows()) listed.insert(row.file);
-  for (const fs::directory_entry& entry : fs::directory_iterator(root / "traces/bad"))
+  for (const fs::directory_entry& entry : fs::directory_iterator(source_root / "traces/bad"))
     if (entry.path().filename() != "EXPECTED.tsv") found.insert(entry.path().filename().string());
   CHECK(listed == found);
 }

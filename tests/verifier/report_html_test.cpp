@@ -88,7 +88,7 @@ Json data_of(const Page& page) {
   return Json::parse(page.html.substr(begin, page.html.find("</script>", begin) - begin));
 }
 
-std::size_t count_of(const std::string& text, const std::string& part) {
+std::size_t occurrences_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
@@ -122,10 +122,10 @@ TEST_CASE("report page: the facts in it are those of verify --json, whatever bod
   CHECK(data["film"]["playback"]["named"] == Json::array({3}));
   CHECK(data["film"]["playback"]["bodies"]["names"][3] == hostile_name);
   // Two scripts, one style, no element of the name's.
-  CHECK(count_of(page.html, "<script") == 2);
-  CHECK(count_of(page.html, "</script") == 2);
-  CHECK(count_of(page.html, "<img") == 0);
-  CHECK(count_of(page.html, "<!--") == 0);
+  CHECK(occurrences_of(page.html, "<script") == 2);
+  CHECK(occurrences_of(page.html, "</script") == 2);
+  CHECK(occurrences_of(page.html, "<img") == 0);
+  CHECK(occurrences_of(page.html, "<!--") == 0);
 }
 
 TEST_CASE("report page: it asks the network for nothing", "[verifier][report_html][analytic]") {
@@ -133,9 +133,9 @@ TEST_CASE("report page: it asks the network for nothing", "[verifier][report_htm
   record_scene(stack_scene(3), folder.file("a.ttr"), {10});
   const std::string html = page_of(folder.file("a.ttr")).html;
   for (const char* part : {"http:", "https:", "//cdn", "url(", "@import", " src=", "import(", "fetch(", "XMLHttp"})
-    CHECK(count_of(html, part) == 0);
-  CHECK(count_of(html, "href=") == 1);  // the empty icon
-  CHECK(count_of(html, "default-src 'none'") == 1);
+    CHECK(occurrences_of(html, part) == 0);
+  CHECK(occurrences_of(html, "href=") == 1);  // the empty icon
+  CHECK(occurrences_of(html, "default-src 'none'") == 1);
 }
 
 TEST_CASE("report page: the same trace gives the same bytes", "[verifier][report_html][determinism]") {

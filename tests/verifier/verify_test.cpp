@@ -16,7 +16,7 @@ using verifier::VerifyOptions;
 void plant(std::uint64_t tick, std::size_t stage, std::function<void(ToySimulation&)> fault) {
   planted = {tick, stage, std::move(fault)};
 }
-void nudge(ToySimulation& toy) {
+void nudge_velocity(ToySimulation& toy) {
   toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F);
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("verify: restore to the end matches and counts each tick once", "[veri
 TEST_CASE("verify: a changed result is diverged at its tick, stage, column, row and lane",
           "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
-  plant(37, ToySimulation::force_stage, nudge);
+  plant(37, ToySimulation::force_stage, nudge_velocity);
   for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore}) {
     const Report report = verify_bytes(trace, planted_info, mode);
     CHECK(report.verdict == Verdict::diverged);
@@ -85,7 +85,7 @@ TEST_CASE("verify: a changed result is diverged at its tick, stage, column, row 
 
 TEST_CASE("verify: the command a report suggests finds the same divergence", "[verifier][verify][equivalence]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
-  plant(37, ToySimulation::force_stage, nudge);
+  plant(37, ToySimulation::force_stage, nudge_velocity);
   VerifyOptions options = verify_options(planted_info);
   const Report whole = verify_bytes(trace, options);
   options.from = 32;
@@ -103,7 +103,7 @@ TEST_CASE("verify: the command a report suggests finds the same divergence", "[v
 TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behind it gives the columns",
           "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
-  plant(30, ToySimulation::move_stage, nudge);
+  plant(30, ToySimulation::move_stage, nudge_velocity);
   Report report = verify_bytes(trace, planted_info);
   CHECK(report.verdict == Verdict::diverged);
   REQUIRE(report.divergence);
@@ -113,7 +113,7 @@ TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behi
   REQUIRE(report.again.size() == 2);
   CHECK(contains(report.again[1], "--detail full:30..30"));
 
-  plant(31, ToySimulation::move_stage, nudge);
+  plant(31, ToySimulation::move_stage, nudge_velocity);
   report = verify_bytes(trace, planted_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 31);
@@ -125,7 +125,7 @@ TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behi
 
 TEST_CASE("verify: time of a divergence is the sum of the dt before it", "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
-  plant(30, ToySimulation::move_stage, nudge);
+  plant(30, ToySimulation::move_stage, nudge_velocity);
   const Report report = verify_bytes(trace, planted_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->time_s == 24 * 0.015625 + 6 * 0.0078125);
@@ -390,7 +390,7 @@ class RefusesLoad : public ToySimulation {
     return Error{ErrorCode::corrupt, "toy image: not today", ""};
   }
 };
-class CannotLoad : public ToySimulation {
+class RefusesToLoad : public ToySimulation {
  public:
   using ToySimulation::ToySimulation;
   Status load(ByteView) override { return Error{ErrorCode::unsupported, "toy: observed only", ""}; }
@@ -451,8 +451,8 @@ TEST_CASE("verify: a load that refuses an intact checkpoint is a finding", "[ver
 
 TEST_CASE("verify: a simulation that cannot load is replayed from the start and not restored",
           "[verifier][verify][analytic]") {
-  const SimulationInfo info{"ticktrue.toy", 1, &make_toy<CannotLoad>};
-  const Bytes trace = trace_of<CannotLoad>(30, 10);
+  const SimulationInfo info{"ticktrue.toy", 1, &make_toy<RefusesToLoad>};
+  const Bytes trace = trace_of<RefusesToLoad>(30, 10);
   VerifyOptions options = verify_options(info);
   options.from = 25;
   const Report report = verify_bytes(trace, options);
@@ -539,7 +539,7 @@ TEST_CASE("verify: damage leaves what is before it proven, and a divergence befo
   options.to = report.ticks_compared - 1;
   CHECK(verify_bytes(trace, options).verdict == Verdict::match);
 
-  plant(17, ToySimulation::move_stage, nudge);
+  plant(17, ToySimulation::move_stage, nudge_velocity);
   report = verify_bytes(trace, planted_info);
   CHECK(report.verdict == Verdict::diverged);
   CHECK(report.exit_code() == 1);
@@ -549,7 +549,7 @@ TEST_CASE("verify: damage leaves what is before it proven, and a divergence befo
 
 TEST_CASE("verify: a part of a trace is compared on its own", "[verifier][verify][equivalence]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
-  plant(20, ToySimulation::move_stage, nudge);
+  plant(20, ToySimulation::move_stage, nudge_velocity);
   for (const auto& [from, to, verdict] :
        {std::tuple{24u, 49u, Verdict::match}, std::tuple{0u, 19u, Verdict::match}, std::tuple{24u, 24u, Verdict::match},
         std::tuple{18u, 30u, Verdict::diverged}, std::tuple{0u, 20u, Verdict::diverged}}) {
