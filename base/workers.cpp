@@ -138,8 +138,9 @@ class Workers final : public ChunkRunner {
       slot.context.store(context, std::memory_order_relaxed);
       slot.share.store(packed({run_, begin, end}), std::memory_order_release);
     }
-    if (asleep_.load(std::memory_order_relaxed) > 0) {
+    if (some_sleep_.load(std::memory_order_relaxed)) {
       const std::lock_guard<std::mutex> guard(lock_);
+      some_sleep_.store(false, std::memory_order_relaxed);  // waking takes longer than many a run: asked for once
       wake_.notify_all();
     }
     const std::size_t by_others = chunk_count - take_chunks(0);
@@ -251,9 +252,8 @@ class Workers final : public ChunkRunner {
     for (;;) {
       if (!spin(idle_max, has_news)) {
         std::unique_lock<std::mutex> guard(lock_);
-        asleep_.fetch_add(1, std::memory_order_relaxed);
+        some_sleep_.store(true, std::memory_order_relaxed);
         wake_.wait(guard, has_news);
-        asleep_.fetch_sub(1, std::memory_order_relaxed);
       }
       if (stopping_.load(std::memory_order_relaxed)) return;
       seen = unpacked(slots_[self].share.load(std::memory_order_acquire)).run;
@@ -266,11 +266,11 @@ class Workers final : public ChunkRunner {
     }
   }
 
-  std::vector<Slot> slots_;                       // [thread]
-  std::vector<LineProgress> lines_done_;          // [line]
-  alignas(64) std::atomic<std::size_t> done_{0};  // chunks of the run that others than the caller have done
-  std::atomic<bool> caller_waits_{false};         // asleep
-  alignas(64) std::atomic<std::uint32_t> asleep_{0};
+  std::vector<Slot> slots_;                          // [thread]
+  std::vector<LineProgress> lines_done_;             // [line]
+  alignas(64) std::atomic<std::size_t> done_{0};     // chunks of the run that others than the caller have done
+  std::atomic<bool> caller_waits_{false};            // asleep
+  alignas(64) std::atomic<bool> some_sleep_{false};  // who has not been woken since
   std::atomic<bool> stopping_{false};
 
   // The caller's own.

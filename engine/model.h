@@ -161,6 +161,7 @@ struct Model {
   bool has_surfaces = false;   // some material drives what touches it, or resists rolling
   bool has_sensors = false;
   std::uint32_t child_count_max = 0;  // of a body
+  bool is_composed = true;            // what a scene does not need is left out; false: EngineOptions::full_pipeline
   unsigned contact_features = 0;      // bits of contact_feature
   SolverKernels kernels{};            // for these features and an instruction set; they change no bit
   Box bounds;

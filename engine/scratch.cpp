@@ -36,6 +36,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.sort_entries);
   poison_rows(scratch.sort_buffer);
   poison_rows(scratch.swept_boxes);
+  poison_rows(scratch.swept_places);
   poison_rows(scratch.cell_ranges);
   poison_rows(scratch.cell_entries);
   poison_rows(scratch.cell_starts);
@@ -86,9 +87,13 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.impacts_of_bodies);
   poison_rows(scratch.groups);
   scratch.moving_rows = {};
+  poison_rows(scratch.is_fast);
+  poison_rows(scratch.is_tied);
+  poison_rows(scratch.loose_rows);
   poison_rows(scratch.group_rows);
   poison_rows(scratch.group_contacts);
   poison_rows(scratch.body_group);
+  poison_rows(scratch.body_types);
   poison_rows(scratch.island_parent);
   poison_rows(scratch.island_level);
   poison_rows(scratch.island_lands);

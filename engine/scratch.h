@@ -68,6 +68,10 @@ struct KeptPairs {
   std::vector<std::uint8_t> is_stray;  // [proxy] has left the large box that is in the tree; 2: in this tick
   std::vector<std::uint32_t> strays;
   std::vector<std::uint32_t> leaving;  // proxies that are not inside their large boxes
+  bool has_pairs = false;              // `pairs`, large boxes and trees are those of these proxies
+  std::uint32_t ticks_held = 0;        // since they were built
+  std::uint32_t restless_ticks = 0;    // for so many no pairs are kept
+  Real common_side = 0;                // m, of their boxes (neighbour_cells.h)
   BoxTree moving_tree;
   BoxTree static_tree;
 };
@@ -268,6 +272,12 @@ struct ImpulseStep {
   std::vector<double> velocity, total;  // [unknown]
 };
 
+/// Where a box in the order of cells comes from.
+struct SweptPlace {
+  std::uint32_t proxy;
+  std::uint32_t cell;
+};
+
 /// The cells of the uniform grid that a proxy's box overlaps, both ends included.
 struct CellRange {
   std::int32_t first_x;
@@ -332,15 +342,16 @@ struct Scratch {
   std::vector<Pair> pairs;          // by (first, second)
   bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
   std::vector<Pair> unsorted_pairs;
-  std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree
+  std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
-  std::vector<Box> swept_boxes;            // sweep_and_prune: in sweep order
+  std::vector<Box> swept_boxes;            // sweep_and_prune: in sweep order; neighbour_cells: by cell
+  std::vector<SweptPlace> swept_places;    // neighbour_cells: whose boxes those are
   std::vector<CellRange> cell_ranges;      // uniform_grid, [proxy]
   std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
-  std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]
-  std::vector<std::uint32_t> large;        // uniform_grid: proxies in no cell, ascending
+  std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]; neighbour_cells, [cell]
+  std::vector<std::uint32_t> large;        // uniform_grid, neighbour_cells: proxies in no cell, ascending
 
   // narrow_phase
   std::vector<TouchingPair> touching;
@@ -363,10 +374,14 @@ struct Scratch {
   // islands
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
   std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
+  std::vector<std::uint8_t> is_fast;           // [body] may pass through something in this tick
+  std::vector<std::uint8_t> is_tied;           // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
   std::uint32_t group_index = 0;               // of that group
   std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
   std::vector<std::uint32_t> group_contacts;   // in `touching`
   std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
+  std::vector<BodyType> body_types;            // [body] islands
   std::vector<std::uint32_t> island_parent;    // [body] union-find
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_awake;      // [body] at the island's first row

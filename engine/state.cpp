@@ -342,7 +342,7 @@ State initial_state(const Model& model) {
   state.world.next_id = static_cast<std::uint32_t>(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    const SinCos turn = sin_cos(body.angle);
+    const SinCos turn = turn_of(body.angle);
     const double center_x = model.bodies[i].center.x;
     const double center_y = model.bodies[i].center.y;
     BodyRow row{};

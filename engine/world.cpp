@@ -9,11 +9,11 @@
 #include "base/limits.h"
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/constraints/choose_kernels.h"
-#include "engine/constraints/impacts.h"
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 #include "engine/scene_json.h"
+#include "engine/stages/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -34,6 +34,7 @@ class World final : public Engine {
         pipeline_(compose(model_, options.broad_phase.value_or(scene.settings.broad_phase), options.full_pipeline)),
         schema_(make_schema(model_, pipeline_.tables)),
         state_(initial_state(model_)) {
+    model_.is_composed = !options.full_pipeline;
     const unsigned features = model_.contact_features | (options.full_pipeline ? contact_feature::general : 0u);
     set_kernels(model_, options.instruction_set.value_or(instruction_set_in_use()), features);
     for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
@@ -241,12 +242,12 @@ class World final : public Engine {
     State poses = state_;
     broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
     const Real fall = fall_of_a_tick(model_, state_);
-    const Real farthest = farthest_reach(model_, state_, dt);
+    const TickReach reach = reach_of_tick(model_, state_, dt);
     BroadPhaseReport report;
     for (const Proxy& proxy : found.proxies) {
       const BodyRow& body = state_.bodies[proxy.body];
-      const Box box = box_around(model_, body, model_.shapes[proxy.shape], fall,
-                                 sweep_of(model_, state_, proxy.body, dt, farthest));
+      const Box box =
+          box_around(model_, body, model_.shapes[proxy.shape], fall, sweep_of(reach, model_.bodies[body.source], body));
       report.boxes.push_back({body.id, to_point(box.lower), to_point(box.upper)});
     }
     for (const Pair& pair : found.pairs) report.pairs.push_back({pair.first, pair.second});

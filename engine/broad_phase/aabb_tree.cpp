@@ -10,11 +10,16 @@
 // stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
 // on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm. Where more
 // large boxes overlap than a tick may have pairs, only the pairs of present boxes are listed, and nothing is kept.
+// Where what was built held for a few ticks only, such as in a gas, pairs are listed by cells (neighbour_cells.h) for a
+// while.
 #include <atomic>
 #include <cstring>
 
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/broad_phase/neighbour_cells.h"
+#include "engine/broad_phase/pair_listing.h"
 #include "engine/narrow_phase/narrow_phase.h"
+#include "engine/stages/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -272,8 +277,8 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
 
 /// For the bodies first..end-1: boxes of what has moved, or of everything. Lists what has left its large box from
 /// `leaving` on; returns how many.
-std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, bool everything, std::size_t first,
-                          std::size_t end, std::uint32_t* leaving) {
+std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach,
+                          bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving) {
   const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
   std::size_t count = 0;
   for (std::size_t row = first; row < end; ++row) {
@@ -284,10 +289,10 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     before = body;
     const std::uint32_t proxy_end = kept.first_proxy[row + 1];
     if (kept.first_proxy[row] == proxy_end) continue;
-    const Real way = sweep_of(model, state, static_cast<std::uint32_t>(row), kept.dt, kept.farthest);
+    const Real way = sweep_of(reach, model.bodies[body.source], body);
     for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
-      if (!is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
+      if (kept.restless_ticks == 0 && !is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
     }
   }
   return count;
@@ -308,51 +313,44 @@ std::size_t put_together(std::vector<Row>& rows, const std::vector<std::uint32_t
 }
 
 /// Boxes of what has moved, or of everything; lists what has left its large box.
-void follow(const Model& model, const State& state, Scratch& scratch, bool everything) {
+void follow(const Model& model, const State& state, Scratch& scratch, const TickReach& reach, bool everything) {
   KeptPairs& kept = scratch.kept.pairs;
   kept.leaving.resize(kept.proxies.size());
   const std::size_t count = state.bodies.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 128);
   scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
   scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
-    scratch.part_counts[chunk.index] = static_cast<std::uint32_t>(follow_bodies(
-        model, state, kept, everything, chunk.begin, chunk.end, kept.leaving.data() + kept.first_proxy[chunk.begin]));
+    scratch.part_counts[chunk.index] =
+        static_cast<std::uint32_t>(follow_bodies(model, state, kept, reach, everything, chunk.begin, chunk.end,
+                                                 kept.leaving.data() + kept.first_proxy[chunk.begin]));
   });
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving, scratch.part_counts, begin_of));
 }
 
-/// Which pairs are listed, and how many there may be. Chunks that list count together, a block at a time: once the sum
-/// is too large each of them stops, so that no chunk alone decides and no order of them shows.
-struct PairListing {
+struct NodesToList {
+  std::uint32_t level;
   bool is_tight;  // present boxes must overlap, too
-  std::size_t count_max;
-  std::atomic<std::size_t> count{0};  // in whole blocks
-  static constexpr std::size_t block_size = 4096;
-
-  bool goes_on(std::size_t listed_here) {
-    if (listed_here % block_size != 0) return true;
-    return count.fetch_add(block_size, std::memory_order_relaxed) + block_size <= count_max;
-  }
 };
 
-/// Lists the pairs of the nodes first..end-1 of a level of the moving tree: each with itself, with those after it, and
+/// Lists the pairs of a chunk of the nodes of a level of the moving tree: each with itself, with those after it, and
 /// with what is static.
-void list_pairs_of_nodes(const KeptPairs& kept, std::uint32_t level, std::size_t first, std::size_t end,
-                         PairListing& listing, std::vector<Pair>& pairs) {
+void list_pairs_of_nodes(const KeptPairs& kept, NodesToList nodes, const Chunk& chunk, PairListing& listing,
+                         std::vector<Pair>& pairs) {
+  const std::uint32_t level = nodes.level;
   const BoxTree& moving = kept.moving_tree;
   const BoxTree& others = kept.static_tree;
   bool goes_on = true;
   const auto add = [&](std::uint32_t a, std::uint32_t b) {
     if (!may_touch(kept.proxies[a], kept.proxies[b])) return true;
-    if (listing.is_tight && !overlaps(kept.boxes[a], kept.boxes[b])) return true;
+    if (nodes.is_tight && !overlaps(kept.boxes[a], kept.boxes[b])) return true;
     pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     goes_on = listing.goes_on(pairs.size());
     return goes_on;
   };
   const Box* boxes = moving.boxes.data() + moving.level_start[level];
   const std::uint32_t node_count = moving.level_start[level + 1] - moving.level_start[level];
-  for (auto a = static_cast<std::uint32_t>(first); a < end && goes_on; ++a) {
+  for (auto a = static_cast<std::uint32_t>(chunk.begin); a < chunk.end && goes_on; ++a) {
     const auto add_two = [&](std::uint32_t i, std::uint32_t j) { return add(moving.proxies[i], moving.proxies[j]); };
     if (level > 0) for_each_overlap_below(moving, level, a, a, add_two);
     for (std::uint32_t b = a + 1; b < node_count && goes_on; ++b)
@@ -375,32 +373,17 @@ std::uint32_t shared_level(const BoxTree& tree) {
 /// All pairs of large boxes that overlap, in any order; `is_tight`: of these, those whose present boxes do. False:
 /// there are more of them than a tick may have, and not all are listed.
 bool list_pairs(Scratch& scratch, bool is_tight) {
-  const KeptPairs& kept = scratch.kept.pairs;
-  PairListing listing{is_tight, scratch.pair_count_max};
+  const BoxTree& tree = scratch.kept.pairs.moving_tree;
   scratch.unsorted_pairs.clear();
-  if (kept.moving_tree.proxies.empty()) return true;
-  const std::size_t proxy_count = kept.moving_tree.proxies.size();
+  if (tree.proxies.empty()) return true;
+  const std::size_t proxy_count = tree.proxies.size();
   const bool is_shared = scratch.parallel.chunk_size(proxy_count, 128) < proxy_count;
-  const std::uint32_t level = is_shared ? shared_level(kept.moving_tree) : top_level(kept.moving_tree);
-  const std::size_t node_count = kept.moving_tree.level_start[level + 1] - kept.moving_tree.level_start[level];
-  const std::size_t size = is_shared ? 1 + node_count / 32 : node_count;
-  const std::size_t chunk_count = Parallel::chunk_count(node_count, size);
-  if (chunk_count == 1) {
-    list_pairs_of_nodes(kept, level, 0, node_count, listing, scratch.unsorted_pairs);
-    return scratch.unsorted_pairs.size() <= listing.count_max;
-  }
-  if (scratch.pair_parts.size() < chunk_count) scratch.pair_parts.resize(chunk_count);
-  scratch.parallel.for_chunks(node_count, size, [&](const Chunk& chunk) {
-    scratch.pair_parts[chunk.index].clear();
-    list_pairs_of_nodes(kept, level, chunk.begin, chunk.end, listing, scratch.pair_parts[chunk.index]);
-  });
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < chunk_count; ++i) count += scratch.pair_parts[i].size();
-  if (count > listing.count_max) return false;
-  for (std::size_t i = 0; i < chunk_count; ++i)
-    scratch.unsorted_pairs.insert(scratch.unsorted_pairs.end(), scratch.pair_parts[i].begin(),
-                                  scratch.pair_parts[i].end());
-  return true;
+  const std::uint32_t level = is_shared ? shared_level(tree) : top_level(tree);
+  const std::size_t node_count = tree.level_start[level + 1] - tree.level_start[level];
+  return list_in_chunks(scratch, node_count, is_shared ? 1 + node_count / 32 : node_count,
+                        [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
+                          list_pairs_of_nodes(scratch.kept.pairs, {level, is_tight}, chunk, listing, pairs);
+                        });
 }
 
 void build_everything(const Model& model, const State& state, Scratch& scratch) {
@@ -420,7 +403,26 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
     return;
   }
   kept.is_valid = fits;
+  kept.has_pairs = true;
+  kept.ticks_held = 0;
+  kept.common_side = 0;
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
+}
+
+constexpr std::uint32_t ticks_held_least = 6;  // of what was built: less, and it was not worth building
+constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
+
+/// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.
+bool list_present_pairs(Scratch& scratch) {
+  KeptPairs& kept = scratch.kept.pairs;
+  kept.has_pairs = false;
+  const CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
+  if (listing == CellListing::unsuited) return false;
+  if (listing == CellListing::too_many)
+    are_too_many(scratch, scratch.pair_count_max + 1);
+  else
+    sort_pairs(scratch, kept.proxies.size(), scratch.pairs);
+  return true;
 }
 
 constexpr std::uint8_t strays_now = 2;
@@ -512,24 +514,33 @@ void keep_overlapping(Scratch& scratch) {
 void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   KeptPairs& kept = scratch.kept.pairs;
   const Real fall = fall_of_a_tick(model, state);
-  const Real farthest = farthest_reach(model, state, dt);
+  const TickReach reach = reach_of_tick(model, state, dt);
   const bool fitted = fits(scratch, state);
   if (!fitted) list_proxies(model, state, kept);
-  const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == farthest;
+  const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == reach.farthest;
   const bool foresees = model.scene.settings.auto_substeps.has_value();
   if (!fitted || kept.fall != fall || (foresees && kept.dt != dt)) scratch.kept.has_touching = false;
   kept.dt = dt;
   kept.fall = fall;
-  kept.farthest = farthest;
+  kept.farthest = reach.farthest;
   kept.is_valid = true;
-  follow(model, state, scratch, !boxes_hold);
+  follow(model, state, scratch, reach, !boxes_hold);
+  scratch.proxies = kept.proxies;
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
   const bool are_many =
       stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size();
-  if (!fitted || are_many || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
+  bool builds = !fitted || are_many || !kept.has_pairs;
+  if (model.is_composed && fitted && are_many && kept.has_pairs && kept.ticks_held < ticks_held_least)
+    kept.restless_ticks = restless_ticks;
+  ++kept.ticks_held;
+  if (kept.restless_ticks > 0) {
+    --kept.restless_ticks;
+    if (list_present_pairs(scratch)) return;
+    kept.restless_ticks = 0;
+    builds = true;
+  }
+  if (builds || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
     build_everything(model, state, scratch);
-
-  scratch.proxies = kept.proxies;
   if (scratch.has_too_many_pairs) return;
   keep_overlapping(scratch);
 }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
-#include "engine/constraints/impacts.h"
 #include "engine/narrow_phase/narrow_phase.h"
+#include "engine/stages/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -39,26 +39,13 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
 
 namespace {
 
-/// The margin covers what the narrow phase calls near, plus the rounding of coordinates this far out, so that no
-/// algorithm can miss a pair that another one finds.
-Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
-  const Real reach = larger(absolute(center.x), absolute(center.y)) + shape.bounding_radius;
-  return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
+Real sweep_of_row(const Model& model, const State& state, const TickReach& reach, std::uint32_t row) {
+  return sweep_of(reach, model.bodies[state.bodies[row].source], state.bodies[row]);
 }
 
 }  // namespace
 
-Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
-  const Vec2 center = body.position + rotate(body.rotation, shape.center);
-  return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};
-}
-
-Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
-  if (shape.family == ShapeFamily::circle) {
-    const Circle circle = circle_around(body, shape, fall, way);
-    const Vec2 extent{circle.radius, circle.radius};
-    return {circle.center - extent, circle.center + extent};
-  }
+Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);
   const Vec2* vertices = &model.vertices[shape.first_vertex];
   Vec2 lower = rotate(body.rotation, vertices[0]);
@@ -76,14 +63,14 @@ Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape,
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
   forget(scratch.kept);
   const Real fall = fall_of_a_tick(model, state);
-  const Real farthest = farthest_reach(model, state, dt);
+  const TickReach reach = reach_of_tick(model, state, dt);
   scratch.proxy_rows.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
   scratch.proxies = scratch.proxy_rows;
   scratch.boxes.clear();
   for (const Proxy& proxy : scratch.proxies)
     scratch.boxes.push_back(box_around(model, state.bodies[proxy.body], model.shapes[proxy.shape], fall,
-                                       sweep_of(model, state, proxy.body, dt, farthest)));
+                                       sweep_of_row(model, state, reach, proxy.body)));
 }
 
 bool are_too_many(Scratch& scratch, std::size_t pair_count) {
@@ -145,12 +132,12 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   if (boxes_are_too_many(scratch)) return;
   const std::span<const Proxy> proxies = scratch.proxies;
   const Real fall = fall_of_a_tick(model, state);
-  const Real farthest = farthest_reach(model, state, dt);
+  const TickReach reach = reach_of_tick(model, state, dt);
   std::vector<Circle>& circles = scratch.circles;
   circles.clear();
   for (const Proxy& proxy : proxies)
     circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
-                                    sweep_of(model, state, proxy.body, dt, farthest)));
+                                    sweep_of_row(model, state, reach, proxy.body)));
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {

@@ -3,6 +3,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/model.h"
+#include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -13,11 +15,27 @@ StageFunction broad_phase_function(BroadPhaseKind kind);
 /// Lists the shapes of a body at `row` that can meet something.
 void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies);
 
+/// What a shape is given around it, beside its way: what the narrow phase calls near, plus the rounding of coordinates
+/// this far out, so that no algorithm can miss a pair that another one finds.
+inline Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
+  const Real reach = larger(absolute(center.x), absolute(center.y)) + shape.bounding_radius;
+  return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
+}
+
 /// The circle and the box around a shape of a body and its margin, and around its `way` of this tick (sweep_of): no
 /// two shapes between which the narrow phase finds anything have boxes, or circles, that do not overlap.
 /// `fall`: fall_of_a_tick.
-Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
-Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  const Vec2 center = body.position + rotate(body.rotation, shape.center);
+  return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};
+}
+Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+inline Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  if (shape.family != ShapeFamily::circle) return box_around_hull(model, body, shape, fall, way);
+  const Circle circle = circle_around(body, shape, fall, way);
+  const Vec2 extent{circle.radius, circle.radius};
+  return {circle.center - extent, circle.center + extent};
+}
 
 /// Fills scratch.proxies and scratch.boxes from the present poses.
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt);

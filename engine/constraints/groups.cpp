@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/groups.h"
 
+#include "engine/integrators/flow.h"
+
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void group_everything(const Model& model, const State& state, Scratch& scratch) {
@@ -40,6 +42,39 @@ void enter_group(const State& state, Scratch& scratch, SolveGroup& group, Real h
     const BodyRow& body = state.bodies[row];
     scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
   }
+}
+
+bool find_tied(const Model& model, const State& state, Scratch& scratch) {
+  constexpr std::size_t bodies_per_contact_least = 2;
+  if (!model.is_composed || !bodies_step_alone(model) || model.has_pointer || !state.joints.empty() ||
+      scratch.planted || state.bodies.size() < bodies_per_contact_least * scratch.touching.size())
+    return false;
+  scratch.is_tied.assign(state.bodies.size(), 0);
+  const auto tie = [&](const auto& pairs) {
+    for (const auto& pair : pairs) scratch.is_tied[pair.body_a] = scratch.is_tied[pair.body_b] = 1;
+  };
+  tie(scratch.touching);
+  tie(scratch.impacts);
+  return true;
+}
+
+void fly_loose(Scratch& scratch, const SolveGroup& group) {
+  std::uint32_t* rows = scratch.group_rows.data() + group.first_row;
+  const std::size_t count = scratch.moving_rows.size();
+  std::size_t tied_count = 0;
+  scratch.loose_rows.resize(count);
+  std::size_t loose_count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t row = rows[i];
+    const std::size_t is_tied = scratch.is_tied[row];
+    rows[tied_count] = row;
+    scratch.loose_rows[loose_count] = row;
+    tied_count += is_tied;
+    loose_count += 1 - is_tied;
+  }
+  scratch.moving_rows = {scratch.loose_rows.data(), loose_count};
+  fly(scratch, group.h, group.substeps);
+  scratch.moving_rows = {rows, tied_count};
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -13,4 +13,11 @@ void group_everything(const Model& model, const State& state, Scratch& scratch);
 /// thus in every group, back to where it was. Requires: prepare_bodies.
 void enter_group(const State& state, Scratch& scratch, SolveGroup& group, Real h);
 
+/// Notes in scratch.is_tied which bodies have contacts or impacts in this tick. False: not worth it, or bodies depend
+/// on each other in other ways.
+bool find_tied(const Model& model, const State& state, Scratch& scratch);
+/// Lets the bodies of the group that are not tied pass their substeps at once, and leaves the others in
+/// scratch.moving_rows. Requires: find_tied, and the integrator has begun.
+void fly_loose(Scratch& scratch, const SolveGroup& group);
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -13,7 +13,6 @@ namespace {
 
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
-constexpr Real fast_share = Real(0.25);   // of its smallest shape's size in a tick: slower ones meet their contacts
 constexpr Real slow_share = Real(0.05);   // of the smaller shape in a tick: a pair so slow is left to its contact
 constexpr Real turn_max = Real(0.25);     // rad in a tick, likewise: a contact has one normal for all of it
 constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and slow, a pair is left to its contact
@@ -335,40 +334,10 @@ void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scrat
 
 }  // namespace
 
-Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt) {
-  const BodyRow& body = state.bodies[row];
-  const BodyModel& constants = model.bodies[body.source];
-  if (constants.type == BodyType::static_body) return 0;
-  const Real fall = constants.type == BodyType::dynamic_body
-                        ? absolute(constants.gravity_scale) * length(state.world.gravity) * dt
-                        : Real(0);
-  return dt * ((length(body.velocity) + fall) + absolute(body.angular_velocity) * constants.reach);
-}
-
-Real farthest_reach(const Model& model, const State& state, Real dt) {
-  Real farthest = 0;
-  if (!model.scene.settings.locate_impacts) return farthest;
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
-    farthest = larger(farthest, reach_in(model, state, row, dt));
-  return farthest;
-}
-
-Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt, Real farthest) {
-  const Settings& settings = model.scene.settings;
-  if (model.bodies[state.bodies[row].source].type == BodyType::static_body) return 0;
-  if (settings.locate_impacts) return farthest;
-  if (settings.auto_substeps) return reach_in(model, state, row, dt);  // contacts are foreseen
-  return settings.continuous && is_fast(model, state, row, dt) ? reach_in(model, state, row, dt) : Real(0);
-}
-
 Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
                   std::uint32_t contact, Real dt) {
   if (contact == state.contacts.size() || is_left_to_impacts(model, state, scratch, contact)) return -1;
   return pair.is_fast ? slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
-}
-
-bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt) {
-  return reach_in(model, state, row, dt) > fast_share * model.bodies[state.bodies[row].source].size;
 }
 
 bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact) {

@@ -55,16 +55,6 @@ struct ImpactPath {
   bool is_stopped;
 };
 
-/// Whether a body moves so far in a tick that it might pass through something.
-bool is_fast(const Model& model, const State& state, std::uint32_t row, Real dt);
-/// How far any point of a body may get in a tick, m.
-Real reach_in(const Model& model, const State& state, std::uint32_t row, Real dt);
-/// The farthest of these, of all bodies, where the scene locates impacts: what is hit may go on as far. Else 0.
-Real farthest_reach(const Model& model, const State& state, Real dt);
-/// How far ahead a body is looked for in a tick, m: 0 unless it is fast or impacts are located. Broad phases find every
-/// pair that is nearer than the sum of its two. `farthest`: farthest_reach.
-Real sweep_of(const Model& model, const State& state, std::uint32_t row, Real dt, Real farthest);
-
 /// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
 /// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
 /// to the speed at which it just gets there in a substep. `contact`: in scratch.touching and state.contacts.

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 
+#include "engine/constraints/bodies.h"
+
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 

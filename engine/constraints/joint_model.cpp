@@ -15,7 +15,7 @@ Vec2 from_center(Point anchor, Vec2 center) {
 }
 
 Rotation rotation_of(double angle_rad) {
-  const SinCos turn = sin_cos(angle_rad);
+  const SinCos turn = turn_of(angle_rad);
   return {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
 }
 

@@ -166,7 +166,7 @@ Moments rounded_moments(const std::vector<Point>& hull, double radius) {
 }
 
 std::vector<Point> box_corners(const Shape& shape) {
-  const SinCos turn = sin_cos(shape.angle);
+  const SinCos turn = turn_of(shape.angle);
   const Point signs[4] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   std::vector<Point> corners;
   for (const Point sign : signs) {

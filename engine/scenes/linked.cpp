@@ -69,7 +69,7 @@ Scene build_bridge(const SceneArguments& arguments) {
 }
 
 const std::array<SceneParameter, 1> joint_grid_parameters{{
-    {"columns", 20, 2, 200, true, "discs in a row, and rows"},
+    {"columns", 100, 2, 200, true, "discs in a row, and rows"},
 }};
 Scene build_joint_grid(const SceneArguments& arguments) {
   const int count = arguments.whole("columns");

@@ -32,6 +32,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
   if (!model.finds_islands) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
+  const bool some_are_loose = find_tied(model, state, scratch);
   for (SolveGroup& group : scratch.groups) {
     const Real h = dt / static_cast<Real>(group.substeps);  // s
     enter_group(state, scratch, group, h);
@@ -41,7 +42,10 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     prepare_contacts(model, state, scratch, group, soft_contacts(h));
     scheme.begin(model, state, scratch, h);
     const bool flies = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, group);
-    if (flies) fly(scratch, h, group.substeps);
+    if (flies)
+      fly(scratch, h, group.substeps);
+    else if (some_are_loose)
+      fly_loose(scratch, group);
     if (scratch.is_woven) solve_woven(scratch, group);
     const int substeps_in_turn = flies || scratch.is_woven ? 0 : group.substeps;
     for (int substep = 0; substep < substeps_in_turn; ++substep) {

@@ -9,6 +9,7 @@
 #include "engine/constraints/joint_model.h"
 #include "engine/narrow_phase/distance.h"
 #include "engine/pipeline.h"
+#include "engine/stages/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -24,29 +25,53 @@ std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std
   return first < count && key_of(state.contacts[first]) == wanted ? first : count;
 }
 
-bool any_is_fast(const Model& model, const State& state, const Scratch& scratch, Real dt) {
+const BodyModel& constants_of(const Model& model, const BodyRow& body) {
+  return model.bodies[body.source];
+}
+
+/// Notes which bodies are fast. False: none is.
+bool find_fast(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
   std::atomic<bool> any{false};
   const std::size_t count = state.bodies.size();
+  scratch.is_fast.resize(count);
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
-    for (std::size_t row = chunk.begin; row < chunk.end && !any.load(std::memory_order_relaxed); ++row)
-      if (is_fast(model, state, static_cast<std::uint32_t>(row), dt)) any.store(true, std::memory_order_relaxed);
+    bool found = false;
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      const bool fast = is_fast(reach, constants_of(model, state.bodies[row]), state.bodies[row]);
+      scratch.is_fast[row] = fast ? 1 : 0;
+      found |= fast;
+    }
+    if (found) any.store(true, std::memory_order_relaxed);
   });
   return any.load(std::memory_order_relaxed);
 }
 
 }  // namespace
 
+TickReach reach_of_tick(const Model& model, const State& state, Real dt) {
+  const Settings& settings = model.scene.settings;
+  TickReach reach{
+      dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
+      0};
+  if (!settings.locate_impacts) return reach;
+  for (const BodyRow& body : state.bodies)
+    reach.farthest = larger(reach.farthest, reach_in(reach, constants_of(model, body), body));
+  return reach;
+}
+
 void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
   scratch.impacts.clear();
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
-  if (!settings.locate_impacts && !any_is_fast(model, state, scratch, dt)) return;
-  const Real farthest = farthest_reach(model, state, dt);
+  const TickReach reach = reach_of_tick(model, state, dt);
+  if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
   const Real fall = fall_of_a_tick(model, state);
   std::uint32_t next_contact = 0;
   for (const Pair& candidate : scratch.pairs) {
     const Proxy& a = scratch.proxies[candidate.first];
     const Proxy& b = scratch.proxies[candidate.second];
+    const bool one_is_fast = (scratch.is_fast[a.body] | scratch.is_fast[b.body]) != 0;
+    if (!one_is_fast && !settings.locate_impacts) continue;
     if (a.is_sensor || b.is_sensor) continue;
     const ShapeModel& shape_a = model.shapes[a.shape];
     const ShapeModel& shape_b = model.shapes[b.shape];
@@ -55,13 +80,12 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     const bool between_moving = a.is_dynamic && b.is_dynamic;
     const bool guarded = !between_moving || model.bodies[state.bodies[a.body].source].is_bullet ||
                          model.bodies[state.bodies[b.body].source].is_bullet;
-    const bool fast =
-        settings.continuous && guarded && (is_fast(model, state, a.body, dt) || is_fast(model, state, b.body, dt));
-    if (!bounces && !fast) continue;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
-    const Real sweep_a = sweep_of(model, state, a.body, dt, farthest);
-    const Real sweep_b = sweep_of(model, state, b.body, dt, farthest);
+    const bool fast = settings.continuous && guarded && one_is_fast;
+    if (!bounces && !fast) continue;
+    const Real sweep_a = sweep_of(reach, constants_of(model, body_a), body_a);
+    const Real sweep_b = sweep_of(reach, constants_of(model, body_b), body_b);
     const Circle circle_a = circle_around(body_a, shape_a, fall, sweep_a);
     const Circle circle_b = circle_around(body_b, shape_b, fall, sweep_b);
     const Real near = circle_a.radius + circle_b.radius;

@@ -53,7 +53,7 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
   }
   const std::uint32_t source = model.first_prototype + prototype;
   const BodyModel& constants = model.bodies[source];
-  const SinCos turn = sin_cos(pose.values[2]);
+  const SinCos turn = turn_of(pose.values[2]);
   BodyRow row{};
   row.id = state.world.next_id++;
   row.source = source;

@@ -48,9 +48,13 @@ bool is_moving(const BodyRow& body) {
 void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_parent.resize(count);
-  for (std::uint32_t row = 0; row < count; ++row) scratch.island_parent[row] = row;
+  scratch.body_types.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) {
+    scratch.island_parent[row] = row;
+    scratch.body_types[row] = type_of(model, state, row);
+  }
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    if (type_of(model, state, a) == BodyType::dynamic_body && type_of(model, state, b) == BodyType::dynamic_body)
+    if (scratch.body_types[a] == BodyType::dynamic_body && scratch.body_types[b] == BodyType::dynamic_body)
       unite(scratch.island_parent, a, b);
   };
   for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
@@ -74,7 +78,7 @@ void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
   const Real after = static_cast<Real>(model.scene.settings.sleep->after_s);
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
   const auto touch_moving = [&](std::uint32_t still, std::uint32_t other) {
-    if (type_of(model, state, other) == BodyType::kinematic_body && is_moving(state.bodies[other]))
+    if (scratch.body_types[other] == BodyType::kinematic_body && is_moving(state.bodies[other]))
       state.sleep[still].calm = 0;
   };
   for (const TouchingPair& pair : scratch.touching) {
@@ -95,10 +99,10 @@ void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
     touch_moving(b, a);
   }
   for (std::uint32_t row = 0; row < count; ++row)
-    if (type_of(model, state, row) == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
+    if (scratch.body_types[row] == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
       scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
   for (std::uint32_t row = 0; row < count; ++row) {
-    if (type_of(model, state, row) != BodyType::dynamic_body) continue;
+    if (scratch.body_types[row] != BodyType::dynamic_body) continue;
     SleepRow& sleep = state.sleep[row];
     const bool awake = scratch.island_awake[find_root(scratch.island_parent, row)] != 0;
     if (awake && sleep.asleep != 0) sleep.calm = 0;

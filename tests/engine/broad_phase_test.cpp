@@ -8,6 +8,9 @@
 #include <set>
 #include <utility>
 
+#include "base/build_info.h"
+#include "base/workers.h"
+#include "engine/broad_phase/neighbour_cells.h"
 #include "engine/math/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
@@ -118,12 +121,12 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
     f64::State state = f64::initial_state(model);
     f64::Scratch kept;
     std::size_t strays = 0;
-    for (int tick = 0; tick < 60; ++tick) {
+    for (int tick = 0; tick < 90; ++tick) {
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
         const double size = model.bodies[body.source].reach;
         // Most lie still, some crawl, a few jump far beyond their boxes.
-        const double step = tick % 20 < 3 ? 0.5 : random.below(40) == 0 ? 3 : random.below(3) == 0 ? 0.02 : 0;
+        const double step = tick % 60 >= 57 ? 0.5 : random.below(40) == 0 ? 3 : random.below(3) == 0 ? 0.02 : 0;
         body.position = {body.position.x + size * step * random.real(-1, 1),
                          body.position.y + size * step * random.real(-1, 1)};
         body.rotation = f64::rotation_by(step * random.real(-1, 1)) * body.rotation;
@@ -140,6 +143,72 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
     }
     if (c.scene.bodies.size() > 100) CHECK(strays > 0);
   }
+}
+
+TEST_CASE("while everything flies, pairs are listed anew; once it lies still, they are kept again",
+          "[engine][broad_phase][kept]") {
+  engine::Random random(5);
+  Scene scene = scattered(1, 500, 20, 0.4, 0.5, {});
+  const f64::Model model = f64::make_model(scene);
+  f64::State state = f64::initial_state(model);
+  f64::Scratch kept;
+  int restless_count = 0;
+  for (int tick = 0; tick < 200; ++tick) {
+    for (f64::BodyRow& body : state.bodies) {
+      if (tick >= 100 || model.bodies[body.source].type == BodyType::static_body) continue;
+      body.position = {body.position.x + random.real(-0.5, 0.5), body.position.y + random.real(-0.5, 0.5)};
+    }
+    if (tick == 50) f64::erase_body_row(state, 7);
+    f64::Scratch expected;
+    f64::brute_force(model, state, expected, 0.01);
+    f64::aabb_tree(model, state, kept, 0.01);
+    const bool same = pairs_of(kept) == pairs_of(expected);
+    CAPTURE(tick);
+    REQUIRE(same);
+    if (kept.kept.pairs.restless_ticks > 0) ++restless_count;
+    f64::poison(kept);
+  }
+  CHECK(restless_count > 90);
+  CHECK(kept.kept.pairs.restless_ticks == 0);
+  CHECK(kept.kept.pairs.ticks_held > 30);
+}
+
+TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[engine][broad_phase][cells]") {
+  const auto workers = *make_workers(build_info().has_threads ? 3 : 1);
+  std::set<std::string> suited;
+  for (const Case& c : cases()) {
+    const f64::Model model = f64::make_model(c.scene);
+    f64::State state = f64::initial_state(model);
+    f64::Scratch expected;
+    f64::brute_force(model, state, expected, 0);
+    for (const std::size_t chunk_size : {std::size_t{0}, std::size_t{1}, std::size_t{37}}) {
+      f64::Scratch scratch;
+      if (workers != nullptr && chunk_size > 0) scratch.parallel = {workers.get(), chunk_size};
+      double side = 0;
+      bool suits = true;
+      for (int again = 0; again < 2; ++again) {  // with the side that the first found
+        const f64::CellListing listing = f64::list_by_cells(scratch, expected.proxies, expected.boxes, side);
+        CAPTURE(c.name, chunk_size, again, side);
+        REQUIRE(listing != f64::CellListing::too_many);
+        suits &= listing == f64::CellListing::done;
+        if (!suits) break;
+        suited.insert(c.name);
+        f64::sort_pairs(scratch, expected.proxies.size(), scratch.pairs);
+        const bool same = pairs_of(scratch) == pairs_of(expected);
+        CHECK(same);
+      }
+      if (!suits || expected.pairs.size() < 2) continue;
+      scratch.pair_count_max = expected.pairs.size();
+      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::done);
+      scratch.pair_count_max = expected.pairs.size() - 1;
+      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::too_many);
+    }
+  }
+  CHECK(suited.count("equal sizes") == 1);
+  CHECK(suited.count("coincident dynamic bodies") == 1);
+  CHECK(suited.count("tiny bodies on a huge ground") == 1);
+  CHECK(suited.count("very different sizes") == 0);
+  CHECK(suited.count("two crowds far apart") == 0);
 }
 
 TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase][analytic]") {

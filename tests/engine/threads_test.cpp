@@ -36,8 +36,9 @@ Session builtin_session(const std::string& text) {
 /// Scenes that are worth several threads without being forced to.
 std::vector<Session> wide_sessions() {
   std::vector<Session> sessions;
-  for (const char* text : {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
-                           "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid"})
+  for (const char* text :
+       {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
+        "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid", "gas?bodies=900"})
     sessions.push_back(builtin_session(text));
   return sessions;
 }

@@ -44,6 +44,24 @@ TEST_CASE("sine and cosine keep the symmetries of the functions to the last bit"
   CHECK(sin_cos(0.0).cos == 1.0);
 }
 
+TEST_CASE("what is turned by quarters stands exactly upright, and nothing else is moved", "[engine][trig][analytic]") {
+  for (int quarters = -4000; quarters <= 4000; ++quarters) {
+    const SinCos turn = turn_of(quarters * (pi / 2));
+    const int rest = ((quarters % 4) + 4) % 4;
+    CAPTURE(quarters);
+    REQUIRE(turn.cos == (rest == 0 ? 1 : rest == 2 ? -1 : 0));
+    REQUIRE(turn.sin == (rest == 1 ? 1 : rest == 3 ? -1 : 0));
+  }
+  for (int i = -200000; i <= 200000; ++i) {
+    const double x = i * 1.00001e-4;
+    if (bits_of(turn_of(x).sin) != bits_of(sin_cos(x).sin) || bits_of(turn_of(x).cos) != bits_of(sin_cos(x).cos))
+      FAIL("moved at " << x);
+  }
+  CHECK(bits_of(turn_of(-0.0).sin) == bits_of(-0.0));
+  CHECK(turn_of(1e-9).sin == 1e-9);
+  CHECK(std::isnan(turn_of(infinite).sin));
+}
+
 TEST_CASE("sine and cosine stay on the unit circle for any finite angle and are NaN for others",
           "[engine][trig][analytic]") {
   for (double x = 1e6; x < 1e308; x *= 7.3) {

@@ -325,9 +325,10 @@ std::vector<Session> property_sessions() {
   std::vector<Session> sessions;
   for (const engine::Choice<Precision>& precision : engine::precisions) {
     const std::string suffix = "precision=" + std::string(precision.name);
-    for (const char* text : {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&",
-                             "projectile?", "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&",
-                             "bridge?planks=8&", "joint_grid?columns=8&", "stack?boxes=4&solver=impulse&"}) {
+    for (const char* text :
+         {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&", "projectile?",
+          "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&", "bridge?planks=8&",
+          "joint_grid?columns=8&", "stack?boxes=4&solver=impulse&", "gas?bodies=150&"}) {
       const auto scene = engine::make_builtin_scene(text + suffix);
       INFO(text << suffix << ": " << (scene ? "" : scene.error().message));
       REQUIRE(scene.has_value());

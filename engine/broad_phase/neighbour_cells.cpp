@@ -1,0 +1,193 @@
+// Boxes of about one size in cells that are larger than they are: those of neighbouring cells are compared.
+// SPDX-License-Identifier: MIT
+// Source: Ericson, "Real-Time Collision Detection", 2005, section 7.1 (an object in one cell, half of its neighbours);
+// Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
+//
+// A box belongs to the cell of its lower corner, so that what it overlaps lies in the same cell or in one of the eight
+// around it. The few boxes that are larger than a cell are compared with all.
+#include "engine/broad_phase/neighbour_cells.h"
+
+#include "engine/broad_phase/pair_listing.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real room_share = Real(1.02);  // cells are larger than boxes by far more than the rounding of a cell's number
+constexpr Real cells_in_line_max = Real(1 << 15);  // more, and it is not
+constexpr Real cells_per_box = 2;                  // cells are as large as it takes
+constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
+constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
+constexpr int side_fraction_bits_dropped = 20;
+
+Real side_of(const Box& box) {
+  return larger(box.upper.x - box.lower.x, box.upper.y - box.lower.y);
+}
+
+std::size_t few_of(const std::vector<Box>& boxes) {
+  return 8 + boxes.size() / 1024;
+}
+
+/// The side that all but a few boxes have at most, m; 0 if it is no measure of the others. Sides are counted in bins of
+/// an eighth of a power of two.
+Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
+  counts.assign(1u << 11, 0);
+  for (const Box& box : boxes) {
+    const Real side = smaller(side_of(box), Real(1e38));
+    ++counts[bits_of(static_cast<float>(side)) >> side_fraction_bits_dropped & 0x7ffu];
+  }
+  const std::size_t few = few_of(boxes);
+  if (boxes.size() <= 4 * few) return 0;
+  const auto side_above = [&](std::size_t rank) {
+    std::uint32_t bin = 0;
+    for (std::size_t seen = counts[0]; seen <= rank && bin < 0x7efu; seen += counts[bin]) ++bin;
+    return static_cast<Real>(float_of_bits((bin + 1) << side_fraction_bits_dropped));
+  };
+  const Real most = side_above(boxes.size() - 1 - few);
+  return most <= size_ratio_max * side_above(boxes.size() / 2) && most > Real(1e-30) && most < Real(1e30) ? most : 0;
+}
+
+constexpr std::uint32_t looked_at_least = 3;  // of the boxes in the next row
+constexpr std::uint32_t in_no_cell = 0xffffffffu;
+
+/// Cells in rows, an empty one before and after each, and an empty row at the end.
+struct Cells {
+  Vec2 lowest;  // m
+  Real inv_size;
+  std::uint32_t columns;  // with the empty ones
+  std::uint32_t rows;     // with the empty one
+};
+
+/// Cells for the boxes of at most this side; without rows if they are unsuited. Lists the others in `large`.
+Cells cells_for(const std::vector<Box>& boxes, Real side, std::vector<std::uint32_t>& large) {
+  Vec2 lowest{Real(1e38), Real(1e38)}, highest{Real(-1e38), Real(-1e38)};
+  large.clear();
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    const Box& box = boxes[i];
+    if (!(side_of(box) <= side)) {
+      large.push_back(i);
+      continue;
+    }
+    lowest = {smaller(lowest.x, box.lower.x), smaller(lowest.y, box.lower.y)};
+    highest = {larger(highest.x, box.lower.x), larger(highest.y, box.lower.y)};
+  }
+  const Vec2 extent = highest - lowest;
+  const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(boxes.size()));
+  const Real size = larger(room_share * side, square_root(area_per_cell));
+  if (!(size <= cell_ratio_max * side)) return {};
+  const Real inv_size = 1 / size;
+  if (!(extent.x * inv_size < cells_in_line_max) || !(extent.y * inv_size < cells_in_line_max)) return {};
+  return {lowest, inv_size, static_cast<std::uint32_t>(extent.x * inv_size) + 3,
+          static_cast<std::uint32_t>(extent.y * inv_size) + 2};
+}
+
+/// Sorts the boxes by cell, but those in scratch.large.
+void fill_cells(Scratch& scratch, const std::vector<Box>& boxes, const Cells& cells) {
+  std::vector<std::uint32_t>& start = scratch.cell_starts;
+  std::vector<std::uint32_t>& cell_of = scratch.counts;
+  start.assign(std::size_t{cells.columns} * cells.rows + 1, 0);
+  cell_of.assign(boxes.size(), 0);
+  for (const std::uint32_t i : scratch.large) cell_of[i] = in_no_cell;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    if (cell_of[i] == in_no_cell) continue;
+    const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
+    const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
+    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
+    cell_of[i] = row * cells.columns + column;
+    ++start[cell_of[i] + 1];
+  }
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.swept_boxes.resize(boxes.size() + looked_at_least);
+  scratch.swept_places.resize(boxes.size());
+  // Each start moves to the end of its cell, the start of the next.
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    if (cell_of[i] == in_no_cell) continue;
+    const std::uint32_t place = start[cell_of[i]]++;
+    scratch.swept_boxes[place] = boxes[i];
+    scratch.swept_places[place] = {i, cell_of[i]};
+  }
+  for (std::size_t i = 0; i < looked_at_least; ++i)
+    scratch.swept_boxes[boxes.size() - scratch.large.size() + i] = boxes[0];  // read, and never counted
+}
+
+/// Writes to `out` the pairs of a box with those of begin..end-1 that it overlaps; returns where they end. Without
+/// branches for the first `least` of them: which do, and how many there are, is anybody's guess.
+template <std::uint32_t least>
+Pair* meet(const Box* boxes, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
+  const Box a = boxes[i];
+  const auto look_at = [&](std::uint32_t j, bool counts) {
+    const Box& b = boxes[j];
+    *out = {i, j};
+    out += static_cast<std::size_t>(counts & (a.lower.x <= b.upper.x) & (b.lower.x <= a.upper.x) &
+                                    (a.lower.y <= b.upper.y) & (b.lower.y <= a.upper.y));
+  };
+  for (std::uint32_t k = 0; k < least; ++k) look_at(begin + k, begin + k < end);
+  for (std::uint32_t j = begin + least; j < end; ++j) look_at(j, true);
+  return out;
+}
+
+/// The pairs of a chunk of the sorted boxes with those after them. Stops where there are too many.
+void list_pairs_of(const Scratch& scratch, std::span<const Proxy> proxies, const Cells& cells, const Chunk& chunk,
+                   PairListing& listing, std::vector<Pair>& pairs) {
+  const Box* boxes = scratch.swept_boxes.data();
+  const std::uint32_t* end_of = scratch.cell_starts.data();  // [cell]: as it is now
+  std::size_t count = pairs.size();
+  for (std::size_t place = chunk.begin; place < chunk.end; ++place) {
+    const auto i = static_cast<std::uint32_t>(place);
+    const std::uint32_t cell = scratch.swept_places[i].cell;
+    const std::uint32_t right_end = end_of[cell + 1];
+    const std::uint32_t next_begin = end_of[cell + cells.columns - 2];
+    const std::uint32_t next_end = end_of[cell + cells.columns + 1];
+    const std::size_t room = count + (right_end - i) + (next_end - next_begin) + 2 * looked_at_least;
+    if (pairs.size() < room) pairs.resize(2 * room);
+    Pair* found = pairs.data() + count;
+    Pair* found_end = meet<2>(boxes, i, i + 1, right_end, found);
+    found_end = meet<looked_at_least>(boxes, i, next_begin, next_end, found_end);
+    for (; found < found_end; ++found) {
+      const std::uint32_t a = scratch.swept_places[found->first].proxy;
+      const std::uint32_t b = scratch.swept_places[found->second].proxy;
+      if (!may_touch(proxies[a], proxies[b])) continue;
+      pairs[count++] = a < b ? Pair{a, b} : Pair{b, a};
+      if (!listing.goes_on(count)) {
+        pairs.resize(count);
+        return;
+      }
+    }
+  }
+  pairs.resize(count);
+}
+
+/// Adds the pairs of the large boxes with all others, and with each other once.
+bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real side) {
+  for (const std::uint32_t a : scratch.large) {
+    const Box box = boxes[a];
+    for (std::uint32_t b = 0; b < boxes.size(); ++b) {
+      if (!overlaps(box, boxes[b]) || !may_touch(proxies[a], proxies[b])) continue;
+      if (b < a && !(side_of(boxes[b]) <= side)) continue;
+      scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+      if (scratch.unsorted_pairs.size() > scratch.pair_count_max) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real& side) {
+  Cells cells{};
+  if (side > 0) cells = cells_for(boxes, side, scratch.large);
+  if (cells.rows == 0 || scratch.large.size() > 2 * few_of(boxes)) {
+    side = common_side(boxes, scratch.counts);
+    if (side == 0) return CellListing::unsuited;
+    cells = cells_for(boxes, side, scratch.large);
+    if (cells.rows == 0) return CellListing::unsuited;
+  }
+  fill_cells(scratch, boxes, cells);
+  const std::size_t count = boxes.size() - scratch.large.size();
+  const bool fits = list_in_chunks(scratch, count, scratch.parallel.chunk_size(count, 128),
+                                   [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
+                                     list_pairs_of(scratch, proxies, cells, chunk, listing, pairs);
+                                   });
+  return fits && add_pairs_of_large(scratch, proxies, boxes, side) ? CellListing::done : CellListing::too_many;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,50 @@
+// How chunks list pairs together up to a bound, and how their lists become one.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "engine/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// How many pairs there may be. Chunks that list count together, a block at a time: once the sum is too large each of
+/// them stops, so that no chunk alone decides and no order of them shows.
+struct PairListing {
+  std::size_t count_max;
+  std::atomic<std::size_t> count{0};  // in whole blocks
+  static constexpr std::size_t block_size = 4096;
+
+  bool goes_on(std::size_t listed_here) {
+    if (listed_here % block_size != 0) return true;
+    return count.fetch_add(block_size, std::memory_order_relaxed) + block_size <= count_max;
+  }
+};
+
+/// Fills scratch.unsorted_pairs: list(chunk, listing, pairs) appends those of a chunk of `count` elements and asks the
+/// listing after each whether to go on. False: there are more than `count_max`, and not all are listed.
+template <typename List>
+bool list_in_chunks(Scratch& scratch, std::size_t count, std::size_t chunk_size, const List& list) {
+  PairListing listing{scratch.pair_count_max};
+  scratch.unsorted_pairs.clear();
+  const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
+  if (chunk_count <= 1) {
+    list(Chunk{0, 0, count}, listing, scratch.unsorted_pairs);
+    return scratch.unsorted_pairs.size() <= listing.count_max;
+  }
+  if (scratch.pair_parts.size() < chunk_count) scratch.pair_parts.resize(chunk_count);
+  scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
+    scratch.pair_parts[chunk.index].clear();
+    list(chunk, listing, scratch.pair_parts[chunk.index]);
+  });
+  std::size_t pair_count = 0;
+  for (std::size_t i = 0; i < chunk_count; ++i) pair_count += scratch.pair_parts[i].size();
+  if (pair_count > listing.count_max) return false;
+  for (std::size_t i = 0; i < chunk_count; ++i)
+    scratch.unsorted_pairs.insert(scratch.unsorted_pairs.end(), scratch.pair_parts[i].begin(),
+                                  scratch.pair_parts[i].end());
+  return true;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
