@@ -372,20 +372,21 @@ struct Scratch {
   bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
-  std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
-  std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
-  std::vector<std::uint8_t> is_fast;           // [body] may pass through something in this tick
-  std::vector<std::uint8_t> is_tied;           // [body] something touches it in this tick, or may
-  std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
-  std::uint32_t group_index = 0;               // of that group
-  std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
-  std::vector<std::uint32_t> group_contacts;   // in `touching`
-  std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
-  std::vector<BodyType> body_types;            // [body] islands
-  std::vector<std::uint32_t> island_parent;    // [body] union-find
-  std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
-  std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
-  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
+  std::vector<SolveGroup> groups;                     // ascending by substeps; sleeping islands are in none
+  std::span<const std::uint32_t> moving_rows;         // of the group that is being solved
+  std::vector<std::vector<ImpactPair>> impact_parts;  // [chunk]
+  std::vector<std::uint8_t> is_fast;                  // [body] may pass through something in this tick
+  std::vector<std::uint8_t> is_tied;                  // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> loose_rows;              // of the group that is being solved
+  std::uint32_t group_index = 0;                      // of that group
+  std::vector<std::uint32_t> group_rows;      // bodies that move, of each group; kinematic ones are in all of them
+  std::vector<std::uint32_t> group_contacts;  // in `touching`
+  std::vector<std::uint32_t> body_group;      // [body] index in `groups`; no_group: asleep or static
+  std::vector<BodyType> body_types;           // [body] islands
+  std::vector<std::uint32_t> island_parent;   // [body] union-find
+  std::vector<std::uint32_t> island_level;    // [body] at the island's first row: substeps
+  std::vector<std::uint8_t> island_awake;     // [body] at the island's first row
+  std::vector<std::uint8_t> island_lands;     // [body] at the island's first row
   std::vector<Landing> landings;
   std::vector<Twist> landing_velocities;  // [body] before the last passes
   ImpulseStep impulse_step;

@@ -197,10 +197,13 @@ std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, 
   scratch.parts.resize(chunk_count);
   scratch.touching_apart.resize(pair_count);
   scratch.contacts_apart.resize(pair_count);
+  // No larger than before: to clear rows that nothing will be in takes as long as to find the contacts of some.
+  const std::size_t old_count = std::min(search.state.contacts.size(), pair_count);
+  scratch.touching.resize(old_count);
+  scratch.contacts.resize(old_count);
   const auto guess = [&](std::size_t chunk) {
-    if (chunk == chunk_count) return pair_count;
-    const std::size_t first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
-    return first < pair_count ? first : pair_count;
+    if (chunk == chunk_count) return old_count;
+    return std::min(first_old_contact(search, scratch.pairs[chunk * chunk_size]), old_count);
   };
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     const std::size_t first = guess(chunk.index);
@@ -220,8 +223,8 @@ std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, 
     total += part.count;
   }
   if (all_in_place) return total;
-  scratch.touching_moved.resize(pair_count);
-  scratch.contacts_moved.resize(pair_count);
+  scratch.touching_moved.resize(total);
+  scratch.contacts_moved.resize(total);
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     const ListPart& part = scratch.parts[chunk.index];
     for (std::size_t i = 0; i < part.count; ++i) {
@@ -239,7 +242,12 @@ std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, 
 
 /// In one go.
 std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
+  scratch.contacts.resize(scratch.touching.size());
   return find_contacts_of(search, 0, scratch.pairs.size(), 0, [&](std::size_t i) {
+    if (i == scratch.touching.size()) {
+      scratch.touching.emplace_back();
+      scratch.contacts.emplace_back();
+    }
     return ContactPlace{scratch.touching[i], scratch.contacts[i]};
   });
 }
@@ -256,8 +264,6 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
                           model.scene.settings.auto_substeps.has_value(),
                           kept.has_touching && kept.touching.size() == state.contacts.size()};
   const std::size_t pair_count = scratch.pairs.size();
-  scratch.touching.resize(pair_count);
-  scratch.contacts.resize(pair_count);
   const std::size_t chunk_size = scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least);
   const std::size_t count = chunk_size >= pair_count ? find_all_contacts(search, scratch)
                                                      : find_contacts_in_chunks(search, scratch, chunk_size);

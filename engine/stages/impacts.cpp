@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/impacts.h"
 
+#include <algorithm>
 #include <atomic>
 #include <tuple>
 
@@ -14,13 +15,19 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The contact of two proxies, or the number of contacts. `first`: where to begin; pairs are asked for in order.
+/// The contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference; pairs are asked for
+/// in order.
 std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
   const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
   const auto key_of = [](const ContactRow& row) {
     return std::tuple(row.body_a, row.child_a, row.body_b, row.child_b);
   };
   const auto count = static_cast<std::uint32_t>(state.contacts.size());
+  if (first == no_reference)
+    first =
+        static_cast<std::uint32_t>(std::partition_point(state.contacts.begin(), state.contacts.end(),
+                                                        [&](const ContactRow& row) { return key_of(row) < wanted; }) -
+                                   state.contacts.begin());
   while (first < count && key_of(state.contacts[first]) < wanted) ++first;
   return first < count && key_of(state.contacts[first]) == wanted ? first : count;
 }
@@ -46,28 +53,14 @@ bool find_fast(const Model& model, const State& state, Scratch& scratch, const T
   return any.load(std::memory_order_relaxed);
 }
 
-}  // namespace
-
-TickReach reach_of_tick(const Model& model, const State& state, Real dt) {
+/// Appends those of the candidate pairs begin..end-1 whose impacts are located.
+void add_impacts(const Model& model, const State& state, const Scratch& scratch, const TickReach& reach,
+                 std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
   const Settings& settings = model.scene.settings;
-  TickReach reach{
-      dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
-      0};
-  if (!settings.locate_impacts) return reach;
-  for (const BodyRow& body : state.bodies)
-    reach.farthest = larger(reach.farthest, reach_in(reach, constants_of(model, body), body));
-  return reach;
-}
-
-void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  const Settings& settings = model.scene.settings;
-  scratch.impacts.clear();
-  scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
-  const TickReach reach = reach_of_tick(model, state, dt);
-  if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
   const Real fall = fall_of_a_tick(model, state);
-  std::uint32_t next_contact = 0;
-  for (const Pair& candidate : scratch.pairs) {
+  std::uint32_t next_contact = no_reference;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair& candidate = scratch.pairs[i];
     const Proxy& a = scratch.proxies[candidate.first];
     const Proxy& b = scratch.proxies[candidate.second];
     const bool one_is_fast = (scratch.is_fast[a.body] | scratch.is_fast[b.body]) != 0;
@@ -104,9 +97,41 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
     pair.friction = mix(settings.friction_mix, shape_a.friction, shape_b.friction);
     pair.restitution = restitution;
     pair.is_fast = fast;
-    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), dt);
-    scratch.impacts.push_back(pair);
+    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), reach.dt);
+    impacts.push_back(pair);
   }
+}
+
+}  // namespace
+
+TickReach reach_of_tick(const Model& model, const State& state, Real dt) {
+  const Settings& settings = model.scene.settings;
+  TickReach reach{
+      dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
+      0};
+  if (!settings.locate_impacts) return reach;
+  for (const BodyRow& body : state.bodies)
+    reach.farthest = larger(reach.farthest, reach_in(reach, constants_of(model, body), body));
+  return reach;
+}
+
+void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const Settings& settings = model.scene.settings;
+  scratch.impacts.clear();
+  scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
+  const TickReach reach = reach_of_tick(model, state, dt);
+  if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
+  const std::size_t count = scratch.pairs.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, 256);
+  if (size >= count) return add_impacts(model, state, scratch, reach, 0, count, scratch.impacts);
+  const std::size_t chunk_count = Parallel::chunk_count(count, size);
+  if (scratch.impact_parts.size() < chunk_count) scratch.impact_parts.resize(chunk_count);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    scratch.impact_parts[chunk.index].clear();
+    add_impacts(model, state, scratch, reach, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
+  });
+  for (std::size_t i = 0; i < chunk_count; ++i)
+    scratch.impacts.insert(scratch.impacts.end(), scratch.impact_parts[i].begin(), scratch.impact_parts[i].end());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
