@@ -140,6 +140,7 @@ struct Model {
   std::vector<JointModel> joints;  // [joint of the scene]
   std::vector<Hub> hubs;
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
+  std::uint32_t separated_span = 0;      // the largest difference of the ids of one: most pairs are not looked for
   std::uint32_t last_joined = 0;         // the largest id of a body that has joints
 
   std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/joint_model.h"
 
+#include <algorithm>
+
 #include "base/state_view.h"
 #include "engine/math/trig.h"
 #include "engine/model.h"
@@ -167,16 +169,19 @@ void make_joints(Model& model) {
     model.joints.push_back(make_joint(model, joint));
     for (const std::uint32_t id : {joint.body_a, joint.body_b})
       if (id != no_reference && id > model.last_joined) model.last_joined = id;
-    if (joint.collide_connected || joint.kind == JointKind::target) continue;
-    const bool ascending = joint.body_a < joint.body_b;
-    model.separated.push_back({ascending ? joint.body_a : joint.body_b, ascending ? joint.body_b : joint.body_a});
+    if (joint.collide_connected || joint.kind == JointKind::target || joint.body_a == no_reference) continue;
+    const std::uint32_t first = std::min(joint.body_a, joint.body_b), second = std::max(joint.body_a, joint.body_b);
+    model.separated.push_back({first, second});
+    model.separated_span = std::max(model.separated_span, second - first);
   }
   sort_pairs(model.separated);
   find_hubs(model);
 }
 
-bool are_separated(const std::vector<SeparatedPair>& pairs, std::uint32_t id_a, std::uint32_t id_b) {
+bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b) {
   const SeparatedPair wanted{id_a < id_b ? id_a : id_b, id_a < id_b ? id_b : id_a};
+  if (wanted.second - wanted.first > model.separated_span) return false;
+  const std::vector<SeparatedPair>& pairs = model.separated;
   std::size_t low = 0;
   std::size_t high = pairs.size();
   while (low < high) {

@@ -62,6 +62,6 @@ struct Hub {
 void make_joints(Model& model);
 
 /// Whether a joint of the scene keeps two bodies from touching, as long as both exist: a joint goes with its bodies.
-bool are_separated(const std::vector<SeparatedPair>& pairs, std::uint32_t id_a, std::uint32_t id_b);
+bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

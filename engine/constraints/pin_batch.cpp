@@ -98,7 +98,7 @@ void fill_pins(const State& state, Scratch& scratch, Real h) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
           const JointSpan& span = spans[i];
           PinBatch& batch = pins.batches[i];
-          empty_pins(scratch, batch);
+          if (span.count < lane_count) empty_pins(scratch, batch);
           batch.count = static_cast<std::int32_t>(span.count);
           for (std::uint32_t lane = 0; lane < span.count; ++lane) {
             ask_early(state, scratch, span.first + lane);

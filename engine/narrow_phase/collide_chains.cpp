@@ -142,8 +142,8 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
   const Hull line = hull_of(model, a);
   const Hull hull = hull_of(model, b, b_in_a, buffer);
   const Real reach = b.radius + margin;
-  const Overlap overlap = find_overlap(line, hull);
-  if (!(overlap.axis_a.separation <= reach) || !(overlap.axis_b.separation <= reach)) return {};
+  const Overlap overlap = find_overlap(line, hull, reach);
+  if (!overlap.near) return {};
   const Edge edge = edge_of(model, a);
   const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
   const bool in_front = dot(edge.normal, center - edge.begin) >= 0;

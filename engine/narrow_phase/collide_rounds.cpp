@@ -12,8 +12,8 @@ Manifold collide_rounds(const Model& model, const ShapeModel& a, const ShapeMode
   const Hull hull_a = hull_of(model, a);
   const Hull hull_b = hull_of(model, b, b_in_a, buffer);
   const Real reach = (a.radius + b.radius) + margin;
-  const Overlap overlap = find_overlap(hull_a, hull_b);
-  if (!(overlap.axis_a.separation <= reach) || !(overlap.axis_b.separation <= reach)) return {};
+  const Overlap overlap = find_overlap(hull_a, hull_b, reach);
+  if (!overlap.near) return {};
 
   if (!overlap.found) {
     const ClosestPoints closest = closest_points(hull_a, hull_b);

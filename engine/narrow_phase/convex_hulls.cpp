@@ -54,13 +54,14 @@ ClosestPoints closest_points(const Hull& a, const Hull& b) {
   return best;
 }
 
-Overlap find_overlap(const Hull& a, const Hull& b) {
+Overlap find_overlap(const Hull& a, const Hull& b, Real reach) {
   const Axis axis_a = best_axis(a, b);
+  if (!(axis_a.separation <= reach)) return {axis_a, axis_a, false, false};
   const Axis axis_b = best_axis(b, a);
   const Real separation = larger(axis_a.separation, axis_b.separation);
   // Two lines overlap where they cross; on one line, or end to end, no axis of theirs tells them apart.
   const bool lines = a.count == 2 && b.count == 2;
-  return {axis_a, axis_b, lines ? separation < 0 : separation <= 0};
+  return {axis_a, axis_b, lines ? separation < 0 : separation <= 0, axis_b.separation <= reach};
 }
 
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest) {

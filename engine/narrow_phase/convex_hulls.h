@@ -54,10 +54,15 @@ inline std::uint32_t feature_of(std::uint32_t vertex_a, std::uint32_t vertex_b) 
   return vertex_a << 8 | vertex_b;
 }
 
-/// Room for a hull seen from another frame.
+/// Room for a hull seen from another frame. Not cleared: that takes longer than to fill it.
 struct HullBuffer {
-  Vec2 vertices[limits::polygon_vertex_count_max];
-  Vec2 normals[limits::polygon_vertex_count_max];
+  HullBuffer() {}
+  union {
+    Vec2 vertices[limits::polygon_vertex_count_max];
+  };
+  union {
+    Vec2 normals[limits::polygon_vertex_count_max];
+  };
 };
 
 inline Hull hull_of(const Model& model, const ShapeModel& shape) {
@@ -88,10 +93,11 @@ ClosestPoints closest_points(const Hull& a, const Hull& b);
 /// Whether the hulls share a point. Exact but for rounding, lines included.
 struct Overlap {
   Axis axis_a;  // best_axis(a, b)
-  Axis axis_b;  // best_axis(b, a)
+  Axis axis_b;  // best_axis(b, a), if they are near
   bool found;
+  bool near;  // no axis separates them by more than `reach`
 };
-Overlap find_overlap(const Hull& a, const Hull& b);
+Overlap find_overlap(const Hull& a, const Hull& b, Real reach);
 
 /// Up to two points between the edges of A and B (hulls with radii around them) that face each other along `normal`:
 /// at both ends of their common width. None if they have none, or where they are farther apart than `margin`.

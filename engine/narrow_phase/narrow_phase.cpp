@@ -156,7 +156,7 @@ std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::s
     if (proxy_a.is_sensor || proxy_b.is_sensor) continue;  // the events stage has those
     const BodyRow& body_a = state.bodies[proxy_a.body];
     const BodyRow& body_b = state.bodies[proxy_b.body];
-    if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
+    if (are_separated(model, body_a.id, body_b.id)) continue;
     ContactRow row = row_of_pair(state, proxy_a, proxy_b);
     const bool is_still = search.is_still(pair);
     const ShapeModel& shape_a = model.shapes[proxy_a.shape];

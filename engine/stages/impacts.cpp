@@ -83,7 +83,7 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     const Circle circle_b = circle_around(body_b, shape_b, fall, sweep_b);
     const Real near = circle_a.radius + circle_b.radius;
     if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near)) continue;
-    if (!model.separated.empty() && are_separated(model.separated, body_a.id, body_b.id)) continue;
+    if (are_separated(model, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
     if (gap.separation > sweep_a + sweep_b) continue;
@@ -119,6 +119,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Settings& settings = model.scene.settings;
   scratch.impacts.clear();
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
+  if (scratch.pairs.empty()) return;
   const TickReach reach = reach_of_tick(model, state, dt);
   if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
   const std::size_t count = scratch.pairs.size();
