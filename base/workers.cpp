@@ -252,8 +252,10 @@ class Workers final : public ChunkRunner {
     for (;;) {
       if (!spin(idle_max, has_news)) {
         std::unique_lock<std::mutex> guard(lock_);
-        some_sleep_.store(true, std::memory_order_relaxed);
-        wake_.wait(guard, has_news);
+        while (!has_news()) {
+          some_sleep_.store(true, std::memory_order_relaxed);
+          wake_.wait(guard);
+        }
       }
       if (stopping_.load(std::memory_order_relaxed)) return;
       seen = unpacked(slots_[self].share.load(std::memory_order_acquire)).run;

@@ -194,8 +194,9 @@ struct Support {
   std::uint32_t other;  // row
   Real softness;        // m/N at four substeps
   Real arm, other_arm;  // of a joint, from the two centres of mass, m; of a contact 0
-  Vec2 middle;          // of a contact, from the body's centre of mass, m
+  Vec2 middle;          // of a contact, or a joint's anchor, from the body's centre of mass, m
   Real half_width2;     // of a contact with two points, m^2; else 0
+  Real turn_softness;   // of what holds the angle, rad/(N m) at four substeps; else 0
 };
 
 /// How far a body leans with what carries it.
@@ -362,31 +363,31 @@ struct Scratch {
   std::vector<ContactRow> contacts_moved;
 
   // impacts
-  std::vector<ImpactPair> impacts;            // that may come in this tick
-  std::vector<ImpactPath> paths;              // [body], of those in `impacts`
-  std::vector<std::uint32_t> hit_rows;        // in the present substep
-  std::vector<std::uint32_t> active_impacts;  // those of the group that is being solved
-  std::vector<ImpactEvent> impact_events;     // a heap, earliest first
-  std::vector<std::uint32_t> impact_starts;   // [body] in impacts_of_bodies
+  std::vector<ImpactPair> impacts;                    // that may come in this tick
+  std::vector<std::vector<ImpactPair>> impact_parts;  // [chunk]
+  std::vector<std::uint8_t> is_fast;                  // [body] may pass through something in this tick
+  std::vector<ImpactPath> paths;                      // [body], of those in `impacts`
+  std::vector<std::uint32_t> hit_rows;                // in the present substep
+  std::vector<std::uint32_t> active_impacts;          // those of the group that is being solved
+  std::vector<ImpactEvent> impact_events;             // a heap, earliest first
+  std::vector<std::uint32_t> impact_starts;           // [body] in impacts_of_bodies
   std::vector<std::uint32_t> impacts_of_bodies;
   bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
-  std::vector<SolveGroup> groups;                     // ascending by substeps; sleeping islands are in none
-  std::span<const std::uint32_t> moving_rows;         // of the group that is being solved
-  std::vector<std::vector<ImpactPair>> impact_parts;  // [chunk]
-  std::vector<std::uint8_t> is_fast;                  // [body] may pass through something in this tick
-  std::vector<std::uint8_t> is_tied;                  // [body] something touches it in this tick, or may
-  std::vector<std::uint32_t> loose_rows;              // of the group that is being solved
-  std::uint32_t group_index = 0;                      // of that group
-  std::vector<std::uint32_t> group_rows;      // bodies that move, of each group; kinematic ones are in all of them
-  std::vector<std::uint32_t> group_contacts;  // in `touching`
-  std::vector<std::uint32_t> body_group;      // [body] index in `groups`; no_group: asleep or static
-  std::vector<BodyType> body_types;           // [body] islands
-  std::vector<std::uint32_t> island_parent;   // [body] union-find
-  std::vector<std::uint32_t> island_level;    // [body] at the island's first row: substeps
-  std::vector<std::uint8_t> island_awake;     // [body] at the island's first row
-  std::vector<std::uint8_t> island_lands;     // [body] at the island's first row
+  std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
+  std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
+  std::uint32_t group_index = 0;               // of that group
+  std::vector<std::uint8_t> is_tied;           // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
+  std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
+  std::vector<std::uint32_t> group_contacts;   // in `touching`
+  std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
+  std::vector<BodyType> body_types;            // [body] islands
+  std::vector<std::uint32_t> island_parent;    // [body] union-find
+  std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
+  std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
+  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
   std::vector<Landing> landings;
   std::vector<Twist> landing_velocities;  // [body] before the last passes
   ImpulseStep impulse_step;

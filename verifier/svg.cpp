@@ -44,7 +44,7 @@ bool is_finite(const BodyReport& body) {
 }
 
 Point to_world(const BodyReport& body, const Point& local) {
-  const engine::SinCos turn = engine::sin_cos(body.angle);
+  const engine::SinCos turn = engine::turn_of(body.angle);
   return {body.origin.x + turn.cos * local.x - turn.sin * local.y,
           body.origin.y + turn.sin * local.x + turn.cos * local.y};
 }
@@ -53,7 +53,7 @@ Point to_world(const BodyReport& body, const Point& local) {
 std::vector<Point> corners_of(const Shape& shape) {
   if (shape.kind == ShapeKind::polygon) return shape.vertices;
   std::vector<Point> corners;
-  const engine::SinCos turn = engine::sin_cos(shape.angle);
+  const engine::SinCos turn = engine::turn_of(shape.angle);
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
     const double dx = x * shape.half_size.x;
     const double dy = y * shape.half_size.y;

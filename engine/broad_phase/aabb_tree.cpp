@@ -409,7 +409,7 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 
-constexpr std::uint32_t ticks_held_least = 6;  // of what was built: less, and it was not worth building
+constexpr std::uint32_t ticks_held_least = 6;  // after the one in which all was built; less was not worth it
 constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
 
 /// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.

@@ -17,14 +17,15 @@ constexpr Real cells_in_line_max = Real(1 << 15);  // more, and it is not
 constexpr Real cells_per_box = 2;                  // cells are as large as it takes
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
 constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
+constexpr std::size_t few = 12;                    // boxes may be larger than a cell
 constexpr int side_fraction_bits_dropped = 20;
 
 Real side_of(const Box& box) {
   return larger(box.upper.x - box.lower.x, box.upper.y - box.lower.y);
 }
-
-std::size_t few_of(const std::vector<Box>& boxes) {
-  return 8 + boxes.size() / 1024;
+/// Never of a box with a coordinate that is no number.
+bool fits_into(const Box& box, Real side) {
+  return box.upper.x - box.lower.x <= side && box.upper.y - box.lower.y <= side;
 }
 
 /// The side that all but a few boxes have at most, m; 0 if it is no measure of the others. Sides are counted in bins of
@@ -35,7 +36,6 @@ Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& coun
     const Real side = smaller(side_of(box), Real(1e38));
     ++counts[bits_of(static_cast<float>(side)) >> side_fraction_bits_dropped & 0x7ffu];
   }
-  const std::size_t few = few_of(boxes);
   if (boxes.size() <= 4 * few) return 0;
   const auto side_above = [&](std::size_t rank) {
     std::uint32_t bin = 0;
@@ -63,7 +63,7 @@ Cells cells_for(const std::vector<Box>& boxes, Real side, std::vector<std::uint3
   large.clear();
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     const Box& box = boxes[i];
-    if (!(side_of(box) <= side)) {
+    if (!fits_into(box, side)) {
       large.push_back(i);
       continue;
     }
@@ -162,7 +162,7 @@ bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const 
     const Box box = boxes[a];
     for (std::uint32_t b = 0; b < boxes.size(); ++b) {
       if (!overlaps(box, boxes[b]) || !may_touch(proxies[a], proxies[b])) continue;
-      if (b < a && !(side_of(boxes[b]) <= side)) continue;
+      if (b < a && !fits_into(boxes[b], side)) continue;
       scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
       if (scratch.unsorted_pairs.size() > scratch.pair_count_max) return false;
     }
@@ -175,11 +175,11 @@ bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const 
 CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real& side) {
   Cells cells{};
   if (side > 0) cells = cells_for(boxes, side, scratch.large);
-  if (cells.rows == 0 || scratch.large.size() > 2 * few_of(boxes)) {
+  if (cells.rows == 0 || scratch.large.size() > 2 * few) {
     side = common_side(boxes, scratch.counts);
     if (side == 0) return CellListing::unsuited;
     cells = cells_for(boxes, side, scratch.large);
-    if (cells.rows == 0) return CellListing::unsuited;
+    if (cells.rows == 0 || scratch.large.size() > 2 * few) return CellListing::unsuited;
   }
   fill_cells(scratch, boxes, cells);
   const std::size_t count = boxes.size() - scratch.large.size();

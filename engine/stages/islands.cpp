@@ -145,6 +145,15 @@ Real joint_softness(const Model& model, const State& state, std::uint32_t a, std
   return 4 * inv_mass / joint_stiffness(h);
 }
 
+/// rad/(N m) of a rigid weld at the reference number of substeps, 0 of other joints.
+Real joint_turn_softness(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
+                         std::uint32_t b, Real h) {
+  if (joint.kind != JointKind::weld || !joint.rigid_angle) return 0;
+  const Real inv_inertia =
+      model.bodies[state.bodies[a].source].inv_inertia + model.bodies[state.bodies[b].source].inv_inertia;
+  return inv_inertia / joint_stiffness(h);
+}
+
 /// Whether the bodies rest on each other, or are about to: what is merely seen early carries nothing.
 bool carries(const TouchingPair& pair) {
   Real least = pair.manifold.points[0].separation;
@@ -174,20 +183,25 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
     const ManifoldPoint& p = pair.manifold.points[0];
     const ManifoldPoint& q = pair.manifold.points[pair.manifold.point_count - 1];
     const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
+    const Real turns = half_width2 > 0 ? softness / half_width2 : Real(0);
     scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a),
-                                                  half_width2};
+                                                  half_width2, turns};
     scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b),
-                                                  half_width2};
+                                                  half_width2, turns};
   }
   for (const JointRow& joint : state.joints) {
     if (joint.body_a == no_reference) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
     const std::uint32_t b = row_of(state, joint.body_b);
     const Real softness = joint_softness(model, state, a, b, h);
-    const Real arm_a = length(model.joints[joint.joint].anchor_a);
-    const Real arm_b = length(model.joints[joint.joint].anchor_b);
-    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b, {0, 0}, 0};
-    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a, {0, 0}, 0};
+    const JointModel& constants = model.joints[joint.joint];
+    const Real arm_a = length(constants.anchor_a);
+    const Real arm_b = length(constants.anchor_b);
+    const Vec2 anchor_a = rotate(state.bodies[a].rotation, constants.anchor_a);
+    const Vec2 anchor_b = rotate(state.bodies[b].rotation, constants.anchor_b);
+    const Real turns = joint_turn_softness(model, state, constants, a, b, h);
+    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b, anchor_a, 0, turns};
+    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a, anchor_b, 0, turns};
   }
 }
 
@@ -274,8 +288,8 @@ void find_sags(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
-/// A load beside the middle of a contact tilts what lies on it, and all that stands there leans. Of bodies that one
-/// contact alone carries.
+/// A load beside the middle of a contact tilts what lies on it, and all that stands there leans; a weld bends under
+/// what hangs from it. Of bodies that one contact or weld alone carries.
 void find_leans(const State& state, Scratch& scratch) {
   scratch.load_moment.assign(state.bodies.size(), {0, 0});
   scratch.leans.assign(state.bodies.size(), {{0, 0}, 0});
@@ -303,16 +317,16 @@ void find_leans(const State& state, Scratch& scratch) {
   for (const std::uint32_t row : scratch.support_order) {
     if (scratch.support_depth[row] == 0 || count_of(row) != 1 || !(scratch.load[row] > 0)) continue;
     for_each_carrier(scratch, row, [&](const Support& support) {
-      if (!(support.half_width2 > 0)) return;
+      if (!(support.turn_softness > 0)) return;
       const Vec2 position = state.bodies[row].position;
       const Vec2 middle = position + support.middle;
       const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
       const Real lever = cross(center - middle, down);
-      if (!(lever * lever < support.half_width2)) return;  // it topples
+      if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // it topples
       const Real torque = scratch.load[row] * lever;
       const Lean& below = scratch.leans[support.other];
       Lean& lean = scratch.leans[row];
-      lean.turn = below.turn + torque * support.softness / support.half_width2;
+      lean.turn = below.turn + torque * support.turn_softness;
       const Vec2 under = middle - state.bodies[support.other].position;
       lean.way = (below.way + cross(below.turn, under)) - cross(lean.turn, support.middle);
     });

@@ -211,6 +211,32 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
   CHECK(suited.count("two crowds far apart") == 0);
 }
 
+TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase][cells]") {
+  const double nan = std::nan("");
+  const f64::Model model = f64::make_model(scattered(1, 800, 20, 0.4, 0.5, {}));
+  f64::State state = f64::initial_state(model);
+  f64::Scratch all;
+  f64::brute_force(model, state, all, 0);
+  std::vector<f64::Box> boxes = all.boxes;
+  for (const std::size_t spoilt : {3u, 100u, 101u, 790u}) boxes[spoilt].lower.x = boxes[spoilt].upper.x = nan;
+  boxes[4].lower.y = boxes[4].upper.y = nan;
+  boxes[5] = {{nan, nan}, {nan, nan}};
+  boxes[6] = {{HUGE_VAL, 0}, {HUGE_VAL, 1}};
+  boxes[7] = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
+  Pairs expected;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    for (std::uint32_t j = i + 1; j < boxes.size(); ++j)
+      if (f64::overlaps(boxes[i], boxes[j]) && f64::may_touch(all.proxies[i], all.proxies[j]))
+        expected.emplace_back(i, j);
+  double side = 0;
+  REQUIRE(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::done);
+  f64::sort_pairs(all, all.proxies.size(), all.pairs);
+  const bool same = pairs_of(all) == expected;
+  CHECK(same);
+  for (std::size_t i = 200; i < 300; ++i) boxes[i].lower.x = nan;
+  CHECK(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::unsuited);
+}
+
 TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase][analytic]") {
   Scene scene = empty_scene();
   for (int i = 0; i < 4; ++i) {

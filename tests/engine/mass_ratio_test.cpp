@@ -91,3 +91,17 @@ TEST_CASE("a weight that whirls on a light arm stays at its distance", "[engine]
       CHECK(off < 0.01);
     }
 }
+
+TEST_CASE("a welded beam bends by no more than is allowed", "[engine][islands][joints][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int planks : {2, 4, 6})
+      for (const double target : {0.05, 0.01, 0.005}) {
+        Scene beam = chain_of(planks, {1, 0}, 1, precision);
+        beam.settings.auto_substeps->target_error = target;
+        for (Body& body : beam.bodies) body.angular_damping = 1;
+        for (Joint& joint : beam.joints) joint.kind = JointKind::weld;
+        const auto engine = make_engine_or_fail(beam);
+        CAPTURE(precision, planks, target);
+        CHECK(moved(*engine) < target * 1);  // of a plank's length
+      }
+}
