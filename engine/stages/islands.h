@@ -1,0 +1,32 @@
+// Islands as stages see them: bodies that hang together, named by their first row.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/model.h"
+#include "engine/scratch.h"
+#include "engine/state.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+inline BodyType type_of(const Model& model, const State& state, std::uint32_t row) {
+  return model.bodies[state.bodies[row].source].type;
+}
+
+/// The first row of the island of a row.
+inline std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t row) {
+  while (parent[row] != row) {
+    parent[row] = parent[parent[row]];
+    row = parent[row];
+  }
+  return row;
+}
+
+inline std::uint32_t row_of(const State& state, std::uint32_t id) {
+  return static_cast<std::uint32_t>(state.find_body(id));
+}
+
+/// How many substeps each island gets: scratch.island_level, state.substeps; and which of them something lands on.
+/// Requires: islands are united.
+void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
