@@ -390,6 +390,7 @@ struct Scratch {
   std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
   std::vector<Landing> landings;
   std::vector<Twist> landing_velocities;  // [body] before the last passes
+  std::uint32_t landing_work_left = 0;    // in contacts that may still be solved for landings in this tick
   ImpulseStep impulse_step;
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] in `supports`

@@ -4,6 +4,8 @@
 // velocities alone, positions held).
 #include "engine/constraints/landings.h"
 
+#include <algorithm>
+
 #include "engine/constraints/impulse_step.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -15,6 +17,10 @@ constexpr int passes_per_look = 8;
 // Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
 constexpr std::uint32_t look_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
+// In a tick, with as much for each look as it takes beside the contacts; then substeps get one look: so that even what
+// never settles takes hundredths of a second and not tenths.
+constexpr std::uint32_t work_in_tick_max = 1u << 21;
+constexpr std::uint32_t work_beside = 64;
 
 /// How fast a pair closes, m/s: the faster of its points.
 template <typename Velocities>
@@ -55,6 +61,7 @@ void leave_out_joined(const State& state, Scratch& scratch) {
 }  // namespace
 
 void find_landings(const Model& model, const State& state, Scratch& scratch, Real dt) {
+  scratch.landing_work_left = work_in_tick_max;
   const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
   for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
     const TouchingPair& pair = scratch.touching[contact];
@@ -98,8 +105,10 @@ void pass_on_landings(const Model& model, const State& state, Scratch& scratch, 
   before.resize(scratch.bodies.size());
   const std::uint32_t contact_count = group.contact_end - group.first_contact;
   const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_look * (contact_count + 1));
-  const std::uint32_t look_count = bounded < look_count_max ? bounded : look_count_max;
+  const std::uint32_t work_of_look = passes_per_look * (contact_count + work_beside);
+  const std::uint32_t look_count = std::min({bounded, look_count_max, 1 + scratch.landing_work_left / work_of_look});
   for (std::uint32_t look = 0; look < look_count; ++look) {
+    scratch.landing_work_left -= std::min(scratch.landing_work_left, work_of_look);
     for (const std::uint32_t row : scratch.moving_rows)
       before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
     for (int pass = 0; pass < passes_per_look; ++pass) solve_contacts(scratch, group, Bias::off);
