@@ -592,7 +592,11 @@ class Importer {
     const double lower = number(at, "lowerLimit");
     const double upper = number(at, "upperLimit");
     if (!flag(at, "enableLimit")) return;
-    if (lower > upper) refuse(at.at("lowerLimit"), "at most upperLimit: " + engine::number_text(upper));
+    // What is not given is 0.
+    if (lower > upper && at.has("lowerLimit"))
+      refuse(at.at("lowerLimit"), "at most upperLimit: " + engine::number_text(upper));
+    else if (lower > upper)
+      refuse(at.at("upperLimit"), "at least 0, since there is no lowerLimit");
     joint.limits = Range{lower, upper};
   }
   void read_motor(const Place& at, const char* force_key, Joint& joint) {

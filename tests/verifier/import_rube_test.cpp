@@ -94,6 +94,19 @@ TEST_CASE("a correction factor outside (0, 1] is refused", "[verifier][import_ru
   CHECK(message("1.5") == "f.json: joint[0].correctionFactor: found 1.5, expected above 0, at most 1");
 }
 
+TEST_CASE("limits the wrong way round are refused, also where one of them is not given", "[verifier][import_rube]") {
+  const std::string two = R"({"name":"ground","type":0,)" + disc + R"(},{"type":2,"awake":true,)" + disc + "}";
+  const auto message = [&](const std::string& limits) {
+    return refused(world_of(two, R"({"type":"revolute","bodyA":0,"bodyB":1,"enableLimit":true,)" + limits + "}"))
+        .message;
+  };
+  CHECK(message(R"("lowerLimit":2,"upperLimit":1)") ==
+        "f.json: joint[0].lowerLimit: found 2, expected at most upperLimit: 1");
+  CHECK(message(R"("lowerLimit":1)") == "f.json: joint[0].lowerLimit: found 1, expected at most upperLimit: 0");
+  CHECK(message(R"("upperLimit":-1)") ==
+        "f.json: joint[0].upperLimit: found -1, expected at least 0, since there is no lowerLimit");
+}
+
 TEST_CASE("a body keeps its pose, motion and flags", "[verifier][import_rube]") {
   const Body body = imported(world_of(R"({"name":"crate","type":2,"awake":true,"position":{"x":1.5,"y":-2},"angle":0.5,
     "linearVelocity":{"x":3,"y":0},"linearDamping":0.1,"angularDamping":0.2,"gravityScale":0,"fixedRotation":true,
