@@ -3,6 +3,7 @@
 #include "base/workers.h"
 
 #include <atomic>
+#include <chrono>
 #include <vector>
 
 #include "base/build_info.h"
@@ -22,6 +23,12 @@ std::vector<int> visits(ChunkRunner& runner, std::size_t count, std::size_t chun
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) ++visited[i];
   });
   return visited;
+}
+
+void pass(std::chrono::microseconds time) {
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (std::chrono::steady_clock::now() < end) {
+  }
 }
 
 }  // namespace
@@ -54,6 +61,26 @@ TEST_CASE("every element of a range is visited once, by any number of threads", 
           CAPTURE(thread_count, count, chunk_size);
           REQUIRE(visited == std::vector<int>(count, 1));
         }
+  }
+}
+
+TEST_CASE("threads that fell asleep between runs come again", "[base][workers]") {
+  if (!has_threads()) return;
+  const auto workers = *make_workers(2);
+  static thread_local char here;
+  const char* const caller = &here;
+  std::atomic<bool> others_came{false};
+  const auto work = [&](const Chunk&) {
+    if (&here != caller) others_came.store(true);
+    pass(std::chrono::microseconds(20));
+  };
+  for (int pause = 0; pause < 20; ++pause) {
+    pass(std::chrono::milliseconds(2));  // long enough for a thread without work to sleep
+    others_came.store(false);
+    // However busy the machine is: some run of many finds the other thread awake.
+    for (int run = 0; run < 20'000 && !others_came.load(); ++run) Parallel{workers.get()}.for_chunks(16, 1, work);
+    CAPTURE(pause);
+    REQUIRE(others_came.load());
   }
 }
 
