@@ -58,7 +58,8 @@ struct Parallel {
     if (chunk_size_forced > 0) return chunk_size_forced;
     if (count < 2 * least) return whole;
     const std::size_t wanted = std::size_t{chunks_per_thread} * runner->width();
-    const std::size_t chunks = count / least < wanted ? count / least : wanted;
+    std::size_t chunks = count / least < wanted ? count / least : wanted;
+    if (chunks > runner->width()) chunks -= chunks % runner->width();  // as many for each thread
     const std::size_t size = (count + chunks - 1) / chunks;
     return (size + step - 1) / step * step;
   }

@@ -32,6 +32,11 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.circles);
   poison_rows(scratch.pairs);
   poison_rows(scratch.unsorted_pairs);
+  for (PairSorter& sorter : scratch.pair_sorters) {
+    poison_rows(sorter.pairs);
+    poison_rows(sorter.by_second);
+    poison_rows(sorter.start);
+  }
   poison_rows(scratch.counts);
   poison_rows(scratch.sort_entries);
   poison_rows(scratch.sort_buffer);
@@ -92,6 +97,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.loose_rows);
   poison_rows(scratch.group_rows);
   poison_rows(scratch.group_contacts);
+  poison_rows(scratch.group_keys);
   poison_rows(scratch.body_group);
   poison_rows(scratch.body_types);
   poison_rows(scratch.island_parent);

@@ -273,6 +273,13 @@ struct ImpulseStep {
   std::vector<double> velocity, total;  // [unknown]
 };
 
+/// Where a range of pairs is sorted.
+struct PairSorter {
+  std::vector<Pair> pairs;
+  std::vector<Pair> by_second;
+  std::vector<std::uint32_t> start;  // [proxy]
+};
+
 /// Where a box in the order of cells comes from.
 struct SweptPlace {
   std::uint32_t proxy;
@@ -344,6 +351,7 @@ struct Scratch {
   bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
   std::vector<Pair> unsorted_pairs;
   std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells
+  std::vector<PairSorter> pair_sorters;       // [part]
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
@@ -382,6 +390,7 @@ struct Scratch {
   std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
   std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
   std::vector<std::uint32_t> group_contacts;   // in `touching`
+  std::vector<std::uint32_t> group_keys;       // [body] islands: what decides its group
   std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
   std::vector<BodyType> body_types;            // [body] islands
   std::vector<std::uint32_t> island_parent;    // [body] union-find

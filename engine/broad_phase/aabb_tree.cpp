@@ -19,6 +19,7 @@
 #include "engine/broad_phase/neighbour_cells.h"
 #include "engine/broad_phase/pair_listing.h"
 #include "engine/narrow_phase/narrow_phase.h"
+#include "engine/selection.h"
 #include "engine/stages/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -298,20 +299,6 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
   return count;
 }
 
-/// Moves the parts that chunks have written, each where its part of the range begins, together; returns their length.
-/// `begin_of(chunk)`: where that is. `counts`: [chunk].
-template <typename Row, typename Begin>
-std::size_t put_together(std::vector<Row>& rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
-  std::size_t total = counts.empty() ? 0 : counts[0];
-  for (std::size_t chunk = 1; chunk < counts.size(); ++chunk) {
-    const std::size_t begin = begin_of(chunk);
-    if (begin != total && counts[chunk] > 0)
-      std::memmove(rows.data() + total, rows.data() + begin, counts[chunk] * sizeof(Row));
-    total += counts[chunk];
-  }
-  return total;
-}
-
 /// Boxes of what has moved, or of everything; lists what has left its large box.
 void follow(const Model& model, const State& state, Scratch& scratch, const TickReach& reach, bool everything) {
   KeptPairs& kept = scratch.kept.pairs;
@@ -325,7 +312,7 @@ void follow(const Model& model, const State& state, Scratch& scratch, const Tick
                                                  kept.leaving.data() + kept.first_proxy[chunk.begin]));
   });
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
-  kept.leaving.resize(put_together(kept.leaving, scratch.part_counts, begin_of));
+  kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
 }
 
 struct NodesToList {
@@ -497,16 +484,10 @@ std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size
 /// The pairs whose present boxes overlap.
 void keep_overlapping(Scratch& scratch) {
   const KeptPairs& kept = scratch.kept.pairs;
-  const std::size_t count = kept.pairs.size();
-  const std::size_t size = scratch.parallel.chunk_size(count, 512);
-  scratch.pairs.resize(count);
-  scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
-  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
-    scratch.part_counts[chunk.index] =
-        static_cast<std::uint32_t>(copy_overlapping(kept, chunk.begin, chunk.end, scratch.pairs.data() + chunk.begin));
-  });
-  scratch.pairs.resize(
-      put_together(scratch.pairs, scratch.part_counts, [size](std::size_t chunk) { return chunk * size; }));
+  scratch.pairs.resize(kept.pairs.size());
+  scratch.pairs.resize(select_in_chunks(
+      scratch, kept.pairs.size(), 512, scratch.pairs.data(),
+      [&](std::size_t begin, std::size_t end, Pair* out) { return copy_overlapping(kept, begin, end, out); }));
 }
 
 }  // namespace

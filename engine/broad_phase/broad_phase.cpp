@@ -81,21 +81,6 @@ bool are_too_many(Scratch& scratch, std::size_t pair_count) {
   return true;
 }
 
-void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& out) {
-  // Two counting sorts, by `second` and then, stable, by `first`.
-  std::vector<std::uint32_t>& start = scratch.counts;
-  const auto sort_by = [&](std::uint32_t Pair::*key, const std::vector<Pair>& from, std::vector<Pair>& to) {
-    start.assign(proxy_count + 1, 0);
-    for (const Pair& pair : from) ++start[pair.*key + 1];
-    for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-    to.resize(from.size());
-    for (const Pair& pair : from) to[start[pair.*key]++] = pair;
-  };
-  sort_by(&Pair::second, scratch.unsorted_pairs, out);
-  sort_by(&Pair::first, out, scratch.unsorted_pairs);
-  out.swap(scratch.unsorted_pairs);
-}
-
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
   const std::span<const Proxy> proxies = scratch.proxies;

@@ -58,7 +58,7 @@ inline bool may_touch(const Proxy& a, const Proxy& b) {
 /// pairs that may touch and whose boxes overlap, so that every broad phase gives up in the same tick.
 bool are_too_many(Scratch& scratch, std::size_t pair_count);
 
-/// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`. Works in scratch.counts.
+/// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`.
 void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& pairs);
 
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt);

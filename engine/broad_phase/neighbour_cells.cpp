@@ -125,49 +125,65 @@ Pair* meet(const Box* boxes, std::uint32_t i, std::uint32_t begin, std::uint32_t
   return out;
 }
 
-/// The pairs of a chunk of the sorted boxes with those after them. Stops where there are too many.
-void list_pairs_of(const Scratch& scratch, std::span<const Proxy> proxies, const Cells& cells, const Chunk& chunk,
-                   PairListing& listing, std::vector<Pair>& pairs) {
+/// Appends those of a chunk's pairs that may touch. Stops where there are too many.
+struct PairsOfChunk {
+  const Scratch& scratch;
+  std::span<const Proxy> proxies;
+  PairListing& listing;
+  std::vector<Pair>& pairs;
+  std::size_t count;
+
+  void make_room(std::size_t more) {
+    if (pairs.size() < count + more) pairs.resize(2 * (count + more));
+  }
+  /// Requires: room.
+  bool add(std::uint32_t a, std::uint32_t b) {
+    if (!may_touch(proxies[a], proxies[b])) return true;
+    pairs[count++] = a < b ? Pair{a, b} : Pair{b, a};
+    return listing.goes_on(count);
+  }
+};
+
+/// The pairs of a chunk of the sorted boxes with those after them.
+bool meet_neighbours(const Cells& cells, const Chunk& chunk, PairsOfChunk& out) {
+  const Scratch& scratch = out.scratch;
   const Box* boxes = scratch.swept_boxes.data();
   const std::uint32_t* end_of = scratch.cell_starts.data();  // [cell]: as it is now
-  std::size_t count = pairs.size();
   for (std::size_t place = chunk.begin; place < chunk.end; ++place) {
     const auto i = static_cast<std::uint32_t>(place);
     const std::uint32_t cell = scratch.swept_places[i].cell;
     const std::uint32_t right_end = end_of[cell + 1];
     const std::uint32_t next_begin = end_of[cell + cells.columns - 2];
     const std::uint32_t next_end = end_of[cell + cells.columns + 1];
-    const std::size_t room = count + (right_end - i) + (next_end - next_begin) + 2 * looked_at_least;
-    if (pairs.size() < room) pairs.resize(2 * room);
-    Pair* found = pairs.data() + count;
+    out.make_room((right_end - i) + (next_end - next_begin) + 2 * looked_at_least);
+    Pair* found = out.pairs.data() + out.count;
     Pair* found_end = meet<2>(boxes, i, i + 1, right_end, found);
     found_end = meet<looked_at_least>(boxes, i, next_begin, next_end, found_end);
-    for (; found < found_end; ++found) {
-      const std::uint32_t a = scratch.swept_places[found->first].proxy;
-      const std::uint32_t b = scratch.swept_places[found->second].proxy;
-      if (!may_touch(proxies[a], proxies[b])) continue;
-      pairs[count++] = a < b ? Pair{a, b} : Pair{b, a};
-      if (!listing.goes_on(count)) {
-        pairs.resize(count);
-        return;
-      }
-    }
-  }
-  pairs.resize(count);
-}
-
-/// Adds the pairs of the large boxes with all others, and with each other once.
-bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real side) {
-  for (const std::uint32_t a : scratch.large) {
-    const Box box = boxes[a];
-    for (std::uint32_t b = 0; b < boxes.size(); ++b) {
-      if (!overlaps(box, boxes[b]) || !may_touch(proxies[a], proxies[b])) continue;
-      if (b < a && !fits_into(boxes[b], side)) continue;
-      scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
-      if (scratch.unsorted_pairs.size() > scratch.pair_count_max) return false;
-    }
+    for (; found < found_end; ++found)
+      if (!out.add(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy)) return false;
   }
   return true;
+}
+
+/// The pairs of a chunk of the sorted boxes with the large ones.
+bool meet_large(const std::vector<Box>& boxes, const Chunk& chunk, PairsOfChunk& out) {
+  const Scratch& scratch = out.scratch;
+  for (const std::uint32_t large : scratch.large) {
+    const Box box = boxes[large];
+    out.make_room(chunk.end - chunk.begin);
+    for (std::size_t place = chunk.begin; place < chunk.end; ++place)
+      if (overlaps(box, scratch.swept_boxes[place]) && !out.add(large, scratch.swept_places[place].proxy)) return false;
+  }
+  return true;
+}
+
+/// Adds the pairs of the large boxes with each other.
+bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
+  for (const std::uint32_t& a : scratch.large)
+    for (const std::uint32_t* b = &a + 1; b < scratch.large.data() + scratch.large.size(); ++b)
+      if (overlaps(boxes[a], boxes[*b]) && may_touch(proxies[a], proxies[*b]))
+        scratch.unsorted_pairs.push_back({a, *b});
+  return scratch.unsorted_pairs.size() <= scratch.pair_count_max;
 }
 
 }  // namespace
@@ -185,9 +201,11 @@ CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, cons
   const std::size_t count = boxes.size() - scratch.large.size();
   const bool fits = list_in_chunks(scratch, count, scratch.parallel.chunk_size(count, 128),
                                    [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
-                                     list_pairs_of(scratch, proxies, cells, chunk, listing, pairs);
+                                     PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
+                                     if (meet_neighbours(cells, chunk, out)) meet_large(boxes, chunk, out);
+                                     pairs.resize(out.count);
                                    });
-  return fits && add_pairs_of_large(scratch, proxies, boxes, side) ? CellListing::done : CellListing::too_many;
+  return fits && add_pairs_of_large(scratch, proxies, boxes) ? CellListing::done : CellListing::too_many;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,11 +1,13 @@
 // Islands: bodies that hang together by contacts and joints. Decides which sleep and what is solved together.
 // SPDX-License-Identifier: MIT
-// Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find).
+// Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find); Anderson, Woll,
+// "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
 #include "engine/stages/islands.h"
 
 #include "base/limits.h"
 #include "engine/constraints/groups.h"
 #include "engine/pipeline.h"
+#include "engine/selection.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -18,11 +20,55 @@ void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
   if (root_b < root_a) parent[root_a] = root_b;
 }
 
+/// find_root while others unite: what it leads to may no longer be a root. Shortening a way never undoes what others
+/// do: the parent of what is no root only ever moves towards the root.
+std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {
+  for (;;) {
+    const std::uint32_t next = __atomic_load_n(&parent[row], __ATOMIC_RELAXED);
+    if (next == row) return row;
+    const std::uint32_t after = __atomic_load_n(&parent[next], __ATOMIC_RELAXED);
+    if (after != next) __atomic_store_n(&parent[row], after, __ATOMIC_RELAXED);
+    row = after;
+  }
+}
+
+/// unite while others do: the roots are the same in any order.
+void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  for (;;) {
+    const std::uint32_t root_a = find_root_shared(parent, a);
+    const std::uint32_t root_b = find_root_shared(parent, b);
+    if (root_a == root_b) return;
+    const std::uint32_t first = root_a < root_b ? root_a : root_b;
+    const std::uint32_t last = root_a < root_b ? root_b : root_a;
+    std::uint32_t still_root = last;
+    if (__atomic_compare_exchange_n(&parent[last], &still_root, first, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+      return;
+  }
+}
+
 bool is_moving(const BodyRow& body) {
   return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
 }
 
-/// Unites what hangs together; notes islands that something immovable but moving keeps awake.
+constexpr std::size_t contacts_per_chunk_least = 512;
+
+void unite_by_contacts(Scratch& scratch) {
+  const std::size_t count = scratch.touching.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, contacts_per_chunk_least);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const std::uint32_t a = scratch.touching[i].body_a;
+      const std::uint32_t b = scratch.touching[i].body_b;
+      if (scratch.body_types[a] != BodyType::dynamic_body || scratch.body_types[b] != BodyType::dynamic_body) continue;
+      if (size < count)
+        unite_shared(scratch.island_parent, a, b);
+      else
+        unite(scratch.island_parent, a, b);
+    }
+  });
+}
+
+/// Unites what hangs together.
 void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_parent.resize(count);
@@ -35,7 +81,7 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
     if (scratch.body_types[a] == BodyType::dynamic_body && scratch.body_types[b] == BodyType::dynamic_body)
       unite(scratch.island_parent, a, b);
   };
-  for (const TouchingPair& pair : scratch.touching) meet(pair.body_a, pair.body_b);
+  unite_by_contacts(scratch);
   for (const ImpactPair& pair : scratch.impacts) meet(pair.body_a, pair.body_b);
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
@@ -49,33 +95,43 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
 
 // ---- Sleep ----
 
+/// Keeps awake what something kinematic that moves touches or holds.
+void disturb(const Model& model, State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  const auto disturbs = [&](std::uint32_t row) {
+    return scratch.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
+  };
+  bool any = false;
+  for (std::uint32_t row = 0; row < count; ++row) any |= disturbs(row);
+  if (!any) return;
+  const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+    const Real none = 0;  // by several contacts of a body at once
+    if (disturbs(b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
+  };
+  const std::size_t contact_count = scratch.touching.size();
+  scratch.parallel.for_chunks(contact_count, scratch.parallel.chunk_size(contact_count, contacts_per_chunk_least),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                                  meet(scratch.touching[i].body_a, scratch.touching[i].body_b);
+                              });
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for (const SpringForce& spring : model.springs) {
+    if (spring.other == no_reference) continue;
+    const std::uint32_t a = row_of(state, spring.body);
+    const std::uint32_t b = row_of(state, spring.other);
+    if (a < count && b < count) meet(a, b);
+  }
+}
+
 void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_awake.assign(count, model.scene.settings.sleep ? 0 : 1);
   if (!model.scene.settings.sleep) return;
   const Real after = static_cast<Real>(model.scene.settings.sleep->after_s);
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
-  const auto touch_moving = [&](std::uint32_t still, std::uint32_t other) {
-    if (scratch.body_types[other] == BodyType::kinematic_body && is_moving(state.bodies[other]))
-      state.sleep[still].calm = 0;
-  };
-  for (const TouchingPair& pair : scratch.touching) {
-    touch_moving(pair.body_a, pair.body_b);
-    touch_moving(pair.body_b, pair.body_a);
-  }
-  for (const JointRow& joint : state.joints) {
-    if (joint.body_a == no_reference) continue;
-    touch_moving(row_of(state, joint.body_a), row_of(state, joint.body_b));
-    touch_moving(row_of(state, joint.body_b), row_of(state, joint.body_a));
-  }
-  for (const SpringForce& spring : model.springs) {
-    if (spring.other == no_reference) continue;
-    const std::uint32_t a = row_of(state, spring.body);
-    const std::uint32_t b = row_of(state, spring.other);
-    if (!(a < count && b < count)) continue;
-    touch_moving(a, b);
-    touch_moving(b, a);
-  }
+  disturb(model, state, scratch);
   for (std::uint32_t row = 0; row < count; ++row)
     if (scratch.body_types[row] == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
       scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
@@ -94,6 +150,60 @@ void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
 
 // ---- Groups ----
 
+constexpr std::uint32_t key_of_no_group = 0;  // asleep, or static
+constexpr std::uint32_t key_of_all_groups = 1;
+constexpr std::uint32_t key_least = 2;
+constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
+
+/// scratch.group_keys: of groups, those of one substep first.
+void find_group_keys(Scratch& scratch) {
+  const std::size_t count = scratch.body_types.size();
+  scratch.group_keys.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) {
+    const BodyType type = scratch.body_types[row];
+    std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_groups : key_of_no_group;
+    if (type == BodyType::dynamic_body) {
+      const std::uint32_t root = find_root(scratch.island_parent, row);
+      if (scratch.island_awake[root] != 0) key = 2 * scratch.island_level[root] + scratch.island_lands[root];
+    }
+    scratch.group_keys[row] = key;
+  }
+}
+
+void add_group(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
+  const auto index = static_cast<std::uint32_t>(scratch.groups.size());
+  SolveGroup group;
+  group.substeps = static_cast<int>(key / 2);
+  group.has_landings = key % 2 != 0;
+  group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
+  group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (scratch.group_keys[row] != key && scratch.group_keys[row] != key_of_all_groups) continue;
+    scratch.group_rows.push_back(row);
+    scratch.body_group[row] = index;
+  }
+  const auto select = [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const TouchingPair& pair = scratch.touching[i];
+      const auto contact = static_cast<std::uint32_t>(i);
+      const std::uint32_t of_a = scratch.group_keys[pair.body_a];
+      // Two dynamic bodies that touch are of one island.
+      if ((of_a < key_least ? scratch.group_keys[pair.body_b] : of_a) == key &&
+          !is_left_to_impacts(model, state, scratch, contact))
+        out[count++] = contact;
+    }
+    return count;
+  };
+  scratch.group_contacts.resize(group.first_contact + scratch.touching.size());
+  const std::size_t contact_count = select_in_chunks(scratch, scratch.touching.size(), contacts_per_chunk_least,
+                                                     scratch.group_contacts.data() + group.first_contact, select);
+  scratch.group_contacts.resize(group.first_contact + contact_count);
+  group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
+  group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  scratch.groups.push_back(group);
+}
+
 /// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
 /// in each of them.
 void make_groups(const Model& model, const State& state, Scratch& scratch) {
@@ -101,39 +211,12 @@ void make_groups(const Model& model, const State& state, Scratch& scratch) {
   scratch.group_rows.clear();
   scratch.group_contacts.clear();
   scratch.body_group.assign(state.bodies.size(), no_group);
-  const auto key_of = [&](std::uint32_t row) {
-    const std::uint32_t root = find_root(scratch.island_parent, row);
-    return scratch.island_awake[root] != 0 ? 2 * scratch.island_level[root] + scratch.island_lands[root] : 0u;
-  };
-  bool in_use[2 * limits::substep_count_max + 2] = {};
+  find_group_keys(scratch);
+  bool in_use[key_count] = {};
   in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
-    if (type_of(model, state, row) == BodyType::dynamic_body) in_use[key_of(row)] = true;
-  for (std::uint32_t key = 2; key <= 2 * limits::substep_count_max + 1; ++key) {
-    if (!in_use[key]) continue;
-    const auto index = static_cast<std::uint32_t>(scratch.groups.size());
-    SolveGroup group;
-    group.substeps = static_cast<int>(key / 2);
-    group.has_landings = key % 2 != 0;
-    group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
-    group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
-    for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-      const BodyType type = type_of(model, state, row);
-      if (type == BodyType::static_body) continue;
-      if (type == BodyType::dynamic_body && key_of(row) != key) continue;
-      scratch.group_rows.push_back(row);
-      scratch.body_group[row] = index;
-    }
-    for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
-      const TouchingPair& pair = scratch.touching[contact];
-      const bool a_moves = type_of(model, state, pair.body_a) == BodyType::dynamic_body;
-      if (key_of(a_moves ? pair.body_a : pair.body_b) == key && !is_left_to_impacts(model, state, scratch, contact))
-        scratch.group_contacts.push_back(contact);
-    }
-    group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
-    group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
-    scratch.groups.push_back(group);
-  }
+  for (const std::uint32_t key : scratch.group_keys) in_use[key] = true;
+  for (std::uint32_t key = key_least; key < key_count; ++key)
+    if (in_use[key]) add_group(model, state, scratch, key);
 }
 
 }  // namespace
