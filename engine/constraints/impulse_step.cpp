@@ -355,7 +355,11 @@ void step_pushing_contacts(Scratch& scratch, const SolveGroup& group) {
   cut_changes(out);
   find_velocities(scratch, out);
   if (!(added_energy(out) < 0)) {
-    for (std::size_t i = 0; i < out.rows.size(); ++i) out.rows[i].change = step * out.whole[i];
+    for (std::size_t i = 0; i < out.rows.size(); ++i) {
+      PushingRow& row = out.rows[i];
+      row.change = step * out.whole[i];
+      if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by a rounding error
+    }
     find_velocities(scratch, out);
   }
   apply(scratch);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/input.h"
+#include "engine/math/random.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"
 
@@ -177,4 +178,32 @@ TEST_CASE("boxes that land on a bridge of pinned planks get no energy from nowhe
       const double fall = gravity * 2 * 4 * half * half * drop;
       CHECK(watch(*engine, start, 300).energy_max < 0.01 * fall);
     }
+}
+
+TEST_CASE("boxes that begin deep inside the ground and each other make states that load again", "[engine][landings]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    engine::Random random(5);
+    for (int heap = 0; heap < 300; ++heap) {
+      Scene scene = empty_scene(precision);
+      scene.settings.auto_substeps.emplace();
+      scene.bodies.push_back(body_of(box_shape(20, 1), {0, 0}, BodyType::static_body));
+      const auto put = [&](double half_height, double y, double angle) {
+        Body& body = scene.bodies.emplace_back(
+            body_of(box_shape(0.5, half_height), {random.real(-0.01, 0.01), y + random.real(-0.01, 0.01)}));
+        body.angle = angle;
+      };
+      put(0.5, 0.5, 0);
+      put(0.5, 0, 0);
+      put(0.5, 0, 2);
+      put(3e-5, 0, 0);
+      const auto engine = make_engine_or_fail(scene);
+      const auto copy = make_engine_or_fail(scene);
+      CAPTURE(heap);
+      for (int tick = 0; tick < 3; ++tick) {
+        run_ticks(*engine, 1);
+        const Status loads = copy->load(image_of(*engine));
+        REQUIRE((loads ? "" : loads.error().message) == "");
+      }
+    }
+  }
 }
