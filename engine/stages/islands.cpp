@@ -105,7 +105,7 @@ void disturb(const Model& model, State& state, Scratch& scratch) {
   for (std::uint32_t row = 0; row < count; ++row) any |= disturbs(row);
   if (!any) return;
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    const Real none = 0;  // by several contacts of a body at once
+    Real none = 0;  // by several contacts of a body at once
     if (disturbs(b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
     if (disturbs(a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
