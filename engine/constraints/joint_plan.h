@@ -29,6 +29,19 @@ struct JointPlan {
   std::vector<std::uint32_t> level_bodies;  // [level] in `body_rows`; one more at the end
 };
 
+/// The most that a joint's force turns its bodies with, N m.
+struct JointTorques {
+  Real a;
+  Real b;
+};
+
+/// The first and the last joint that moves a body: in the plan's places, before they are sorted.
+struct JointEnds {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+  std::uint32_t count = 0;  // of its joints
+};
+
 /// Makes the plan for the group that is being solved, or keeps it. Requires: prepare_bodies, enter_group.
 void plan_joints(const Model& model, const State& state, Scratch& scratch);
 

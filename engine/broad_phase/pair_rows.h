@@ -1,0 +1,93 @@
+// Proxies and pairs, and what broad phases keep of them and work with.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/broad_phase/box_tree.h"
+#include "engine/state.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// One convex shape of one body in the world. In (body row, child) order, so that comparing indices compares shape ids.
+/// Shapes that can meet nothing in their scene have none.
+struct Proxy {
+  std::uint32_t body;   // row in State::bodies
+  std::uint32_t shape;  // in Model::shapes
+  std::uint32_t child;  // index in the body
+  bool is_dynamic;
+  bool is_static;
+  bool is_sensor;
+  bool is_line;
+  Filter filter;
+};
+
+/// Two proxies that may touch, first < second.
+struct Pair {
+  std::uint32_t first;
+  std::uint32_t second;
+};
+
+/// What aabb_tree keeps: boxes that are too large on purpose, and which of them overlap. As long as every shape is
+/// inside its large box, the pairs that may touch are among these.
+struct KeptPairs {
+  bool is_valid = false;
+  Real dt = 0;                  // s, for which `boxes` hold
+  Real fall = 0;                // m, likewise
+  Real farthest = 0;            // m, likewise
+  std::vector<BodyRow> bodies;  // as the boxes below were made
+  std::vector<std::uint8_t>
+      is_still;  // [body] its pose (where contacts are foreseen: all of it) has the bits of the tick before
+  std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
+  std::vector<Proxy> proxies;
+  std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
+  std::vector<Box> large_boxes;        // [proxy]
+  std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)
+  std::vector<Pair> merged;            // the rows that replace them
+  std::vector<std::uint8_t> is_stray;  // [proxy] has left the large box that is in the tree; 2: in this tick
+  std::vector<std::uint32_t> strays;
+  std::vector<std::uint32_t> leaving;  // proxies that are not inside their large boxes
+  bool has_pairs = false;              // `pairs`, large boxes and trees are those of these proxies
+  std::uint32_t ticks_held = 0;        // since they were built
+  std::uint32_t restless_ticks = 0;    // for so many no pairs are kept
+  Real common_side = 0;                // m, of their boxes (neighbour_cells.h)
+  BoxTree moving_tree;
+  BoxTree static_tree;
+};
+
+/// Where a range of pairs is sorted.
+struct PairSorter {
+  std::vector<Pair> pairs;
+  std::vector<Pair> by_second;
+  std::vector<std::uint32_t> start;  // [proxy]
+};
+
+/// Where a box in the order of cells comes from.
+struct SweptPlace {
+  std::uint32_t proxy;
+  std::uint32_t cell;
+};
+
+/// The cells of the uniform grid that a proxy's box overlaps, both ends included.
+struct CellRange {
+  std::int32_t first_x;
+  std::int32_t first_y;
+  std::int32_t last_x;
+  std::int32_t last_y;
+};
+
+/// A proxy in one cell.
+struct CellEntry {
+  std::int32_t x;
+  std::int32_t y;
+  std::uint32_t proxy;
+};
+
+/// Where a proxy is in this tick.
+struct Circle {
+  Vec2 center;  // world, m
+  Real radius;  // with margin, m
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,47 @@
+// Where pairs touch.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct ManifoldPoint {
+  Vec2 anchor_a;    // from A's centre of mass, world axes, m
+  Vec2 anchor_b;    // from B's centre of mass, m
+  Real separation;  // m, < 0 overlaps
+  std::uint32_t feature;
+};
+
+struct Manifold {
+  Vec2 normal;  // from A to B
+  int point_count = 0;
+  ManifoldPoint points[2];
+};
+
+/// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
+struct TouchingPair {
+  std::uint32_t body_a;  // row
+  std::uint32_t body_b;  // row
+  Real friction;
+  Real restitution;
+  Real size;      // of the smaller shape, m
+  Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
+  Real radius_b;
+  Real tangent_speed;       // m/s, of B's surface seen from A's where the bodies rest, along right_turn(normal)
+  Real rolling_resistance;  // m: torque per normal force
+  Manifold manifold;
+};
+
+/// What a chunk has added to a list.
+struct ListPart {
+  std::size_t first;  // where it wrote
+  std::size_t room;   // there; the rest is elsewhere
+  std::size_t count;
+  std::size_t place;  // in the list
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
