@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ Reading read_on(replay::TraceReader& reader, std::uint64_t first_tick) {
     require(reader.offset() <= reader.size(), "a place in the file");
     if (const auto* tick = std::get_if<replay::TickRecord>(&item)) {
       require(tick->tick == first_tick + reading.roots.size(), "ticks rise by one");
-      require(tick->dt >= 0 && tick->dt < 1e300, "dt is finite");
+      require(std::isfinite(tick->dt) && tick->dt >= 0, "dt is finite");
       require(tick->stage_hashes.empty() || tick->stage_hashes.size() == reader.setup().stages.size(), "stage hashes");
       reading.roots.push_back(tick->root_hash);
     } else if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
