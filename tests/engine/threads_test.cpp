@@ -40,6 +40,10 @@ std::vector<Session> wide_sessions() {
        {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
         "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid", "gas?bodies=900"})
     sessions.push_back(builtin_session(text));
+  Session island = builtin_session("pyramid?base=45");  // one, of contacts enough for threads to unite it together
+  island.name = "pyramid with sleep";
+  island.scene.settings.sleep.emplace();
+  sessions.push_back(island);
   return sessions;
 }
 
