@@ -37,14 +37,26 @@ bool comes_before(const ContactRow& a, const ContactRow& b) {
   return a.child_b < b.child_b;
 }
 
-/// Forces of the last tick for the points that are still the same ones.
-void carry_forces(const ContactRow& old_row, ContactRow& row) {
-  for (std::size_t i = 0; i < 2; ++i)
-    for (std::size_t j = 0; j < 2; ++j)
-      if (row.feature[i] != no_feature && row.feature[i] == old_row.feature[j]) {
-        row.normal_force[i] = old_row.normal_force[j];
-        row.tangent_force[i] = old_row.tangent_force[j];
+/// The row of a pair that touches: with the forces of the last tick for the points that are still the same ones. Number
+/// by number: copying a row that was just put together waits until all of it is written.
+void write_row(ContactRow& out, const ContactRow& pair, const Manifold& manifold, const ContactRow* old_row) {
+  out.body_a = pair.body_a;
+  out.child_a = pair.child_a;
+  out.body_b = pair.body_b;
+  out.child_b = pair.child_b;
+  for (int p = 0; p < 2; ++p) {
+    const std::uint32_t feature = p < manifold.point_count ? manifold.points[p].feature : no_feature;
+    Real normal_force = 0;
+    Real tangent_force = 0;
+    for (int j = 0; old_row != nullptr && j < 2; ++j)
+      if (feature != no_feature && feature == old_row->feature[j]) {
+        normal_force = old_row->normal_force[j];
+        tangent_force = old_row->tangent_force[j];
       }
+    out.feature[p] = feature;
+    out.normal_force[p] = normal_force;
+    out.tangent_force[p] = tangent_force;
+  }
 }
 
 }  // namespace
@@ -179,9 +191,7 @@ std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::s
       if (!has_old) continue;
       touching = kept_touching[old_index];
     }
-    for (int p = 0; p < touching.manifold.point_count; ++p) row.feature[p] = touching.manifold.points[p].feature;
-    if (has_old) carry_forces(state.contacts[old_index], row);
-    out.row = row;
+    write_row(out.row, row, touching.manifold, has_old ? &state.contacts[old_index] : nullptr);
     ++count;
   }
   return count;
