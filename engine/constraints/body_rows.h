@@ -27,6 +27,9 @@ struct BodyMass {
   std::uint32_t write;  // of bodies that impulses do not move the record nobody reads
 };
 
+/// Whether bodies have moved since the last pass over the same joints or contacts.
+enum class Poses : std::uint8_t { moved, unmoved };
+
 /// A bit to flip in a hot record after a substep.
 enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
 struct PlantedFault {

@@ -91,7 +91,7 @@ std::uint32_t color_contacts(Scratch& scratch, const SolveGroup& group) {
 }
 
 /// So many batches are worth another thread's while.
-constexpr std::size_t batches_per_chunk_least = 10;
+constexpr std::size_t batches_per_chunk_least = 5;
 
 /// Adds the batches of a colour to the runs: to the last one, if neither is for several threads.
 void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_first, std::uint32_t first,
@@ -119,8 +119,8 @@ void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
         ColorPlace& place = out.places[round * round_color_count + first + color];
         const std::uint32_t begin = next;
-        place.first_slot = begin * lane_count;
-        next += (place.count + lane_count - 1) / lane_count;
+        place.first_slot = begin * contact_lane_count;
+        next += (place.count + contact_lane_count - 1) / contact_lane_count;
         add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, begin, next);
       }
   out.batch_count = next;
@@ -129,9 +129,10 @@ void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::
   if (out.batches.size() < next) out.batches.resize(next);
   if ((features & contact_feature::bounce) != 0 && out.bounces.size() < next) out.bounces.resize(next);
   if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
-  if (out.slots.size() < std::size_t{next} * lane_count) out.slots.resize(std::size_t{next} * lane_count);
+  if (out.slots.size() < std::size_t{next} * contact_lane_count)
+    out.slots.resize(std::size_t{next} * contact_lane_count);
   for (const ColorPlace& place : out.places)
-    for (std::uint32_t slot = place.first_slot + place.count; slot % lane_count != 0; ++slot)
+    for (std::uint32_t slot = place.first_slot + place.count; slot % contact_lane_count != 0; ++slot)
       out.slots[slot] = no_contact;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const std::size_t count = out.colors.size();
@@ -143,18 +144,19 @@ void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::
 }
 
 void empty_point(ContactPointLanes& out, std::uint32_t lane) {
-  for (Lanes* lanes : {&out.normal_arm_a, &out.normal_arm_b, &out.tangent_arm_a, &out.tangent_arm_b, &out.separation,
-                       &out.normal_mass, &out.normal_impulse, &out.tangent_mass, &out.tangent_impulse})
+  for (ContactLanes* lanes :
+       {&out.normal_arm_a, &out.normal_arm_b, &out.tangent_arm_a, &out.tangent_arm_b, &out.separation, &out.normal_mass,
+        &out.normal_impulse, &out.tangent_mass, &out.tangent_impulse})
     lanes->at[lane] = 0;
 }
 
-/// Lanes without a contact push nothing and are written to a record nobody reads.
+/// ContactLanes without a contact push nothing and are written to a record nobody reads.
 void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t unread) {
   batch.read_a[lane] = batch.read_b[lane] = resting_record(scratch);
   batch.write_a[lane] = batch.write_b[lane] = unread;
   batch.contact[lane] = 0;
-  for (Lanes* lanes : {&batch.inv_mass_a, &batch.inv_mass_b, &batch.inv_inertia_a, &batch.inv_inertia_b,
-                       &batch.normal_x, &batch.normal_y, &batch.friction, &batch.radius_a, &batch.radius_b})
+  for (ContactLanes* lanes : {&batch.inv_mass_a, &batch.inv_mass_b, &batch.inv_inertia_a, &batch.inv_inertia_b,
+                              &batch.normal_x, &batch.normal_y, &batch.friction, &batch.radius_a, &batch.radius_b})
     lanes->at[lane] = 0;
   for (ContactPointLanes& point : batch.points) empty_point(point, lane);
 }
@@ -243,22 +245,22 @@ void fill_batches(const Model& model, const State& state, Scratch& scratch, cons
   ContactBatches& out = scratch.contact_batches;
   const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
   const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
-  const std::size_t slot_end = end * lane_count;
+  const std::size_t slot_end = end * contact_lane_count;
   for (std::size_t i = first; i < end; ++i) {
-    const std::uint32_t* slots = out.slots.data() + i * lane_count;
+    const std::uint32_t* slots = out.slots.data() + i * contact_lane_count;
     ContactBatch& batch = out.batches[i];
     batch.immovable = is_immovable(scratch, scratch.touching[slots[0]]) ? 1 : 0;
     batch.bounces = 0;
     batch.count = 0;
     if (bounces) out.bounces[i] = {};
     if (has_surfaces) out.surfaces[i] = {};
-    for (std::uint32_t lane = 0; lane < lane_count; ++lane) {
+    for (std::uint32_t lane = 0; lane < contact_lane_count; ++lane) {
       const std::uint32_t contact = slots[lane];
       if (contact == no_contact) {
         empty_lane(scratch, batch, lane, unread);
         continue;
       }
-      if (const std::size_t later = i * lane_count + lane + slots_ahead;
+      if (const std::size_t later = i * contact_lane_count + lane + slots_ahead;
           later < slot_end)  // a colour skips over memory
         if (out.slots[later] != no_contact) {
           __builtin_prefetch(&scratch.touching[out.slots[later]]);
@@ -316,9 +318,13 @@ void warm_start_contacts(Scratch& scratch, const SolveGroup& group) {
   for_colors(scratch, group, scratch.kernels->contacts.warm_start);
 }
 
-void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias) {
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Poses poses) {
   const ContactKernels& kernels = scratch.kernels->contacts;
-  for_colors(scratch, group, bias == Bias::on ? kernels.solve : kernels.relax);
+  for_colors(scratch, group, poses == Poses::moved ? kernels.solve : kernels.solve_again);
+}
+
+void relax_contacts(Scratch& scratch, const SolveGroup& group) {
+  for_colors(scratch, group, scratch.kernels->contacts.relax);
 }
 
 bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
@@ -341,8 +347,8 @@ void limit_impulses(Scratch& scratch, const SolveGroup& group) {
   std::size_t next = 0;
   for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
     for (ContactPointLanes& point : out.batches[i].points) {
-      const Lanes& saved = out.saved[next++];
-      for (int lane = 0; lane < lane_count; ++lane) {
+      const ContactLanes& saved = out.saved[next++];
+      for (int lane = 0; lane < contact_lane_count; ++lane) {
         point.normal_impulse.at[lane] = smaller(point.normal_impulse.at[lane], saved.at[lane]);
         const Real limit = out.batches[i].friction.at[lane] * point.normal_impulse.at[lane];
         point.tangent_impulse.at[lane] = larger(smaller(point.tangent_impulse.at[lane], limit), -limit);

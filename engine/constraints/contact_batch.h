@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/constraints/body_rows.h"
 #include "engine/constraints/contact_lanes.h"
 #include "engine/constraints/soft.h"
 #include "engine/math/vec2.h"
@@ -63,7 +64,7 @@ struct ContactBatches {
   std::vector<std::uint32_t> slots;     // [batch, lane] the contact, or no_contact
   std::vector<BatchRun> runs;           // in solving order
   std::vector<BodyColors> body_colors;  // [body]
-  std::vector<Lanes> saved;             // [batch of the group, point] normal impulses
+  std::vector<ContactLanes> saved;      // [batch of the group, point] normal impulses
 };
 
 enum class Bias : std::uint8_t { off, on };
@@ -92,7 +93,10 @@ void clear_contacts(Scratch& scratch);
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness);
 void warm_start_contacts(Scratch& scratch, const SolveGroup& group);
-void solve_contacts(Scratch& scratch, const SolveGroup& group, Bias bias);
+/// `poses`: unmoved if none has changed since the last pass over the same contacts.
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Poses poses);
+/// Takes out the velocity that solve_contacts put in to push overlaps apart.
+void relax_contacts(Scratch& scratch, const SolveGroup& group);
 /// Gives points that hit faster than `threshold` their bounce. True if any did.
 bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold);
 /// Keeps the normal impulses of a group for limit_impulses.

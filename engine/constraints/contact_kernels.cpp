@@ -8,7 +8,7 @@
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
 // The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
 #include "engine/constraints/solver_kernels.h"
-#include "engine/math/quads.h"
+#include "engine/math/twin.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
@@ -23,15 +23,16 @@ constexpr int points_of(unsigned features) {
   return has(features, contact_feature::second_point) ? 2 : 1;
 }
 
-/// wide_count contacts of a batch, starting at lane `first`.
+/// So many contacts of a batch as V has lanes, starting at lane `first`.
+template <typename V>
 struct Group {
   ContactBatch& batch;
   int first;
 
-  TICKTRUE_INLINE Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
-  TICKTRUE_INLINE void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+  TICKTRUE_INLINE V load(const ContactLanes& lanes) const { return VectorOf<V>::load(lanes.at + first); }
+  TICKTRUE_INLINE void store(ContactLanes& lanes, V value) const { VectorOf<V>::store(lanes.at + first, value); }
   /// Full batches of moving bodies are written where they are read.
-  TICKTRUE_INLINE bool writes_elsewhere() const { return batch.immovable != 0 || batch.count < lane_count; }
+  TICKTRUE_INLINE bool writes_elsewhere() const { return batch.immovable != 0 || batch.count < contact_lane_count; }
   TICKTRUE_INLINE const std::uint32_t* write_a() const {
     return (writes_elsewhere() ? batch.write_a : batch.read_a) + first;
   }
@@ -40,16 +41,31 @@ struct Group {
   }
 };
 
+/// Runs `solve_group` over the contacts of all batches, two vectors of them at a time where there are so many.
+template <typename Solve>
+TICKTRUE_INLINE void for_groups(const ContactWork& work, Solve solve_group) {
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    ContactBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.count; first += VectorOf<Twin>::count)
+      if (first + wide_count < batch.count)
+        solve_group(Group<Twin>{batch, first}, i);
+      else
+        solve_group(Group<Wide>{batch, first}, i);
+  }
+}
+
 /// Velocities of the two bodies, and what constants of a contact they meet.
+template <typename V>
 struct Pair {
-  Quads a, b;  // x, y, angular, unused
-  Wide nx, ny;
-  Wide inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
+  QuadsOf<V> a, b;  // x, y, angular, unused
+  V nx, ny;
+  V inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
 };
 
-TICKTRUE_INLINE Pair load_pair(const Group& group, const Real* bodies) {
-  return {gather_quads<body_record_length>(bodies, group.batch.read_a + group.first),
-          gather_quads<body_record_length>(bodies, group.batch.read_b + group.first),
+template <typename V>
+TICKTRUE_INLINE Pair<V> load_pair(const Group<V>& group, const Real* bodies) {
+  return {gather_quads_of<V, body_record_length>(bodies, group.batch.read_a + group.first),
+          gather_quads_of<V, body_record_length>(bodies, group.batch.read_b + group.first),
           group.load(group.batch.normal_x),
           group.load(group.batch.normal_y),
           group.load(group.batch.inv_mass_a),
@@ -59,37 +75,39 @@ TICKTRUE_INLINE Pair load_pair(const Group& group, const Real* bodies) {
 }
 
 /// Adds the contact's impulses to the velocities, but for the turn, and puts them back.
-TICKTRUE_INLINE void store_pair(const Group& group, Pair& pair, Wide along_normal, Wide along_tangent, Real* bodies) {
-  const Wide px = along_normal * pair.nx + along_tangent * pair.ny;
-  const Wide py = along_normal * pair.ny - along_tangent * pair.nx;
+template <typename V>
+TICKTRUE_INLINE void store_pair(const Group<V>& group, Pair<V>& pair, V along_normal, V along_tangent, Real* bodies) {
+  const V px = along_normal * pair.nx + along_tangent * pair.ny;
+  const V py = along_normal * pair.ny - along_tangent * pair.nx;
   pair.a.at[0] -= pair.inv_mass_a * px;
   pair.a.at[1] -= pair.inv_mass_a * py;
   pair.b.at[0] += pair.inv_mass_b * px;
   pair.b.at[1] += pair.inv_mass_b * py;
-  scatter_quads<body_record_length>(bodies, group.write_a(), pair.a);
-  scatter_quads<body_record_length>(bodies, group.write_b(), pair.b);
+  scatter_quads_of<V, body_record_length>(bodies, group.write_a(), pair.a);
+  scatter_quads_of<V, body_record_length>(bodies, group.write_b(), pair.b);
 }
 
 /// What the bodies have moved since the tick began, in the contact's frame.
+template <typename V>
 struct Slide {
-  Wide along;               // of B against A, m
-  Wide lost_a, lost_b;      // cosine of the turn, less 1
-  Wide turned_a, turned_b;  // its sine
-  Wide radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
+  V along;               // of B against A, m
+  V lost_a, lost_b;      // cosine of the turn, less 1
+  V turned_a, turned_b;  // its sine
+  V radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
 };
 
-template <unsigned features>
-TICKTRUE_INLINE Slide load_slide(const Group& group, const Pair& pair, const Real* bodies) {
-  const Quads a = gather_quads<body_record_length>(bodies + 4, group.batch.read_a + group.first);
-  const Quads b = gather_quads<body_record_length>(bodies + 4, group.batch.read_b + group.first);
-  const Wide one = spread(1);
-  Slide slide{(b.at[0] - a.at[0]) * pair.nx + (b.at[1] - a.at[1]) * pair.ny,
-              a.at[2] - one,
-              b.at[2] - one,
-              a.at[3],
-              b.at[3],
-              {},
-              {}};
+template <unsigned features, typename V>
+TICKTRUE_INLINE Slide<V> load_slide(const Group<V>& group, const Pair<V>& pair, const Real* bodies) {
+  const QuadsOf<V> a = gather_quads_of<V, body_record_length>(bodies + 4, group.batch.read_a + group.first);
+  const QuadsOf<V> b = gather_quads_of<V, body_record_length>(bodies + 4, group.batch.read_b + group.first);
+  const V one = VectorOf<V>::spread(1);
+  Slide<V> slide{(b.at[0] - a.at[0]) * pair.nx + (b.at[1] - a.at[1]) * pair.ny,
+                 a.at[2] - one,
+                 b.at[2] - one,
+                 a.at[3],
+                 b.at[3],
+                 {},
+                 {}};
   if constexpr (has(features, contact_feature::radius)) {
     slide.radius_a = group.load(group.batch.radius_a);
     slide.radius_b = group.load(group.batch.radius_b);
@@ -98,144 +116,172 @@ TICKTRUE_INLINE Slide load_slide(const Group& group, const Pair& pair, const Rea
 }
 
 /// Present separation of a point: the normal stays, the pivots turn with the bodies.
-template <unsigned features>
-TICKTRUE_INLINE Wide separation_of(const Group& group, const ContactPointLanes& point, const Slide& slide, Wide arm_a,
-                                   Wide arm_b) {
-  Wide back_a = group.load(point.tangent_arm_a);  // of the pivots, against the normal
-  Wide back_b = group.load(point.tangent_arm_b);
+template <unsigned features, typename V>
+TICKTRUE_INLINE V separation_of(const Group<V>& group, const ContactPointLanes& point, const Slide<V>& slide, V arm_a,
+                                V arm_b) {
+  V back_a = group.load(point.tangent_arm_a);  // of the pivots, against the normal
+  V back_b = group.load(point.tangent_arm_b);
   if constexpr (has(features, contact_feature::radius)) {
     back_a = back_a + slide.radius_a;
     back_b = back_b - slide.radius_b;
   }
-  const Wide turned = slide.turned_b * arm_b - slide.turned_a * arm_a;
-  const Wide lost = slide.lost_a * back_a - slide.lost_b * back_b;
+  const V turned = slide.turned_b * arm_b - slide.turned_a * arm_a;
+  const V lost = slide.lost_a * back_a - slide.lost_b * back_b;
   return group.load(point.separation) + (slide.along + (lost + turned));
 }
 
+template <typename V>
 struct Target {
-  Wide rate;  // m/s
-  Wide mass_scale, impulse_scale;
+  V rate;  // m/s
+  V mass_scale, impulse_scale;
 };
 
-/// Apart: may close the gap within the substep, no more. Overlapping: pushed out softly, or (relax) not at all.
-template <bool is_soft>
-TICKTRUE_INLINE Target target_of(Wide separation, Wide inv_h, const Softness& soft) {
-  const Wide zero{};
-  const Wide one = spread(1);
-  const auto apart = separation > zero;
-  if constexpr (!is_soft) return {apart ? separation * inv_h : zero, one, zero};
-  const Wide push = larger(spread(soft.bias_rate) * separation, spread(-push_speed_max));
-  return {apart ? separation * inv_h : push, apart ? one : spread(soft.mass_scale),
-          apart ? zero : spread(soft.impulse_scale)};
+/// Apart: may close the gap within the substep, no more. Overlapping: is not pushed.
+template <typename V>
+TICKTRUE_INLINE V gap_rate(V separation, V inv_h) {
+  const V zero{};
+  return choose(separation > zero, separation * inv_h, zero);
 }
 
-template <unsigned features, bool is_soft>
-void solve(const ContactWork& work) {
-  const Wide zero{};
-  const Wide inv_h = spread(1 / work.h);
-  for (std::size_t i = 0; i < work.batch_count; ++i) {
-    ContactBatch& batch = work.batches[i];
-    const Softness& soft = batch.immovable != 0 ? work.immovable : work.moving;
-    for (int first = 0; first < batch.count; first += wide_count) {
-      const Group group{batch, first};
-      Pair pair = load_pair(group, work.bodies);
-      const Slide slide = load_slide<features>(group, pair, work.bodies);
-      const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-      const Wide dx = pair.b.at[0] - pair.a.at[0];
-      const Wide dy = pair.b.at[1] - pair.a.at[1];
-      Wide& wa = pair.a.at[2];
-      Wide& wb = pair.b.at[2];
-      Wide speed = dx * pair.nx + dy * pair.ny;
-      Wide pushed = zero;
-      for (int p = 0; p < points_of(features); ++p) {
-        ContactPointLanes& point = batch.points[p];
-        const Wide arm_a = group.load(point.normal_arm_a);
-        const Wide arm_b = group.load(point.normal_arm_b);
-        const Target target =
-            target_of<is_soft>(separation_of<features>(group, point, slide, arm_a, arm_b), inv_h, soft);
-        const Wide mass = group.load(point.normal_mass) * target.mass_scale;
-        const Wide old_impulse = group.load(point.normal_impulse);
-        const Wide kept = (old_impulse - target.impulse_scale * old_impulse) - mass * target.rate;
-        const Wide velocity = speed + (wb * arm_b - wa * arm_a);
-        const Wide impulse = larger(kept - mass * velocity, zero);
-        group.store(point.normal_impulse, impulse);
-        if constexpr (has(features, contact_feature::bounce)) {
-          Lanes& most = work.bounces[i].impulse_max[p];
-          group.store(most, larger(group.load(most), impulse));
-        }
-        const Wide change = impulse - old_impulse;
-        speed += inv_mass * change;
-        wa -= (pair.inv_inertia_a * arm_a) * change;
-        wb += (pair.inv_inertia_b * arm_b) * change;
-        pushed += change;
-      }
-      Wide rubbed = zero;
-      if constexpr (has(features, contact_feature::friction)) {
-        Wide slip = dx * pair.ny - dy * pair.nx;
-        if constexpr (has(features, contact_feature::surface)) slip += group.load(work.surfaces[i].tangent_speed);
-        const Wide friction = group.load(batch.friction);
-        for (int p = 0; p < points_of(features); ++p) {
-          ContactPointLanes& point = batch.points[p];
-          const Wide arm_a = group.load(point.tangent_arm_a);
-          const Wide arm_b = group.load(point.tangent_arm_b);
-          const Wide old_impulse = group.load(point.tangent_impulse);
-          const Wide limit = friction * group.load(point.normal_impulse);
-          const Wide velocity = slip + (wb * arm_b - wa * arm_a);
-          const Wide wanted = old_impulse - group.load(point.tangent_mass) * velocity;
-          const Wide impulse = larger(zero - limit, smaller(limit, wanted));
-          group.store(point.tangent_impulse, impulse);
-          const Wide change = impulse - old_impulse;
-          slip += inv_mass * change;
-          wa -= (pair.inv_inertia_a * arm_a) * change;
-          wb += (pair.inv_inertia_b * arm_b) * change;
-          rubbed += change;
-        }
-      }
-      if constexpr (has(features, contact_feature::surface)) {
-        // A torque against the relative turn, at most rolling resistance times normal force.
-        SurfaceLanes& surface = work.surfaces[i];
-        const Wide pressed = group.load(batch.points[0].normal_impulse) + group.load(batch.points[1].normal_impulse);
-        const Wide limit = group.load(surface.rolling_resistance) * pressed;
-        const Wide old_impulse = group.load(surface.rolling_impulse);
-        const Wide wanted = old_impulse - group.load(surface.rolling_mass) * (wb - wa);
-        const Wide impulse = larger(zero - limit, smaller(limit, wanted));
-        group.store(surface.rolling_impulse, impulse);
-        const Wide change = impulse - old_impulse;
-        wa -= pair.inv_inertia_a * change;
-        wb += pair.inv_inertia_b * change;
-      }
-      store_pair(group, pair, pushed, rubbed, work.bodies);
+/// Apart: as above. Overlapping: pushed out softly.
+template <typename V>
+TICKTRUE_INLINE Target<V> target_of(V separation, V inv_h, const Softness& soft) {
+  const auto spread = VectorOf<V>::spread;
+  const V zero{};
+  const auto apart = separation > zero;
+  const V push = larger(spread(soft.bias_rate) * separation, spread(-push_speed_max));
+  return {choose(apart, separation * inv_h, push), choose(apart, spread(1), spread(soft.mass_scale)),
+          choose(apart, zero, spread(soft.impulse_scale))};
+}
+
+/// solve_again: no pose has changed since the last pass.
+enum class Pass { solve, solve_again, relax };
+
+template <unsigned features, Pass pass, typename V>
+TICKTRUE_INLINE void solve_group(const ContactWork& work, std::size_t i, const Group<V>& group, Real inv_h) {
+  ContactBatch& batch = group.batch;
+  const V zero{};
+  const Softness& soft = batch.immovable != 0 ? work.immovable : work.moving;
+  Pair<V> pair = load_pair(group, work.bodies);
+  Slide<V> slide;
+  if constexpr (pass != Pass::solve_again) slide = load_slide<features>(group, pair, work.bodies);
+  const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+  const V dx = pair.b.at[0] - pair.a.at[0];
+  const V dy = pair.b.at[1] - pair.a.at[1];
+  V& wa = pair.a.at[2];
+  V& wb = pair.b.at[2];
+  V speed = dx * pair.nx + dy * pair.ny;
+  V pushed = zero;
+  for (int p = 0; p < points_of(features); ++p) {
+    ContactPointLanes& point = batch.points[p];
+    const V arm_a = group.load(point.normal_arm_a);
+    const V arm_b = group.load(point.normal_arm_b);
+    V separation;
+    if constexpr (pass == Pass::solve_again) {
+      separation = group.load(point.present_separation);
+    } else {
+      separation = separation_of<features>(group, point, slide, arm_a, arm_b);
+      group.store(point.present_separation, separation);
+    }
+    const V old_impulse = group.load(point.normal_impulse);
+    V mass = group.load(point.normal_mass);
+    V kept = old_impulse;
+    if constexpr (pass == Pass::relax) {
+      kept -= mass * gap_rate(separation, VectorOf<V>::spread(inv_h));
+    } else {
+      const Target<V> target = target_of(separation, VectorOf<V>::spread(inv_h), soft);
+      mass = mass * target.mass_scale;
+      kept = (old_impulse - target.impulse_scale * old_impulse) - mass * target.rate;
+    }
+    const V velocity = speed + (wb * arm_b - wa * arm_a);
+    const V impulse = larger(kept - mass * velocity, zero);
+    group.store(point.normal_impulse, impulse);
+    if constexpr (has(features, contact_feature::bounce)) {
+      ContactLanes& most = work.bounces[i].impulse_max[p];
+      group.store(most, larger(group.load(most), impulse));
+    }
+    const V change = impulse - old_impulse;
+    speed += inv_mass * change;
+    wa -= (pair.inv_inertia_a * arm_a) * change;
+    wb += (pair.inv_inertia_b * arm_b) * change;
+    pushed += change;
+  }
+  V rubbed = zero;
+  if constexpr (has(features, contact_feature::friction)) {
+    V slip = dx * pair.ny - dy * pair.nx;
+    if constexpr (has(features, contact_feature::surface)) slip += group.load(work.surfaces[i].tangent_speed);
+    const V friction = group.load(batch.friction);
+    for (int p = 0; p < points_of(features); ++p) {
+      ContactPointLanes& point = batch.points[p];
+      const V arm_a = group.load(point.tangent_arm_a);
+      const V arm_b = group.load(point.tangent_arm_b);
+      const V old_impulse = group.load(point.tangent_impulse);
+      const V limit = friction * group.load(point.normal_impulse);
+      const V velocity = slip + (wb * arm_b - wa * arm_a);
+      const V wanted = old_impulse - group.load(point.tangent_mass) * velocity;
+      const V impulse = larger(zero - limit, smaller(limit, wanted));
+      group.store(point.tangent_impulse, impulse);
+      const V change = impulse - old_impulse;
+      slip += inv_mass * change;
+      wa -= (pair.inv_inertia_a * arm_a) * change;
+      wb += (pair.inv_inertia_b * arm_b) * change;
+      rubbed += change;
     }
   }
+  if constexpr (has(features, contact_feature::surface)) {
+    // A torque against the relative turn, at most rolling resistance times normal force.
+    SurfaceLanes& surface = work.surfaces[i];
+    const V pressed = group.load(batch.points[0].normal_impulse) + group.load(batch.points[1].normal_impulse);
+    const V limit = group.load(surface.rolling_resistance) * pressed;
+    const V old_impulse = group.load(surface.rolling_impulse);
+    const V wanted = old_impulse - group.load(surface.rolling_mass) * (wb - wa);
+    const V impulse = larger(zero - limit, smaller(limit, wanted));
+    group.store(surface.rolling_impulse, impulse);
+    const V change = impulse - old_impulse;
+    wa -= pair.inv_inertia_a * change;
+    wb += pair.inv_inertia_b * change;
+  }
+  store_pair(group, pair, pushed, rubbed, work.bodies);
+}
+
+template <unsigned features, Pass pass>
+void solve(const ContactWork& work) {
+  const Real inv_h = 1 / work.h;
+  for_groups(
+      work, [&](const auto& group, std::size_t i)
+                __attribute__((always_inline)) { solve_group<features, pass>(work, i, group, inv_h); });
+}
+
+template <unsigned features, typename V>
+TICKTRUE_INLINE void warm_start_group(const ContactWork& work, const Group<V>& group) {
+  ContactBatch& batch = group.batch;
+  Pair<V> pair = load_pair(group, work.bodies);
+  V pushed{}, rubbed{}, turn_a{}, turn_b{};
+  for (int p = 0; p < points_of(features); ++p) {
+    const ContactPointLanes& point = batch.points[p];
+    const V impulse = group.load(point.normal_impulse);
+    pushed += impulse;
+    turn_a += group.load(point.normal_arm_a) * impulse;
+    turn_b += group.load(point.normal_arm_b) * impulse;
+    if constexpr (has(features, contact_feature::friction)) {
+      const V rub = group.load(point.tangent_impulse);
+      rubbed += rub;
+      turn_a += group.load(point.tangent_arm_a) * rub;
+      turn_b += group.load(point.tangent_arm_b) * rub;
+    }
+  }
+  pair.a.at[2] -= pair.inv_inertia_a * turn_a;
+  pair.b.at[2] += pair.inv_inertia_b * turn_b;
+  store_pair(group, pair, pushed, rubbed, work.bodies);
 }
 
 template <unsigned features>
 void warm_start(const ContactWork& work) {
-  for (std::size_t i = 0; i < work.batch_count; ++i) {
-    ContactBatch& batch = work.batches[i];
-    if constexpr (has(features, contact_feature::surface)) work.surfaces[i].rolling_impulse = {};
-    for (int first = 0; first < batch.count; first += wide_count) {
-      const Group group{batch, first};
-      Pair pair = load_pair(group, work.bodies);
-      Wide pushed{}, rubbed{}, turn_a{}, turn_b{};
-      for (int p = 0; p < points_of(features); ++p) {
-        const ContactPointLanes& point = batch.points[p];
-        const Wide impulse = group.load(point.normal_impulse);
-        pushed += impulse;
-        turn_a += group.load(point.normal_arm_a) * impulse;
-        turn_b += group.load(point.normal_arm_b) * impulse;
-        if constexpr (has(features, contact_feature::friction)) {
-          const Wide rub = group.load(point.tangent_impulse);
-          rubbed += rub;
-          turn_a += group.load(point.tangent_arm_a) * rub;
-          turn_b += group.load(point.tangent_arm_b) * rub;
-        }
-      }
-      pair.a.at[2] -= pair.inv_inertia_a * turn_a;
-      pair.b.at[2] += pair.inv_inertia_b * turn_b;
-      store_pair(group, pair, pushed, rubbed, work.bodies);
-    }
-  }
+  if constexpr (has(features, contact_feature::surface))
+    for (std::size_t i = 0; i < work.batch_count; ++i) work.surfaces[i].rolling_impulse = {};
+  for_groups(
+      work, [&](const auto& group, std::size_t)
+                __attribute__((always_inline)) { warm_start_group<features>(work, group); });
 }
 
 TICKTRUE_INLINE Wide inverse_or_zero(Wide k) {
@@ -250,8 +296,8 @@ void prepare(const ContactWork& work) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     ContactBatch& batch = work.batches[i];
     for (int first = 0; first < batch.count; first += wide_count) {
-      const Group group{batch, first};
-      const Pair pair = load_pair(group, work.bodies);
+      const Group<Wide> group{batch, first};
+      const Pair<Wide> pair = load_pair(group, work.bodies);
       const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
       const Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
       for (int p = 0; p < points_of(features); ++p) {
@@ -303,8 +349,8 @@ bool bounce(const ContactWork& work, Real threshold) {
       if (batch.bounces == 0) continue;
       BounceLanes& bounces = work.bounces[i];
       for (int first = 0; first < batch.count; first += wide_count) {
-        const Group group{batch, first};
-        Pair pair = load_pair(group, work.bodies);
+        const Group<Wide> group{batch, first};
+        Pair<Wide> pair = load_pair(group, work.bodies);
         const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
         const Wide restitution = group.load(bounces.restitution);
         Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
@@ -347,8 +393,11 @@ constexpr unsigned compiled(unsigned features) {
 }
 
 template <unsigned features>
-constexpr ContactKernels kernels_with{prepare<compiled(features)>, warm_start<compiled(features)>,
-                                      solve<compiled(features), true>, solve<compiled(features), false>,
+constexpr ContactKernels kernels_with{prepare<compiled(features)>,
+                                      warm_start<compiled(features)>,
+                                      solve<compiled(features), Pass::solve>,
+                                      solve<compiled(features), Pass::solve_again>,
+                                      solve<compiled(features), Pass::relax>,
                                       bounce<compiled(features)>};
 
 constexpr ContactKernels table[] = {kernels_with<0>,  kernels_with<1>,  kernels_with<2>,  kernels_with<3>,

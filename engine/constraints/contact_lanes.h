@@ -1,4 +1,4 @@
-// Contacts as kernels see them: eight at a time, no body twice in a batch, in the frame of their normals.
+// Contacts as kernels see them: sixteen at a time, no body twice in a batch, in the frame of their normals.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,45 +6,51 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+/// Two vectors of eight: kernels solve both side by side.
+inline constexpr int contact_lane_count = 2 * lane_count;
+using ContactLanes = LanesOf<contact_lane_count>;
+
 /// Arms are levers about the bodies' centres of mass: cross(anchor, normal), cross(anchor, right_turn(normal)), in m.
 struct ContactPointLanes {
-  Lanes normal_arm_a, normal_arm_b;    // before `prepare`: the anchors' x and y of A
-  Lanes tangent_arm_a, tangent_arm_b;  // before `prepare`: those of B
-  Lanes separation;                    // at the start of the tick, plus slop, m
-  Lanes normal_mass;                   // effective mass, kg; 0 where there is no point. Before `prepare`: 1 or 0
-  Lanes normal_impulse;                // N s, accumulated in this substep. Before `prepare`: N
-  Lanes tangent_mass;
-  Lanes tangent_impulse;
+  ContactLanes normal_arm_a, normal_arm_b;    // before `prepare`: the anchors' x and y of A
+  ContactLanes tangent_arm_a, tangent_arm_b;  // before `prepare`: those of B
+  ContactLanes separation;                    // at the start of the tick, plus slop, m
+  ContactLanes present_separation;            // at the poses of the last `solve` or `relax`, m
+  ContactLanes normal_mass;                   // effective mass, kg; 0 where there is no point. Before `prepare`: 1 or 0
+  ContactLanes normal_impulse;                // N s, accumulated in this substep. Before `prepare`: N
+  ContactLanes tangent_mass;
+  ContactLanes tangent_impulse;
 };
 
 struct ContactBatch {
-  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
-  std::uint32_t read_b[lane_count];
+  std::uint32_t
+      read_a[contact_lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
+  std::uint32_t read_b[contact_lane_count];
   std::int32_t count;       // lanes from here on are empty
   std::uint32_t immovable;  // 1: one body of each contact is not moved by impulses
   std::uint32_t bounces;    // 1: some lane has restitution
-  Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
-  Lanes normal_x, normal_y, friction;
+  ContactLanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
+  ContactLanes normal_x, normal_y, friction;
   ContactPointLanes points[2];
-  Lanes radius_a, radius_b;           // of round shapes, m
-  std::uint32_t write_a[lane_count];  // bodies that impulses do not move are written to a record nobody reads
-  std::uint32_t write_b[lane_count];
-  std::uint32_t contact[lane_count];  // in State::contacts
+  ContactLanes radius_a, radius_b;            // of round shapes, m
+  std::uint32_t write_a[contact_lane_count];  // bodies that impulses do not move are written to a record nobody reads
+  std::uint32_t write_b[contact_lane_count];
+  std::uint32_t contact[contact_lane_count];  // in State::contacts
 };
 
 /// What conveyors and rolling resistance add to a batch.
 struct SurfaceLanes {
-  Lanes tangent_speed;       // m/s, of B's surface seen from A's, along right_turn(normal)
-  Lanes rolling_resistance;  // m, torque per normal force
-  Lanes rolling_mass;        // effective mass of the relative turn, kg m^2
-  Lanes rolling_impulse;     // N m s, accumulated in this substep
+  ContactLanes tangent_speed;       // m/s, of B's surface seen from A's, along right_turn(normal)
+  ContactLanes rolling_resistance;  // m, torque per normal force
+  ContactLanes rolling_mass;        // effective mass of the relative turn, kg m^2
+  ContactLanes rolling_impulse;     // N m s, accumulated in this substep
 };
 
 /// What restitution needs of a batch.
 struct BounceLanes {
-  Lanes restitution;
-  Lanes approach[2];     // relative normal velocity at the start of the tick, m/s
-  Lanes impulse_max[2];  // N s, largest of the tick: a point that never pushed does not bounce
+  ContactLanes restitution;
+  ContactLanes approach[2];     // relative normal velocity at the start of the tick, m/s
+  ContactLanes impulse_max[2];  // N s, largest of the tick: a point that never pushed does not bounce
 };
 
 /// Batches that follow each other, for one call of a kernel.
@@ -74,6 +80,8 @@ struct ContactKernels {
   void (*prepare)(const ContactWork& work);
   void (*warm_start)(const ContactWork& work);
   void (*solve)(const ContactWork& work);
+  /// Requires: `solve` or `relax` since the poses changed. As `solve`.
+  void (*solve_again)(const ContactWork& work);
   void (*relax)(const ContactWork& work);
   /// Gives points that hit faster than `threshold` their bounce. True if any did.
   bool (*bounce)(const ContactWork& work, Real threshold);

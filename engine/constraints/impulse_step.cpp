@@ -25,7 +25,7 @@ constexpr double envelope_work_max = 1 << 24;  // multiplications of a factoriza
 /// Present separation of a point, as the kernels have it.
 double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
                      const MovingBody& b) {
-  const auto at = [lane](const Lanes& lanes) { return static_cast<double>(lanes.at[lane]); };
+  const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
   const Vec2 way = b.moved - a.moved;
   const double along =
       static_cast<double>(way.x) * at(batch.normal_x) + static_cast<double>(way.y) * at(batch.normal_y);
@@ -89,7 +89,7 @@ void find_rows(Scratch& scratch, const SolveGroup& group) {
     const ContactBatch& batch = all.batches[i];
     for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
       const TouchingPair& pair = scratch.touching[batch.contact[lane]];
-      const auto at = [lane](const Lanes& lanes) { return static_cast<double>(lanes.at[lane]); };
+      const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
       const double nx = at(batch.normal_x);
       const double ny = at(batch.normal_y);
       for (std::uint32_t p = 0; p < 2; ++p) {
@@ -328,7 +328,7 @@ void apply(Scratch& scratch) {
   const ImpulseStep& out = scratch.impulse_step;
   for (const PushingRow& row : out.rows) {
     ContactPointLanes& point = scratch.contact_batches.batches[row.batch].points[row.point];
-    Lanes& impulse = row.is_friction ? point.tangent_impulse : point.normal_impulse;
+    ContactLanes& impulse = row.is_friction ? point.tangent_impulse : point.normal_impulse;
     impulse.at[row.lane] = static_cast<Real>(row.impulse + row.change);
   }
   for (std::size_t place = 0; place < out.bodies.size(); ++place) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/constraints/body_rows.h"
 #include "engine/math/vec2.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -20,9 +21,6 @@ struct Scratch;
 /// How a joint is solved: by kernels, in batches with others (pins also in a row), or by itself.
 enum class JointWay : std::uint8_t { pin, hinge, single };
 inline constexpr std::uint32_t joint_way_count = 3;
-
-/// Whether bodies have moved since the last pass over the same joints.
-enum class Poses : std::uint8_t { moved, unmoved };
 
 /// A joint of the group that is being solved.
 struct JointPlace {

@@ -111,7 +111,7 @@ void pass_on_landings(const Model& model, const State& state, Scratch& scratch, 
     scratch.landing_work_left -= std::min(scratch.landing_work_left, work_of_look);
     for (const std::uint32_t row : scratch.moving_rows)
       before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
-    for (int pass = 0; pass < passes_per_look; ++pass) solve_contacts(scratch, group, Bias::off);
+    for (int pass = 0; pass < passes_per_look; ++pass) relax_contacts(scratch, group);
     step_pushing_contacts(scratch, group);
     Real most = 0;
     for (const std::uint32_t row : scratch.moving_rows) {

@@ -9,9 +9,11 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline constexpr int lane_count = 8;
 
 /// One value for each lane of a batch.
-struct alignas(lane_count * sizeof(Real)) Lanes {
-  Real at[lane_count];
+template <int count>
+struct alignas(lane_count * sizeof(Real)) LanesOf {
+  Real at[count];
 };
+using Lanes = LanesOf<lane_count>;
 
 /// impulse = -effective_mass * mass_scale * (velocity + bias_rate * error) - impulse_scale * accumulated impulse
 struct Softness {

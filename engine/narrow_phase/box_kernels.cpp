@@ -156,6 +156,10 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
                            {cuts_upper ? incident.x2 + share_upper * way_x : incident.x1,
                             cuts_upper ? incident.y2 + share_upper * way_y : incident.y1}};
 
+  // The incident edge runs the other way: its end is at the beginning of the reference edge.
+  const auto next = [&](Wide corner) { return corner < spread(3) ? corner + one : zero; };
+  const Wide on_reference[2] = {reference.index, next(reference.index)};
+  const Wide on_other[2] = {next(incident.index), incident.index};
   const Wide back_x = a.at[0] - b.at[0];
   const Wide back_y = a.at[1] - b.at[1];
   for (int p = 0; p < 2; ++p) {
@@ -173,15 +177,14 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
     group.store(point.anchor_b_x, anchor_x + back_x);
     group.store(point.anchor_b_y, anchor_y + back_y);
     group.store(point.separation, separation);
-    group.store(point.exists, exists ? one : zero);
+    const Wide corner_a = flipped ? on_other[p] : on_reference[p];
+    const Wide corner_b = flipped ? on_reference[p] : on_other[p];
+    group.store(point.feature, exists ? spread(256) * corner_a + corner_b : spread(-1));  // feature_of
   }
   const Wide out_x = flipped ? -nx : nx;
   const Wide out_y = flipped ? -ny : ny;
   group.store(group.out.normal_x, ca * out_x - sa * out_y);
   group.store(group.out.normal_y, sa * out_x + ca * out_y);
-  group.store(group.out.flipped, flipped ? one : zero);
-  group.store(group.out.reference_edge, reference.index);
-  group.store(group.out.incident_edge, incident.index);
 }
 
 void collide(const BoxPairs& pairs, BoxContactLanes& out) {

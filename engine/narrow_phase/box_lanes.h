@@ -12,12 +12,9 @@ struct BoxContactLanes {
   struct Point {
     Lanes anchor_a_x, anchor_a_y, anchor_b_x, anchor_b_y;
     Lanes separation;
-    Lanes exists;  // 1 or 0
+    Lanes feature;  // as ManifoldPoint's; -1: there is no such point
   };
   Point points[2];
-  Lanes flipped;         // 1: the reference edge is B's
-  Lanes reference_edge;  // the points lie between it
-  Lanes incident_edge;   // and this one of the other
 };
 
 /// Eight pairs; lanes beyond the last pair repeat one.

@@ -30,29 +30,40 @@ std::size_t row_of(ShapeFamily family) {
   return static_cast<std::size_t>(family);
 }
 
-bool comes_before(const ContactRow& a, const ContactRow& b) {
-  if (a.body_a != b.body_a) return a.body_a < b.body_a;
-  if (a.child_a != b.child_a) return a.child_a < b.child_a;
-  if (a.body_b != b.body_b) return a.body_b < b.body_b;
-  return a.child_b < b.child_b;
+/// What contacts ascend by.
+struct ContactKey {
+  std::uint64_t a;  // body, child
+  std::uint64_t b;
+
+  bool operator==(const ContactKey&) const = default;
+  bool operator<(const ContactKey& other) const { return a != other.a ? a < other.a : b < other.b; }
+};
+
+std::uint64_t key_of(std::uint32_t body, std::uint32_t child) {
+  return std::uint64_t{body} << 32 | child;
+}
+ContactKey key_of(const ContactRow& row) {
+  return {key_of(row.body_a, row.child_a), key_of(row.body_b, row.child_b)};
 }
 
 /// The row of a pair that touches: with the forces of the last tick for the points that are still the same ones. Number
 /// by number: copying a row that was just put together waits until all of it is written.
-void write_row(ContactRow& out, const ContactRow& pair, const Manifold& manifold, const ContactRow* old_row) {
-  out.body_a = pair.body_a;
-  out.child_a = pair.child_a;
-  out.body_b = pair.body_b;
-  out.child_b = pair.child_b;
+void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::uint32_t child_b,
+               const Manifold& manifold, const ContactRow* old_row, ContactRow& out) {
+  out.body_a = a.id;
+  out.child_a = child_a;
+  out.body_b = b.id;
+  out.child_b = child_b;
   for (int p = 0; p < 2; ++p) {
     const std::uint32_t feature = p < manifold.point_count ? manifold.points[p].feature : no_feature;
     Real normal_force = 0;
     Real tangent_force = 0;
-    for (int j = 0; old_row != nullptr && j < 2; ++j)
-      if (feature != no_feature && feature == old_row->feature[j]) {
-        normal_force = old_row->normal_force[j];
-        tangent_force = old_row->tangent_force[j];
-      }
+    if (old_row != nullptr && feature != no_feature)
+      for (int old = 0; old < 2; ++old)
+        if (old_row->feature[old] == feature) {
+          normal_force = old_row->normal_force[old];
+          tangent_force = old_row->tangent_force[old];
+        }
     out.feature[p] = feature;
     out.normal_force[p] = normal_force;
     out.tangent_force[p] = tangent_force;
@@ -79,11 +90,6 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 
 namespace {
 
-/// The row of a pair without forces.
-ContactRow row_of_pair(const State& state, const Proxy& a, const Proxy& b) {
-  return {state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child, {no_feature, no_feature}, {0, 0}, {0, 0}};
-}
-
 /// What a pair is beside its manifold.
 void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy_b, const ShapeModel& a,
                     const ShapeModel& b, TouchingPair& pair) {
@@ -109,22 +115,22 @@ struct PairSearch {
   bool foresees;
   bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
 
-  bool is_still(const Pair& pair) const {
-    const std::vector<std::uint8_t>& still = scratch.kept.pairs.is_still;
-    return may_reuse && still[scratch.proxies[pair.first].body] != 0 && still[scratch.proxies[pair.second].body] != 0;
+  ContactKey key(const Pair& pair) const {
+    const Proxy& a = scratch.proxies[pair.first];
+    const Proxy& b = scratch.proxies[pair.second];
+    return {key_of(state.bodies[a.body].id, a.child), key_of(state.bodies[b.body].id, b.child)};
   }
 };
 
 /// The first contact of the tick before that may belong to this pair or a later one.
 std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
-  const ContactRow row =
-      row_of_pair(search.state, search.scratch.proxies[pair.first], search.scratch.proxies[pair.second]);
+  const ContactKey key = search.key(pair);
   const std::vector<ContactRow>& contacts = search.state.contacts;
   std::size_t low = 0;
   std::size_t high = contacts.size();
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
-    if (comes_before(contacts[middle], row))
+    if (key_of(contacts[middle]) < key)
       low = middle + 1;
     else
       high = middle;
@@ -132,67 +138,92 @@ std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
   return low;
 }
 
-struct ContactPlace {
-  TouchingPair& touching;
-  ContactRow& row;
+/// A pair that may touch.
+struct Candidate {
+  const Proxy* a;
+  const Proxy* b;
+  bool is_still;       // it does what it did a tick ago
+  std::uint8_t place;  // in the block of boxes
 };
 
-/// The pairs begin..end-1 that kernels can do.
-void collide_boxes(const PairSearch& search, std::size_t begin, std::size_t end, BoxBlock& block) {
-  block.clear(end - begin);
+/// Chooses those of the pairs begin..end-1 that may touch, and lets kernels find the contacts of those they can do.
+std::size_t choose_candidates(const PairSearch& search, std::size_t begin, std::size_t end, Candidate* out,
+                              BoxBlock& boxes) {
+  const Model& model = search.model;
+  const BodyRow* bodies = search.state.bodies.data();
+  const ShapeModel* shapes = model.shapes.data();
+  const Proxy* proxies = search.scratch.proxies.data();
+  const std::uint8_t* still = search.may_reuse ? search.scratch.kept.pairs.is_still.data() : nullptr;
+  boxes.clear();
+  std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair& pair = search.scratch.pairs[i];
-    const Proxy& a = search.scratch.proxies[pair.first];
-    const Proxy& b = search.scratch.proxies[pair.second];
-    if (a.is_sensor || b.is_sensor || search.is_still(pair)) continue;
-    block.add(search.model.shapes[a.shape], search.model.shapes[b.shape], i - begin, a.body, b.body, search.fall);
+    const Proxy& a = proxies[pair.first];
+    const Proxy& b = proxies[pair.second];
+    if (a.is_sensor || b.is_sensor) continue;  // the events stage has those
+    if (are_separated(model, bodies[a.body].id, bodies[b.body].id)) continue;
+    Candidate& candidate = out[count++];
+    candidate = {&a, &b, still != nullptr && still[a.body] != 0 && still[b.body] != 0, BoxBlock::no_place};
+    if (!candidate.is_still) candidate.place = boxes.add(shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall);
   }
-  block.collide(search.model, search.state);
+  boxes.collide(model, search.state);
+  return count;
 }
 
-/// Finds the contacts of the pairs begin..end-1, at most one each, and writes the i-th to place(i): manifolds are
-/// large. Returns how many. `old_index`: first_old_contact of the first pair.
-template <typename Place>
+/// Where contacts are written: the first `size` of them in their places, those that do not fit apart.
+struct ContactRoom {
+  TouchingPair* touching;
+  ContactRow* rows;
+  std::size_t size;
+  TouchingPair* touching_apart;
+  ContactRow* rows_apart;
+};
+
+/// Finds the contacts of the pairs begin..end-1, at most one each: manifolds are large. room_for(n): where to write the
+/// first n of them. Returns how many there are. `old_index`: first_old_contact of the first pair.
+template <typename RoomFor>
 std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::size_t end, std::size_t old_index,
-                             Place place) {
-  const auto& [model, state, scratch, fall, dt, foresees, may_reuse] = search;
-  const std::vector<TouchingPair>& kept_touching = scratch.kept.touching;
+                             RoomFor room_for) {
+  const Model& model = search.model;
+  const BodyRow* bodies = search.state.bodies.data();
+  const ContactRow* old_rows = search.state.contacts.data();
+  const std::size_t old_count = search.state.contacts.size();
   std::size_t count = 0;
   BoxBlock boxes;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::size_t in_block = (i - begin) % BoxBlock::pair_count_max;
-    if (in_block == 0) collide_boxes(search, i, std::min(i + BoxBlock::pair_count_max, end), boxes);
-    const Pair& pair = scratch.pairs[i];
-    const Proxy& proxy_a = scratch.proxies[pair.first];
-    const Proxy& proxy_b = scratch.proxies[pair.second];
-    if (proxy_a.is_sensor || proxy_b.is_sensor) continue;  // the events stage has those
-    const BodyRow& body_a = state.bodies[proxy_a.body];
-    const BodyRow& body_b = state.bodies[proxy_b.body];
-    if (are_separated(model, body_a.id, body_b.id)) continue;
-    ContactRow row = row_of_pair(state, proxy_a, proxy_b);
-    const bool is_still = search.is_still(pair);
-    const ShapeModel& shape_a = model.shapes[proxy_a.shape];
-    const ShapeModel& shape_b = model.shapes[proxy_b.shape];
-    const ContactPlace out = place(count);
-    TouchingPair& touching = out.touching;
-    if (!is_still) {
-      if (boxes.has(in_block))
-        boxes.write(in_block, touching.manifold);
-      else
-        new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, fall));
-      if (foresees && touching.manifold.point_count == 0)
-        touching.manifold = foresee(model, shape_a, shape_b, body_a, body_b, fall, dt);
-      if (touching.manifold.point_count == 0) continue;
-      fill_constants(model, proxy_a, proxy_b, shape_a, shape_b, touching);
+  Candidate candidates[BoxBlock::pair_count_max];
+  for (std::size_t first = begin; first < end; first += BoxBlock::pair_count_max) {
+    const std::size_t last = std::min(first + BoxBlock::pair_count_max, end);
+    const std::size_t candidate_count = choose_candidates(search, first, last, candidates, boxes);
+    const ContactRoom room = room_for(count + candidate_count);
+    for (std::size_t i = 0; i < candidate_count; ++i) {
+      const auto [proxy_a, proxy_b, is_still, place] = candidates[i];
+      const BodyRow& body_a = bodies[proxy_a->body];
+      const BodyRow& body_b = bodies[proxy_b->body];
+      const ShapeModel& shape_a = model.shapes[proxy_a->shape];
+      const ShapeModel& shape_b = model.shapes[proxy_b->shape];
+      const bool fits = count < room.size;
+      TouchingPair& touching = fits ? room.touching[count] : room.touching_apart[count];
+      if (!is_still) {
+        if (boxes.has(place))
+          boxes.write(place, touching.manifold);
+        else
+          new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, search.fall));
+        if (search.foresees && touching.manifold.point_count == 0)
+          touching.manifold = foresee(model, shape_a, shape_b, body_a, body_b, search.fall, search.dt);
+        if (touching.manifold.point_count == 0) continue;
+        fill_constants(model, *proxy_a, *proxy_b, shape_a, shape_b, touching);
+      }
+      const ContactKey key{key_of(body_a.id, proxy_a->child), key_of(body_b.id, proxy_b->child)};
+      while (old_index < old_count && key_of(old_rows[old_index]) < key) ++old_index;
+      const bool has_old = old_index < old_count && key_of(old_rows[old_index]) == key;
+      if (is_still) {
+        if (!has_old) continue;
+        touching = search.scratch.kept.touching[old_index];
+      }
+      write_row(body_a, proxy_a->child, body_b, proxy_b->child, touching.manifold,
+                has_old ? old_rows + old_index : nullptr, fits ? room.rows[count] : room.rows_apart[count]);
+      ++count;
     }
-    while (old_index < state.contacts.size() && comes_before(state.contacts[old_index], row)) ++old_index;
-    const bool has_old = old_index < state.contacts.size() && !comes_before(row, state.contacts[old_index]);
-    if (is_still) {
-      if (!has_old) continue;
-      touching = kept_touching[old_index];
-    }
-    write_row(out.row, row, touching.manifold, has_old ? &state.contacts[old_index] : nullptr);
-    ++count;
   }
   return count;
 }
@@ -219,10 +250,10 @@ std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, 
     const std::size_t first = guess(chunk.index);
     const std::size_t room = guess(chunk.index + 1) - first;
     const std::size_t old_index = first_old_contact(search, scratch.pairs[chunk.begin]);
-    const std::size_t count = find_contacts_of(search, chunk.begin, chunk.end, old_index, [&](std::size_t i) {
-      if (i < room) return ContactPlace{scratch.touching[first + i], scratch.contacts[first + i]};
-      return ContactPlace{scratch.touching_apart[chunk.begin + i], scratch.contacts_apart[chunk.begin + i]};
-    });
+    const ContactRoom place{scratch.touching.data() + first, scratch.contacts.data() + first, room,
+                            scratch.touching_apart.data() + chunk.begin, scratch.contacts_apart.data() + chunk.begin};
+    const std::size_t count =
+        find_contacts_of(search, chunk.begin, chunk.end, old_index, [&](std::size_t) { return place; });
     scratch.parts[chunk.index] = {first, room, count, 0};
   });
   std::size_t total = 0;
@@ -253,12 +284,12 @@ std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, 
 /// In one go.
 std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
   scratch.contacts.resize(scratch.touching.size());
-  return find_contacts_of(search, 0, scratch.pairs.size(), 0, [&](std::size_t i) {
-    if (i == scratch.touching.size()) {
-      scratch.touching.emplace_back();
-      scratch.contacts.emplace_back();
+  return find_contacts_of(search, 0, scratch.pairs.size(), 0, [&](std::size_t count) {
+    if (scratch.touching.size() < count) {
+      scratch.touching.resize(count);
+      scratch.contacts.resize(count);
     }
-    return ContactPlace{scratch.touching[i], scratch.contacts[i]};
+    return ContactRoom{scratch.touching.data(), scratch.contacts.data(), scratch.touching.size(), nullptr, nullptr};
   });
 }
 

@@ -31,7 +31,7 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
       solve_joints(scratch, dt, Bias::on);
       solve_pulls(scratch);
-      solve_contacts(scratch, group, Bias::on);
+      solve_contacts(scratch, group, iteration > 0 ? Poses::unmoved : Poses::moved);
     }
     scheme.drift(model, state, scratch, dt);
     if (!scratch.impacts.empty()) finish_impacts(scratch);

@@ -32,6 +32,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
   if (!model.finds_islands) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
+  const bool poses_stay = bodies_step_alone(model) && !scratch.planted;  // from one drift to the next
   const bool some_are_loose = find_tied(model, state, scratch);
   for (SolveGroup& group : scratch.groups) {
     const Real h = dt / static_cast<Real>(group.substeps);  // s
@@ -59,13 +60,13 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       warm_start_contacts(scratch, group);
       for (std::uint32_t sweep = 0; sweep < group.joint_sweeps; ++sweep) solve_joints(scratch, h, Bias::on);
       solve_pulls(scratch);
-      solve_contacts(scratch, group, Bias::on);
+      solve_contacts(scratch, group, substep > 0 && poses_stay ? Poses::unmoved : Poses::moved);
       Real settled = group.has_landings ? settled_speed(state, scratch, group) : Real(0);
       if (settled > 0) pass_on_landings(model, state, scratch, group, settled);
       scheme.drift(model, state, scratch, h);
       if (!scratch.impacts.empty()) finish_impacts(scratch);
       solve_joints(scratch, h, Bias::off);
-      solve_contacts(scratch, group, Bias::off);  // relax: takes out the velocity that the bias put in
+      relax_contacts(scratch, group);
       if (group.has_landings && !(settled > 0)) settled = settled_speed(state, scratch, group);
       if (settled > 0) {
         pass_on_landings(model, state, scratch, group, settled);
