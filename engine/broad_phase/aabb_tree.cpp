@@ -210,7 +210,6 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
   kept.is_valid = fits;
   kept.has_pairs = true;
   kept.ticks_held = 0;
-  kept.common_side = 0;
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 
@@ -221,7 +220,7 @@ constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
 bool list_present_pairs(Scratch& scratch) {
   KeptPairs& kept = scratch.kept.pairs;
   kept.has_pairs = false;
-  const CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
+  const CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes);
   if (listing == CellListing::unsuited) return false;
   if (listing == CellListing::too_many)
     are_too_many(scratch, scratch.pair_count_max + 1);

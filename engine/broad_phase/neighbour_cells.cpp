@@ -4,10 +4,14 @@
 // Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
 //
 // A box belongs to the cell of its lower corner, so that what it overlaps lies in the same cell or in one of the eight
-// around it. The few boxes that are larger than a cell are compared with all.
+// around it. Boxes that are larger than a cell are few; each is compared with the others of them, and with what lies in
+// the cells that it reaches.
 #include "engine/broad_phase/neighbour_cells.h"
 
+#include <algorithm>
+
 #include "engine/broad_phase/pair_listing.h"
+#include "engine/math/four.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -17,7 +21,7 @@ constexpr Real cells_in_line_max = Real(1 << 15);  // more, and it is not
 constexpr Real cells_per_box = 2;                  // cells are as large as it takes
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
 constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
-constexpr std::size_t few = 12;                    // boxes may be larger than a cell
+constexpr std::size_t few = 12;                    // boxes may be larger than a cell, however few there are
 constexpr int side_fraction_bits_dropped = 20;
 
 Real side_of(const Box& box) {
@@ -28,21 +32,26 @@ bool fits_into(const Box& box, Real side) {
   return box.upper.x - box.lower.x <= side && box.upper.y - box.lower.y <= side;
 }
 
-/// The side that all but a few boxes have at most, m; 0 if it is no measure of the others. Sides are counted in bins of
-/// an eighth of a power of two.
+/// So many of `count` boxes may be larger than a cell: to compare them with each other takes two looks a box.
+std::size_t large_count_max(std::size_t count) {
+  return few + static_cast<std::size_t>(2 * square_root(static_cast<Real>(count)));
+}
+
+/// The side that all but the large boxes have at most, m; 0 if it is no measure of the others. Sides are counted in
+/// bins of an eighth of a power of two.
 Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
   counts.assign(1u << 11, 0);
   for (const Box& box : boxes) {
     const Real side = smaller(side_of(box), Real(1e38));
     ++counts[bits_of(static_cast<float>(side)) >> side_fraction_bits_dropped & 0x7ffu];
   }
-  if (boxes.size() <= 4 * few) return 0;
+  if (boxes.size() <= 2 * large_count_max(boxes.size())) return 0;
   const auto side_above = [&](std::size_t rank) {
     std::uint32_t bin = 0;
     for (std::size_t seen = counts[0]; seen <= rank && bin < 0x7efu; seen += counts[bin]) ++bin;
     return static_cast<Real>(float_of_bits((bin + 1) << side_fraction_bits_dropped));
   };
-  const Real most = side_above(boxes.size() - 1 - few);
+  const Real most = side_above(boxes.size() - 1 - large_count_max(boxes.size()));
   return most <= size_ratio_max * side_above(boxes.size() / 2) && most > Real(1e-30) && most < Real(1e30) ? most : 0;
 }
 
@@ -109,16 +118,29 @@ void fill_cells(Scratch& scratch, const std::vector<Box>& boxes, const Cells& ce
     scratch.swept_boxes[boxes.size() - scratch.large.size() + i] = boxes[0];  // read, and never counted
 }
 
+/// A box, asked about many others.
+struct Query {
+  Four most;  // of the others' lower corners, and of their upper ones turned round
+
+  explicit Query(const Box& box) {
+    const Real corners[4] = {box.upper.x, box.upper.y, -box.lower.x, -box.lower.y};
+    most = load_four(corners);
+  }
+  /// overlaps(), without a branch.
+  bool overlaps(const Box& other) const {
+    const Real turns[4] = {1, 1, -1, -1};
+    return all_at_most(load_four(turns) * load_four(&other.lower.x), most);
+  }
+};
+static_assert(sizeof(Box) == 4 * sizeof(Real));
+
 /// Writes to `out` the pairs of a box with those of begin..end-1 that it overlaps; returns where they end. Without
 /// branches for the first `least` of them: which do, and how many there are, is anybody's guess.
 template <std::uint32_t least>
-Pair* meet(const Box* boxes, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
-  const Box a = boxes[i];
+Pair* meet(const Box* boxes, const Query& query, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
   const auto look_at = [&](std::uint32_t j, bool counts) {
-    const Box& b = boxes[j];
     *out = {i, j};
-    out += static_cast<std::size_t>(counts & (a.lower.x <= b.upper.x) & (b.lower.x <= a.upper.x) &
-                                    (a.lower.y <= b.upper.y) & (b.lower.y <= a.upper.y));
+    out += static_cast<std::size_t>(counts & query.overlaps(boxes[j]));
   };
   for (std::uint32_t k = 0; k < least; ++k) look_at(begin + k, begin + k < end);
   for (std::uint32_t j = begin + least; j < end; ++j) look_at(j, true);
@@ -144,68 +166,80 @@ struct PairsOfChunk {
   }
 };
 
-/// The pairs of a chunk of the sorted boxes with those after them.
-bool meet_neighbours(const Cells& cells, const Chunk& chunk, PairsOfChunk& out) {
+/// The pairs of the sorted boxes begin..end-1 with those after them.
+bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
   const Box* boxes = scratch.swept_boxes.data();
   const std::uint32_t* end_of = scratch.cell_starts.data();  // [cell]: as it is now
-  for (std::size_t place = chunk.begin; place < chunk.end; ++place) {
+  for (std::size_t place = begin; place < end; ++place) {
     const auto i = static_cast<std::uint32_t>(place);
     const std::uint32_t cell = scratch.swept_places[i].cell;
     const std::uint32_t right_end = end_of[cell + 1];
     const std::uint32_t next_begin = end_of[cell + cells.columns - 2];
     const std::uint32_t next_end = end_of[cell + cells.columns + 1];
     out.make_room((right_end - i) + (next_end - next_begin) + 2 * looked_at_least);
+    const Query query(boxes[i]);
     Pair* found = out.pairs.data() + out.count;
-    Pair* found_end = meet<2>(boxes, i, i + 1, right_end, found);
-    found_end = meet<looked_at_least>(boxes, i, next_begin, next_end, found_end);
+    Pair* found_end = meet<2>(boxes, query, i, i + 1, right_end, found);
+    found_end = meet<looked_at_least>(boxes, query, i, next_begin, next_end, found_end);
     for (; found < found_end; ++found)
       if (!out.add(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy)) return false;
   }
   return true;
 }
 
-/// The pairs of a chunk of the sorted boxes with the large ones.
-bool meet_large(const std::vector<Box>& boxes, const Chunk& chunk, PairsOfChunk& out) {
+/// The cell of a row or column that a coordinate is in, of `count`; the last where it is no number.
+std::uint32_t clamped(Real place, std::uint32_t count) {
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(larger(0, smaller(place, static_cast<Real>(count - 1)))));
+}
+
+/// The pairs of a large box with the large ones after it and with what is in cells.
+bool meet_large(const Cells& cells, const std::vector<Box>& boxes, std::size_t which, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
-  for (const std::uint32_t large : scratch.large) {
-    const Box box = boxes[large];
-    out.make_room(chunk.end - chunk.begin);
-    for (std::size_t place = chunk.begin; place < chunk.end; ++place)
-      if (overlaps(box, scratch.swept_boxes[place]) && !out.add(large, scratch.swept_places[place].proxy)) return false;
+  const std::uint32_t index = scratch.large[which];
+  const Box box = boxes[index];
+  const Query query(box);
+  out.make_room(scratch.large.size());
+  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
+    if (query.overlaps(boxes[scratch.large[k]]) && !out.add(index, scratch.large[k])) return false;
+  // What overlaps it begins in a cell that it reaches, or in one before.
+  const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
+  const Vec2 last = cells.inv_size * (box.upper - cells.lowest);
+  const std::uint32_t first_column = clamped(first.x - 1, cells.columns - 2) + 1;
+  const std::uint32_t last_column = clamped(last.x, cells.columns - 2) + 1;
+  const std::uint32_t last_row = clamped(last.y, cells.rows - 1);
+  const std::uint32_t* end_of = scratch.cell_starts.data();
+  for (std::uint32_t row = clamped(first.y - 1, cells.rows - 1); row <= last_row; ++row) {
+    const std::uint32_t end = end_of[row * cells.columns + last_column];
+    std::uint32_t place = end_of[row * cells.columns + first_column - 1];
+    if (place < end) out.make_room(end - place);
+    for (; place < end; ++place)
+      if (query.overlaps(scratch.swept_boxes[place]) && !out.add(index, scratch.swept_places[place].proxy))
+        return false;
   }
   return true;
 }
 
-/// Adds the pairs of the large boxes with each other.
-bool add_pairs_of_large(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
-  for (const std::uint32_t& a : scratch.large)
-    for (const std::uint32_t* b = &a + 1; b < scratch.large.data() + scratch.large.size(); ++b)
-      if (overlaps(boxes[a], boxes[*b]) && may_touch(proxies[a], proxies[*b]))
-        scratch.unsorted_pairs.push_back({a, *b});
-  return scratch.unsorted_pairs.size() <= scratch.pair_count_max;
-}
-
 }  // namespace
 
-CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real& side) {
-  Cells cells{};
-  if (side > 0) cells = cells_for(boxes, side, scratch.large);
-  if (cells.rows == 0 || scratch.large.size() > 2 * few) {
-    side = common_side(boxes, scratch.counts);
-    if (side == 0) return CellListing::unsuited;
-    cells = cells_for(boxes, side, scratch.large);
-    if (cells.rows == 0 || scratch.large.size() > 2 * few) return CellListing::unsuited;
-  }
+CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
+  const Real side = common_side(boxes, scratch.counts);
+  if (side == 0) return CellListing::unsuited;
+  const Cells cells = cells_for(boxes, side, scratch.large);
+  if (cells.rows == 0 || scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
-  const std::size_t count = boxes.size() - scratch.large.size();
-  const bool fits = list_in_chunks(scratch, count, scratch.parallel.chunk_size(count, 128),
-                                   [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
-                                     PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
-                                     if (meet_neighbours(cells, chunk, out)) meet_large(boxes, chunk, out);
-                                     pairs.resize(out.count);
-                                   });
-  return fits && add_pairs_of_large(scratch, proxies, boxes) ? CellListing::done : CellListing::too_many;
+  const std::size_t count_in_cells = boxes.size() - scratch.large.size();
+  const bool fits = list_in_chunks(
+      scratch, boxes.size(), scratch.parallel.chunk_size(boxes.size(), 128),
+      [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
+        PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
+        const std::size_t end_in_cells = std::min(chunk.end, count_in_cells);
+        bool goes_on = chunk.begin >= end_in_cells || meet_neighbours(cells, chunk.begin, end_in_cells, out);
+        for (std::size_t i = std::max(chunk.begin, count_in_cells); goes_on && i < chunk.end; ++i)
+          goes_on = meet_large(cells, boxes, i - count_in_cells, out);
+        pairs.resize(out.count);
+      });
+  return fits ? CellListing::done : CellListing::too_many;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

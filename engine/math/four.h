@@ -4,6 +4,7 @@
 // Element-wise operations give each lane the bits that scalar code would give it.
 #pragma once
 
+#include <cstdint>
 #include <cstring>
 
 #include "engine/math/vec2.h"
@@ -54,6 +55,15 @@ inline Four smaller(const Four& a, const Four& b) {
   Four result;
   for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] < b.part[i] ? a.part[i] : b.part[i];
   return result;
+}
+/// Whether a[i] <= b[i] for every i.
+inline bool all_at_most(const Four& a, const Four& b) {
+  using Halves = std::uint64_t __attribute__((vector_size(16)));
+  auto all = a.part[0] <= b.part[0];
+  for (int i = 1; i < Four::part_count; ++i) all &= a.part[i] <= b.part[i];
+  Halves halves;
+  std::memcpy(&halves, &all, sizeof halves);
+  return (halves[0] & halves[1]) == ~std::uint64_t{0};
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <new>
 
+#include "engine/broad_phase/broad_phase.h"
 #include "engine/narrow_phase/box_pairs.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/narrow_phase/foresee.h"
@@ -113,6 +114,7 @@ struct PairSearch {
   Real fall;
   Real dt;
   bool foresees;
+  bool is_sparse;  // most pairs are far from touching, and a look at them is worth its time
   bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
 
   ContactKey key(const Pair& pair) const {
@@ -146,6 +148,14 @@ struct Candidate {
   std::uint8_t place;  // in the block of boxes
 };
 
+/// Whether two shapes are certainly too far apart to touch: so are the circles around them.
+bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow& a, const BodyRow& b, Real fall) {
+  const Circle circle_a = circle_around(a, shape_a, fall, 0);
+  const Circle circle_b = circle_around(b, shape_b, fall, 0);
+  const Real near = circle_a.radius + circle_b.radius;
+  return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near);
+}
+
 /// Chooses those of the pairs begin..end-1 that may touch, and lets kernels find the contacts of those they can do.
 std::size_t choose_candidates(const PairSearch& search, std::size_t begin, std::size_t end, Candidate* out,
                               BoxBlock& boxes) {
@@ -162,9 +172,12 @@ std::size_t choose_candidates(const PairSearch& search, std::size_t begin, std::
     const Proxy& b = proxies[pair.second];
     if (a.is_sensor || b.is_sensor) continue;  // the events stage has those
     if (are_separated(model, bodies[a.body].id, bodies[b.body].id)) continue;
+    const ShapeModel& shape_a = shapes[a.shape];
+    const ShapeModel& shape_b = shapes[b.shape];
+    if (search.is_sparse && are_far(shape_a, shape_b, bodies[a.body], bodies[b.body], search.fall)) continue;
     Candidate& candidate = out[count++];
     candidate = {&a, &b, still != nullptr && still[a.body] != 0 && still[b.body] != 0, BoxBlock::no_place};
-    if (!candidate.is_still) candidate.place = boxes.add(shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall);
+    if (!candidate.is_still) candidate.place = boxes.add(shape_a, shape_b, a.body, b.body, search.fall);
   }
   boxes.collide(model, search.state);
   return count;
@@ -229,6 +242,7 @@ std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::s
 }
 
 constexpr std::size_t pairs_per_chunk_least = 48;
+constexpr std::size_t pairs_per_contact_dense = 2;
 
 /// In chunks: each writes where the contacts of its pairs were a tick ago, and what does not fit elsewhere. Where every
 /// chunk has found as many as there were, all are in their places; else they are copied there.
@@ -297,12 +311,14 @@ std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
 
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   Kept& kept = scratch.kept;
+  const bool foresees = model.scene.settings.auto_substeps.has_value();
   const PairSearch search{model,
                           state,
                           scratch,
                           fall_of_a_tick(model, state),
                           dt,
-                          model.scene.settings.auto_substeps.has_value(),
+                          foresees,
+                          !foresees && scratch.pairs.size() > pairs_per_contact_dense * state.contacts.size(),
                           kept.has_touching && kept.touching.size() == state.contacts.size()};
   const std::size_t pair_count = scratch.pairs.size();
   const std::size_t chunk_size = scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least);
