@@ -143,7 +143,8 @@ class Workers final : public ChunkRunner {
       some_sleep_.store(false, std::memory_order_relaxed);  // waking takes longer than many a run: asked for once
       wake_.notify_all();
     }
-    const std::size_t by_others = chunk_count - take_chunks(0);
+    std::size_t by_others = chunk_count;
+    for (std::size_t turn = 0; turn < slots_.size(); ++turn) by_others -= take_chunks(slot_of(0, turn));
     if (by_others > 0) wait_for(by_others);
   }
 
@@ -188,28 +189,36 @@ class Workers final : public ChunkRunner {
     return {index, begin, std::min(begin + chunk_size, count)};
   }
 
-  /// Takes chunks of all shares, beginning with the thread's own, until none is left. Returns how many.
-  std::size_t take_chunks(unsigned self) {
+  /// The share that a thread looks at first, second and so on: its own, then those after it.
+  Slot& slot_of(unsigned self, std::size_t turn) { return slots_[(self + turn) % slots_.size()]; }
+
+  /// Takes chunks of a share until none is left. Returns how many.
+  static std::size_t take_chunks(Slot& slot) {
     std::size_t taken = 0;
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
-      Slot& slot = slots_[(self + i) % slots_.size()];
-      std::uint64_t word = slot.share.load(std::memory_order_acquire);
-      for (;;) {
-        const Share share = unpacked(word);
-        if (share.next >= share.end) break;
-        const std::size_t count = slot.count.load(std::memory_order_relaxed);
-        const std::size_t chunk_size = slot.chunk_size.load(std::memory_order_relaxed);
-        const Work work = slot.work.load(std::memory_order_relaxed);
-        const void* context = slot.context.load(std::memory_order_relaxed);
-        const std::uint64_t after = packed({share.run, share.next + 1, share.end});
-        if (!slot.share.compare_exchange_weak(word, after, std::memory_order_acq_rel, std::memory_order_acquire))
-          continue;
-        work(context, chunk_of(share.next, count, chunk_size));
-        ++taken;
-        word = slot.share.load(std::memory_order_acquire);
-      }
+    std::uint64_t word = slot.share.load(std::memory_order_acquire);
+    for (;;) {
+      const Share share = unpacked(word);
+      if (share.next >= share.end) return taken;
+      const std::size_t count = slot.count.load(std::memory_order_relaxed);
+      const std::size_t chunk_size = slot.chunk_size.load(std::memory_order_relaxed);
+      const Work work = slot.work.load(std::memory_order_relaxed);
+      const void* context = slot.context.load(std::memory_order_relaxed);
+      const std::uint64_t after = packed({share.run, share.next + 1, share.end});
+      if (!slot.share.compare_exchange_weak(word, after, std::memory_order_acq_rel, std::memory_order_acquire))
+        continue;
+      work(context, chunk_of(share.next, count, chunk_size));
+      ++taken;
+      word = slot.share.load(std::memory_order_acquire);
     }
-    return taken;
+  }
+
+  /// Tells the caller of chunks that a worker has done.
+  void report(std::size_t taken) {
+    if (taken == 0) return;
+    done_.fetch_add(taken);
+    if (!caller_waits_.load()) return;
+    const std::lock_guard<std::mutex> guard(lock_);
+    finished_.notify_all();
   }
 
   /// Until `count` chunks have been done by others.
@@ -259,12 +268,8 @@ class Workers final : public ChunkRunner {
       }
       if (stopping_.load(std::memory_order_relaxed)) return;
       seen = unpacked(slots_[self].share.load(std::memory_order_acquire)).run;
-      const std::size_t taken = take_chunks(self);
-      if (taken == 0) continue;
-      done_.fetch_add(taken);
-      if (!caller_waits_.load()) continue;
-      const std::lock_guard<std::mutex> guard(lock_);
-      finished_.notify_all();
+      // Its own first: to look whether others need help takes as long as a small chunk.
+      for (std::size_t turn = 0; turn < slots_.size(); ++turn) report(take_chunks(slot_of(self, turn)));
     }
   }
 

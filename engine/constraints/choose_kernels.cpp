@@ -8,17 +8,16 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 unsigned contact_features(const Model& model) {
   unsigned features = 0;
-  for (const ShapeModel& shape : model.shapes) {
-    if (shape.is_sensor) continue;
-    if (shape.friction > 0) features |= contact_feature::friction;
-    if (shape.radius > 0) features |= contact_feature::radius;
-  }
-  // Circles meet everything in one point. Two shapes of which neither is one meet in two, if one of them moves.
-  for (const BodyModel& body : model.bodies) {
-    if (body.type != BodyType::dynamic_body) continue;
-    for (std::uint32_t child = 0; child < body.shape_count; ++child)
-      if (model.shape(body, child).family != ShapeFamily::circle) features |= contact_feature::second_point;
-  }
+  for (const BodyModel& body : model.bodies)
+    for (std::uint32_t child = 0; child < body.shape_count; ++child) {
+      const ShapeModel& shape = model.shape(body, child);
+      if (shape.is_sensor || model.is_lonely[body.first_shape + child] != 0) continue;
+      if (shape.friction > 0) features |= contact_feature::friction;
+      if (shape.radius > 0) features |= contact_feature::radius;
+      // Circles meet everything in one point. Two shapes of which neither is one meet in two, if one of them moves.
+      const bool moves = body.type == BodyType::dynamic_body;
+      if (moves && shape.family != ShapeFamily::circle) features |= contact_feature::second_point;
+    }
   if (model.bounces) features |= contact_feature::bounce;
   if (model.has_surfaces) features |= contact_feature::surface;
   return features;
