@@ -34,8 +34,7 @@ class ChunkRunner {
   /// Calls work(context, chunk) once for each chunk of `count` elements, and returns when all are done. The last chunk
   /// may be shorter than `chunk_size`. Requires: chunk_size > 0; no run within a run.
   virtual void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) = 0;
-  /// Calls work(context, line, step) once for each step, and returns when all are done. Requires: at most width()
-  /// lines; no run within a run.
+  /// Calls work(context, line, step) once for each step, and returns when all are done. Requires: no run within a run.
   virtual void run_lines(const Lines& lines, LineWork work, const void* context) {
     for (std::size_t line = 0; line < lines.line_count; ++line)
       for (std::size_t step = 0; step < lines.step_count; ++step) work(context, line, step);
@@ -86,10 +85,10 @@ struct Parallel {
         &body);
   }
 
-  /// Calls body(line, step) for each step. One line runs here.
+  /// Calls body(line, step) for each step. Without a runner one line follows the other.
   template <typename Body>
   void for_lines(const Lines& lines, const Body& body) const {
-    if (lines.line_count > 1) {
+    if (runner != nullptr) {
       runner->run_lines(
           lines,
           [](const void* context, std::size_t line, std::size_t step) {
@@ -98,7 +97,8 @@ struct Parallel {
           &body);
       return;
     }
-    for (std::size_t step = 0; step < lines.step_count; ++step) body(std::size_t{0}, step);
+    for (std::size_t line = 0; line < lines.line_count; ++line)
+      for (std::size_t step = 0; step < lines.step_count; ++step) body(line, step);
   }
 
  private:

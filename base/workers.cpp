@@ -121,6 +121,33 @@ class Workers final : public ChunkRunner {
   unsigned width() const override { return static_cast<unsigned>(slots_.size()); }
 
   void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) override {
+    deal(count, chunk_size, slots_.size(), work, context);
+  }
+
+  void run_lines(const Lines& lines, LineWork work, const void* context) override {
+    if (lines_done_.size() < lines.line_count) lines_done_ = std::vector<LineProgress>(lines.line_count);
+    for (std::size_t line = 0; line < lines.line_count; ++line)
+      lines_done_[line].steps.store(0, std::memory_order_relaxed);
+    // A line is a chunk. All are one share, so that whoever comes to one finds those before it taken.
+    const LineRun all{lines, work, context, lines_done_.data()};
+    deal(
+        lines.line_count, 1, 1,
+        [](const void* of, const Chunk& chunk) { run_line(*static_cast<const LineRun*>(of), chunk.index); }, &all);
+  }
+
+ private:
+  struct alignas(64) LineProgress {
+    std::atomic<std::size_t> steps{0};  // done
+  };
+  struct LineRun {
+    Lines lines;
+    LineWork work;
+    const void* context;
+    LineProgress* done;  // [line]
+  };
+
+  /// Runs chunks; `sharers`: so many threads get shares of their own.
+  void deal(std::size_t count, std::size_t chunk_size, std::size_t sharers, Work work, const void* context) {
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
     if (chunk_count > chunk_count_max || is_alone()) {
       for (std::size_t i = 0; i < chunk_count; ++i) work(context, chunk_of(i, count, chunk_size));
@@ -129,8 +156,8 @@ class Workers final : public ChunkRunner {
     done_.store(0, std::memory_order_relaxed);
     ++run_;
     for (std::size_t i = slots_.size(); i-- > 0;) {
-      const auto begin = static_cast<std::uint32_t>(chunk_count * i / slots_.size());
-      const auto end = static_cast<std::uint32_t>(chunk_count * (i + 1) / slots_.size());
+      const auto begin = static_cast<std::uint32_t>(chunk_count * std::min(i, sharers) / sharers);
+      const auto end = static_cast<std::uint32_t>(chunk_count * std::min(i + 1, sharers) / sharers);
       Slot& slot = slots_[i];
       slot.count.store(count, std::memory_order_relaxed);
       slot.chunk_size.store(chunk_size, std::memory_order_relaxed);
@@ -147,27 +174,6 @@ class Workers final : public ChunkRunner {
     for (std::size_t turn = 0; turn < slots_.size(); ++turn) by_others -= take_chunks(slot_of(0, turn));
     if (by_others > 0) wait_for(by_others);
   }
-
-  void run_lines(const Lines& lines, LineWork work, const void* context) override {
-    for (std::size_t line = 0; line < lines.line_count; ++line)
-      lines_done_[line].steps.store(0, std::memory_order_relaxed);
-    // A line is a chunk. Whoever comes to one finds the one before it taken: the caller takes them in their order.
-    const LineRun all{lines, work, context, lines_done_.data()};
-    run(
-        lines.line_count, 1,
-        [](const void* of, const Chunk& chunk) { run_line(*static_cast<const LineRun*>(of), chunk.index); }, &all);
-  }
-
- private:
-  struct alignas(64) LineProgress {
-    std::atomic<std::size_t> steps{0};  // done
-  };
-  struct LineRun {
-    Lines lines;
-    LineWork work;
-    const void* context;
-    LineProgress* done;  // [line]
-  };
 
   static void run_line(const LineRun& run, std::size_t line) {
     std::size_t ahead = line == 0 ? run.lines.step_count : 0;  // steps of the line before that are known to be done

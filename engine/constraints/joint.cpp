@@ -96,6 +96,14 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
   return joint;
 }
 
+/// Calls body(first, last) for all batches of pins, in chunks.
+template <typename Body>
+static void for_pins(const Scratch& scratch, const Body& body) {
+  const std::size_t count = scratch.kept.joints.pins.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
+                              [&](const Chunk& chunk) { body(chunk.begin, chunk.end); });
+}
+
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
   const Real h = group.h;
   const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
@@ -116,7 +124,9 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   for (const std::uint32_t place : plan.single)
     scratch.joints.push_back(make_joint(model, state, scratch, plan.places[place], soft, h));
   if (scratch.is_woven) set_apart_levels(scratch);
-  fill_pins(state, scratch, h);
+  make_room_for_pins(scratch);
+  if (!scratch.is_woven)
+    for_pins(scratch, [&](std::size_t first, std::size_t last) { fill_pins(state, scratch, first, last, h); });
   fill_hinges(model, state, scratch, soft, h);
   if (scratch.is_woven) return;
   for (JointRange& range : plan.ranges) {
@@ -175,7 +185,8 @@ void store_joints(const Scratch& scratch, State& state, Real h) {
     row.upper_force = inv_h * impulses.upper;
     row.motor_force = inv_h * impulses.motor;
   }
-  store_pins(scratch, state, h);
+  if (!scratch.is_woven)
+    for_pins(scratch, [&](std::size_t first, std::size_t last) { store_pins(scratch, state, first, last, h); });
   store_hinges(scratch, state, h);
 }
 

@@ -86,27 +86,26 @@ void fill_lane(const State& state, const Scratch& scratch, const JointPlace& pla
 
 }  // namespace
 
-void fill_pins(const State& state, Scratch& scratch, Real h) {
+void make_room_for_pins(Scratch& scratch) {
   PinBatches& pins = scratch.pins;
-  const std::vector<JointSpan>& spans = scratch.kept.joints.pins;
-  const std::size_t count = spans.size();
+  const std::size_t count = scratch.kept.joints.pins.size();
   if (pins.batches.size() < count) pins.batches.resize(count);
   const std::size_t arms_count = count * (scratch.is_woven ? woven_line_count(scratch) : 1);
   if (pins.arms.size() < arms_count) pins.arms.resize(arms_count);
-  scratch.parallel.for_chunks(
-      count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1), [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-          const JointSpan& span = spans[i];
-          PinBatch& batch = pins.batches[i];
-          if (span.count < lane_count) empty_pins(scratch, batch);
-          batch.count = static_cast<std::int32_t>(span.count);
-          for (std::uint32_t lane = 0; lane < span.count; ++lane) {
-            ask_early(state, scratch, span.first + lane);
-            fill_lane(state, scratch, scratch.kept.joints.places[span.first + lane], batch, lane, h);
-          }
-          if (scratch.is_woven) write_elsewhere(scratch, batch, span.level);
-        }
-      });
+}
+
+void fill_pins(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h) {
+  for (std::size_t i = first; i < last; ++i) {
+    const JointSpan& span = scratch.kept.joints.pins[i];
+    PinBatch& batch = scratch.pins.batches[i];
+    if (span.count < lane_count) empty_pins(scratch, batch);
+    batch.count = static_cast<std::int32_t>(span.count);
+    for (std::uint32_t lane = 0; lane < span.count; ++lane) {
+      ask_early(state, scratch, span.first + lane);
+      fill_lane(state, scratch, scratch.kept.joints.places[span.first + lane], batch, lane, h);
+    }
+    if (scratch.is_woven) write_elsewhere(scratch, batch, span.level);
+  }
 }
 
 std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
@@ -138,19 +137,13 @@ void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, st
   });
 }
 
-void store_pins(const Scratch& scratch, State& state, Real h) {
+void store_pins(const Scratch& scratch, State& state, std::size_t first, std::size_t last, Real h) {
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.kept.joints.pins.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
-                              [&](const Chunk& chunk) {
-                                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                                  const PinBatch& batch = scratch.pins.batches[i];
-                                  for (std::int32_t lane = 0; lane < batch.count; ++lane) {
-                                    const Vec2 impulse{batch.impulse_x.at[lane], batch.impulse_y.at[lane]};
-                                    state.joints[batch.row[lane]].linear_force = inv_h * impulse;
-                                  }
-                                }
-                              });
+  for (std::size_t i = first; i < last; ++i) {
+    const PinBatch& batch = scratch.pins.batches[i];
+    for (std::int32_t lane = 0; lane < batch.count; ++lane)
+      state.joints[batch.row[lane]].linear_force = inv_h * Vec2{batch.impulse_x.at[lane], batch.impulse_y.at[lane]};
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

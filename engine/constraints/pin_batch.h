@@ -49,14 +49,16 @@ void write_elsewhere(const Scratch& scratch, PinBatch& batch, std::size_t chunk)
 void fill_pin_lane(PinBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
                    Vec2 anchor_a, Vec2 anchor_b, Vec2 apart, Vec2 impulse);
 
-/// Fills the batches of the plan.
-void fill_pins(const State& state, Scratch& scratch, Real h);
+/// Room for the batches of the plan.
+void make_room_for_pins(Scratch& scratch);
+/// Fills the batches first..last-1 of the plan.
+void fill_pins(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h);
 /// Makes the batches first..last-1 ready for threads and says how many one takes. Requires: pins of one level, or one
 /// thread.
 std::size_t share_pins(Scratch& scratch, std::uint32_t first, std::uint32_t last);
 void warm_start_pins(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
 void solve_pins(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
-/// Impulses back to state.joints, as forces.
-void store_pins(const Scratch& scratch, State& state, Real h);
+/// Impulses of the batches first..last-1 back to state.joints, as forces.
+void store_pins(const Scratch& scratch, State& state, std::size_t first, std::size_t last, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

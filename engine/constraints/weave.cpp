@@ -53,7 +53,15 @@ void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level
   }
 }
 
+/// For the pins of a level.
+template <typename Body>
+void for_pins_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
+  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
+    if (plan.ranges[i].way == JointWay::pin) body(plan.ranges[i].first, plan.ranges[i].last);
+}
+
 constexpr std::size_t line_count_max = 64;
+constexpr std::size_t levels_per_chunk_least = 8;
 
 /// The passes of all substeps.
 struct Passes {
@@ -128,26 +136,47 @@ void set_apart_levels(Scratch& scratch) {
   }
 }
 
-void solve_woven(Scratch& scratch, const SolveGroup& group) {
+void solve_woven(State& state, Scratch& scratch, const SolveGroup& group) {
   const JointPlan& plan = scratch.kept.joints;
   const Passes passes(plan, group.substeps);
-  const std::size_t line_count = woven_line_count(scratch);
+  const std::size_t pass_line_count = woven_line_count(scratch);
   std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
   std::size_t longest = 0;
-  for (std::size_t line = 1; line <= line_count; ++line) {
-    first[line] = passes.up_to_share(first[line - 1], line, line_count);
+  for (std::size_t line = 1; line <= pass_line_count; ++line) {
+    first[line] = passes.up_to_share(first[line - 1], line, pass_line_count);
     // Not with what needs another pass before it (pin_lanes.h).
     if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
     longest = std::max(longest, first[line] - first[line - 1]);
   }
   if (longest == 0) return;
-  const Lines lines{line_count, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
+  const auto fill = [&](std::uint32_t level) {
+    for_pins_of(plan, level,
+                [&](std::size_t begin, std::size_t end) { fill_pins(state, scratch, begin, end, group.h); });
+  };
+  const auto store = [&](std::uint32_t level) {
+    for_pins_of(plan, level,
+                [&](std::size_t begin, std::size_t end) { store_pins(scratch, state, begin, end, group.h); });
+  };
+  const std::uint32_t filled_first = plan.level_count / 2;
+  scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t level = chunk.begin; level < chunk.end; ++level)
+                                  fill(static_cast<std::uint32_t>(level));
+                              });
+  const Lines lines{pass_line_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
   scratch.parallel.for_lines(lines, [&](std::size_t line, std::size_t step) {
-    for (std::size_t i = first[line]; i < first[line + 1]; ++i) {
-      const std::size_t behind = (i - first[line]) * plan.distance;
-      if (step < behind || step - behind >= plan.level_count) continue;
-      const Pass pass = passes.in_line(i, first[line]);
-      do_level(scratch, pass, line, static_cast<std::uint32_t>(step - behind), group.h);
+    const auto level = static_cast<std::uint32_t>(step);
+    if (line == 0) {
+      if (level >= filled_first && level < plan.level_count) fill(level);
+    } else if (line == lines.line_count - 1) {
+      if (level < plan.level_count) store(level);
+    } else {
+      for (std::size_t i = first[line - 1]; i < first[line]; ++i) {
+        const std::size_t behind = (i - first[line - 1]) * plan.distance;
+        if (step < behind || step - behind >= plan.level_count) continue;
+        do_level(scratch, passes.in_line(i, first[line - 1]), line - 1, static_cast<std::uint32_t>(step - behind),
+                 group.h);
+      }
     }
   });
 }

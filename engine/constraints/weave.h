@@ -17,13 +17,13 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 bool allows_weaving(const Model& model);
 /// Whether in this tick nothing but joints acts on the bodies of a group.
 bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group);
-/// How many lines of passes there are at most, each for one thread.
+/// How many lines of passes there are at most: one for each thread.
 std::size_t woven_line_count(const Scratch& scratch);
 /// Makes joints ready for it: what nobody reads is written to a record of the level's own. Call before batches are
 /// filled.
 void set_apart_levels(Scratch& scratch);
 
 /// All substeps of a group. Requires: JointPlan::is_woven, is_left_to_joints; prepare_joints; the integrator's begin.
-void solve_woven(Scratch& scratch, const SolveGroup& group);
+void solve_woven(State& state, Scratch& scratch, const SolveGroup& group);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -47,7 +47,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       fly(scratch, h, group.substeps);
     else if (some_are_loose)
       fly_loose(scratch, group);
-    if (scratch.is_woven) solve_woven(scratch, group);
+    if (scratch.is_woven) solve_woven(state, scratch, group);
     const int substeps_in_turn = flies || scratch.is_woven ? 0 : group.substeps;
     for (int substep = 0; substep < substeps_in_turn; ++substep) {
       note_joint_velocities(scratch);

@@ -157,9 +157,9 @@ TEST_CASE("lines of steps are done in their order, at their distance", "[base][t
   for (const unsigned thread_count : {2u, 4u, 8u}) {
     auto workers = make_workers(thread_count);
     REQUIRE(workers.has_value());
-    const Lines lines{thread_count, 200, 7};
+    const Lines lines{thread_count + 3, 200, 7};  // more than threads
     struct Progress {
-      std::atomic<std::size_t> done[8] = {};
+      std::atomic<std::size_t> done[11] = {};
       std::atomic<bool> in_order{true};
     } progress;
     for (int repeat = 0; repeat < 20; ++repeat) {
@@ -170,7 +170,7 @@ TEST_CASE("lines of steps are done in their order, at their distance", "[base][t
         if (progress.done[line] != step || (line > 0 && progress.done[line - 1] < needed)) progress.in_order = false;
         ++progress.done[line];
       });
-      for (unsigned line = 0; line < thread_count; ++line) CHECK(progress.done[line] == lines.step_count);
+      for (std::size_t line = 0; line < lines.line_count; ++line) CHECK(progress.done[line] == lines.step_count);
     }
     CHECK(progress.in_order);
   }
