@@ -75,9 +75,6 @@ void poison(Scratch& scratch) {
   poison_in_place(scratch.contact_batches.surfaces);
   poison_in_place(scratch.contact_batches.bounces);
   scratch.contact_batches.batch_count = 0;
-  poison_rows(scratch.contact_batches.colors);
-  poison_rows(scratch.contact_batches.places);
-  poison_rows(scratch.contact_batches.ends);
   poison_rows(scratch.contact_batches.slots);
   poison_rows(scratch.contact_batches.runs);
   poison_rows(scratch.contact_batches.body_colors);

@@ -35,6 +35,7 @@ struct Kept {
   std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
   bool has_touching = false;           // and no contact, body or margin has changed since
   JointPlan joints;
+  ContactColoring coloring;
 };
 
 /// Makes the next tick build everything anew.

@@ -26,29 +26,35 @@ constexpr Real baumgarte = Real(0.2);
 /// So many contacts are worth another thread's while.
 constexpr std::size_t contacts_per_chunk_least = 256;
 
-void find_ends(Scratch& scratch, const SolveGroup& group) {
-  std::vector<ContactEnds>& ends = scratch.contact_batches.ends;
+/// Fills coloring.ends. True if they are those that were there.
+bool find_ends(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const std::uint32_t unread = unread_record(scratch);
   const std::size_t count = group.contact_end - group.first_contact;
-  ends.resize(count);
+  std::atomic<bool> changed{coloring.ends.size() != count};
+  coloring.ends.resize(count);
   const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
                               [&](const Chunk& chunk) {
+                                bool same = true;
                                 for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                                   const TouchingPair& pair = scratch.touching[contacts[i]];
-                                  ends[i] = {mover(pair.body_a), mover(pair.body_b)};
+                                  const ContactEnds ends{mover(pair.body_a), mover(pair.body_b)};
+                                  same &= ends == coloring.ends[i];
+                                  coloring.ends[i] = ends;
                                 }
+                                if (!same) changed.store(true, std::memory_order_relaxed);
                               });
+  return !changed.load(std::memory_order_relaxed);
 }
 
 /// Colours the contacts of one round, and counts those of each colour; those of bodies that have no colour left wait
-/// for the next. True if any do.
+/// for the next. `body_colors`: room for as many bodies as there are. True if any do.
 template <bool is_first>
-bool color_round(Scratch& scratch, std::uint32_t round) {
-  ContactBatches& out = scratch.contact_batches;
+bool color_round(ContactColoring& out, std::vector<BodyColors>& body_colors, std::size_t body_count,
+                 std::uint32_t round) {
   bool any_left = false;
-  out.body_colors.assign(scratch.masses.size(), {0, 0});
+  body_colors.assign(body_count, {0, 0});
   const std::uint32_t first_color = round * round_color_count;
   out.places.resize(first_color + round_color_count, {0, 0});
   for (std::size_t i = 0; i < out.colors.size(); ++i) {
@@ -57,14 +63,14 @@ bool color_round(Scratch& scratch, std::uint32_t round) {
     const bool both_move = ends.a != no_body && ends.b != no_body;
     std::uint32_t used;
     if (both_move) {
-      BodyColors& a = out.body_colors[ends.a];
-      BodyColors& b = out.body_colors[ends.b];
+      BodyColors& a = body_colors[ends.a];
+      BodyColors& b = body_colors[ends.b];
       used = a.moving | b.moving;
       const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
       a.moving |= bit;
       b.moving |= bit;
     } else {
-      BodyColors& mover = out.body_colors[ends.a != no_body ? ends.a : ends.b];
+      BodyColors& mover = body_colors[ends.a != no_body ? ends.a : ends.b];
       used = mover.immovable;
       mover.immovable |= ~used & (used + 1);
     }
@@ -79,15 +85,17 @@ bool color_round(Scratch& scratch, std::uint32_t round) {
   return any_left;
 }
 
-/// colors[i]: of the i-th contact of the group, and which of the colour it is. Returns the number of rounds.
-std::uint32_t color_contacts(Scratch& scratch, const SolveGroup& group) {
-  find_ends(scratch, group);
-  scratch.contact_batches.colors.resize(group.contact_end - group.first_contact);
-  scratch.contact_batches.places.clear();
-  std::uint32_t round_count = 1;
-  bool any_left = color_round<true>(scratch, 0);
-  while (any_left) any_left = color_round<false>(scratch, round_count++);
-  return round_count;
+/// Colours the contacts of a group.
+void color_contacts(Scratch& scratch, const SolveGroup& group) {
+  ContactColoring& coloring = scratch.kept.coloring;
+  if (find_ends(scratch, group, coloring)) return;
+  std::vector<BodyColors>& body_colors = scratch.contact_batches.body_colors;
+  const std::size_t body_count = scratch.masses.size();
+  coloring.colors.resize(coloring.ends.size());
+  coloring.places.clear();
+  coloring.round_count = 1;
+  bool any_left = color_round<true>(coloring, body_colors, body_count, 0);
+  while (any_left) any_left = color_round<false>(coloring, body_colors, body_count, coloring.round_count++);
 }
 
 /// So many batches are worth another thread's while.
@@ -109,15 +117,16 @@ void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_firs
 }
 
 /// Deals the contacts out to batches, colour by colour, notes them in `group`, and makes room for them.
-void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::uint32_t round_count) {
+void place_batches(Scratch& scratch, SolveGroup& group, unsigned features) {
   ContactBatches& out = scratch.contact_batches;
+  ContactColoring& coloring = scratch.kept.coloring;
   auto next = static_cast<std::uint32_t>(out.batch_count);
   group.first_batch = next;
   group.first_run = static_cast<std::uint32_t>(out.runs.size());
   for (const std::uint32_t first : {0u, class_color_count})
-    for (std::uint32_t round = 0; round < round_count; ++round)
+    for (std::uint32_t round = 0; round < coloring.round_count; ++round)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
-        ColorPlace& place = out.places[round * round_color_count + first + color];
+        ColorPlace& place = coloring.places[round * round_color_count + first + color];
         const std::uint32_t begin = next;
         place.first_slot = begin * contact_lane_count;
         next += (place.count + contact_lane_count - 1) / contact_lane_count;
@@ -131,15 +140,15 @@ void place_batches(Scratch& scratch, SolveGroup& group, unsigned features, std::
   if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
   if (out.slots.size() < std::size_t{next} * contact_lane_count)
     out.slots.resize(std::size_t{next} * contact_lane_count);
-  for (const ColorPlace& place : out.places)
+  for (const ColorPlace& place : coloring.places)
     for (std::uint32_t slot = place.first_slot + place.count; slot % contact_lane_count != 0; ++slot)
       out.slots[slot] = no_contact;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::size_t count = out.colors.size();
+  const std::size_t count = coloring.colors.size();
   scratch.parallel.for_chunks(
       count, scratch.parallel.chunk_size(count, contacts_per_chunk_least), [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-          out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = contacts[i];
+          out.slots[coloring.places[coloring.colors[i].color].first_slot + coloring.colors[i].rank] = contacts[i];
       });
 }
 
@@ -301,8 +310,8 @@ void clear_contacts(Scratch& scratch) {
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
                       const ContactStiffness& stiffness) {
   group.stiffness = stiffness;
-  const std::uint32_t round_count = color_contacts(scratch, group);
-  place_batches(scratch, group, model.contact_features, round_count);
+  color_contacts(scratch, group);
+  place_batches(scratch, group, model.contact_features);
   for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
     const BatchRun& run = scratch.contact_batches.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {

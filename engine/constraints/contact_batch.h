@@ -1,9 +1,9 @@
-// Contacts as the solver sees them: eight at a time, no body twice in a batch, batches in graph colours.
+// Contacts as the solver sees them: sixteen at a time, no body twice in a batch, batches in graph colours.
 // SPDX-License-Identifier: MIT
 //
-// A colour is a set of contacts of which no two move the same body, so eight of them can be solved side by side, and
-// batches of one colour in any order, on any thread, with the same result. Colours are derived anew each tick from the
-// sorted contacts: they are no state.
+// A colour is a set of contacts of which no two move the same body, so sixteen of them can be solved side by side, and
+// batches of one colour in any order, on any thread, with the same result. Colours are derived from the sorted
+// contacts, anew in each tick in which these are others than before: they are no state.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,8 @@ struct BodyColors {
 struct ContactEnds {
   std::uint32_t a;
   std::uint32_t b;
+
+  bool operator==(const ContactEnds&) const = default;
 };
 inline constexpr std::uint32_t no_body = 0xffffffff;
 
@@ -53,14 +55,20 @@ struct BatchRun {
   std::size_t chunk_size;  // in batches
 };
 
+/// The colours of some contacts, which follow from their ends alone: kept from tick to tick, they hold for the same
+/// ends.
+struct ContactColoring {
+  std::vector<ContactEnds> ends;     // [contact of the group]
+  std::vector<ContactColor> colors;  // [contact of the group]
+  std::vector<ColorPlace> places;    // [colour]
+  std::uint32_t round_count = 0;
+};
+
 struct ContactBatches {
   std::vector<ContactBatch> batches;   // in solving order; the first `batch_count` are in use
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<ContactEnds> ends;        // [contact of the group]
-  std::vector<ContactColor> colors;     // [contact of the group]
-  std::vector<ColorPlace> places;       // [colour]
   std::vector<std::uint32_t> slots;     // [batch, lane] the contact, or no_contact
   std::vector<BatchRun> runs;           // in solving order
   std::vector<BodyColors> body_colors;  // [body]

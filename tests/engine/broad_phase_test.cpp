@@ -227,7 +227,7 @@ TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase
   f64::sort_pairs(all, all.proxies.size(), all.pairs);
   const bool same = pairs_of(all) == expected;
   CHECK(same);
-  for (std::size_t i = 200; i < 300; ++i) boxes[i].lower.x = nan;
+  for (std::size_t i = 200; i < 400; ++i) boxes[i].lower.x = nan;  // more than may be large
   CHECK(f64::list_by_cells(all, all.proxies, boxes) == f64::CellListing::unsuited);
 }
 
