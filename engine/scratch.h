@@ -78,6 +78,8 @@ struct Scratch {
   std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
   std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]; neighbour_cells, [cell]
   std::vector<std::uint32_t> large;        // uniform_grid, neighbour_cells: proxies in no cell, ascending
+  std::vector<Box> near_boxes;             // neighbour_cells, [proxy] without what is ahead
+  std::vector<std::uint32_t> guarded;      // neighbour_cells: proxies for which others look ahead
 
   // narrow_phase
   std::vector<TouchingPair> touching;

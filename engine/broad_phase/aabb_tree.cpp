@@ -87,6 +87,7 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.is_stray.assign(kept.proxies.size(), 0);
   kept.bodies = state.bodies;
   kept.is_still.resize(state.bodies.size());
+  kept.looks_ahead.assign(state.bodies.size(), 0);
 }
 
 /// For the bodies first..end-1: boxes of what has moved, or of everything. Lists what has left its large box from
@@ -104,7 +105,10 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     const std::uint32_t proxy_end = kept.first_proxy[row + 1];
     if (kept.first_proxy[row] == proxy_end) continue;
     const Real way = sweep_of(reach, model.bodies[body.source], body);
+    const Real ahead = ahead_of(reach, model.bodies[body.source], way);
+    kept.looks_ahead[row] = ahead > 0 ? 1 : 0;
     for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
+      kept.proxies[i].ahead = ahead;
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
       if (kept.restless_ticks == 0 && !is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
     }
@@ -124,6 +128,8 @@ void follow(const Model& model, const State& state, Scratch& scratch, const Tick
         static_cast<std::uint32_t>(follow_bodies(model, state, kept, reach, everything, chunk.begin, chunk.end,
                                                  kept.leaving.data() + kept.first_proxy[chunk.begin]));
   });
+  kept.any_looks_ahead = false;
+  for (const std::uint8_t looks_ahead : kept.looks_ahead) kept.any_looks_ahead |= looks_ahead != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
 }
@@ -143,7 +149,9 @@ void list_pairs_of_nodes(const KeptPairs& kept, NodesToList nodes, const Chunk& 
   bool goes_on = true;
   const auto add = [&](std::uint32_t a, std::uint32_t b) {
     if (!may_touch(kept.proxies[a], kept.proxies[b])) return true;
-    if (nodes.is_tight && !overlaps(kept.boxes[a], kept.boxes[b])) return true;
+    if (nodes.is_tight && !(overlaps(kept.boxes[a], kept.boxes[b]) &&
+                            are_pair(kept.proxies[a], kept.proxies[b], kept.boxes[a], kept.boxes[b])))
+      return true;
     pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     goes_on = listing.goes_on(pairs.size());
     return goes_on;
@@ -283,8 +291,8 @@ bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
   return kept.pairs.size() <= scratch.pair_count_max;
 }
 
-/// Copies those of the pairs whose present boxes overlap; returns how many. Without branches: which do is anybody's
-/// guess.
+/// Copies those of the pairs whose present boxes overlap, as long as no shape looks ahead; returns how many. Without
+/// branches: which do is anybody's guess.
 std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size_t end, Pair* out) {
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -298,13 +306,26 @@ std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size
   return count;
 }
 
-/// The pairs whose present boxes overlap.
+/// Copies the pairs of this tick; returns how many.
+std::size_t copy_present(const KeptPairs& kept, std::size_t begin, std::size_t end, Pair* out) {
+  if (!kept.any_looks_ahead) return copy_overlapping(kept, begin, end, out);
+  std::size_t count = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair pair = kept.pairs[i];
+    const Box& a = kept.boxes[pair.first];
+    const Box& b = kept.boxes[pair.second];
+    if (overlaps(a, b) && are_pair(kept.proxies[pair.first], kept.proxies[pair.second], a, b)) out[count++] = pair;
+  }
+  return count;
+}
+
+/// The pairs of this tick.
 void keep_overlapping(Scratch& scratch) {
   const KeptPairs& kept = scratch.kept.pairs;
   scratch.pairs.resize(kept.pairs.size());
   scratch.pairs.resize(select_in_chunks(
       scratch, kept.pairs.size(), 512, scratch.pairs.data(),
-      [&](std::size_t begin, std::size_t end, Pair* out) { return copy_overlapping(kept, begin, end, out); }));
+      [&](std::size_t begin, std::size_t end, Pair* out) { return copy_present(kept, begin, end, out); }));
 }
 
 }  // namespace

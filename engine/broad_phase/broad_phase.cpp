@@ -33,7 +33,7 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
     if (model.is_lonely[place] != 0) continue;
     const ShapeModel& shape = model.shapes[model.body_shapes[place]];
     proxies.push_back({row, model.body_shapes[place], child, constants.type == BodyType::dynamic_body,
-                       constants.type == BodyType::static_body, shape.is_sensor, is_line(shape), shape.filter});
+                       constants.type == BodyType::static_body, shape.is_sensor, is_line(shape), shape.filter, -1});
   }
 }
 
@@ -68,9 +68,12 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch, Real
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
   scratch.proxies = scratch.proxy_rows;
   scratch.boxes.clear();
-  for (const Proxy& proxy : scratch.proxies)
-    scratch.boxes.push_back(box_around(model, state.bodies[proxy.body], model.shapes[proxy.shape], fall,
-                                       sweep_of_row(model, state, reach, proxy.body)));
+  for (Proxy& proxy : scratch.proxy_rows) {
+    const BodyRow& body = state.bodies[proxy.body];
+    const Real way = sweep_of_row(model, state, reach, proxy.body);
+    scratch.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], fall, way));
+    proxy.ahead = ahead_of(reach, model.bodies[body.source], way);
+  }
 }
 
 bool are_too_many(Scratch& scratch, std::size_t pair_count) {
@@ -88,7 +91,8 @@ void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.pairs.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
-      if (overlaps(boxes[i], boxes[j]) && may_touch(proxies[i], proxies[j])) scratch.pairs.push_back({i, j});
+      if (overlaps(boxes[i], boxes[j]) && are_pair(proxies[i], proxies[j], boxes[i], boxes[j]))
+        scratch.pairs.push_back({i, j});
     if (are_too_many(scratch, scratch.pairs.size())) return;
   }
 }
@@ -104,7 +108,7 @@ bool boxes_are_too_many(Scratch& scratch) {
   if (count == 0 || count * (count - 1) / 2 <= scratch.pair_count_max) return false;
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
-      pair_count += overlaps(boxes[i], boxes[j]) && may_touch(proxies[i], proxies[j]) ? 1 : 0;
+      pair_count += overlaps(boxes[i], boxes[j]) && are_pair(proxies[i], proxies[j], boxes[i], boxes[j]) ? 1 : 0;
     if (are_too_many(scratch, pair_count)) return true;
   }
   return false;

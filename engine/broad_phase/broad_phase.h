@@ -54,8 +54,21 @@ inline bool may_touch(const Proxy& a, const Proxy& b) {
   return a.is_dynamic || b.is_dynamic;
 }
 
+/// A box without what is there for guarded shapes alone.
+inline Box near_box(const Box& box, Real ahead) {
+  const Vec2 extent{ahead, ahead};
+  return ahead > 0 ? Box{box.lower + extent, box.upper - extent} : box;
+}
+
+/// Whether two proxies whose boxes overlap are a pair that broad phases list.
+inline bool are_pair(const Proxy& a, const Proxy& b, const Box& box_a, const Box& box_b) {
+  if (!may_touch(a, b)) return false;
+  if (a.ahead < 0 || b.ahead < 0 || a.ahead + b.ahead <= 0) return true;
+  return overlaps(near_box(box_a, a.ahead), near_box(box_b, b.ahead));
+}
+
 /// Whether so many pairs are more than a tick may have; then also gives up: notes it and lists none. What counts are
-/// pairs that may touch and whose boxes overlap, so that every broad phase gives up in the same tick.
+/// pairs (are_pair) whose boxes overlap, so that every broad phase gives up in the same tick.
 bool are_too_many(Scratch& scratch, std::size_t pair_count);
 
 /// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`.

@@ -4,8 +4,9 @@
 // Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
 //
 // A box belongs to the cell of its lower corner, so that what it overlaps lies in the same cell or in one of the eight
-// around it. Boxes that are larger than a cell are few; each is compared with the others of them, and with what lies in
-// the cells that it reaches.
+// around it. Where shapes look ahead (Proxy::ahead), these are their near boxes; what must not be passed through looks
+// for such shapes by itself. Boxes that are larger than a cell are few; each is compared with the others of them, and
+// with what lies in the cells that it reaches.
 #include "engine/broad_phase/neighbour_cells.h"
 
 #include <algorithm>
@@ -158,6 +159,12 @@ struct PairsOfChunk {
   void make_room(std::size_t more) {
     if (pairs.size() < count + more) pairs.resize(2 * (count + more));
   }
+  /// Of two near boxes that overlap. What looks ahead and what is guarded are paired by meet_ahead. Requires: room.
+  bool add_near(std::uint32_t a, std::uint32_t b) {
+    const Real ahead_a = proxies[a].ahead;
+    const Real ahead_b = proxies[b].ahead;
+    return (ahead_a < 0 && ahead_b > 0) || (ahead_a > 0 && ahead_b < 0) || add(a, b);
+  }
   /// Requires: room.
   bool add(std::uint32_t a, std::uint32_t b) {
     if (!may_touch(proxies[a], proxies[b])) return true;
@@ -183,7 +190,8 @@ bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, Pai
     Pair* found_end = meet<2>(boxes, query, i, i + 1, right_end, found);
     found_end = meet<looked_at_least>(boxes, query, i, next_begin, next_end, found_end);
     for (; found < found_end; ++found)
-      if (!out.add(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy)) return false;
+      if (!out.add_near(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy))
+        return false;
   }
   return true;
 }
@@ -193,15 +201,9 @@ std::uint32_t clamped(Real place, std::uint32_t count) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(larger(0, smaller(place, static_cast<Real>(count - 1)))));
 }
 
-/// The pairs of a large box with the large ones after it and with what is in cells.
-bool meet_large(const Cells& cells, const std::vector<Box>& boxes, std::size_t which, PairsOfChunk& out) {
-  const Scratch& scratch = out.scratch;
-  const std::uint32_t index = scratch.large[which];
-  const Box box = boxes[index];
-  const Query query(box);
-  out.make_room(scratch.large.size());
-  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
-    if (query.overlaps(boxes[scratch.large[k]]) && !out.add(index, scratch.large[k])) return false;
+/// Calls use(place) for the sorted boxes that a box may overlap, row by row, until it returns false.
+template <typename MakeRoom, typename Use>
+bool for_cells_of(const Scratch& scratch, const Cells& cells, const Box& box, MakeRoom make_room, Use use) {
   // What overlaps it begins in a cell that it reaches, or in one before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
   const Vec2 last = cells.inv_size * (box.upper - cells.lowest);
@@ -212,33 +214,99 @@ bool meet_large(const Cells& cells, const std::vector<Box>& boxes, std::size_t w
   for (std::uint32_t row = clamped(first.y - 1, cells.rows - 1); row <= last_row; ++row) {
     const std::uint32_t end = end_of[row * cells.columns + last_column];
     std::uint32_t place = end_of[row * cells.columns + first_column - 1];
-    if (place < end) out.make_room(end - place);
+    if (place < end) make_room(end - place);
     for (; place < end; ++place)
-      if (query.overlaps(scratch.swept_boxes[place]) && !out.add(index, scratch.swept_places[place].proxy))
-        return false;
+      if (!use(place)) return false;
   }
   return true;
 }
 
+/// The pairs of a large box with the large ones after it and with what is in cells.
+bool meet_large(const Cells& cells, const std::vector<Box>& boxes, std::size_t which, PairsOfChunk& out) {
+  const Scratch& scratch = out.scratch;
+  const std::uint32_t index = scratch.large[which];
+  const Query query(boxes[index]);
+  out.make_room(scratch.large.size());
+  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
+    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_near(index, scratch.large[k])) return false;
+  return for_cells_of(
+      scratch, cells, boxes[index], [&](std::size_t more) { out.make_room(more); },
+      [&](std::uint32_t place) {
+        return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
+      });
+}
+
+/// What looks ahead in this tick.
+struct Ahead {
+  std::span<const Box> boxes;  // [proxy] with what is ahead
+  Real farthest = 0;           // m, any looks
+};
+
+/// The pairs of a guarded shape with those that look ahead.
+bool meet_ahead(const Cells& cells, const Ahead& ahead, std::size_t which, PairsOfChunk& out) {
+  const Scratch& scratch = out.scratch;
+  const std::uint32_t index = scratch.guarded[which];
+  const Query query(ahead.boxes[index]);
+  const auto look_at = [&](std::uint32_t other) {
+    if (!(out.proxies[other].ahead > 0) || !query.overlaps(ahead.boxes[other])) return true;
+    return out.add(index, other);
+  };
+  out.make_room(scratch.large.size());
+  for (const std::uint32_t large : scratch.large)
+    if (!look_at(large)) return false;
+  const Box& box = ahead.boxes[index];
+  const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
+                 larger(absolute(box.lower.y), absolute(box.upper.y))};
+  const Vec2 extent =
+      Vec2{ahead.farthest, ahead.farthest} + 16 * epsilon * (far + Vec2{ahead.farthest, ahead.farthest});
+  const Box around{box.lower - extent, box.upper + extent};
+  const Query near(around);
+  return for_cells_of(
+      scratch, cells, around, [&](std::size_t more) { out.make_room(more); },
+      [&](std::uint32_t place) {
+        return !near.overlaps(scratch.swept_boxes[place]) || look_at(scratch.swept_places[place].proxy);
+      });
+}
+
+/// Near boxes and guarded shapes, if any shape looks ahead.
+Ahead look_ahead(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
+  Ahead ahead{boxes};
+  for (const Proxy& proxy : proxies) ahead.farthest = larger(ahead.farthest, proxy.ahead);
+  scratch.guarded.clear();
+  if (!(ahead.farthest > 0)) return ahead;
+  ahead.farthest *= 1 + 64 * epsilon;  // what was put on (ahead_of)
+  scratch.near_boxes.resize(boxes.size());
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    scratch.near_boxes[i] = near_box(boxes[i], proxies[i].ahead);
+    if (proxies[i].ahead < 0) scratch.guarded.push_back(i);
+  }
+  return ahead;
+}
+
 }  // namespace
 
-CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
+CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes) {
+  const Ahead ahead = look_ahead(scratch, proxies, all_boxes);
+  const std::vector<Box>& boxes = ahead.farthest > 0 ? scratch.near_boxes : all_boxes;
   const Real side = common_side(boxes, scratch.counts);
   if (side == 0) return CellListing::unsuited;
   const Cells cells = cells_for(boxes, side, scratch.large);
   if (cells.rows == 0 || scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
-  const std::size_t count_in_cells = boxes.size() - scratch.large.size();
-  const bool fits = list_in_chunks(
-      scratch, boxes.size(), scratch.parallel.chunk_size(boxes.size(), 128),
-      [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
-        PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
-        const std::size_t end_in_cells = std::min(chunk.end, count_in_cells);
-        bool goes_on = chunk.begin >= end_in_cells || meet_neighbours(cells, chunk.begin, end_in_cells, out);
-        for (std::size_t i = std::max(chunk.begin, count_in_cells); goes_on && i < chunk.end; ++i)
-          goes_on = meet_large(cells, boxes, i - count_in_cells, out);
-        pairs.resize(out.count);
-      });
+  // One after the other: boxes in cells, large ones, guarded ones.
+  const std::size_t end_in_cells = boxes.size() - scratch.large.size();
+  const std::size_t count = boxes.size() + scratch.guarded.size();
+  const bool fits =
+      list_in_chunks(scratch, count, scratch.parallel.chunk_size(count, 128),
+                     [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
+                       PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
+                       const std::size_t end = std::min(chunk.end, end_in_cells);
+                       bool goes_on = chunk.begin >= end || meet_neighbours(cells, chunk.begin, end, out);
+                       for (std::size_t i = std::max(chunk.begin, end_in_cells); goes_on && i < chunk.end; ++i)
+                         goes_on = i < boxes.size() ? meet_large(cells, boxes, i - end_in_cells, out)
+                                                    : meet_ahead(cells, ahead, i - boxes.size(), out);
+                       pairs.resize(out.count);
+                     });
   return fits ? CellListing::done : CellListing::too_many;
 }
 

@@ -21,6 +21,7 @@ struct Proxy {
   bool is_sensor;
   bool is_line;
   Filter filter;
+  Real ahead;  // m: so much of its box is there for what must not be passed through alone; < 0: all is for everything
 };
 
 /// Two proxies that may touch, first < second.
@@ -41,6 +42,8 @@ struct KeptPairs {
       is_still;  // [body] its pose (where contacts are foreseen: all of it) has the bits of the tick before
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
   std::vector<Proxy> proxies;
+  std::vector<std::uint8_t> looks_ahead;  // [body] its proxies have an `ahead` > 0
+  bool any_looks_ahead = false;
   std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
   std::vector<Box> large_boxes;        // [proxy]
   std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)

@@ -38,7 +38,8 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
       if (boxes[j].lower.y > box.upper.y || box.lower.y > boxes[j].upper.y) continue;
       const std::uint32_t a = entries[i].proxy;
       const std::uint32_t b = entries[j].proxy;
-      if (may_touch(proxies[a], proxies[b])) scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+      if (are_pair(proxies[a], proxies[b], box, boxes[j]))
+        scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     }
     if (are_too_many(scratch, scratch.unsorted_pairs.size())) return;
   }

@@ -103,7 +103,9 @@ bool find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t e
       const CellEntry other = scratch.cell_entries[j];
       if (other.x != entry.x || other.y != entry.y) continue;
       const Proxy& b = proxies[other.proxy];
-      if (!overlaps(scratch.boxes[entry.proxy], scratch.boxes[other.proxy]) || !may_touch(a, b)) continue;
+      const Box& box_a = scratch.boxes[entry.proxy];
+      const Box& box_b = scratch.boxes[other.proxy];
+      if (!overlaps(box_a, box_b) || !are_pair(a, b, box_a, box_b)) continue;
       const CellRange& other_cells = scratch.cell_ranges[other.proxy];
       const bool is_lowest_x = entry.x == cells.first_x || entry.x == other_cells.first_x;
       const bool is_lowest_y = entry.y == cells.first_y || entry.y == other_cells.first_y;
@@ -124,7 +126,9 @@ bool find_pairs_of_large(Scratch& scratch) {
         // Large ones meet each other once.
         if (next_large++ <= k) continue;
       }
-      if (overlaps(scratch.boxes[a], scratch.boxes[b]) && may_touch(proxies[a], proxies[b])) add_pair(scratch, a, b);
+      if (overlaps(scratch.boxes[a], scratch.boxes[b]) &&
+          are_pair(proxies[a], proxies[b], scratch.boxes[a], scratch.boxes[b]))
+        add_pair(scratch, a, b);
     }
     if (are_too_many(scratch, scratch.unsorted_pairs.size())) return false;
   }

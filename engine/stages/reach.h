@@ -40,6 +40,14 @@ inline Real sweep_of(const TickReach& tick, const BodyModel& constants, const Bo
   return tick.guards && is_fast(tick, constants, body) ? reach : Real(0);
 }
 
+/// Proxy::ahead of a body's shapes, whose boxes hold `way`. Impacts of two moving bodies are looked for only where the
+/// scene locates all impacts, contacts are foreseen, or one of them is a bullet; else their near surroundings will do.
+inline Real ahead_of(const TickReach& tick, const BodyModel& constants, Real way) {
+  if (tick.locates || tick.foresees || constants.type != BodyType::dynamic_body || constants.is_bullet) return -1;
+  if (!(way < Real(1e30))) return -1;  // nor where the box has no end
+  return (1 - 16 * epsilon) * way;  // a little less: what is taken off must not take more than was put on
+}
+
 TickReach reach_of_tick(const Model& model, const State& state, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
