@@ -68,6 +68,18 @@ Scene tiny_on_huge(int count) {
   return scene;
 }
 
+/// Half of the bodies get up to so many metres per second, every seventh is a bullet.
+Scene flung(Scene scene, double speed) {
+  engine::Random random(9);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    Body& body = scene.bodies[i];
+    if (body.type == BodyType::static_body) continue;
+    body.bullet = body.type == BodyType::dynamic_body && i % 7 == 0;
+    if (i % 2 == 0) body.velocity = {random.real(-speed, speed), random.real(-speed, speed)};
+  }
+  return scene;
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back({"nothing", empty_scene()});
@@ -86,8 +98,15 @@ std::vector<Case> cases() {
   all.push_back({"coincident dynamic bodies", coincident(0, 700)});
   all.push_back({"5,000 coincident bodies, most of them static", coincident(4998, 2)});
   all.push_back({"tiny bodies on a huge ground", tiny_on_huge(1000)});
+  all.push_back({"fast bodies", flung(scattered(1, 800, 20, 0.4, 0.5, {}), 30)});
+  all.push_back({"very fast bodies", flung(scattered(1, 800, 20, 0.4, 0.5, {}), 100)});
+  all.push_back({"fast bodies far from the origin", flung(scattered(10, 800, 20, 0.4, 0.5, {1e6, -1e6}), 30)});
+  all.push_back({"a few fast bodies of very different sizes", flung(scattered(2, 800, 100, 1e-3, 1e2, {}), 1e3)});
+  all.push_back({"bodies faster than any number", flung(scattered(11, 300, 20, 0.4, 0.5, {}), 1e200)});
   return all;
 }
+
+constexpr double dt = 0.02;
 
 }  // namespace
 
@@ -96,14 +115,14 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
     f64::Scratch expected;
-    f64::brute_force(model, state, expected, 0);
+    f64::brute_force(model, state, expected, dt);
     const Pairs touching = pairs_of(expected);
     for (const auto& info : engine::broad_phases) {
       if (info.kind == engine::BroadPhaseKind::bounding_circle) continue;  // another superset of what touches
       CAPTURE(c.name, info.name);
       f64::Scratch scratch;
       for (int again = 0; again < 2; ++again) {
-        f64::broad_phase_function(info.kind)(model, state, scratch, 0);
+        f64::broad_phase_function(info.kind)(model, state, scratch, dt);
         const bool same = pairs_of(scratch) == touching;
         CHECK(same);
         f64::poison(scratch);
@@ -180,7 +199,7 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
     f64::Scratch expected;
-    f64::brute_force(model, state, expected, 0);
+    f64::brute_force(model, state, expected, dt);
     for (const std::size_t chunk_size : {std::size_t{0}, std::size_t{1}, std::size_t{37}}) {
       f64::Scratch scratch;
       if (workers != nullptr && chunk_size > 0) scratch.parallel = {workers.get(), chunk_size};
@@ -201,6 +220,8 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
   }
   CHECK(suited.count("equal sizes") == 1);
   CHECK(suited.count("coincident dynamic bodies") == 1);
+  CHECK(suited.count("fast bodies") == 1);
+  CHECK(suited.count("fast bodies far from the origin") == 1);
   CHECK(suited.count("tiny bodies on a huge ground") == 1);
   CHECK(suited.count("very different sizes") == 0);
   CHECK(suited.count("two crowds far apart") == 0);
