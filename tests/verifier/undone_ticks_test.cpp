@@ -122,7 +122,7 @@ TEST_CASE("a scene whose shapes come together records up to the tick that has to
     scene.bodies.back().velocity = {-4 * from.x, -4 * from.y};
   }
   engine::EngineOptions few;
-  few.pair_count_max = 200;
+  few.pair_count_max = 60;
   const TemporaryFolder folder;
   const std::string path = folder.file("meeting.ttr");
   const auto engine = make_engine_or_fail(scene, few);
@@ -133,7 +133,7 @@ TEST_CASE("a scene whose shapes come together records up to the tick that has to
   const auto result = replay::record(*engine, source, path, verifier::make_trace_setup(*engine, {}),
                                      verifier::make_build_facts(), options);
   REQUIRE_FALSE(result.has_value());
-  CHECK(contains(result.error().message, ": pairs of shapes near each other: found more than 200"));
+  CHECK(contains(result.error().message, ": pairs of shapes near each other: found more than 60"));
   const Bytes trace = read_file(path);
   const std::size_t tick_count = read_all(trace).ticks.size();
   CHECK(tick_count > 3);
