@@ -46,8 +46,10 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.cell_entries);
   poison_rows(scratch.cell_starts);
   poison_rows(scratch.large);
+  poison_rows(scratch.corners);
   poison_rows(scratch.near_boxes);
-  poison_rows(scratch.guarded);
+  poison_rows(scratch.guarded_starts);
+  poison_rows(scratch.guarded_places);
   poison_rows(scratch.touching);
   poison_rows(scratch.contacts);
   poison_rows(scratch.part_counts);

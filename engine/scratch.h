@@ -72,14 +72,16 @@ struct Scratch {
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
-  std::vector<Box> swept_boxes;            // sweep_and_prune: in sweep order; neighbour_cells: by cell
-  std::vector<SweptPlace> swept_places;    // neighbour_cells: whose boxes those are
-  std::vector<CellRange> cell_ranges;      // uniform_grid, [proxy]
-  std::vector<CellEntry> cell_entries;     // uniform_grid, by bucket, dynamic ones first
-  std::vector<std::uint32_t> cell_starts;  // uniform_grid, [bucket]; neighbour_cells, [cell]
-  std::vector<std::uint32_t> large;        // uniform_grid, neighbour_cells: proxies in no cell, ascending
-  std::vector<Box> near_boxes;             // neighbour_cells, [proxy] without what is ahead
-  std::vector<std::uint32_t> guarded;      // neighbour_cells: proxies for which others look ahead
+  std::vector<Box> swept_boxes;               // sweep_and_prune: in sweep order; neighbour_cells: by cell
+  std::vector<SweptPlace> swept_places;       // neighbour_cells: whose boxes those are
+  std::vector<CellRange> cell_ranges;         // uniform_grid, [proxy]
+  std::vector<CellEntry> cell_entries;        // uniform_grid, by bucket, dynamic ones first
+  std::vector<std::uint32_t> cell_starts;     // uniform_grid, [bucket]; neighbour_cells, [cell]
+  std::vector<std::uint32_t> large;           // uniform_grid, neighbour_cells: proxies in no cell, ascending
+  std::vector<Real> corners;                  // neighbour_cells
+  std::vector<Box> near_boxes;                // neighbour_cells, [proxy] without what is ahead
+  std::vector<std::uint32_t> guarded_starts;  // neighbour_cells: [cell]
+  std::vector<std::uint32_t> guarded_places;  // neighbour_cells: the guarded proxies, by cell
 
   // narrow_phase
   std::vector<TouchingPair> touching;

@@ -4,9 +4,11 @@
 // Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
 //
 // A box belongs to the cell of its lower corner, so that what it overlaps lies in the same cell or in one of the eight
-// around it. Where shapes look ahead (Proxy::ahead), these are their near boxes; what must not be passed through looks
-// for such shapes by itself. Boxes that are larger than a cell are few; each is compared with the others of them, and
-// with what lies in the cells that it reaches.
+// around it. Boxes that are larger than a cell, or far from the others, are few; each is compared with the others of
+// them, and with what lies in the cells that it reaches.
+//
+// Where shapes look ahead (Proxy::ahead), all these are their near boxes. With their whole boxes they look among what
+// must not be passed through, which for this is in cells by itself.
 #include "engine/broad_phase/neighbour_cells.h"
 
 #include <algorithm>
@@ -67,27 +69,69 @@ struct Cells {
   std::uint32_t rows;     // with the empty one
 };
 
-/// Cells for the boxes of at most this side; without rows if they are unsuited. Lists the others in `large`.
-Cells cells_for(const std::vector<Box>& boxes, Real side, std::vector<std::uint32_t>& large) {
-  Vec2 lowest{Real(1e38), Real(1e38)}, highest{Real(-1e38), Real(-1e38)};
-  large.clear();
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    const Box& box = boxes[i];
-    if (!fits_into(box, side)) {
-      large.push_back(i);
-      continue;
+/// Where lower corners are, m.
+struct Region {
+  Vec2 lowest{Real(1e38), Real(1e38)};
+  Vec2 highest{Real(-1e38), Real(-1e38)};
+};
+bool holds(const Region& region, Vec2 corner) {
+  return corner.x >= region.lowest.x && corner.x <= region.highest.x && corner.y >= region.lowest.y &&
+         corner.y <= region.highest.y;
+}
+
+/// The region of the boxes of at most this side, without the `apart` ones that are farthest out in each direction.
+Region region_of(const std::vector<Box>& boxes, Real side, std::size_t apart, std::vector<Real>& corners) {
+  Region region;
+  if (apart == 0) {
+    for (const Box& box : boxes) {
+      if (!fits_into(box, side)) continue;
+      region.lowest = {smaller(region.lowest.x, box.lower.x), smaller(region.lowest.y, box.lower.y)};
+      region.highest = {larger(region.highest.x, box.lower.x), larger(region.highest.y, box.lower.y)};
     }
-    lowest = {smaller(lowest.x, box.lower.x), smaller(lowest.y, box.lower.y)};
-    highest = {larger(highest.x, box.lower.x), larger(highest.y, box.lower.y)};
+    return region;
   }
-  const Vec2 extent = highest - lowest;
-  const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(boxes.size()));
+  const auto without_ends = [&](Real Vec2::*axis) {
+    corners.clear();
+    for (const Box& box : boxes)
+      if (fits_into(box, side)) corners.push_back(box.lower.*axis);
+    if (corners.size() <= 2 * apart) return;
+    const auto first = corners.begin() + static_cast<std::ptrdiff_t>(apart);
+    const auto last = corners.end() - 1 - static_cast<std::ptrdiff_t>(apart);
+    std::nth_element(corners.begin(), first, corners.end());
+    region.lowest.*axis = *first;
+    std::nth_element(first, last, corners.end());
+    region.highest.*axis = *last;
+  };
+  without_ends(&Vec2::x);
+  without_ends(&Vec2::y);
+  return region;
+}
+
+/// Cells for so many boxes of at most this side in a region; without rows if they are unsuited.
+Cells cells_in(const Region& region, Real side, std::size_t count) {
+  const Vec2 extent = region.highest - region.lowest;
+  const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(count));
   const Real size = larger(room_share * side, square_root(area_per_cell));
   if (!(size <= cell_ratio_max * side)) return {};
   const Real inv_size = 1 / size;
   if (!(extent.x * inv_size < cells_in_line_max) || !(extent.y * inv_size < cells_in_line_max)) return {};
-  return {lowest, inv_size, static_cast<std::uint32_t>(extent.x * inv_size) + 3,
+  return {region.lowest, inv_size, static_cast<std::uint32_t>(extent.x * inv_size) + 3,
           static_cast<std::uint32_t>(extent.y * inv_size) + 2};
+}
+
+/// Cells for the boxes of at most this side, all of them or all but a few that are far out; without rows if they are
+/// unsuited. Lists the others in scratch.large.
+Cells cells_for(Scratch& scratch, const std::vector<Box>& boxes, Real side) {
+  Region region = region_of(boxes, side, 0, scratch.corners);
+  Cells cells = cells_in(region, side, boxes.size());
+  if (cells.rows == 0) {
+    region = region_of(boxes, side, large_count_max(boxes.size()) / 4, scratch.corners);
+    cells = cells_in(region, side, boxes.size());
+  }
+  scratch.large.clear();
+  for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    if (!fits_into(boxes[i], side) || !holds(region, boxes[i].lower)) scratch.large.push_back(i);
+  return cells;
 }
 
 /// Sorts the boxes by cell, but those in scratch.large.
@@ -159,7 +203,8 @@ struct PairsOfChunk {
   void make_room(std::size_t more) {
     if (pairs.size() < count + more) pairs.resize(2 * (count + more));
   }
-  /// Of two near boxes that overlap. What looks ahead and what is guarded are paired by meet_ahead. Requires: room.
+  /// Of two near boxes that overlap. What looks ahead and what is guarded are paired by
+  /// themselves. Requires: room.
   bool add_near(std::uint32_t a, std::uint32_t b) {
     const Real ahead_a = proxies[a].ahead;
     const Real ahead_b = proxies[b].ahead;
@@ -201,16 +246,17 @@ std::uint32_t clamped(Real place, std::uint32_t count) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(larger(0, smaller(place, static_cast<Real>(count - 1)))));
 }
 
-/// Calls use(place) for the sorted boxes that a box may overlap, row by row, until it returns false.
+/// Calls use(place) for what is in the cells of a table whose boxes a box may overlap, row by row, until it returns
+/// false. `end_of`: [cell], where its entries end.
 template <typename MakeRoom, typename Use>
-bool for_cells_of(const Scratch& scratch, const Cells& cells, const Box& box, MakeRoom make_room, Use use) {
+bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, MakeRoom make_room,
+                  Use use) {
   // What overlaps it begins in a cell that it reaches, or in one before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
   const Vec2 last = cells.inv_size * (box.upper - cells.lowest);
   const std::uint32_t first_column = clamped(first.x - 1, cells.columns - 2) + 1;
   const std::uint32_t last_column = clamped(last.x, cells.columns - 2) + 1;
   const std::uint32_t last_row = clamped(last.y, cells.rows - 1);
-  const std::uint32_t* end_of = scratch.cell_starts.data();
   for (std::uint32_t row = clamped(first.y - 1, cells.rows - 1); row <= last_row; ++row) {
     const std::uint32_t end = end_of[row * cells.columns + last_column];
     std::uint32_t place = end_of[row * cells.columns + first_column - 1];
@@ -221,32 +267,29 @@ bool for_cells_of(const Scratch& scratch, const Cells& cells, const Box& box, Ma
   return true;
 }
 
-/// The pairs of a large box with the large ones after it and with what is in cells.
-bool meet_large(const Cells& cells, const std::vector<Box>& boxes, std::size_t which, PairsOfChunk& out) {
+/// What looks ahead in this tick.
+struct Ahead {
+  const std::vector<Box>& boxes;  // [proxy] with what is ahead
+  Real farthest = 0;              // m, any looks
+};
+
+/// The pairs of a shape that looks ahead with guarded ones in cells.
+bool meet_guarded(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
-  const std::uint32_t index = scratch.large[which];
-  const Query query(boxes[index]);
-  out.make_room(scratch.large.size());
-  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
-    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_near(index, scratch.large[k])) return false;
+  const Query query(ahead.boxes[index]);
   return for_cells_of(
-      scratch, cells, boxes[index], [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.guarded_starts, ahead.boxes[index], [&](std::size_t more) { out.make_room(more); },
       [&](std::uint32_t place) {
-        return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
+        const std::uint32_t other = scratch.guarded_places[place];
+        return !query.overlaps(ahead.boxes[other]) || out.add(index, other);
       });
 }
 
-/// What looks ahead in this tick.
-struct Ahead {
-  std::span<const Box> boxes;  // [proxy] with what is ahead
-  Real farthest = 0;           // m, any looks
-};
-
-/// The pairs of a guarded shape with those that look ahead.
-bool meet_ahead(const Cells& cells, const Ahead& ahead, std::size_t which, PairsOfChunk& out) {
+/// The pairs of a large guarded shape with those that look ahead.
+bool meet_ahead(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
-  const std::uint32_t index = scratch.guarded[which];
-  const Query query(ahead.boxes[index]);
+  const Box& box = ahead.boxes[index];
+  const Query query(box);
   const auto look_at = [&](std::uint32_t other) {
     if (!(out.proxies[other].ahead > 0) || !query.overlaps(ahead.boxes[other])) return true;
     return out.add(index, other);
@@ -254,57 +297,89 @@ bool meet_ahead(const Cells& cells, const Ahead& ahead, std::size_t which, Pairs
   out.make_room(scratch.large.size());
   for (const std::uint32_t large : scratch.large)
     if (!look_at(large)) return false;
-  const Box& box = ahead.boxes[index];
   const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
                  larger(absolute(box.lower.y), absolute(box.upper.y))};
-  const Vec2 extent =
-      Vec2{ahead.farthest, ahead.farthest} + 16 * epsilon * (far + Vec2{ahead.farthest, ahead.farthest});
+  const Vec2 farthest{ahead.farthest, ahead.farthest};
+  const Vec2 extent = farthest + 16 * epsilon * (far + farthest);
   const Box around{box.lower - extent, box.upper + extent};
   const Query near(around);
   return for_cells_of(
-      scratch, cells, around, [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.cell_starts, around, [&](std::size_t more) { out.make_room(more); },
       [&](std::uint32_t place) {
         return !near.overlaps(scratch.swept_boxes[place]) || look_at(scratch.swept_places[place].proxy);
       });
 }
 
-/// Near boxes and guarded shapes, if any shape looks ahead.
+/// The pairs of a large box with the large ones after it and with what is in cells.
+bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const Ahead& ahead, std::size_t which,
+                PairsOfChunk& out) {
+  const Scratch& scratch = out.scratch;
+  const std::uint32_t index = scratch.large[which];
+  const Query query(boxes[index]);
+  out.make_room(scratch.large.size());
+  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
+    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_near(index, scratch.large[k])) return false;
+  const bool goes_on = for_cells_of(
+      cells, scratch.cell_starts, boxes[index], [&](std::size_t more) { out.make_room(more); },
+      [&](std::uint32_t place) {
+        return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
+      });
+  if (!goes_on || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
+  return out.proxies[index].ahead > 0 ? meet_guarded(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
+}
+
+/// Near boxes, if any shape looks ahead.
 Ahead look_ahead(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
   Ahead ahead{boxes};
   for (const Proxy& proxy : proxies) ahead.farthest = larger(ahead.farthest, proxy.ahead);
-  scratch.guarded.clear();
   if (!(ahead.farthest > 0)) return ahead;
   ahead.farthest *= 1 + 64 * epsilon;  // what was put on (ahead_of)
   scratch.near_boxes.resize(boxes.size());
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    scratch.near_boxes[i] = near_box(boxes[i], proxies[i].ahead);
-    if (proxies[i].ahead < 0) scratch.guarded.push_back(i);
-  }
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) scratch.near_boxes[i] = near_box(boxes[i], proxies[i].ahead);
   return ahead;
+}
+
+/// Sorts the guarded shapes by cell, but those in scratch.large. Requires: fill_cells.
+void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
+  std::vector<std::uint32_t>& start = scratch.guarded_starts;
+  const std::vector<std::uint32_t>& cell_of = scratch.counts;
+  start.assign(scratch.cell_starts.size(), 0);
+  const auto for_each = [&](auto use) {
+    for (std::uint32_t i = 0; i < proxies.size(); ++i)
+      if (proxies[i].ahead < 0 && cell_of[i] != in_no_cell) use(i);
+  };
+  for_each([&](std::uint32_t i) { ++start[cell_of[i] + 1]; });
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.guarded_places.resize(start.back());
+  for_each([&](std::uint32_t i) { scratch.guarded_places[start[cell_of[i]]++] = i; });
 }
 
 }  // namespace
 
 CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes) {
   const Ahead ahead = look_ahead(scratch, proxies, all_boxes);
-  const std::vector<Box>& boxes = ahead.farthest > 0 ? scratch.near_boxes : all_boxes;
+  const bool some_look_ahead = ahead.farthest > 0;
+  const std::vector<Box>& boxes = some_look_ahead ? scratch.near_boxes : all_boxes;
   const Real side = common_side(boxes, scratch.counts);
   if (side == 0) return CellListing::unsuited;
-  const Cells cells = cells_for(boxes, side, scratch.large);
+  const Cells cells = cells_for(scratch, boxes, side);
   if (cells.rows == 0 || scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
-  // One after the other: boxes in cells, large ones, guarded ones.
+  if (some_look_ahead) fill_guarded_cells(scratch, proxies);
+  // Boxes in cells, then the large ones.
   const std::size_t end_in_cells = boxes.size() - scratch.large.size();
-  const std::size_t count = boxes.size() + scratch.guarded.size();
   const bool fits =
-      list_in_chunks(scratch, count, scratch.parallel.chunk_size(count, 128),
+      list_in_chunks(scratch, boxes.size(), scratch.parallel.chunk_size(boxes.size(), 128),
                      [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
                        PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
                        const std::size_t end = std::min(chunk.end, end_in_cells);
                        bool goes_on = chunk.begin >= end || meet_neighbours(cells, chunk.begin, end, out);
+                       for (std::size_t place = chunk.begin; some_look_ahead && goes_on && place < end; ++place) {
+                         const std::uint32_t index = scratch.swept_places[place].proxy;
+                         if (proxies[index].ahead > 0) goes_on = meet_guarded(cells, ahead, index, out);
+                       }
                        for (std::size_t i = std::max(chunk.begin, end_in_cells); goes_on && i < chunk.end; ++i)
-                         goes_on = i < boxes.size() ? meet_large(cells, boxes, i - end_in_cells, out)
-                                                    : meet_ahead(cells, ahead, i - boxes.size(), out);
+                         goes_on = meet_large(cells, boxes, ahead, i - end_in_cells, out);
                        pairs.resize(out.count);
                      });
   return fits ? CellListing::done : CellListing::too_many;
