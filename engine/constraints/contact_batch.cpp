@@ -265,10 +265,7 @@ void fill_batches(const Model& model, const State& state, Scratch& scratch, cons
     if (has_surfaces) out.surfaces[i] = {};
     for (std::uint32_t lane = 0; lane < contact_lane_count; ++lane) {
       const std::uint32_t contact = slots[lane];
-      if (contact == no_contact) {
-        empty_lane(scratch, batch, lane, unread);
-        continue;
-      }
+      if (contact == no_contact) break;
       if (const std::size_t later = i * contact_lane_count + lane + slots_ahead;
           later < slot_end)  // a colour skips over memory
         if (out.slots[later] != no_contact) {
@@ -282,6 +279,10 @@ void fill_batches(const Model& model, const State& state, Scratch& scratch, cons
       if (has_surfaces) fill_surface(scratch, out.surfaces[i], lane, pair);
       ++batch.count;
     }
+    // Kernels take one that is alone by itself, but where it may bounce; else so many lanes at a time.
+    const auto count = static_cast<std::uint32_t>(batch.count);
+    const std::uint32_t read = count == 1 && !bounces ? 1 : (count + lane_count - 1) / lane_count * lane_count;
+    for (std::uint32_t lane = count; lane < read; ++lane) empty_lane(scratch, batch, lane, unread);
   }
 }
 

@@ -41,11 +41,16 @@ struct Group {
   }
 };
 
-/// Runs `solve_group` over the contacts of all batches, two vectors of them at a time where there are so many.
+/// Runs `solve_group` over the contacts of all batches: two vectors of them at a time where there are so many, and one
+/// by itself where it is alone in its batch, as those of a body that touches everything are.
 template <typename Solve>
 TICKTRUE_INLINE void for_groups(const ContactWork& work, Solve solve_group) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     ContactBatch& batch = work.batches[i];
+    if (batch.count == 1) {
+      solve_group(Group<Real>{batch, 0}, i);
+      continue;
+    }
     for (int first = 0; first < batch.count; first += VectorOf<Twin>::count)
       if (first + wide_count < batch.count)
         solve_group(Group<Twin>{batch, first}, i);
@@ -284,53 +289,57 @@ void warm_start(const ContactWork& work) {
                 __attribute__((always_inline)) { warm_start_group<features>(work, group); });
 }
 
-TICKTRUE_INLINE Wide inverse_or_zero(Wide k) {
-  const Wide zero{};
+template <typename V>
+TICKTRUE_INLINE V inverse_or_zero(V k) {
+  const V zero{};
+  const V one = VectorOf<V>::spread(1);
   const auto exists = k > zero;
-  return exists ? spread(1) / (exists ? k : spread(1)) : zero;
+  return choose(exists, one / choose(exists, k, one), zero);
+}
+
+template <unsigned features, typename V>
+TICKTRUE_INLINE void prepare_group(const ContactWork& work, std::size_t i, const Group<V>& group) {
+  ContactBatch& batch = group.batch;
+  const V h = VectorOf<V>::spread(work.h);
+  const Pair<V> pair = load_pair(group, work.bodies);
+  const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+  const V speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+  for (int p = 0; p < points_of(features); ++p) {
+    ContactPointLanes& point = batch.points[p];
+    const V ax = group.load(point.normal_arm_a), ay = group.load(point.normal_arm_b);
+    const V bx = group.load(point.tangent_arm_a), by = group.load(point.tangent_arm_b);
+    const auto effective_mass = [&](V arm_a, V arm_b) {
+      return inverse_or_zero((inv_mass + pair.inv_inertia_a * arm_a * arm_a) + pair.inv_inertia_b * arm_b * arm_b);
+    };
+    const V arm_a = ax * pair.ny - ay * pair.nx;
+    const V arm_b = bx * pair.ny - by * pair.nx;
+    const V tangent_a = -(ax * pair.nx + ay * pair.ny);
+    const V tangent_b = -(bx * pair.nx + by * pair.ny);
+    const V exists = group.load(point.normal_mass);
+    group.store(point.normal_arm_a, arm_a);
+    group.store(point.normal_arm_b, arm_b);
+    group.store(point.tangent_arm_a, tangent_a);
+    group.store(point.tangent_arm_b, tangent_b);
+    group.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
+    group.store(point.normal_impulse, h * group.load(point.normal_impulse));
+    if constexpr (has(features, contact_feature::friction)) {
+      group.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
+      group.store(point.tangent_impulse, h * group.load(point.tangent_impulse));
+    } else {
+      group.store(point.tangent_impulse, V{});
+    }
+    if constexpr (has(features, contact_feature::bounce)) {
+      const V approach = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+      group.store(work.bounces[i].approach[p], approach);
+    }
+  }
 }
 
 template <unsigned features>
 void prepare(const ContactWork& work) {
-  const Wide h = spread(work.h);
-  for (std::size_t i = 0; i < work.batch_count; ++i) {
-    ContactBatch& batch = work.batches[i];
-    for (int first = 0; first < batch.count; first += wide_count) {
-      const Group<Wide> group{batch, first};
-      const Pair<Wide> pair = load_pair(group, work.bodies);
-      const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-      const Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
-      for (int p = 0; p < points_of(features); ++p) {
-        ContactPointLanes& point = batch.points[p];
-        const Wide ax = group.load(point.normal_arm_a), ay = group.load(point.normal_arm_b);
-        const Wide bx = group.load(point.tangent_arm_a), by = group.load(point.tangent_arm_b);
-        const auto effective_mass = [&](Wide arm_a, Wide arm_b) {
-          return inverse_or_zero((inv_mass + pair.inv_inertia_a * arm_a * arm_a) + pair.inv_inertia_b * arm_b * arm_b);
-        };
-        const Wide arm_a = ax * pair.ny - ay * pair.nx;
-        const Wide arm_b = bx * pair.ny - by * pair.nx;
-        const Wide tangent_a = -(ax * pair.nx + ay * pair.ny);
-        const Wide tangent_b = -(bx * pair.nx + by * pair.ny);
-        const Wide exists = group.load(point.normal_mass);
-        group.store(point.normal_arm_a, arm_a);
-        group.store(point.normal_arm_b, arm_b);
-        group.store(point.tangent_arm_a, tangent_a);
-        group.store(point.tangent_arm_b, tangent_b);
-        group.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
-        group.store(point.normal_impulse, h * group.load(point.normal_impulse));
-        if constexpr (has(features, contact_feature::friction)) {
-          group.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
-          group.store(point.tangent_impulse, h * group.load(point.tangent_impulse));
-        } else {
-          group.store(point.tangent_impulse, Wide{});
-        }
-        if constexpr (has(features, contact_feature::bounce)) {
-          const Wide approach = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
-          group.store(work.bounces[i].approach[p], approach);
-        }
-      }
-    }
-  }
+  for_groups(
+      work, [&](const auto& group, std::size_t i)
+                __attribute__((always_inline)) { prepare_group<features>(work, i, group); });
 }
 
 bool any_of(decltype(Wide{} > Wide{}) lanes) {

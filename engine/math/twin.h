@@ -25,6 +25,12 @@ TICKTRUE_INLINE Twin operator-(Twin a, Twin b) {
 TICKTRUE_INLINE Twin operator*(Twin a, Twin b) {
   return {a.at[0] * b.at[0], a.at[1] * b.at[1]};
 }
+TICKTRUE_INLINE Twin operator/(Twin a, Twin b) {
+  return {a.at[0] / b.at[0], a.at[1] / b.at[1]};
+}
+TICKTRUE_INLINE Twin operator-(Twin a) {
+  return {-a.at[0], -a.at[1]};
+}
 TICKTRUE_INLINE Twin& operator+=(Twin& a, Twin b) {
   return a = a + b;
 }
@@ -47,9 +53,28 @@ TICKTRUE_INLINE Twin choose(TwinMask mask, Twin a, Twin b) {
   return {choose(mask.at[0], a.at[0], b.at[0]), choose(mask.at[1], a.at[1], b.at[1])};
 }
 
-/// What kernels need to know of Wide and of Twin, to be written once.
+// A single lane is a Real.
+TICKTRUE_INLINE Real larger(Real a, Real b) {
+  return a > b ? a : b;
+}
+TICKTRUE_INLINE Real smaller(Real a, Real b) {
+  return a < b ? a : b;
+}
+TICKTRUE_INLINE Real choose(bool condition, Real a, Real b) {
+  return condition ? a : b;
+}
+
+/// What kernels need to know of Real, Wide and Twin, to be written once.
 template <typename Vector>
 struct VectorOf;
+
+template <>
+struct VectorOf<Real> {
+  static constexpr int count = 1;
+  TICKTRUE_INLINE static Real load(const Real* from) { return *from; }
+  TICKTRUE_INLINE static void store(Real* to, Real value) { *to = value; }
+  TICKTRUE_INLINE static Real spread(Real value) { return value; }
+};
 
 template <>
 struct VectorOf<Wide> {
@@ -76,22 +101,36 @@ struct QuadsOf {
   V at[4];
 };
 
+/// A quad in as many registers as it takes: loaded and stored whole, as other batches do (quads.h).
+inline constexpr int quad_part_length = wide_count < 4 ? wide_count : 4;
+using QuadPart = Real __attribute__((vector_size(quad_part_length * sizeof(Real))));
+
 /// As gather_quads.
 template <typename V, int stride>
 TICKTRUE_INLINE QuadsOf<V> gather_quads_of(const Real* rows, const std::uint32_t* index) {
-  const Quads low = gather_quads<stride>(rows, index);
-  if constexpr (VectorOf<V>::count == wide_count) {
-    return {{low.at[0], low.at[1], low.at[2], low.at[3]}};
+  QuadsOf<V> quads;
+  if constexpr (VectorOf<V>::count == 1) {
+    QuadPart part[4 / quad_part_length];
+    std::memcpy(part, rows + static_cast<std::size_t>(index[0]) * stride, sizeof part);
+    for (int i = 0; i < 4; ++i) quads.at[i] = part[i / quad_part_length][i % quad_part_length];
+  } else if constexpr (VectorOf<V>::count == wide_count) {
+    const Quads all = gather_quads<stride>(rows, index);
+    for (int i = 0; i < 4; ++i) quads.at[i] = all.at[i];
   } else {
+    const Quads low = gather_quads<stride>(rows, index);
     const Quads high = gather_quads<stride>(rows, index + wide_count);
-    return {
-        {{{low.at[0], high.at[0]}}, {{low.at[1], high.at[1]}}, {{low.at[2], high.at[2]}}, {{low.at[3], high.at[3]}}}};
+    for (int i = 0; i < 4; ++i) quads.at[i] = {{low.at[i], high.at[i]}};
   }
+  return quads;
 }
 /// As scatter_quads.
 template <typename V, int stride>
 TICKTRUE_INLINE void scatter_quads_of(Real* rows, const std::uint32_t* index, const QuadsOf<V>& quads) {
-  if constexpr (VectorOf<V>::count == wide_count) {
+  if constexpr (VectorOf<V>::count == 1) {
+    QuadPart part[4 / quad_part_length];
+    for (int i = 0; i < 4; ++i) part[i / quad_part_length][i % quad_part_length] = quads.at[i];
+    std::memcpy(rows + static_cast<std::size_t>(index[0]) * stride, part, sizeof part);
+  } else if constexpr (VectorOf<V>::count == wide_count) {
     scatter_quads<stride>(rows, index, {{quads.at[0], quads.at[1], quads.at[2], quads.at[3]}});
   } else {
     for (int half = 0; half < 2; ++half)
