@@ -223,12 +223,19 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
 
 constexpr std::uint32_t ticks_held_least = 6;  // after the one in which all was built; less was not worth it
 constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
+constexpr std::uint32_t ticks_per_side = 8;    // for which cells are of one size
 
 /// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.
 bool list_present_pairs(Scratch& scratch) {
   KeptPairs& kept = scratch.kept.pairs;
   kept.has_pairs = false;
-  const CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes);
+  const bool has_side = kept.common_side > 0 && kept.restless_ticks % ticks_per_side != 0;
+  if (!has_side) kept.common_side = 0;
+  CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
+  if (listing == CellListing::unsuited && has_side) {
+    kept.common_side = 0;
+    listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
+  }
   if (listing == CellListing::unsuited) return false;
   if (listing == CellListing::too_many)
     are_too_many(scratch, scratch.pair_count_max + 1);

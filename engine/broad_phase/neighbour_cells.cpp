@@ -271,6 +271,7 @@ bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, 
 struct Ahead {
   const std::vector<Box>& boxes;  // [proxy] with what is ahead
   Real farthest = 0;              // m, any looks
+  bool any_guarded = false;
 };
 
 /// The pairs of a shape that looks ahead with guarded ones in cells.
@@ -324,14 +325,17 @@ bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const Ahead& 
       [&](std::uint32_t place) {
         return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
       });
-  if (!goes_on || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
+  if (!goes_on || !ahead.any_guarded || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
   return out.proxies[index].ahead > 0 ? meet_guarded(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
 }
 
 /// Near boxes, if any shape looks ahead.
 Ahead look_ahead(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
   Ahead ahead{boxes};
-  for (const Proxy& proxy : proxies) ahead.farthest = larger(ahead.farthest, proxy.ahead);
+  for (const Proxy& proxy : proxies) {
+    ahead.farthest = larger(ahead.farthest, proxy.ahead);
+    ahead.any_guarded |= proxy.ahead < 0;
+  }
   if (!(ahead.farthest > 0)) return ahead;
   ahead.farthest *= 1 + 64 * epsilon;  // what was put on (ahead_of)
   scratch.near_boxes.resize(boxes.size());
@@ -356,11 +360,12 @@ void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
 
 }  // namespace
 
-CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes) {
+CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes,
+                          Real& side) {
   const Ahead ahead = look_ahead(scratch, proxies, all_boxes);
-  const bool some_look_ahead = ahead.farthest > 0;
-  const std::vector<Box>& boxes = some_look_ahead ? scratch.near_boxes : all_boxes;
-  const Real side = common_side(boxes, scratch.counts);
+  const std::vector<Box>& boxes = ahead.farthest > 0 ? scratch.near_boxes : all_boxes;
+  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_guarded;
+  if (side == 0) side = common_side(boxes, scratch.counts);
   if (side == 0) return CellListing::unsuited;
   const Cells cells = cells_for(scratch, boxes, side);
   if (cells.rows == 0 || scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;

@@ -54,6 +54,7 @@ struct KeptPairs {
   bool has_pairs = false;              // `pairs`, large boxes and trees are those of these proxies
   std::uint32_t ticks_held = 0;        // since they were built
   std::uint32_t restless_ticks = 0;    // for so many no pairs are kept
+  Real common_side = 0;                // m, of their boxes (neighbour_cells.h)
   BoxTree moving_tree;
   BoxTree static_tree;
 };

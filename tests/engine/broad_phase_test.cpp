@@ -203,7 +203,8 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
     for (const std::size_t chunk_size : {std::size_t{0}, std::size_t{1}, std::size_t{37}}) {
       f64::Scratch scratch;
       if (workers != nullptr && chunk_size > 0) scratch.parallel = {workers.get(), chunk_size};
-      const f64::CellListing listing = f64::list_by_cells(scratch, expected.proxies, expected.boxes);
+      double side = 0;
+      const f64::CellListing listing = f64::list_by_cells(scratch, expected.proxies, expected.boxes, side);
       CAPTURE(c.name, chunk_size);
       REQUIRE(listing != f64::CellListing::too_many);
       if (listing != f64::CellListing::done) continue;
@@ -213,9 +214,9 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
       CHECK(same);
       if (expected.pairs.size() < 2) continue;
       scratch.pair_count_max = expected.pairs.size();
-      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes) == f64::CellListing::done);
+      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::done);
       scratch.pair_count_max = expected.pairs.size() - 1;
-      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes) == f64::CellListing::too_many);
+      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::too_many);
     }
   }
   CHECK(suited.count("equal sizes") == 1);
@@ -244,12 +245,14 @@ TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase
     for (std::uint32_t j = i + 1; j < boxes.size(); ++j)
       if (f64::overlaps(boxes[i], boxes[j]) && f64::may_touch(all.proxies[i], all.proxies[j]))
         expected.emplace_back(i, j);
-  REQUIRE(f64::list_by_cells(all, all.proxies, boxes) == f64::CellListing::done);
+  double side = 0;
+  REQUIRE(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::done);
   f64::sort_pairs(all, all.proxies.size(), all.pairs);
   const bool same = pairs_of(all) == expected;
   CHECK(same);
   for (std::size_t i = 200; i < 400; ++i) boxes[i].lower.x = nan;  // more than may be large
-  CHECK(f64::list_by_cells(all, all.proxies, boxes) == f64::CellListing::unsuited);
+  side = 0;
+  CHECK(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::unsuited);
 }
 
 TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase][analytic]") {
