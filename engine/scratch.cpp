@@ -46,7 +46,6 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.cell_entries);
   poison_rows(scratch.cell_starts);
   poison_rows(scratch.large);
-  poison_rows(scratch.corners);
   poison_rows(scratch.near_boxes);
   poison_rows(scratch.guarded_starts);
   poison_rows(scratch.guarded_places);

@@ -78,7 +78,6 @@ struct Scratch {
   std::vector<CellEntry> cell_entries;        // uniform_grid, by bucket, dynamic ones first
   std::vector<std::uint32_t> cell_starts;     // uniform_grid, [bucket]; neighbour_cells, [cell]
   std::vector<std::uint32_t> large;           // uniform_grid, neighbour_cells: proxies in no cell, ascending
-  std::vector<Real> corners;                  // neighbour_cells
   std::vector<Box> near_boxes;                // neighbour_cells, [proxy] without what is ahead
   std::vector<std::uint32_t> guarded_starts;  // neighbour_cells: [cell]
   std::vector<std::uint32_t> guarded_places;  // neighbour_cells: the guarded proxies, by cell

@@ -70,67 +70,75 @@ struct Cells {
 };
 
 /// Where lower corners are, m.
-struct Region {
+struct Spread {
   Vec2 lowest{Real(1e38), Real(1e38)};
   Vec2 highest{Real(-1e38), Real(-1e38)};
 };
-bool holds(const Region& region, Vec2 corner) {
-  return corner.x >= region.lowest.x && corner.x <= region.highest.x && corner.y >= region.lowest.y &&
-         corner.y <= region.highest.y;
+bool holds(const Spread& spread, Vec2 corner) {
+  return corner.x >= spread.lowest.x && corner.x <= spread.highest.x && corner.y >= spread.lowest.y &&
+         corner.y <= spread.highest.y;
 }
 
-/// The region of the boxes of at most this side, without the `apart` ones that are farthest out in each direction.
-Region region_of(const std::vector<Box>& boxes, Real side, std::size_t apart, std::vector<Real>& corners) {
-  Region region;
-  if (apart == 0) {
-    for (const Box& box : boxes) {
-      if (!fits_into(box, side)) continue;
-      region.lowest = {smaller(region.lowest.x, box.lower.x), smaller(region.lowest.y, box.lower.y)};
-      region.highest = {larger(region.highest.x, box.lower.x), larger(region.highest.y, box.lower.y)};
-    }
-    return region;
+/// Of the boxes of at most this side.
+Spread spread_of(const std::vector<Box>& boxes, Real side) {
+  Spread spread;
+  for (const Box& box : boxes) {
+    if (!fits_into(box, side)) continue;
+    spread.lowest = {smaller(spread.lowest.x, box.lower.x), smaller(spread.lowest.y, box.lower.y)};
+    spread.highest = {larger(spread.highest.x, box.lower.x), larger(spread.highest.y, box.lower.y)};
   }
-  const auto without_ends = [&](Real Vec2::*axis) {
-    corners.clear();
-    for (const Box& box : boxes)
-      if (fits_into(box, side)) corners.push_back(box.lower.*axis);
-    if (corners.size() <= 2 * apart) return;
-    const auto first = corners.begin() + static_cast<std::ptrdiff_t>(apart);
-    const auto last = corners.end() - 1 - static_cast<std::ptrdiff_t>(apart);
-    std::nth_element(corners.begin(), first, corners.end());
-    region.lowest.*axis = *first;
-    std::nth_element(first, last, corners.end());
-    region.highest.*axis = *last;
-  };
-  without_ends(&Vec2::x);
-  without_ends(&Vec2::y);
-  return region;
+  return spread;
 }
 
-/// Cells for so many boxes of at most this side in a region; without rows if they are unsuited.
-Cells cells_in(const Region& region, Real side, std::size_t count) {
-  const Vec2 extent = region.highest - region.lowest;
+/// Without what is farther than some deviations from the mean, a few times over: those far out are in the first.
+Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread) {
+  constexpr Real deviations = 4;
+  const auto for_each = [&](auto use) {
+    for (const Box& box : boxes)
+      if (fits_into(box, side) && holds(spread, box.lower)) use(box.lower);
+  };
+  for (int round = 0; round < 3; ++round) {
+    Real count = 0;
+    Vec2 mean;
+    for_each([&](Vec2 corner) {
+      mean = mean + corner;
+      ++count;
+    });
+    mean = (1 / larger(count, 1)) * mean;
+    Vec2 deviation;
+    for_each([&](Vec2 corner) {
+      deviation = deviation + Vec2{absolute(corner.x - mean.x), absolute(corner.y - mean.y)};
+    });
+    const Vec2 extent = (deviations / larger(count, 1)) * deviation;
+    spread = {mean - extent, mean + extent};
+  }
+  return spread;
+}
+
+/// Cells for so many boxes of at most this side that are spread so far; without rows if they are unsuited.
+Cells cells_in(const Spread& spread, Real side, std::size_t count) {
+  const Vec2 extent = spread.highest - spread.lowest;
   const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(count));
   const Real size = larger(room_share * side, square_root(area_per_cell));
   if (!(size <= cell_ratio_max * side)) return {};
   const Real inv_size = 1 / size;
   if (!(extent.x * inv_size < cells_in_line_max) || !(extent.y * inv_size < cells_in_line_max)) return {};
-  return {region.lowest, inv_size, static_cast<std::uint32_t>(extent.x * inv_size) + 3,
+  return {spread.lowest, inv_size, static_cast<std::uint32_t>(extent.x * inv_size) + 3,
           static_cast<std::uint32_t>(extent.y * inv_size) + 2};
 }
 
 /// Cells for the boxes of at most this side, all of them or all but a few that are far out; without rows if they are
 /// unsuited. Lists the others in scratch.large.
 Cells cells_for(Scratch& scratch, const std::vector<Box>& boxes, Real side) {
-  Region region = region_of(boxes, side, 0, scratch.corners);
-  Cells cells = cells_in(region, side, boxes.size());
+  Spread spread = spread_of(boxes, side);
+  Cells cells = cells_in(spread, side, boxes.size());
   if (cells.rows == 0) {
-    region = region_of(boxes, side, large_count_max(boxes.size()) / 4, scratch.corners);
-    cells = cells_in(region, side, boxes.size());
+    spread = without_outliers(boxes, side, spread);
+    cells = cells_in(spread, side, boxes.size());
   }
   scratch.large.clear();
   for (std::uint32_t i = 0; i < boxes.size(); ++i)
-    if (!fits_into(boxes[i], side) || !holds(region, boxes[i].lower)) scratch.large.push_back(i);
+    if (!fits_into(boxes[i], side) || !holds(spread, boxes[i].lower)) scratch.large.push_back(i);
   return cells;
 }
 

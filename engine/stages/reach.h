@@ -45,7 +45,7 @@ inline Real sweep_of(const TickReach& tick, const BodyModel& constants, const Bo
 inline Real ahead_of(const TickReach& tick, const BodyModel& constants, Real way) {
   if (tick.locates || tick.foresees || constants.type != BodyType::dynamic_body || constants.is_bullet) return -1;
   if (!(way < Real(1e30))) return -1;  // nor where the box has no end
-  return (1 - 16 * epsilon) * way;  // a little less: what is taken off must not take more than was put on
+  return (1 - 16 * epsilon) * way;     // a little less: what is taken off must not take more than was put on
 }
 
 TickReach reach_of_tick(const Model& model, const State& state, Real dt);
