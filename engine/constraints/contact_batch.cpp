@@ -99,7 +99,7 @@ void color_contacts(Scratch& scratch, const SolveGroup& group) {
 }
 
 /// So many batches are worth another thread's while.
-constexpr std::size_t batches_per_chunk_least = 5;
+constexpr std::size_t batches_per_chunk_least = 8;
 
 /// Adds the batches of a colour to the runs: to the last one, if neither is for several threads.
 void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_first, std::uint32_t first,
