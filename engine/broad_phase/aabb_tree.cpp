@@ -218,6 +218,7 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
   kept.is_valid = fits;
   kept.has_pairs = true;
   kept.ticks_held = 0;
+  kept.common_side = 0;
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 

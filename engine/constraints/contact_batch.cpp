@@ -159,7 +159,7 @@ void empty_point(ContactPointLanes& out, std::uint32_t lane) {
     lanes->at[lane] = 0;
 }
 
-/// ContactLanes without a contact push nothing and are written to a record nobody reads.
+/// Lanes without a contact push nothing and are written to a record nobody reads.
 void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t unread) {
   batch.read_a[lane] = batch.read_b[lane] = resting_record(scratch);
   batch.write_a[lane] = batch.write_b[lane] = unread;
