@@ -20,6 +20,16 @@ void poison_in_place(std::vector<T>& rows) {
   if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
 }
 
+void poison_batches(ContactBatches& batches) {
+  poison_in_place(batches.batches);
+  poison_in_place(batches.surfaces);
+  poison_in_place(batches.bounces);
+  batches.batch_count = 0;
+  poison_rows(batches.slots);
+  poison_rows(batches.runs);
+  poison_rows(batches.saved);
+}
+
 }  // namespace
 
 void poison(Scratch& scratch) {
@@ -74,14 +84,8 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.central_rows);
   poison_rows(scratch.spring_blocks);
   for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
-  poison_in_place(scratch.contact_batches.batches);
-  poison_in_place(scratch.contact_batches.surfaces);
-  poison_in_place(scratch.contact_batches.bounces);
-  scratch.contact_batches.batch_count = 0;
-  poison_rows(scratch.contact_batches.slots);
-  poison_rows(scratch.contact_batches.runs);
-  poison_rows(scratch.contact_batches.body_colors);
-  poison_rows(scratch.contact_batches.saved);
+  poison_batches(scratch.contact_batches);
+  for (ContactBatches& batches : scratch.block_batches) poison_batches(batches);
   poison_rows(scratch.pulls);
   poison_rows(scratch.impacts);
   poison_rows(scratch.paths);

@@ -161,6 +161,7 @@ struct Scratch {
   std::vector<Twist> newton[5];   // [record] diagonal, solution, residual, direction, product
   std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
+  std::vector<ContactBatches> block_batches;  // [chunk] those of the block that is being solved
   std::vector<PointerPull> pulls;
   std::vector<JointWork> joints;  // those of the group that are solved by themselves
   PinBatches pins;

@@ -20,7 +20,7 @@ struct alignas(8 * sizeof(Real)) MovingBody {
 static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
 
 /// What constraints need of a body beside its hot record.
-struct BodyMass {
+struct alignas(4 * sizeof(Real)) BodyMass {
   Real inv_mass;        // 1/kg
   Real inv_inertia;     // 1/(kg m^2)
   std::uint32_t read;   // in Scratch::bodies; of static bodies the resting record

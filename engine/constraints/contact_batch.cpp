@@ -3,18 +3,13 @@
 #include "engine/constraints/contact_batch.h"
 
 #include <atomic>
+#include <cstddef>
 
 #include "engine/constraints/bodies.h"
 #include "engine/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
-
-// One bit each in a body's colour set. Contacts between two moving bodies come first, those with something immovable
-// last: the last ones solved are met best, and nothing may sink into the ground.
-constexpr std::uint32_t class_color_count = 32;
-constexpr std::uint32_t round_color_count = 2 * class_color_count;
-constexpr std::uint32_t uncolored = 0xffffffff;
 
 /// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
 constexpr Real hertz_per_rate = Real(0.125);
@@ -25,78 +20,6 @@ constexpr Real baumgarte = Real(0.2);
 
 /// So many contacts are worth another thread's while.
 constexpr std::size_t contacts_per_chunk_least = 256;
-
-/// Fills coloring.ends. True if they are those that were there.
-bool find_ends(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::uint32_t unread = unread_record(scratch);
-  const std::size_t count = group.contact_end - group.first_contact;
-  std::atomic<bool> changed{coloring.ends.size() != count};
-  coloring.ends.resize(count);
-  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
-                              [&](const Chunk& chunk) {
-                                bool same = true;
-                                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                                  const TouchingPair& pair = scratch.touching[contacts[i]];
-                                  const ContactEnds ends{mover(pair.body_a), mover(pair.body_b)};
-                                  same &= ends == coloring.ends[i];
-                                  coloring.ends[i] = ends;
-                                }
-                                if (!same) changed.store(true, std::memory_order_relaxed);
-                              });
-  return !changed.load(std::memory_order_relaxed);
-}
-
-/// Colours the contacts of one round, and counts those of each colour; those of bodies that have no colour left wait
-/// for the next. `body_colors`: room for as many bodies as there are. True if any do.
-template <bool is_first>
-bool color_round(ContactColoring& out, std::vector<BodyColors>& body_colors, std::size_t body_count,
-                 std::uint32_t round) {
-  bool any_left = false;
-  body_colors.assign(body_count, {0, 0});
-  const std::uint32_t first_color = round * round_color_count;
-  out.places.resize(first_color + round_color_count, {0, 0});
-  for (std::size_t i = 0; i < out.colors.size(); ++i) {
-    if (!is_first && out.colors[i].color != uncolored) continue;
-    const ContactEnds ends = out.ends[i];
-    const bool both_move = ends.a != no_body && ends.b != no_body;
-    std::uint32_t used;
-    if (both_move) {
-      BodyColors& a = body_colors[ends.a];
-      BodyColors& b = body_colors[ends.b];
-      used = a.moving | b.moving;
-      const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
-      a.moving |= bit;
-      b.moving |= bit;
-    } else {
-      BodyColors& mover = body_colors[ends.a != no_body ? ends.a : ends.b];
-      used = mover.immovable;
-      mover.immovable |= ~used & (used + 1);
-    }
-    const bool is_left = used == 0xffffffffu;
-    any_left |= is_left;
-    out.colors[i] = {uncolored, 0};
-    if (is_left) continue;
-    const std::uint32_t color =
-        first_color + static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
-    out.colors[i] = {color, out.places[color].count++};
-  }
-  return any_left;
-}
-
-/// Colours the contacts of a group.
-void color_contacts(Scratch& scratch, const SolveGroup& group) {
-  ContactColoring& coloring = scratch.kept.coloring;
-  if (find_ends(scratch, group, coloring)) return;
-  std::vector<BodyColors>& body_colors = scratch.contact_batches.body_colors;
-  const std::size_t body_count = scratch.masses.size();
-  coloring.colors.resize(coloring.ends.size());
-  coloring.places.clear();
-  coloring.round_count = 1;
-  bool any_left = color_round<true>(coloring, body_colors, body_count, 0);
-  while (any_left) any_left = color_round<false>(coloring, body_colors, body_count, coloring.round_count++);
-}
 
 /// So many batches are worth another thread's while.
 constexpr std::size_t batches_per_chunk_least = 8;
@@ -116,97 +39,43 @@ void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_firs
   runs.push_back({first, end, is_alone ? count : size});
 }
 
-/// Deals the contacts out to batches, colour by colour, notes them in `group`, and makes room for them.
-void place_batches(Scratch& scratch, SolveGroup& group, unsigned features) {
-  ContactBatches& out = scratch.contact_batches;
-  ContactColoring& coloring = scratch.kept.coloring;
-  auto next = static_cast<std::uint32_t>(out.batch_count);
-  group.first_batch = next;
-  group.first_run = static_cast<std::uint32_t>(out.runs.size());
+/// Deals the contacts of a block out to batches, colour by colour, from batch `next` on. `on_color(first, end)`: the
+/// batches of a colour. Returns the end.
+template <typename OnColor>
+std::uint32_t place_colors(ContactColoring& coloring, const ContactBlock& block, std::uint32_t next, OnColor on_color) {
   for (const std::uint32_t first : {0u, class_color_count})
-    for (std::uint32_t round = 0; round < coloring.round_count; ++round)
+    for (std::uint32_t round = 0; round < block.round_count; ++round)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
-        ColorPlace& place = coloring.places[round * round_color_count + first + color];
+        ColorPlace& place = coloring.places[block.first_place + round * round_color_count + first + color];
         const std::uint32_t begin = next;
         place.first_slot = begin * contact_lane_count;
         next += (place.count + contact_lane_count - 1) / contact_lane_count;
-        add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, begin, next);
+        if (next > begin) on_color(begin, next);
       }
-  out.batch_count = next;
-  group.batch_end = next;
-  group.run_end = static_cast<std::uint32_t>(out.runs.size());
-  if (out.batches.size() < next) out.batches.resize(next);
-  if ((features & contact_feature::bounce) != 0 && out.bounces.size() < next) out.bounces.resize(next);
-  if ((features & contact_feature::surface) != 0 && out.surfaces.size() < next) out.surfaces.resize(next);
-  if (out.slots.size() < std::size_t{next} * contact_lane_count)
-    out.slots.resize(std::size_t{next} * contact_lane_count);
-  for (const ColorPlace& place : coloring.places)
-    for (std::uint32_t slot = place.first_slot + place.count; slot % contact_lane_count != 0; ++slot)
+  return next;
+}
+
+/// Makes room for the batches of a block, and empties the slots that no contact gets.
+void make_room(ContactBatches& out, const ContactColoring& coloring, const ContactBlock& block, unsigned features) {
+  const std::size_t end = out.batch_count;
+  if (out.batches.size() < end) out.batches.resize(end);
+  if ((features & contact_feature::bounce) != 0 && out.bounces.size() < end) out.bounces.resize(end);
+  if ((features & contact_feature::surface) != 0 && out.surfaces.size() < end) out.surfaces.resize(end);
+  if (out.slots.size() < end * contact_lane_count) out.slots.resize(end * contact_lane_count);
+  const ColorPlace* places = coloring.places.data() + block.first_place;
+  for (std::uint32_t i = 0; i < block.round_count * round_color_count; ++i)
+    for (std::uint32_t slot = places[i].first_slot + places[i].count; slot % contact_lane_count != 0; ++slot)
       out.slots[slot] = no_contact;
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::size_t count = coloring.colors.size();
-  scratch.parallel.for_chunks(
-      count, scratch.parallel.chunk_size(count, contacts_per_chunk_least), [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-          out.slots[coloring.places[coloring.colors[i].color].first_slot + coloring.colors[i].rank] = contacts[i];
-      });
 }
 
-void empty_point(ContactPointLanes& out, std::uint32_t lane) {
-  for (ContactLanes* lanes :
-       {&out.normal_arm_a, &out.normal_arm_b, &out.tangent_arm_a, &out.tangent_arm_b, &out.separation, &out.normal_mass,
-        &out.normal_impulse, &out.tangent_mass, &out.tangent_impulse})
-    lanes->at[lane] = 0;
-}
-
-/// Lanes without a contact push nothing and are written to a record nobody reads.
-void empty_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t unread) {
-  batch.read_a[lane] = batch.read_b[lane] = resting_record(scratch);
-  batch.write_a[lane] = batch.write_b[lane] = unread;
-  batch.contact[lane] = 0;
-  for (ContactLanes* lanes : {&batch.inv_mass_a, &batch.inv_mass_b, &batch.inv_inertia_a, &batch.inv_inertia_b,
-                              &batch.normal_x, &batch.normal_y, &batch.friction, &batch.radius_a, &batch.radius_b})
-    lanes->at[lane] = 0;
-  for (ContactPointLanes& point : batch.points) empty_point(point, lane);
-}
-
-void fill_point(ContactPointLanes& out, std::uint32_t lane, const ManifoldPoint& point, Real slop, Real normal_force,
-                Real tangent_force) {
-  out.normal_arm_a.at[lane] = point.anchor_a.x;
-  out.normal_arm_b.at[lane] = point.anchor_a.y;
-  out.tangent_arm_a.at[lane] = point.anchor_b.x;
-  out.tangent_arm_b.at[lane] = point.anchor_b.y;
-  out.separation.at[lane] = point.separation + slop;
-  out.normal_mass.at[lane] = 1;
-  out.normal_impulse.at[lane] = normal_force;
-  out.tangent_impulse.at[lane] = tangent_force;
-}
-
-void fill_lane(const Scratch& scratch, ContactBatch& batch, std::uint32_t lane, std::uint32_t contact,
-               const ContactRow& row, Real slop, std::uint32_t unread) {
-  const TouchingPair& pair = scratch.touching[contact];
-  const BodyMass& a = scratch.masses[pair.body_a];
-  const BodyMass& b = scratch.masses[pair.body_b];
-  batch.contact[lane] = contact;
-  batch.read_a[lane] = a.read;
-  batch.read_b[lane] = b.read;
-  batch.write_a[lane] = a.write == unread_record(scratch) ? unread : a.write;
-  batch.write_b[lane] = b.write == unread_record(scratch) ? unread : b.write;
-  batch.inv_mass_a.at[lane] = a.inv_mass;
-  batch.inv_mass_b.at[lane] = b.inv_mass;
-  batch.inv_inertia_a.at[lane] = a.inv_inertia;
-  batch.inv_inertia_b.at[lane] = b.inv_inertia;
-  batch.normal_x.at[lane] = pair.manifold.normal.x;
-  batch.normal_y.at[lane] = pair.manifold.normal.y;
-  batch.friction.at[lane] = pair.friction;
-  batch.radius_a.at[lane] = pair.radius_a;
-  batch.radius_b.at[lane] = pair.radius_b;
-  for (int i = 0; i < 2; ++i)
-    if (i < pair.manifold.point_count)
-      fill_point(batch.points[i], lane, pair.manifold.points[i], slop * pair.size, row.normal_force[i],
-                 row.tangent_force[i]);
-    else
-      empty_point(batch.points[i], lane);
+/// Puts the contacts first..end-1 of a block into their slots.
+void fill_slots(ContactBatches& out, const ContactColoring& coloring, const ContactBlock& block,
+                const std::uint32_t* contacts, std::size_t first, std::size_t end) {
+  const ColorPlace* places = coloring.places.data() + block.first_place;
+  for (std::size_t i = block.first + first; i < block.first + end; ++i) {
+    const ContactColor& color = coloring.colors[i];
+    out.slots[places[color.color].first_slot + color.rank] = contacts[coloring.contacts[i]];
+  }
 }
 
 void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane, const TouchingPair& pair) {
@@ -217,8 +86,8 @@ void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
 }
 
 /// What a kernel needs for the batches first..end-1.
-ContactWork work_of(Scratch& scratch, const SolveGroup& group, std::size_t first, std::size_t end) {
-  ContactBatches& all = scratch.contact_batches;
+ContactWork work_of(Scratch& scratch, const SolveGroup& group, ContactBatches& all, std::size_t first,
+                    std::size_t end) {
   return {all.batches.data() + first,
           end - first,
           all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
@@ -235,55 +104,76 @@ void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
   for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
     const BatchRun& run = scratch.contact_batches.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
-      kernel(work_of(scratch, group, run.first + chunk.begin, run.first + chunk.end));
+      kernel(work_of(scratch, group, scratch.contact_batches, run.first + chunk.begin, run.first + chunk.end));
     });
   }
 }
 
-/// Whether impulses move only one of the pair.
-bool is_immovable(const Scratch& scratch, const TouchingPair& pair) {
-  const std::uint32_t unread = unread_record(scratch);
-  return scratch.masses[pair.body_a].write == unread || scratch.masses[pair.body_b].write == unread;
+// What kernels read.
+static_assert(offsetof(TouchingPair, body_b) == offsetof(TouchingPair, body_a) + sizeof(std::uint32_t));
+static_assert(offsetof(TouchingPair, size) == offsetof(TouchingPair, friction) + 3 * sizeof(Real));
+static_assert(offsetof(ManifoldPoint, anchor_b) == offsetof(ManifoldPoint, anchor_a) + sizeof(Vec2));
+static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal_force) + 2 * sizeof(Real));
+static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass) == 4 * sizeof(Real));
+static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
+
+/// What a kernel fills the batches from `first` on from.
+ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const ContactBatches& out,
+                        std::size_t first, std::uint32_t unread, bool has_bounces) {
+  const TouchingPair& pair = scratch.touching[0];
+  const ManifoldPoint(&points)[2] = pair.manifold.points;
+  return {out.slots.data() + first * contact_lane_count,
+          sizeof(TouchingPair),
+          &pair.body_a,
+          &pair.friction,
+          &pair.manifold.normal.x,
+          {&points[0].anchor_a.x, &points[1].anchor_a.x},
+          {&points[0].separation, &points[1].separation},
+          &pair.manifold.point_count,
+          sizeof(ContactRow),
+          state.contacts[0].normal_force,
+          sizeof(BodyMass),
+          &scratch.masses[0].inv_mass,
+          &scratch.masses[0].read,
+          unread_record(scratch),
+          unread,
+          resting_record(scratch),
+          group.stiffness.slop,
+          has_bounces};
 }
 
-constexpr std::size_t slots_ahead = 12;
-
-/// Fills the batches first..end-1 of a colour.
-void fill_batches(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group, std::size_t first,
-                  std::size_t end, std::uint32_t unread) {
-  ContactBatches& out = scratch.contact_batches;
+/// Fills what scenes with restitution or surfaces have beside.
+void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out, std::size_t i) {
   const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
   const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
-  const std::size_t slot_end = end * contact_lane_count;
-  for (std::size_t i = first; i < end; ++i) {
-    const std::uint32_t* slots = out.slots.data() + i * contact_lane_count;
-    ContactBatch& batch = out.batches[i];
-    batch.immovable = is_immovable(scratch, scratch.touching[slots[0]]) ? 1 : 0;
-    batch.bounces = 0;
-    batch.count = 0;
-    if (bounces) out.bounces[i] = {};
-    if (has_surfaces) out.surfaces[i] = {};
-    for (std::uint32_t lane = 0; lane < contact_lane_count; ++lane) {
-      const std::uint32_t contact = slots[lane];
-      if (contact == no_contact) break;
-      if (const std::size_t later = i * contact_lane_count + lane + slots_ahead;
-          later < slot_end)  // a colour skips over memory
-        if (out.slots[later] != no_contact) {
-          __builtin_prefetch(&scratch.touching[out.slots[later]]);
-          __builtin_prefetch(&scratch.touching[out.slots[later]].manifold.points[1]);
-        }
-      const TouchingPair& pair = scratch.touching[contact];
-      fill_lane(scratch, batch, lane, contact, state.contacts[contact], group.stiffness.slop, unread);
-      if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
-      batch.bounces |= pair.restitution > 0 ? 1 : 0;
-      if (has_surfaces) fill_surface(scratch, out.surfaces[i], lane, pair);
-      ++batch.count;
-    }
-    // Kernels take one that is alone by itself, but where it may bounce; else so many lanes at a time.
-    const auto count = static_cast<std::uint32_t>(batch.count);
-    const std::uint32_t read = count == 1 && !bounces ? 1 : (count + lane_count - 1) / lane_count * lane_count;
-    for (std::uint32_t lane = count; lane < read; ++lane) empty_lane(scratch, batch, lane, unread);
+  ContactBatch& batch = out.batches[i];
+  if (bounces) out.bounces[i] = {};
+  if (has_surfaces) out.surfaces[i] = {};
+  for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
+    const TouchingPair& pair = scratch.touching[batch.contact[lane]];
+    if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
+    batch.bounces |= pair.restitution > 0 ? 1 : 0;
+    if (has_surfaces) fill_surface(scratch, out.surfaces[i], lane, pair);
   }
+}
+
+/// Fills the batches first..end-1.
+void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group,
+                  ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t unread) {
+  if (first == end) return;
+  const bool has_bounces = (model.contact_features & contact_feature::bounce) != 0;
+  scratch.kernels->contacts.fill(source_of(state, scratch, group, out, first, unread, has_bounces),
+                                 out.batches.data() + first, end - first);
+  if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
+    for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
+}
+
+/// Impulses of the batches first..end-1 back to the contacts, as forces.
+void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolveGroup& group, std::size_t first,
+                   std::size_t end, State& state) {
+  if (first == end) return;
+  scratch.kernels->contacts.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
+                                  sizeof(ContactRow), 1 / group.h);
 }
 
 }  // namespace
@@ -308,18 +198,30 @@ void clear_contacts(Scratch& scratch) {
   scratch.contact_batches.runs.clear();
 }
 
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
-                      const ContactStiffness& stiffness) {
-  group.stiffness = stiffness;
-  color_contacts(scratch, group);
-  place_batches(scratch, group, model.contact_features);
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  ContactColoring& coloring = scratch.kept.coloring;
+  const ContactBlock& all = coloring.blocks[0];
+  group.first_batch = static_cast<std::uint32_t>(out.batch_count);
+  group.first_run = static_cast<std::uint32_t>(out.runs.size());
+  group.batch_end = place_colors(coloring, all, group.first_batch, [&](std::uint32_t first, std::uint32_t end) {
+    add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, first, end);
+  });
+  group.run_end = static_cast<std::uint32_t>(out.runs.size());
+  out.batch_count = group.batch_end;
+  make_room(out, coloring, all, model.contact_features);
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::size_t count = coloring.colors.size();
+  scratch.parallel.for_chunks(
+      count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
+      [&](const Chunk& chunk) { fill_slots(out, coloring, all, contacts, chunk.begin, chunk.end); });
   for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
-    const BatchRun& run = scratch.contact_batches.runs[i];
+    const BatchRun& run = out.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
-      fill_batches(model, state, scratch, group, first, end, unread_record(scratch, chunk.index));
-      scratch.kernels->contacts.prepare(work_of(scratch, group, first, end));
+      fill_batches(model, state, scratch, group, out, first, end, unread_record(scratch, chunk.index));
+      scratch.kernels->contacts.prepare(work_of(scratch, group, out, first, end));
     });
   }
 }
@@ -367,21 +269,37 @@ void limit_impulses(Scratch& scratch, const SolveGroup& group) {
 }
 
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
-  const Real inv_h = 1 / group.h;
   const std::size_t count = group.batch_end - group.first_batch;
   scratch.parallel.for_chunks(
       count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1), [&](const Chunk& chunk) {
-        for (std::size_t i = group.first_batch + chunk.begin; i < group.first_batch + chunk.end; ++i) {
-          const ContactBatch& batch = scratch.contact_batches.batches[i];
-          for (int lane = 0; lane < batch.count; ++lane) {
-            ContactRow& row = state.contacts[batch.contact[lane]];
-            for (int p = 0; p < 2; ++p) {
-              row.normal_force[p] = inv_h * batch.points[p].normal_impulse.at[lane];
-              row.tangent_force[p] = inv_h * batch.points[p].tangent_impulse.at[lane];
-            }
-          }
-        }
+        store_batches(scratch, scratch.contact_batches, group, group.first_batch + chunk.begin, group.first_batch + chunk.end,
+                      state);
       });
+}
+
+void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
+                   const ContactBlock& block, std::uint32_t unread, ContactBatches& out) {
+  ContactColoring& coloring = scratch.kept.coloring;
+  out.batch_count = place_colors(coloring, block, 0, [](std::uint32_t, std::uint32_t) {});
+  make_room(out, coloring, block, model.contact_features);
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
+    const std::uint32_t contact = contacts[coloring.contacts[i]];
+    __builtin_prefetch(&scratch.touching[contact]);
+    __builtin_prefetch(&scratch.touching[contact].manifold.points[1]);
+    __builtin_prefetch(&state.contacts[contact]);
+  }
+  fill_slots(out, coloring, block, contacts, 0, block.end - block.first);
+  fill_batches(model, state, scratch, group, out, 0, out.batch_count, unread);
+  scratch.kernels->contacts.prepare(work_of_block(scratch, group, out));
+}
+
+ContactWork work_of_block(Scratch& scratch, const SolveGroup& group, ContactBatches& batches) {
+  return work_of(scratch, group, batches, 0, batches.batch_count);
+}
+
+void store_block(const Scratch& scratch, const SolveGroup& group, const ContactBatches& batches, State& state) {
+  store_batches(scratch, batches, group, 0, batches.batch_count, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

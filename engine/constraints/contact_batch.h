@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/constraints/body_rows.h"
+#include "engine/constraints/contact_coloring.h"
 #include "engine/constraints/contact_lanes.h"
 #include "engine/constraints/soft.h"
 #include "engine/math/vec2.h"
@@ -21,47 +22,11 @@ struct State;
 struct Scratch;
 struct SolveGroup;
 
-/// The colours of a body's contacts so far, one bit each: with what moves and with what does not.
-struct BodyColors {
-  std::uint32_t moving;
-  std::uint32_t immovable;
-};
-
-/// The bodies that a contact moves, as rows; no_body for one that impulses do not move.
-struct ContactEnds {
-  std::uint32_t a;
-  std::uint32_t b;
-
-  bool operator==(const ContactEnds&) const = default;
-};
-inline constexpr std::uint32_t no_body = 0xffffffff;
-
-/// The colour of a contact, and which of that colour it is.
-struct ContactColor {
-  std::uint32_t color;
-  std::uint32_t rank;
-};
-
-/// Where the contacts of a colour are: slots in a row.
-struct ColorPlace {
-  std::uint32_t count;  // of its contacts
-  std::uint32_t first_slot;
-};
-
 /// Batches that are solved in one go: those of a colour, on all threads, or of some colours one after the other.
 struct BatchRun {
   std::uint32_t first;
   std::uint32_t end;
   std::size_t chunk_size;  // in batches
-};
-
-/// The colours of some contacts, which follow from their ends alone: kept from tick to tick, they hold for the same
-/// ends.
-struct ContactColoring {
-  std::vector<ContactEnds> ends;     // [contact of the group]
-  std::vector<ContactColor> colors;  // [contact of the group]
-  std::vector<ColorPlace> places;    // [colour]
-  std::uint32_t round_count = 0;
 };
 
 struct ContactBatches {
@@ -71,7 +36,6 @@ struct ContactBatches {
   std::size_t batch_count = 0;
   std::vector<std::uint32_t> slots;     // [batch, lane] the contact, or no_contact
   std::vector<BatchRun> runs;           // in solving order
-  std::vector<BodyColors> body_colors;  // [body]
   std::vector<ContactLanes> saved;      // [batch of the group, point] normal impulses
 };
 
@@ -91,15 +55,12 @@ ContactStiffness baumgarte_contacts(Real h);
 /// N/m of a soft contact point per kg of effective mass, for substeps of length h.
 Real soft_contact_stiffness(Real h);
 
-inline constexpr std::uint32_t no_contact = 0xffffffff;
-
 /// Forgets the batches of the last tick.
 void clear_contacts(Scratch& scratch);
 
-/// Colours and packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h.
-/// Appends to the batches and notes the range in `group`. Requires: prepare_bodies.
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group,
-                      const ContactStiffness& stiffness);
+/// Packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h. Appends to the
+/// batches and notes the range in `group`. Requires: color_contacts, as one block.
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group);
 void warm_start_contacts(Scratch& scratch, const SolveGroup& group);
 /// `poses`: unmoved if none has changed since the last pass over the same contacts.
 void solve_contacts(Scratch& scratch, const SolveGroup& group, Poses poses);
@@ -113,5 +74,13 @@ void save_impulses(Scratch& scratch, const SolveGroup& group);
 void limit_impulses(Scratch& scratch, const SolveGroup& group);
 /// Impulses back to state.contacts, as forces.
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state);
+
+/// Packs the contacts of a block, as above, into `out`, which has no others then. `unread`: a record that no other
+/// thread writes.
+void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
+                   const ContactBlock& block, std::uint32_t unread, ContactBatches& out);
+/// All batches of a block, for one call of a kernel.
+ContactWork work_of_block(Scratch& scratch, const SolveGroup& group, ContactBatches& batches);
+void store_block(const Scratch& scratch, const SolveGroup& group, const ContactBatches& batches, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -22,6 +22,10 @@ struct ContactPointLanes {
   ContactLanes tangent_impulse;
 };
 
+/// Batches name records of bodies by their distance from the first in words of eight bytes, which addresses need no
+/// multiplication for.
+inline constexpr std::uint32_t words_per_record = body_record_length * sizeof(Real) / 8;
+
 struct ContactBatch {
   std::uint32_t
       read_a[contact_lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
@@ -53,6 +57,31 @@ struct BounceLanes {
   ContactLanes impulse_max[2];  // N s, largest of the tick: a point that never pushed does not bounce
 };
 
+inline constexpr std::uint32_t no_contact = 0xffffffff;
+
+/// What batches are filled from: numbers of the first of rows that follow each other at a distance in bytes. Four numbers
+/// are there for each pointer, whatever the fourth may be.
+struct ContactSource {
+  const std::uint32_t* slots;  // [batch, lane] the contact
+  std::size_t pair_size;       // of TouchingPair, bytes
+  const std::uint32_t* ends;   // rows of the two bodies
+  const Real* surface;         // friction, radius of A, radius of B, size
+  const Real* normal;          // x, y
+  const Real* anchors[2];      // of the points: A's x, y, B's x, y
+  const Real* separation[2];   // of the points
+  const int* point_count;
+  std::size_t row_size;  // of ContactRow, bytes
+  const Real* forces;    // normal ones of the points, tangential ones
+  std::size_t mass_size;  // of BodyMass, bytes
+  const Real* masses;     // inverse mass, inverse inertia
+  const std::uint32_t* records;  // of each body: where to read it, where to write it
+  std::uint32_t unread;          // written for what impulses do not move; in `records`, and
+  std::uint32_t own_unread;      // instead of it
+  std::uint32_t resting;         // read for empty lanes
+  Real slop;                     // of the size
+  bool has_bounces;              // one that is alone in its batch is not always taken by itself
+};
+
 /// Batches that follow each other, for one call of a kernel.
 struct ContactWork {
   ContactBatch* batches;
@@ -77,6 +106,10 @@ inline constexpr unsigned all = 31;
 }  // namespace contact_feature
 
 struct ContactKernels {
+  /// Fills `count` batches but for what `prepare` finds, and `bounces`.
+  void (*fill)(const ContactSource& source, ContactBatch* batches, std::size_t count);
+  /// Forces back to `rows`, those of ContactSource::forces. `inv_h`: 1/s.
+  void (*store)(const ContactBatch* batches, std::size_t count, Real* forces, std::size_t row_size, Real inv_h);
   void (*prepare)(const ContactWork& work);
   void (*warm_start)(const ContactWork& work);
   void (*solve)(const ContactWork& work);

@@ -101,10 +101,10 @@ void find_rows(Scratch& scratch, const SolveGroup& group) {
         row.point = p;
         row.body_a = pair.body_a;
         row.body_b = pair.body_b;
-        row.read_a = batch.read_a[lane];
-        row.read_b = batch.read_b[lane];
         const BodyMass& mass_a = scratch.masses[pair.body_a];
         const BodyMass& mass_b = scratch.masses[pair.body_b];
+        row.read_a = mass_a.read;
+        row.read_b = mass_b.read;
         const double arms[3][2] = {{-nx, nx}, {-ny, ny}, {-at(point.normal_arm_a), at(point.normal_arm_b)}};
         set_along(row, arms);
         const double separation =

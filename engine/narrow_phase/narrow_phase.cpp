@@ -98,10 +98,10 @@ void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy
   pair.body_a = proxy_a.body;
   pair.body_b = proxy_b.body;
   pair.friction = mixed.friction;
-  pair.restitution = mixed.restitution;
-  pair.size = pair_size(a, b);
   pair.radius_a = a.radius;
   pair.radius_b = b.radius;
+  pair.size = pair_size(a, b);
+  pair.restitution = mixed.restitution;
   pair.tangent_speed = a.tangent_speed + b.tangent_speed;
   pair.rolling_resistance = larger(a.rolling_resistance, b.rolling_resistance);
 }

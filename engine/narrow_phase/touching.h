@@ -27,10 +27,10 @@ struct TouchingPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;  // row
   Real friction;
-  Real restitution;
-  Real size;      // of the smaller shape, m
   Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
   Real radius_b;
+  Real size;  // of the smaller shape, m
+  Real restitution;
   Real tangent_speed;       // m/s, of B's surface seen from A's where the bodies rest, along right_turn(normal)
   Real rolling_resistance;  // m: torque per normal force
   Manifold manifold;

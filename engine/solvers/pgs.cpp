@@ -19,7 +19,9 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
     enter_group(state, scratch, group, dt);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
-    prepare_contacts(model, state, scratch, group, baumgarte_contacts(dt));
+    group.stiffness = baumgarte_contacts(dt);
+    color_contacts(scratch, group, false);
+    prepare_contacts(model, state, scratch, group);
     scheme.begin(model, state, scratch, dt);
     note_joint_velocities(scratch);
     note_impact_velocities(state, scratch);

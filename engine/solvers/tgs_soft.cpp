@@ -3,6 +3,7 @@
 // Source: Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps); Catto, "Solver2D", 2024 (soft step,
 // relax). Cost per tick: bodies 2 + 2n, contacts 2 + 3n, n = substep count.
 #include "engine/constraints/bodies.h"
+#include "engine/constraints/contact_blocks.h"
 #include "engine/constraints/groups.h"
 #include "engine/constraints/landings.h"
 #include "engine/constraints/weave.h"
@@ -40,7 +41,10 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     group.joint_sweeps = sweeps_of(model, state, scratch);
     prepare_pulls(model, state, scratch, group);
     prepare_joints(model, state, scratch, group);
-    prepare_contacts(model, state, scratch, group, soft_contacts(h));
+    group.stiffness = soft_contacts(h);
+    color_contacts(scratch, group, !some_are_loose && allows_blocks(model, state, scratch, group));
+    const bool in_blocks = scratch.kept.coloring.is_split;
+    if (!in_blocks) prepare_contacts(model, state, scratch, group);
     scheme.begin(model, state, scratch, h);
     const bool flies = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, group);
     if (flies)
@@ -48,7 +52,8 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     else if (some_are_loose)
       fly_loose(scratch, group);
     if (scratch.is_woven) solve_woven(state, scratch, group);
-    const int substeps_in_turn = flies || scratch.is_woven ? 0 : group.substeps;
+    if (in_blocks) solve_blocks(model, state, scratch, group);
+    const int substeps_in_turn = flies || scratch.is_woven || in_blocks ? 0 : group.substeps;
     for (int substep = 0; substep < substeps_in_turn; ++substep) {
       note_joint_velocities(scratch);
       note_impact_velocities(state, scratch);

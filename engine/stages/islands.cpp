@@ -12,14 +12,6 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The smaller row becomes the root, so that an island is named by its first row.
-void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  const std::uint32_t root_a = find_root(parent, a);
-  const std::uint32_t root_b = find_root(parent, b);
-  if (root_a < root_b) parent[root_b] = root_a;
-  if (root_b < root_a) parent[root_a] = root_b;
-}
-
 /// find_root while others unite: what it leads to may no longer be a root. Shortening a way never undoes what others
 /// do: the parent of what is no root only ever moves towards the root.
 std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {

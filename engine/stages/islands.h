@@ -21,6 +21,14 @@ inline std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t
   return row;
 }
 
+/// The smaller row becomes the root, so that an island is named by its first row.
+inline void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t root_a = find_root(parent, a);
+  const std::uint32_t root_b = find_root(parent, b);
+  if (root_a < root_b) parent[root_b] = root_a;
+  if (root_b < root_a) parent[root_a] = root_b;
+}
+
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }
