@@ -22,6 +22,7 @@
 #include "engine/constraints/solver_kernels.h"
 #include "engine/input.h"
 #include "engine/integrators/motion_rows.h"
+#include "engine/narrow_phase/pair_block.h"
 #include "engine/narrow_phase/touching.h"
 #include "engine/stages/island_rows.h"
 #include "engine/state.h"
@@ -34,6 +35,9 @@ struct Kept {
   KeptPairs pairs;
   std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
   bool has_touching = false;           // and no contact, body or margin has changed since
+  bool is_settled = false;             // none of them was new: those of the next tick are likely the same
+  std::vector<PairBlock> pair_blocks;  // of that tick's pairs
+  std::uint32_t look = 0;              // counts the ticks in which they were looked at
   JointPlan joints;
   ContactColoring coloring;
 };

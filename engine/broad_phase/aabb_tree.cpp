@@ -28,6 +28,8 @@ constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
 // More strays than this share, or this number, and everything is built anew.
 constexpr std::size_t moving_per_stray = 8;
 constexpr std::size_t stray_count_max = 1024;
+// Where more bodies than this share are still, their contacts are looked for.
+constexpr std::size_t bodies_per_still = 4;
 
 Box large_box(const Model& model, const State& state, const KeptPairs& kept, std::uint32_t index) {
   const Proxy& proxy = kept.proxies[index];
@@ -75,6 +77,9 @@ bool fits(const Scratch& scratch, const State& state) {
 }
 
 void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
+  kept.static_count = 0;
+  for (const BodyRow& body : state.bodies)
+    kept.static_count += model.bodies[body.source].type == BodyType::static_body ? 1 : 0;
   kept.proxies.clear();
   kept.first_proxy.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
@@ -128,6 +133,9 @@ void follow(const Model& model, const State& state, Scratch& scratch, const Tick
         static_cast<std::uint32_t>(follow_bodies(model, state, kept, reach, everything, chunk.begin, chunk.end,
                                                  kept.leaving.data() + kept.first_proxy[chunk.begin]));
   });
+  std::size_t still_count = 0;
+  for (const std::uint8_t is_still : kept.is_still) still_count += is_still;
+  kept.many_are_still = bodies_per_still * (still_count - kept.static_count) > count - kept.static_count;
   kept.any_looks_ahead = false;
   for (const std::uint8_t looks_ahead : kept.looks_ahead) kept.any_looks_ahead |= looks_ahead != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };

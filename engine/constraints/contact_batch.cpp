@@ -78,10 +78,13 @@ void fill_slots(ContactBatches& out, const ContactColoring& coloring, const Cont
   }
 }
 
-void fill_surface(const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane, const TouchingPair& pair) {
+void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
+                  const TouchingPair& pair) {
+  const ShapeModel& a = model.shapes[scratch.proxies[pair.proxy_a].shape];
+  const ShapeModel& b = model.shapes[scratch.proxies[pair.proxy_b].shape];
   const Real inv_inertia = scratch.masses[pair.body_a].inv_inertia + scratch.masses[pair.body_b].inv_inertia;
-  out.tangent_speed.at[lane] = pair.tangent_speed;
-  out.rolling_resistance.at[lane] = pair.rolling_resistance;
+  out.tangent_speed.at[lane] = a.tangent_speed + b.tangent_speed;
+  out.rolling_resistance.at[lane] = larger(a.rolling_resistance, b.rolling_resistance);
   out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
 }
 
@@ -153,7 +156,7 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
     const TouchingPair& pair = scratch.touching[batch.contact[lane]];
     if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
     batch.bounces |= pair.restitution > 0 ? 1 : 0;
-    if (has_surfaces) fill_surface(scratch, out.surfaces[i], lane, pair);
+    if (has_surfaces) fill_surface(model, scratch, out.surfaces[i], lane, pair);
   }
 }
 
@@ -270,11 +273,11 @@ void limit_impulses(Scratch& scratch, const SolveGroup& group) {
 
 void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
   const std::size_t count = group.batch_end - group.first_batch;
-  scratch.parallel.for_chunks(
-      count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1), [&](const Chunk& chunk) {
-        store_batches(scratch, scratch.contact_batches, group, group.first_batch + chunk.begin, group.first_batch + chunk.end,
-                      state);
-      });
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1),
+                              [&](const Chunk& chunk) {
+                                store_batches(scratch, scratch.contact_batches, group, group.first_batch + chunk.begin,
+                                              group.first_batch + chunk.end, state);
+                              });
 }
 
 void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,

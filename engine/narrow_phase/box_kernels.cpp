@@ -89,19 +89,22 @@ TICKTRUE_INLINE Quads select(Mask mask, const Quads& a, const Quads& b) {
 
 /// wide_count pairs, starting at lane `first`.
 struct Group {
-  BoxContactLanes& out;
+  BoxContacts& out;
   int first;
 
   TICKTRUE_INLINE Wide load(const Lanes& lanes) const { return load_wide(lanes.at + first); }
   TICKTRUE_INLINE void store(Lanes& lanes, Wide value) const { store_wide(lanes.at + first, value); }
+  TICKTRUE_INLINE void store_quads(Real (*rows)[4], const Quads& quads) const {
+    Transposer<Real, wide_count>::scatter([&](int i) { return rows[first + i]; }, quads.at);
+  }
 };
 
-TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
+TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Real* poses, const Real* quads, const Group& group) {
   const Wide zero{};
   const Wide one = spread(1);
   const int first = group.first;
-  const Quads a = gather_quads<pose_length>(pairs.poses, pairs.body_a + first);
-  const Quads b = gather_quads<pose_length>(pairs.poses, pairs.body_b + first);
+  const Quads a = gather_quads<pose_length>(poses, pairs.body_a + first);
+  const Quads b = gather_quads<pose_length>(poses, pairs.body_b + first);
   const Wide ca = a.at[2], sa = a.at[3], cb = b.at[2], sb = b.at[3];
   // B's frame as seen from A.
   const Wide dx = b.at[0] - a.at[0];
@@ -110,8 +113,8 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
   const Wide py = ca * dy - sa * dx;
   const Wide c = ca * cb + sa * sb;
   const Wide s = ca * sb - sa * cb;
-  const Outline outline_a = load_outline(pairs.quads, pairs.quad_a + first);
-  Outline outline_b = load_outline(pairs.quads, pairs.quad_b + first);
+  const Outline outline_a = load_outline(quads, pairs.quad_a + first);
+  Outline outline_b = load_outline(quads, pairs.quad_b + first);
   for (int i = 0; i < 4; ++i) {
     const Wide x = outline_b.x.at[i], y = outline_b.y.at[i];
     const Wide nx = outline_b.normal_x.at[i], ny = outline_b.normal_y.at[i];
@@ -162,6 +165,7 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
   const Wide on_other[2] = {next(incident.index), incident.index};
   const Wide back_x = a.at[0] - b.at[0];
   const Wide back_y = a.at[1] - b.at[1];
+  Wide separations[2];
   for (int p = 0; p < 2; ++p) {
     const Wide x = ends[p][0], y = ends[p][1];
     const Wide separation = (x - reference.x1) * nx + (y - reference.y1) * ny;
@@ -171,24 +175,20 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Group& group) {
     const Wide anchor_x = ca * middle_x - sa * middle_y;
     const Wide anchor_y = sa * middle_x + ca * middle_y;
     const Mask exists = is_near & ~is_beside & (separation <= margin);
-    BoxContactLanes::Point& point = group.out.points[p];
-    group.store(point.anchor_a_x, anchor_x);
-    group.store(point.anchor_a_y, anchor_y);
-    group.store(point.anchor_b_x, anchor_x + back_x);
-    group.store(point.anchor_b_y, anchor_y + back_y);
-    group.store(point.separation, separation);
+    group.store_quads(group.out.anchors[p], {{anchor_x, anchor_y, anchor_x + back_x, anchor_y + back_y}});
+    separations[p] = separation;
     const Wide corner_a = flipped ? on_other[p] : on_reference[p];
     const Wide corner_b = flipped ? on_reference[p] : on_other[p];
-    group.store(point.feature, exists ? spread(256) * corner_a + corner_b : spread(-1));  // feature_of
+    group.store(group.out.features[p], exists ? spread(256) * corner_a + corner_b : spread(-1));  // feature_of
   }
   const Wide out_x = flipped ? -nx : nx;
   const Wide out_y = flipped ? -ny : ny;
-  group.store(group.out.normal_x, ca * out_x - sa * out_y);
-  group.store(group.out.normal_y, sa * out_x + ca * out_y);
+  group.store_quads(group.out.normals,
+                    {{ca * out_x - sa * out_y, sa * out_x + ca * out_y, separations[0], separations[1]}});
 }
 
-void collide(const BoxPairs& pairs, BoxContactLanes& out) {
-  for (int first = 0; first < lane_count; first += wide_count) collide_group(pairs, {out, first});
+void collide(const BoxPairs& pairs, const Real* poses, const Real* quads, BoxContacts& out) {
+  for (int first = 0; first < lane_count; first += wide_count) collide_group(pairs, poses, quads, {out, first});
 }
 
 }  // namespace

@@ -7,20 +7,14 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Points of contact of eight pairs, anchors from the bodies' centres of mass in world axes, m.
-struct BoxContactLanes {
-  Lanes normal_x, normal_y;  // from A to B
-  struct Point {
-    Lanes anchor_a_x, anchor_a_y, anchor_b_x, anchor_b_y;
-    Lanes separation;
-    Lanes feature;  // as ManifoldPoint's; -1: there is no such point
-  };
-  Point points[2];
+struct BoxContacts {
+  Real normals[lane_count][4];     // from A to B: x, y; separations of the two points
+  Real anchors[2][lane_count][4];  // of each point: A's x, y, B's x, y
+  Lanes features[2];               // as ManifoldPoint's; -1: there is no such point
 };
 
 /// Eight pairs; lanes beyond the last pair repeat one.
 struct BoxPairs {
-  const Real* poses;  // of the bodies, `pose_length` numbers from one to the next: position x, y, rotation c, s
-  const Real* quads;  // 16 numbers each: x, y, normal x, normal y of the four corners
   std::uint32_t body_a[lane_count], body_b[lane_count];
   std::uint32_t quad_a[lane_count], quad_b[lane_count];
   Lanes margin;      // m
@@ -28,7 +22,9 @@ struct BoxPairs {
 };
 
 struct BoxKernels {
-  void (*collide)(const BoxPairs& pairs, BoxContactLanes& out);
+  /// `poses`: of the bodies, `pose_length` numbers from one to the next: position x, y, rotation c, s. `quads`: 16
+  /// numbers each: x, y, normal x, normal y of the four corners.
+  void (*collide)(const BoxPairs& pairs, const Real* poses, const Real* quads, BoxContacts& out);
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -8,20 +8,23 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// A batch with fewer pairs is not worth the lanes.
-constexpr std::size_t pairs_per_batch_least = 3;
+constexpr std::uint32_t pairs_per_batch_least = 3;
 
 // What kernels read.
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real) && sizeof(Quad) == 16 * sizeof(Real));
 
 }  // namespace
 
-void BoxBlock::collide(const Model& model, const State& state) {
-  const std::size_t rest = count_ % lane_count;
-  if (rest < pairs_per_batch_least) count_ -= rest;
-  if (count_ == 0) return;
-  const std::size_t batch_count = (count_ + lane_count - 1) / lane_count;
-  BoxPairs& last = pairs_[batch_count - 1];
-  for (std::size_t lane = count_ - (batch_count - 1) * lane_count; lane < lane_count; ++lane) {
+void complete_boxes(PairBlock& block) {
+  const std::uint32_t rest = block.box_count % lane_count;
+  if (rest < pairs_per_batch_least) {
+    block.box_count -= rest;
+    for (std::uint32_t i = 0; i < block.candidate_count; ++i)
+      if (Candidate& candidate = block.candidates[i]; candidate.place >= block.box_count) candidate.place = no_place;
+    return;
+  }
+  BoxPairs& last = block.boxes[block.box_count / lane_count];
+  for (std::uint32_t lane = rest; lane < lane_count; ++lane) {
     last.body_a[lane] = last.body_a[0];
     last.body_b[lane] = last.body_b[0];
     last.quad_a[lane] = last.quad_a[0];
@@ -29,11 +32,13 @@ void BoxBlock::collide(const Model& model, const State& state) {
     last.margin.at[lane] = last.margin.at[0];
     last.preference.at[lane] = last.preference.at[0];
   }
-  for (std::size_t i = 0; i < batch_count; ++i) {
-    pairs_[i].poses = &state.bodies.data()->position.x;
-    pairs_[i].quads = model.quads.data()->x;
-    model.kernels.boxes.collide(pairs_[i], contacts_[i]);
-  }
+}
+
+BoxManifolds::BoxManifolds(const Model& model, const State& state, const PairBlock& block) {
+  const Real* poses = &state.bodies.data()->position.x;
+  for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
+    model.kernels.boxes.collide(block.boxes[first / lane_count], poses, model.quads.data()->x,
+                                contacts_[first / lane_count]);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

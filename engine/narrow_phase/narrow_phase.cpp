@@ -3,6 +3,9 @@
 #include "engine/narrow_phase/narrow_phase.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstring>
 #include <new>
 
 #include "engine/broad_phase/broad_phase.h"
@@ -92,18 +95,19 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 namespace {
 
 /// What a pair is beside its manifold.
-void fill_constants(const Model& model, const Proxy& proxy_a, const Proxy& proxy_b, const ShapeModel& a,
-                    const ShapeModel& b, TouchingPair& pair) {
+void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pair& of, TouchingPair& pair) {
+  const ShapeModel& a = model.shapes[proxies[of.first].shape];
+  const ShapeModel& b = model.shapes[proxies[of.second].shape];
   const MixedMaterial mixed = mixed_material(model, a, b);
-  pair.body_a = proxy_a.body;
-  pair.body_b = proxy_b.body;
+  pair.body_a = proxies[of.first].body;
+  pair.body_b = proxies[of.second].body;
+  pair.proxy_a = of.first;
+  pair.proxy_b = of.second;
   pair.friction = mixed.friction;
   pair.radius_a = a.radius;
   pair.radius_b = b.radius;
   pair.size = pair_size(a, b);
   pair.restitution = mixed.restitution;
-  pair.tangent_speed = a.tangent_speed + b.tangent_speed;
-  pair.rolling_resistance = larger(a.rolling_resistance, b.rolling_resistance);
 }
 
 /// What the pairs of one tick are looked at with.
@@ -116,6 +120,12 @@ struct PairSearch {
   bool foresees;
   bool is_sparse;  // most pairs are far from touching, and a look at them is worth its time
   bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
+  bool is_in_place;                  // contacts are written where those of the tick before are
+  const ContactRow* old_rows;        // of the tick before, ascending
+  const TouchingPair* old_touching;  // likewise, if may_reuse
+  std::size_t old_count;
+  std::uint32_t look;
+  bool may_skip;  // blocks of the same pairs as a tick ago are what they were
 
   ContactKey key(const Pair& pair) const {
     const Proxy& a = scratch.proxies[pair.first];
@@ -127,12 +137,11 @@ struct PairSearch {
 /// The first contact of the tick before that may belong to this pair or a later one.
 std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
   const ContactKey key = search.key(pair);
-  const std::vector<ContactRow>& contacts = search.state.contacts;
   std::size_t low = 0;
-  std::size_t high = contacts.size();
+  std::size_t high = search.old_count;
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
-    if (key_of(contacts[middle]) < key)
+    if (key_of(search.old_rows[middle]) < key)
       low = middle + 1;
     else
       high = middle;
@@ -140,13 +149,33 @@ std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
   return low;
 }
 
-/// A pair that may touch.
-struct Candidate {
-  const Proxy* a;
-  const Proxy* b;
-  bool is_still;       // it does what it did a tick ago
-  std::uint8_t place;  // in the block of boxes
+/// The contacts of the tick before that may belong to the pairs that follow. What is written in place replaces those
+/// before `next`, and `next` if it is of the same pair.
+struct OldContacts {
+  std::size_t first;  // at the beginning of the room, if that is in place
+  std::size_t next;
+  std::size_t end;
 };
+
+std::uint64_t place_of(const Pair& pair) {
+  return std::uint64_t{pair.first} << 32 | pair.second;
+}
+std::uint64_t place_of(const TouchingPair& pair) {
+  return std::uint64_t{pair.proxy_a} << 32 | pair.proxy_b;
+}
+
+/// Leads old.next to the contact of a pair, if there was one. Requires: may_reuse.
+inline bool find_same(const TouchingPair* old_touching, const Pair& pair, OldContacts& old) {
+  const std::uint64_t place = place_of(pair);
+  while (old.next < old.end && place_of(old_touching[old.next]) < place) ++old.next;
+  return old.next < old.end && place_of(old_touching[old.next]) == place;
+}
+/// The same where bodies have come or gone, and rows are not what they were.
+bool find_old(const PairSearch& search, const Pair& pair, OldContacts& old) {
+  const ContactKey key = search.key(pair);
+  while (old.next < old.end && key_of(search.old_rows[old.next]) < key) ++old.next;
+  return old.next < old.end && key_of(search.old_rows[old.next]) == key;
+}
 
 /// Whether two shapes are certainly too far apart to touch: so are the circles around them.
 bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow& a, const BodyRow& b, Real fall) {
@@ -156,89 +185,196 @@ bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow
   return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near);
 }
 
-/// Chooses those of the pairs begin..end-1 that may touch, and lets kernels find the contacts of those they can do.
-std::size_t choose_candidates(const PairSearch& search, std::size_t begin, std::size_t end, Candidate* out,
-                              BoxBlock& boxes) {
-  const Model& model = search.model;
-  const BodyRow* bodies = search.state.bodies.data();
-  const ShapeModel* shapes = model.shapes.data();
-  const Proxy* proxies = search.scratch.proxies.data();
-  const std::uint8_t* still = search.may_reuse ? search.scratch.kept.pairs.is_still.data() : nullptr;
-  boxes.clear();
-  std::size_t count = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const Pair& pair = search.scratch.pairs[i];
-    const Proxy& a = proxies[pair.first];
-    const Proxy& b = proxies[pair.second];
-    if (a.is_sensor || b.is_sensor) continue;  // the events stage has those
-    if (are_separated(model, bodies[a.body].id, bodies[b.body].id)) continue;
-    const ShapeModel& shape_a = shapes[a.shape];
-    const ShapeModel& shape_b = shapes[b.shape];
-    if (search.is_sparse && are_far(shape_a, shape_b, bodies[a.body], bodies[b.body], search.fall)) continue;
-    Candidate& candidate = out[count++];
-    candidate = {&a, &b, still != nullptr && still[a.body] != 0 && still[b.body] != 0, BoxBlock::no_place};
-    if (!candidate.is_still) candidate.place = boxes.add(shape_a, shape_b, a.body, b.body, search.fall);
-  }
-  boxes.collide(model, search.state);
-  return count;
+/// Whether a pair that did not touch may do so now.
+bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
+  if (a.is_sensor || b.is_sensor) return false;  // the events stage has those
+  const BodyRow& body_a = search.state.bodies[a.body];
+  const BodyRow& body_b = search.state.bodies[b.body];
+  if (are_separated(search.model, body_a.id, body_b.id)) return false;
+  return !search.is_sparse ||
+         !are_far(search.model.shapes[a.shape], search.model.shapes[b.shape], body_a, body_b, search.fall);
 }
 
-/// Where contacts are written: the first `size` of them in their places, those that do not fit apart.
+/// What the candidates of a block were a tick ago.
+struct OldCandidates {
+  std::uint64_t touched = 0;                      // [candidate] one bit each
+  std::uint64_t still = 0;                        // likewise: it does what it did
+  std::uint32_t next[PairBlock::pair_count_max];  // where the contacts of this and later ones were, if may_reuse
+};
+
+/// Whether the pairs of a block are those it was made for.
+bool is_same(const PairSearch& search, const PairBlock& block, const Pair* pairs, std::size_t count) {
+  return search.may_skip && block.is_valid && block.look + 1 == search.look && block.pair_count == count &&
+         std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0;
+}
+
+/// For a block that is what it was: its contacts were in a row.
+void find_old_of_block(const PairSearch& search, const PairBlock& block, OldContacts& old, OldCandidates& out) {
+  const std::uint64_t place = place_of(block.pairs[0]);
+  while (old.next < old.end && place_of(search.old_touching[old.next]) < place) ++old.next;
+  out.touched = block.found;
+  for (std::uint32_t i = 0; i < block.candidate_count; ++i) {
+    out.next[i] = static_cast<std::uint32_t>(old.next);
+    old.next += block.found >> i & 1;
+  }
+}
+
+/// Chooses those of some pairs that may touch.
+void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t count, OldContacts& old,
+                       PairBlock& block, OldCandidates& out) {
+  const ShapeModel* shapes = search.model.shapes.data();
+  const Proxy* proxies = search.scratch.proxies.data();
+  const std::uint8_t* still = search.may_reuse ? search.scratch.kept.pairs.is_still.data() : nullptr;
+  block.pair_count = static_cast<std::uint32_t>(count);
+  block.candidate_count = 0;
+  block.box_count = 0;
+  std::memcpy(block.pairs, pairs, count * sizeof(Pair));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Pair pair = pairs[i];
+    const Proxy& a = proxies[pair.first];
+    const Proxy& b = proxies[pair.second];
+    const bool has_old = search.may_reuse && find_same(search.old_touching, pair, old);
+    if (!has_old && !may_begin(search, a, b)) continue;
+    const bool is_still = search.may_reuse && still[a.body] != 0 && still[b.body] != 0;
+    if (is_still && !has_old) continue;
+    const std::uint32_t place = block.candidate_count++;
+    out.touched |= std::uint64_t{has_old} << place;
+    out.still |= std::uint64_t{is_still} << place;
+    out.next[place] = static_cast<std::uint32_t>(old.next);
+    block.candidates[place] = {
+        static_cast<std::uint8_t>(i),
+        is_still ? no_place : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall)};
+  }
+  complete_boxes(block);
+  block.is_valid = !search.is_sparse && out.still == 0;
+}
+
+/// Where the contacts of some pairs are written: the first `limit` from `touching` and `rows` on, the others apart.
 struct ContactRoom {
   TouchingPair* touching;
   ContactRow* rows;
-  std::size_t size;
+  std::size_t limit;
   TouchingPair* touching_apart;
   ContactRow* rows_apart;
 };
 
-/// Finds the contacts of the pairs begin..end-1, at most one each: manifolds are large. room_for(n): where to write the
-/// first n of them. Returns how many there are. `old_index`: first_old_contact of the first pair.
+struct FoundContacts {
+  std::size_t count;
+  std::size_t in_place;  // the rest is apart
+  bool any_new;          // that were not there a tick ago
+};
+
+/// What a pair is beside its manifold, from what it was a tick ago.
+void copy_constants(const TouchingPair& old, TouchingPair& pair) {
+  std::memcpy(static_cast<void*>(&pair), &old, offsetof(TouchingPair, manifold));
+}
+
+/// Whether the row of a pair is what it was: its points are, each for itself.
+bool has_features(const ContactRow& row, const Manifold& manifold) {
+  return row.feature[0] == manifold.points[0].feature && row.feature[0] != row.feature[1] &&
+         row.feature[1] == (manifold.point_count == 2 ? manifold.points[1].feature : no_feature);
+}
+
+/// Pairs begin..end-1, and the blocks that they are looked at in.
+struct PairRange {
+  std::size_t begin;
+  std::size_t end;
+  PairBlock* blocks;
+};
+
+/// Finds the contacts of some pairs, at most one each: manifolds are large. room_for(n, m): where to write
+/// the first n of them, m of them apart at most.
 template <typename RoomFor>
-std::size_t find_contacts_of(const PairSearch& search, std::size_t begin, std::size_t end, std::size_t old_index,
-                             RoomFor room_for) {
-  const Model& model = search.model;
+FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, OldContacts old, RoomFor room_for) {
   const BodyRow* bodies = search.state.bodies.data();
-  const ContactRow* old_rows = search.state.contacts.data();
-  const std::size_t old_count = search.state.contacts.size();
-  std::size_t count = 0;
-  BoxBlock boxes;
-  Candidate candidates[BoxBlock::pair_count_max];
-  for (std::size_t first = begin; first < end; first += BoxBlock::pair_count_max) {
-    const std::size_t last = std::min(first + BoxBlock::pair_count_max, end);
-    const std::size_t candidate_count = choose_candidates(search, first, last, candidates, boxes);
-    const ContactRoom room = room_for(count + candidate_count);
+  const Proxy* proxies = search.scratch.proxies.data();
+  const ShapeModel* shapes = search.model.shapes.data();
+  bool is_in_place = search.is_in_place;
+  FoundContacts found{0, 0, false};
+  std::size_t limit_in_place = ~std::size_t{0};
+  Manifold not_yet;
+  for (std::size_t first = range.begin; first < range.end; first += PairBlock::pair_count_max) {
+    PairBlock& block = range.blocks[(first - range.begin) / PairBlock::pair_count_max];
+    const Pair* pairs = search.scratch.pairs.data() + first;
+    const std::size_t pair_count = std::min(PairBlock::pair_count_max, range.end - first);
+    OldCandidates before;
+    if (is_same(search, block, pairs, pair_count))
+      find_old_of_block(search, block, old, before);
+    else
+      choose_candidates(search, pairs, pair_count, old, block, before);
+    block.look = search.look;
+    block.found = 0;
+    const BoxManifolds boxes(search.model, search.state, block);
+    const std::size_t candidate_count = block.candidate_count;
+    const ContactRoom room = room_for(found.count + candidate_count, found.count - found.in_place + candidate_count);
+    std::size_t limit = std::min(room.limit, limit_in_place);
+    const auto touching_at = [&](std::size_t index) -> TouchingPair& {
+      return index < limit ? room.touching[index] : room.touching_apart[index - limit];
+    };
     for (std::size_t i = 0; i < candidate_count; ++i) {
-      const auto [proxy_a, proxy_b, is_still, place] = candidates[i];
-      const BodyRow& body_a = bodies[proxy_a->body];
-      const BodyRow& body_b = bodies[proxy_b->body];
-      const ShapeModel& shape_a = model.shapes[proxy_a->shape];
-      const ShapeModel& shape_b = model.shapes[proxy_b->shape];
-      const bool fits = count < room.size;
-      TouchingPair& touching = fits ? room.touching[count] : room.touching_apart[count];
+      const auto [index, place] = block.candidates[i];
+      const bool touched = (before.touched >> i & 1) != 0;
+      const bool is_there = is_in_place && touched && found.count < limit && old.first + found.count == before.next[i];
+      if (is_there && place != no_place) {  // most of a world at rest
+        Manifold& manifold = room.touching[found.count].manifold;
+        boxes.write(place, manifold);
+        if (manifold.point_count > 0 && has_features(room.rows[found.count], manifold)) {
+          block.found |= std::uint64_t{1} << i;
+          ++found.count;
+          continue;
+        }
+      }
+      const Pair pair = block.pairs[index];
+      const Proxy& a = proxies[pair.first];
+      const Proxy& b = proxies[pair.second];
+      const bool is_still = (before.still >> i & 1) != 0;
+      // A contact that was not there before would be written over a later one.
+      const bool is_taken = is_in_place && !touched && found.count < limit && old.first + found.count == before.next[i];
+      Manifold& manifold = is_taken ? not_yet : touching_at(found.count).manifold;
       if (!is_still) {
-        if (boxes.has(place))
-          boxes.write(place, touching.manifold);
+        if (place != no_place)
+          boxes.write(place, manifold);
         else
-          new (&touching.manifold) Manifold(collide(model, shape_a, shape_b, body_a, body_b, search.fall));
-        if (search.foresees && touching.manifold.point_count == 0)
-          touching.manifold = foresee(model, shape_a, shape_b, body_a, body_b, search.fall, search.dt);
-        if (touching.manifold.point_count == 0) continue;
-        fill_constants(model, *proxy_a, *proxy_b, shape_a, shape_b, touching);
+          new (&manifold) Manifold(
+              collide(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body], search.fall));
+        if (search.foresees && manifold.point_count == 0)
+          manifold = foresee(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body],
+                             search.fall, search.dt);
+        if (manifold.point_count == 0) continue;
       }
-      const ContactKey key{key_of(body_a.id, proxy_a->child), key_of(body_b.id, proxy_b->child)};
-      while (old_index < old_count && key_of(old_rows[old_index]) < key) ++old_index;
-      const bool has_old = old_index < old_count && key_of(old_rows[old_index]) == key;
-      if (is_still) {
-        if (!has_old) continue;
-        touching = search.scratch.kept.touching[old_index];
+      const bool has_old = search.may_reuse ? touched : find_old(search, pair, old);
+      const std::size_t old_index = search.may_reuse ? before.next[i] : old.next;
+      if (is_taken) {
+        limit = limit_in_place = found.count;
+        is_in_place = false;
+        touching_at(found.count).manifold = not_yet;
       }
-      write_row(body_a, proxy_a->child, body_b, proxy_b->child, touching.manifold,
-                has_old ? old_rows + old_index : nullptr, fits ? room.rows[count] : room.rows_apart[count]);
-      ++count;
+      TouchingPair& touching = touching_at(found.count);
+      ContactRow& row = found.count < limit ? room.rows[found.count] : room.rows_apart[found.count - limit];
+      const ContactRow* old_row = has_old ? search.old_rows + old_index : nullptr;
+      if (old_row != &row) {
+        if (is_still)
+          touching = search.old_touching[old_index];
+        else if (has_old && search.may_reuse)
+          copy_constants(search.old_touching[old_index], touching);
+        else
+          fill_constants(search.model, search.scratch.proxies, pair, touching);
+        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, old_row, row);
+      } else if (!has_features(row, touching.manifold)) {
+        const ContactRow before = row;
+        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, &before, row);
+      }
+      block.found |= std::uint64_t{1} << i;
+      found.any_new |= !has_old;
+      ++found.count;
     }
+    found.in_place = std::min(found.count, limit);
   }
-  return count;
+  return found;
+}
+
+std::size_t blocks_of(std::size_t pair_count) {
+  return (pair_count + PairBlock::pair_count_max - 1) / PairBlock::pair_count_max;
 }
 
 constexpr std::size_t pairs_per_chunk_least = 48;
@@ -246,65 +382,96 @@ constexpr std::size_t pairs_per_contact_dense = 2;
 
 /// In chunks: each writes where the contacts of its pairs were a tick ago, and what does not fit elsewhere. Where every
 /// chunk has found as many as there were, all are in their places; else they are copied there.
-std::size_t find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, std::size_t chunk_size) {
+FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, std::size_t chunk_size) {
   const std::size_t pair_count = scratch.pairs.size();
   const std::size_t chunk_count = Parallel::chunk_count(pair_count, chunk_size);
   scratch.parts.resize(chunk_count);
   scratch.touching_apart.resize(pair_count);
   scratch.contacts_apart.resize(pair_count);
   // No larger than before: to clear rows that nothing will be in takes as long as to find the contacts of some.
-  const std::size_t old_count = std::min(search.state.contacts.size(), pair_count);
+  const std::size_t old_count = search.is_in_place ? search.old_count : std::min(search.old_count, pair_count);
   scratch.touching.resize(old_count);
   scratch.contacts.resize(old_count);
-  const auto guess = [&](std::size_t chunk) {
-    if (chunk == chunk_count) return old_count;
-    return std::min(first_old_contact(search, scratch.pairs[chunk * chunk_size]), old_count);
+  const auto old_contact = [&](std::size_t chunk) {
+    return chunk == chunk_count ? search.old_count : first_old_contact(search, scratch.pairs[chunk * chunk_size]);
   };
+  // Before any of them is overwritten.
+  for (std::size_t chunk = 0; chunk < chunk_count; ++chunk) scratch.parts[chunk].first = old_contact(chunk);
+  std::atomic<bool> any_new{false};
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
-    const std::size_t first = guess(chunk.index);
-    const std::size_t room = guess(chunk.index + 1) - first;
-    const std::size_t old_index = first_old_contact(search, scratch.pairs[chunk.begin]);
-    const ContactRoom place{scratch.touching.data() + first, scratch.contacts.data() + first, room,
-                            scratch.touching_apart.data() + chunk.begin, scratch.contacts_apart.data() + chunk.begin};
-    const std::size_t count =
-        find_contacts_of(search, chunk.begin, chunk.end, old_index, [&](std::size_t) { return place; });
-    scratch.parts[chunk.index] = {first, room, count, 0};
+    ListPart& part = scratch.parts[chunk.index];
+    const std::size_t old_end = chunk.index + 1 < chunk_count ? scratch.parts[chunk.index + 1].first : search.old_count;
+    const std::size_t first = std::min(part.first, old_count);
+    const ContactRoom place{scratch.touching.data() + first, scratch.contacts.data() + first,
+                            std::min(old_end, old_count) - first, scratch.touching_apart.data() + chunk.begin,
+                            scratch.contacts_apart.data() + chunk.begin};
+    const FoundContacts found = find_contacts_of(
+        search, {chunk.begin, chunk.end, scratch.kept.pair_blocks.data() + chunk.index * blocks_of(chunk_size)},
+        {first, part.first, old_end}, [&](std::size_t, std::size_t) { return place; });
+    part.in_place = found.in_place;
+    part.count = found.count;
+    if (found.any_new) any_new.store(true, std::memory_order_relaxed);
   });
   std::size_t total = 0;
   bool all_in_place = true;
   for (ListPart& part : scratch.parts) {
-    all_in_place = all_in_place && part.first == total && part.count <= part.room;
+    part.first = std::min(part.first, old_count);
+    all_in_place = all_in_place && part.first == total && part.in_place == part.count;
     part.place = total;
     total += part.count;
   }
-  if (all_in_place) return total;
+  if (all_in_place) return {total, total, any_new};
   scratch.touching_moved.resize(total);
   scratch.contacts_moved.resize(total);
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     const ListPart& part = scratch.parts[chunk.index];
     for (std::size_t i = 0; i < part.count; ++i) {
-      const bool fits = i < part.room;
+      const bool is_there = i < part.in_place;
+      const std::size_t apart = chunk.begin + i - part.in_place;
       scratch.touching_moved[part.place + i] =
-          fits ? scratch.touching[part.first + i] : scratch.touching_apart[chunk.begin + i];
+          is_there ? scratch.touching[part.first + i] : scratch.touching_apart[apart];
       scratch.contacts_moved[part.place + i] =
-          fits ? scratch.contacts[part.first + i] : scratch.contacts_apart[chunk.begin + i];
+          is_there ? scratch.contacts[part.first + i] : scratch.contacts_apart[apart];
     }
   });
   scratch.touching.swap(scratch.touching_moved);
   scratch.contacts.swap(scratch.contacts_moved);
-  return total;
+  return {total, total, any_new};
 }
 
-/// In one go.
-std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
+/// In one go, to where there was nothing.
+FoundContacts find_all_contacts(const PairSearch& search, Scratch& scratch) {
   scratch.contacts.resize(scratch.touching.size());
-  return find_contacts_of(search, 0, scratch.pairs.size(), 0, [&](std::size_t count) {
-    if (scratch.touching.size() < count) {
-      scratch.touching.resize(count);
-      scratch.contacts.resize(count);
-    }
-    return ContactRoom{scratch.touching.data(), scratch.contacts.data(), scratch.touching.size(), nullptr, nullptr};
-  });
+  return find_contacts_of(
+      search, {0, scratch.pairs.size(), scratch.kept.pair_blocks.data()}, {0, 0, search.old_count},
+      [&](std::size_t count, std::size_t) {
+        if (scratch.touching.size() < count) {
+          scratch.touching.resize(count);
+          scratch.contacts.resize(count);
+        }
+        return ContactRoom{scratch.touching.data(), scratch.contacts.data(), scratch.touching.size(), nullptr, nullptr};
+      });
+}
+
+/// In one go, in place as far as there are none but those of the tick before.
+FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch) {
+  const FoundContacts found =
+      find_contacts_of(search, {0, scratch.pairs.size(), scratch.kept.pair_blocks.data()}, {0, 0, search.old_count},
+                       [&](std::size_t, std::size_t apart) {
+                         if (scratch.touching_apart.size() < apart) {
+                           scratch.touching_apart.resize(apart);
+                           scratch.contacts_apart.resize(apart);
+                         }
+                         return ContactRoom{scratch.touching.data(), scratch.contacts.data(), search.old_count,
+                                            scratch.touching_apart.data(), scratch.contacts_apart.data()};
+                       });
+  scratch.touching.resize(found.count);
+  scratch.contacts.resize(found.count);
+  for (std::size_t i = found.in_place; i < found.count; ++i) {
+    scratch.touching[i] = scratch.touching_apart[i - found.in_place];
+    scratch.contacts[i] = scratch.contacts_apart[i - found.in_place];
+  }
+  return found;
 }
 
 }  // namespace
@@ -312,22 +479,43 @@ std::size_t find_all_contacts(const PairSearch& search, Scratch& scratch) {
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   Kept& kept = scratch.kept;
   const bool foresees = model.scene.settings.auto_substeps.has_value();
+  const bool may_reuse = kept.has_touching && kept.touching.size() == state.contacts.size();
+  const bool is_in_place = may_reuse && kept.is_settled;
+  if (is_in_place) {
+    scratch.touching.swap(kept.touching);
+    scratch.contacts.swap(state.contacts);
+  }
+  const std::vector<ContactRow>& old = is_in_place ? scratch.contacts : state.contacts;
+  const std::size_t pair_count = scratch.pairs.size();
+  const std::size_t chunk_size =
+      scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least, PairBlock::pair_count_max);
+  const std::size_t block_count = Parallel::chunk_count(pair_count, chunk_size) * blocks_of(chunk_size);
+  if (kept.pair_blocks.size() < block_count) kept.pair_blocks.resize(block_count);
+  const bool is_sparse = !foresees && pair_count > pairs_per_contact_dense * old.size();
   const PairSearch search{model,
                           state,
                           scratch,
                           fall_of_a_tick(model, state),
                           dt,
                           foresees,
-                          !foresees && scratch.pairs.size() > pairs_per_contact_dense * state.contacts.size(),
-                          kept.has_touching && kept.touching.size() == state.contacts.size()};
-  const std::size_t pair_count = scratch.pairs.size();
-  const std::size_t chunk_size = scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least);
-  const std::size_t count = chunk_size >= pair_count ? find_all_contacts(search, scratch)
-                                                     : find_contacts_in_chunks(search, scratch, chunk_size);
-  scratch.touching.resize(count);
-  scratch.contacts.resize(count);
+                          is_sparse,
+                          may_reuse,
+                          is_in_place,
+                          old.data(),
+                          (is_in_place ? scratch.touching : kept.touching).data(),
+                          old.size(),
+                          ++kept.look,
+                          may_reuse && !is_sparse && !kept.pairs.many_are_still};
+  FoundContacts found{};
+  if (chunk_size < pair_count)
+    found = find_contacts_in_chunks(search, scratch, chunk_size);
+  else
+    found = is_in_place ? find_contacts_in_place(search, scratch) : find_all_contacts(search, scratch);
+  scratch.touching.resize(found.count);
+  scratch.contacts.resize(found.count);
   state.contacts.swap(scratch.contacts);
   kept.has_touching = kept.pairs.is_valid;
+  kept.is_settled = !found.any_new;
 }
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {

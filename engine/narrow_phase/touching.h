@@ -25,21 +25,21 @@ struct Manifold {
 /// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
 struct TouchingPair {
   std::uint32_t body_a;  // row
-  std::uint32_t body_b;  // row
+  std::uint32_t body_b;
+  std::uint32_t proxy_a;  // in Scratch::proxies; pairs ascend by both
+  std::uint32_t proxy_b;
   Real friction;
   Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
   Real radius_b;
   Real size;  // of the smaller shape, m
   Real restitution;
-  Real tangent_speed;       // m/s, of B's surface seen from A's where the bodies rest, along right_turn(normal)
-  Real rolling_resistance;  // m: torque per normal force
   Manifold manifold;
 };
 
 /// What a chunk has added to a list.
 struct ListPart {
-  std::size_t first;  // where it wrote
-  std::size_t room;   // there; the rest is elsewhere
+  std::size_t first;     // where it wrote
+  std::size_t in_place;  // so many of them there; the rest is elsewhere
   std::size_t count;
   std::size_t place;  // in the list
 };

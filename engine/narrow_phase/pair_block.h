@@ -1,0 +1,37 @@
+// Blocks of pairs, as the narrow phase looks at them and keeps them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/broad_phase/pair_rows.h"
+#include "engine/narrow_phase/box_lanes.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// A pair of a block that may touch.
+struct Candidate {
+  std::uint8_t index;  // in the block
+  std::uint8_t place;  // among its boxes, or no_place
+};
+inline constexpr std::uint8_t no_place = 0xff;
+
+/// Pairs that follow each other, those of them that may touch, and those that did when last looked at. All but the last
+/// follows from the pairs, as long as shapes and margins are the same: kept from tick to tick, it holds for the same
+/// pairs.
+struct PairBlock {
+  static constexpr std::size_t pair_count_max = 64;
+
+  bool is_valid = false;
+  std::uint32_t pair_count = 0;
+  std::uint32_t candidate_count = 0;
+  std::uint32_t box_count = 0;  // pairs of shapes with four sharp corners, for kernels
+  std::uint32_t look = 0;       // when `found` was
+  std::uint64_t found = 0;      // [candidate] one bit each: it is a contact
+  Pair pairs[pair_count_max];
+  Candidate candidates[pair_count_max];
+  BoxPairs boxes[pair_count_max / lane_count];
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
