@@ -36,6 +36,7 @@ struct Kept {
   std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
   bool has_touching = false;           // and no contact, body or margin has changed since
   bool is_settled = false;             // none of them was new: those of the next tick are likely the same
+  std::uint32_t contact_set = 0;       // another number in each tick that has other contacts than the one before
   std::vector<PairBlock> pair_blocks;  // of that tick's pairs
   std::uint32_t look = 0;              // counts the ticks in which they were looked at
   JointPlan joints;

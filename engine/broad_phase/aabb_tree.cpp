@@ -92,7 +92,7 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.is_stray.assign(kept.proxies.size(), 0);
   kept.bodies = state.bodies;
   kept.is_still.resize(state.bodies.size());
-  kept.looks_ahead.assign(state.bodies.size(), 0);
+  kept.looks.assign(state.bodies.size(), 0);
 }
 
 /// For the bodies first..end-1: boxes of what has moved, or of everything. Lists what has left its large box from
@@ -111,7 +111,7 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     if (kept.first_proxy[row] == proxy_end) continue;
     const Real way = sweep_of(reach, model.bodies[body.source], body);
     const Real ahead = ahead_of(reach, model.bodies[body.source], way);
-    kept.looks_ahead[row] = ahead > 0 ? 1 : 0;
+    kept.looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
     for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
       kept.proxies[i].ahead = ahead;
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
@@ -136,8 +136,10 @@ void follow(const Model& model, const State& state, Scratch& scratch, const Tick
   std::size_t still_count = 0;
   for (const std::uint8_t is_still : kept.is_still) still_count += is_still;
   kept.many_are_still = bodies_per_still * (still_count - kept.static_count) > count - kept.static_count;
-  kept.any_looks_ahead = false;
-  for (const std::uint8_t looks_ahead : kept.looks_ahead) kept.any_looks_ahead |= looks_ahead != 0;
+  std::uint8_t looks = 0;
+  for (const std::uint8_t of_body : kept.looks) looks |= of_body;
+  kept.any_looks_ahead = (looks & 1) != 0;
+  kept.any_sweeps = (looks & 2) != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
 }

@@ -44,8 +44,9 @@ struct KeptPairs {
   bool many_are_still = false;             // of the others
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
   std::vector<Proxy> proxies;
-  std::vector<std::uint8_t> looks_ahead;  // [body] its proxies have an `ahead` > 0
+  std::vector<std::uint8_t> looks;  // [body] of its proxies: bit 0: they have an `ahead` > 0; bit 1: a way (sweep_of)
   bool any_looks_ahead = false;
+  bool any_sweeps = false;
   std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
   std::vector<Box> large_boxes;        // [proxy]
   std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)

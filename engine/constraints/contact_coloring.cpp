@@ -29,6 +29,10 @@ bool find_ends(Scratch& scratch, const SolveGroup& group, ContactColoring& color
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   const std::uint32_t unread = unread_record(scratch);
   const std::size_t count = group.contact_end - group.first_contact;
+  const bool is_whole_set = count == scratch.touching.size();
+  if (is_whole_set && coloring.is_whole_set && coloring.contact_set == scratch.kept.contact_set) return true;
+  coloring.is_whole_set = is_whole_set;
+  coloring.contact_set = scratch.kept.contact_set;
   std::atomic<bool> changed{coloring.ends.size() != count};
   coloring.ends.resize(count);
   const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };

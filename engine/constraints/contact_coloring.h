@@ -59,6 +59,8 @@ struct ContactBlock {
 /// ends. So do the blocks, for the same bodies.
 struct ContactColoring {
   std::vector<ContactEnds> ends;  // [contact of the group]
+  std::uint32_t contact_set = 0;  // Kept's, if they are all of it
+  bool is_whole_set = false;
   bool is_split = false;          // into blocks; else there is one of everything, without rows
   std::vector<ContactBlock> blocks;
   std::vector<std::uint32_t> contacts;  // of the group, by block

@@ -56,6 +56,27 @@ inline Four smaller(const Four& a, const Four& b) {
   for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] < b.part[i] ? a.part[i] : b.part[i];
   return result;
 }
+inline Four larger(const Four& a, const Four& b) {
+  Four result;
+  for (int i = 0; i < Four::part_count; ++i) result.part[i] = a.part[i] > b.part[i] ? a.part[i] : b.part[i];
+  return result;
+}
+/// The least of the four.
+inline Real least_of(const Four& a) {
+  Four::Part least = a.part[0];
+  for (int i = 1; i < Four::part_count; ++i) least = least < a.part[i] ? least : a.part[i];
+  Real result = least[0];
+  for (int i = 1; i < Four::part_size; ++i) result = least[i] < result ? least[i] : result;
+  return result;
+}
+/// The largest of the four.
+inline Real most_of(const Four& a) {
+  Four::Part most = a.part[0];
+  for (int i = 1; i < Four::part_count; ++i) most = most > a.part[i] ? most : a.part[i];
+  Real result = most[0];
+  for (int i = 1; i < Four::part_size; ++i) result = most[i] > result ? most[i] : result;
+  return result;
+}
 /// Whether a[i] <= b[i] for every i.
 inline bool all_at_most(const Four& a, const Four& b) {
   using Halves = std::uint64_t __attribute__((vector_size(16)));

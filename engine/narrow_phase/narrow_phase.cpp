@@ -516,6 +516,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
   state.contacts.swap(scratch.contacts);
   kept.has_touching = kept.pairs.is_valid;
   kept.is_settled = !found.any_new;
+  if (!is_in_place || found.any_new || found.count != search.old_count) ++kept.contact_set;
 }
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {

@@ -121,6 +121,8 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
   if (scratch.pairs.empty()) return;
   const TickReach reach = reach_of_tick(model, state, dt);
+  // Broad phases that follow bodies know whether any is fast.
+  if (reach.guards && !reach.locates && scratch.kept.pairs.is_valid && !scratch.kept.pairs.any_sweeps) return;
   if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
   const std::size_t count = scratch.pairs.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 256);
