@@ -104,8 +104,10 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
   for (std::size_t row = first; row < end; ++row) {
     const BodyRow& body = state.bodies[row];
     BodyRow& before = kept.bodies[row];
-    kept.is_still[row] = (foresees ? same_bits(body, before) : same_pose(body, before)) ? 1 : 0;
-    if (!everything && same_bits(body, before)) continue;
+    const bool has_pose = same_pose(body, before);
+    const bool is_same = has_pose && same_bits(body, before);
+    kept.is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
+    if (!everything && is_same) continue;
     before = body;
     const std::uint32_t proxy_end = kept.first_proxy[row + 1];
     if (kept.first_proxy[row] == proxy_end) continue;

@@ -342,11 +342,12 @@ TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_
     out.masses_b[i] = ends[1] * source.mass_size;
     const std::uint32_t* records_a = behind(source.records, out.masses_a[i]);
     const std::uint32_t* records_b = behind(source.records, out.masses_b[i]);
+    batch.read_a[out.first + i] = words_per_record * records_a[0];
+    batch.read_b[out.first + i] = words_per_record * records_b[0];
+    if (!Group<V>{batch, out.first}.writes_elsewhere()) continue;
     const auto write = [&](std::uint32_t record) {
       return words_per_record * (record == source.unread ? source.own_unread : record);
     };
-    batch.read_a[out.first + i] = words_per_record * records_a[0];
-    batch.read_b[out.first + i] = words_per_record * records_b[0];
     batch.write_a[out.first + i] = write(records_a[1]);
     batch.write_b[out.first + i] = write(records_b[1]);
   }

@@ -17,7 +17,15 @@ struct Outline {
   Quads x, y, normal_x, normal_y;
 };
 
-TICKTRUE_INLINE Outline load_outline(const Real* quads, const std::uint32_t* index) {
+/// `is_same`: all of one shape.
+TICKTRUE_INLINE Outline load_outline(const Real* quads, const std::uint32_t* index, bool is_same) {
+  if (is_same) {
+    const Real* one = quads + static_cast<std::size_t>(index[0]) * quad_length;
+    const auto spread_four = [](const Real* from) -> Quads {
+      return {{spread(from[0]), spread(from[1]), spread(from[2]), spread(from[3])}};
+    };
+    return {spread_four(one), spread_four(one + 4), spread_four(one + 8), spread_four(one + 12)};
+  }
   return {gather_quads<quad_length>(quads, index), gather_quads<quad_length>(quads + 4, index),
           gather_quads<quad_length>(quads + 8, index), gather_quads<quad_length>(quads + 12, index)};
 }
@@ -113,8 +121,8 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Real* poses, con
   const Wide py = ca * dy - sa * dx;
   const Wide c = ca * cb + sa * sb;
   const Wide s = ca * sb - sa * cb;
-  const Outline outline_a = load_outline(quads, pairs.quad_a + first);
-  Outline outline_b = load_outline(quads, pairs.quad_b + first);
+  const Outline outline_a = load_outline(quads, pairs.quad_a + first, pairs.same_a);
+  Outline outline_b = load_outline(quads, pairs.quad_b + first, pairs.same_b);
   for (int i = 0; i < 4; ++i) {
     const Wide x = outline_b.x.at[i], y = outline_b.y.at[i];
     const Wide nx = outline_b.normal_x.at[i], ny = outline_b.normal_y.at[i];

@@ -19,6 +19,8 @@ struct BoxPairs {
   std::uint32_t quad_a[lane_count], quad_b[lane_count];
   Lanes margin;      // m
   Lanes preference;  // of A's axes, m
+  bool same_a;       // all A have one shape
+  bool same_b;
 };
 
 struct BoxKernels {

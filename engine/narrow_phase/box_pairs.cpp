@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/box_pairs.h"
 
+#include <algorithm>
+
 #include "engine/narrow_phase/convex_hulls.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -21,16 +23,24 @@ void complete_boxes(PairBlock& block) {
     block.box_count -= rest;
     for (std::uint32_t i = 0; i < block.candidate_count; ++i)
       if (Candidate& candidate = block.candidates[i]; candidate.place >= block.box_count) candidate.place = no_place;
-    return;
+  } else {
+    BoxPairs& last = block.boxes[block.box_count / lane_count];
+    for (std::uint32_t lane = rest; lane < lane_count; ++lane) {
+      last.body_a[lane] = last.body_a[0];
+      last.body_b[lane] = last.body_b[0];
+      last.quad_a[lane] = last.quad_a[0];
+      last.quad_b[lane] = last.quad_b[0];
+      last.margin.at[lane] = last.margin.at[0];
+      last.preference.at[lane] = last.preference.at[0];
+    }
   }
-  BoxPairs& last = block.boxes[block.box_count / lane_count];
-  for (std::uint32_t lane = rest; lane < lane_count; ++lane) {
-    last.body_a[lane] = last.body_a[0];
-    last.body_b[lane] = last.body_b[0];
-    last.quad_a[lane] = last.quad_a[0];
-    last.quad_b[lane] = last.quad_b[0];
-    last.margin.at[lane] = last.margin.at[0];
-    last.preference.at[lane] = last.preference.at[0];
+  const auto are_same = [](const std::uint32_t(&quads)[lane_count]) {
+    return std::all_of(quads, quads + lane_count, [&](std::uint32_t quad) { return quad == quads[0]; });
+  };
+  for (std::uint32_t first = 0; first < block.box_count; first += lane_count) {
+    BoxPairs& pairs = block.boxes[first / lane_count];
+    pairs.same_a = are_same(pairs.quad_a);
+    pairs.same_b = are_same(pairs.quad_b);
   }
 }
 

@@ -43,11 +43,32 @@ class BoxManifolds {
     if (exists[1]) write_point(found, lane, 1, manifold.points[exists[0] ? 1 : 0]);
   }
 
+  /// Renews the contact of the pair at a place. False, and nothing done, unless the same two points touch.
+  bool renew(std::uint32_t place, const ContactRow& row, TouchingPair& touching) const {
+    const BoxContacts& found = contacts_[place / lane_count];
+    const std::size_t lane = place % lane_count;
+    const Real first = found.features[0].at[lane];
+    const Real second = found.features[1].at[lane];
+    if (!(first >= 0 && second >= 0) || first == second || row.feature[0] != as_feature(first) ||
+        row.feature[1] != as_feature(second))
+      return false;
+    Manifold& manifold = touching.manifold;
+    std::memcpy(&manifold.normal, found.normals[lane], sizeof manifold.normal);
+    for (int p = 0; p < 2; ++p) {
+      std::memcpy(&manifold.points[p].anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
+      manifold.points[p].separation = found.normals[lane][2 + p];
+    }
+    return true;
+  }
+
  private:
+  static std::uint32_t as_feature(Real feature) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(feature));
+  }
   static void write_point(const BoxContacts& found, std::size_t lane, std::size_t p, ManifoldPoint& out) {
     std::memcpy(&out.anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
     out.separation = found.normals[lane][2 + p];
-    out.feature = static_cast<std::uint32_t>(static_cast<std::int32_t>(found.features[p].at[lane]));
+    out.feature = as_feature(found.features[p].at[lane]);
   }
 
   BoxContacts contacts_[PairBlock::pair_count_max / lane_count];

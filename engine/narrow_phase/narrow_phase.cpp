@@ -200,6 +200,10 @@ struct OldCandidates {
   std::uint64_t touched = 0;                      // [candidate] one bit each
   std::uint64_t still = 0;                        // likewise: it does what it did
   std::uint32_t next[PairBlock::pair_count_max];  // where the contacts of this and later ones were, if may_reuse
+
+  bool all_touched(std::uint32_t count) const {
+    return count > 0 && touched == ~std::uint64_t{0} >> (PairBlock::pair_count_max - count);
+  }
 };
 
 /// Whether the pairs of a block are those it was made for.
@@ -213,10 +217,17 @@ void find_old_of_block(const PairSearch& search, const PairBlock& block, OldCont
   const std::uint64_t place = place_of(block.pairs[0]);
   while (old.next < old.end && place_of(search.old_touching[old.next]) < place) ++old.next;
   out.touched = block.found;
-  for (std::uint32_t i = 0; i < block.candidate_count; ++i) {
-    out.next[i] = static_cast<std::uint32_t>(old.next);
-    old.next += block.found >> i & 1;
+  auto next = static_cast<std::uint32_t>(old.next);
+  if (out.all_touched(block.candidate_count)) {
+    for (std::uint32_t i = 0; i < block.candidate_count; ++i) out.next[i] = next + i;
+    next += block.candidate_count;
+  } else {
+    for (std::uint32_t i = 0; i < block.candidate_count; ++i) {
+      out.next[i] = next;
+      next += static_cast<std::uint32_t>(block.found >> i & 1);
+    }
   }
+  old.next = next;
 }
 
 /// Chooses those of some pairs that may touch.
@@ -311,19 +322,18 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
     const auto touching_at = [&](std::size_t index) -> TouchingPair& {
       return index < limit ? room.touching[index] : room.touching_apart[index - limit];
     };
+    // In most of a world at rest all pairs are boxes that touch as they did.
+    bool is_settled = is_in_place && before.all_touched(block.candidate_count) && before.still == 0 &&
+                      block.box_count == candidate_count && found.count + candidate_count <= limit &&
+                      old.first + found.count == before.next[0];
     for (std::size_t i = 0; i < candidate_count; ++i) {
+      if (is_settled && boxes.renew(static_cast<std::uint32_t>(i), room.rows[found.count], room.touching[found.count])) {
+        block.found |= std::uint64_t{1} << i;
+        ++found.count;
+        continue;
+      }
       const auto [index, place] = block.candidates[i];
       const bool touched = (before.touched >> i & 1) != 0;
-      const bool is_there = is_in_place && touched && found.count < limit && old.first + found.count == before.next[i];
-      if (is_there && place != no_place) {  // most of a world at rest
-        Manifold& manifold = room.touching[found.count].manifold;
-        boxes.write(place, manifold);
-        if (manifold.point_count > 0 && has_features(room.rows[found.count], manifold)) {
-          block.found |= std::uint64_t{1} << i;
-          ++found.count;
-          continue;
-        }
-      }
       const Pair pair = block.pairs[index];
       const Proxy& a = proxies[pair.first];
       const Proxy& b = proxies[pair.second];
@@ -340,7 +350,10 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
         if (search.foresees && manifold.point_count == 0)
           manifold = foresee(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body],
                              search.fall, search.dt);
-        if (manifold.point_count == 0) continue;
+        if (manifold.point_count == 0) {
+          is_settled = false;
+          continue;
+        }
       }
       const bool has_old = search.may_reuse ? touched : find_old(search, pair, old);
       const std::size_t old_index = search.may_reuse ? before.next[i] : old.next;
