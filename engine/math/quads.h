@@ -17,6 +17,8 @@ struct Quads {
 template <typename Scalar, int count>
 struct Transposer;
 
+#if defined(__AVX__)
+/// Halves are moved by name: compilers then do it on the way from and to memory.
 template <>
 struct Transposer<float, 8> {
   using Quad = float __attribute__((vector_size(16)));
@@ -29,8 +31,10 @@ struct Transposer<float, 8> {
   /// place(i): where record i's quad begins.
   template <typename Place>
   TICKTRUE_INLINE static void gather(Place place, Row* out) {
-    const auto pair = [&place](int low, int high) {
-      return __builtin_shufflevector(load(place(low)), load(place(high)), 0, 1, 2, 3, 4, 5, 6, 7);
+    const auto pair = [&place](int low, int high) { 
+      const Quad half = load(place(low));
+      const Row wide = __builtin_shufflevector(half, half, 0, 1, 2, 3, -1, -1, -1, -1);
+      return __builtin_ia32_vinsertf128_ps256(wide, load(place(high)), 1);
     };
     const Row r0 = pair(0, 4), r1 = pair(1, 5), r2 = pair(2, 6), r3 = pair(3, 7);
     const Row low_01 = __builtin_shufflevector(r0, r1, 0, 8, 1, 9, 4, 12, 5, 13);
@@ -46,7 +50,7 @@ struct Transposer<float, 8> {
   TICKTRUE_INLINE static void scatter(Place place, const Row* in) {
     const auto pair = [&place](int low, int high, const Row& both) {
       const Quad first = __builtin_shufflevector(both, both, 0, 1, 2, 3);
-      const Quad second = __builtin_shufflevector(both, both, 4, 5, 6, 7);
+      const Quad second = __builtin_ia32_vextractf128_ps256(both, 1);
       std::memcpy(place(low), &first, sizeof first);
       std::memcpy(place(high), &second, sizeof second);
     };
@@ -60,6 +64,7 @@ struct Transposer<float, 8> {
     pair(3, 7, __builtin_shufflevector(high_01, high_23, 2, 3, 10, 11, 6, 7, 14, 15));
   }
 };
+#endif
 
 /// Four records of four values: in f32 with 16 byte vectors, in f64 with 32 byte ones.
 template <typename Quad, bool is_single>
