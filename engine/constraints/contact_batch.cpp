@@ -39,43 +39,25 @@ void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_firs
   runs.push_back({first, end, is_alone ? count : size});
 }
 
-/// Deals the contacts of a block out to batches, colour by colour, from batch `next` on. `on_color(first, end)`: the
-/// batches of a colour. Returns the end.
-template <typename OnColor>
-std::uint32_t place_colors(ContactColoring& coloring, const ContactBlock& block, std::uint32_t next, OnColor on_color) {
-  for (const std::uint32_t first : {0u, class_color_count})
-    for (std::uint32_t round = 0; round < block.round_count; ++round)
-      for (std::uint32_t color = 0; color < class_color_count; ++color) {
-        ColorPlace& place = coloring.places[block.first_place + round * round_color_count + first + color];
-        const std::uint32_t begin = next;
-        place.first_slot = begin * contact_lane_count;
-        next += (place.count + contact_lane_count - 1) / contact_lane_count;
-        if (next > begin) on_color(begin, next);
-      }
-  return next;
-}
-
-/// Makes room for the batches of a block, and empties the slots that no contact gets.
-void make_room(ContactBatches& out, const ContactColoring& coloring, const ContactBlock& block, unsigned features) {
+/// Makes room for batches.
+void make_room(ContactBatches& out, unsigned features) {
   const std::size_t end = out.batch_count;
   if (out.batches.size() < end) out.batches.resize(end);
   if ((features & contact_feature::bounce) != 0 && out.bounces.size() < end) out.bounces.resize(end);
   if ((features & contact_feature::surface) != 0 && out.surfaces.size() < end) out.surfaces.resize(end);
-  if (out.slots.size() < end * contact_lane_count) out.slots.resize(end * contact_lane_count);
-  const ColorPlace* places = coloring.places.data() + block.first_place;
-  for (std::uint32_t i = 0; i < block.round_count * round_color_count; ++i)
-    for (std::uint32_t slot = places[i].first_slot + places[i].count; slot % contact_lane_count != 0; ++slot)
-      out.slots[slot] = no_contact;
 }
 
-/// Puts the contacts first..end-1 of a block into their slots.
-void fill_slots(ContactBatches& out, const ContactColoring& coloring, const ContactBlock& block,
-                const std::uint32_t* contacts, std::size_t first, std::size_t end) {
-  const ColorPlace* places = coloring.places.data() + block.first_place;
-  for (std::size_t i = block.first + first; i < block.first + end; ++i) {
-    const ContactColor& color = coloring.colors[i];
-    out.slots[places[color.color].first_slot + color.rank] = contacts[coloring.contacts[i]];
-  }
+/// The contacts in the slots of a block.
+const std::uint32_t* slots_of(const Scratch& scratch, const SolveGroup& group, const ContactBlock& block,
+                              ContactBatches& out) {
+  const ContactColoring& coloring = scratch.kept.coloring;
+  const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
+  if (coloring.is_whole_set) return slots;  // those of the group are all
+  const std::size_t count = block.slot_end - block.first_slot;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  out.slots.resize(count);
+  for (std::size_t i = 0; i < count; ++i) out.slots[i] = slots[i] != no_contact ? contacts[slots[i]] : no_contact;
+  return out.slots.data();
 }
 
 void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
@@ -121,11 +103,11 @@ static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass
 static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
 
 /// What a kernel fills the batches from `first` on from.
-ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const ContactBatches& out,
-                        std::size_t first, std::uint32_t unread, bool has_bounces) {
+ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group,
+                        const std::uint32_t* slots, std::uint32_t unread, bool has_bounces) {
   const TouchingPair& pair = scratch.touching[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
-  return {out.slots.data() + first * contact_lane_count,
+  return {slots,
           sizeof(TouchingPair),
           &pair.body_a,
           &pair.friction,
@@ -142,6 +124,7 @@ ContactSource source_of(const State& state, const Scratch& scratch, const SolveG
           unread,
           resting_record(scratch),
           group.stiffness.slop,
+          true,
           has_bounces};
 }
 
@@ -160,12 +143,13 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
   }
 }
 
-/// Fills the batches first..end-1.
+/// Fills the batches first..end-1 from the contacts in `slots`.
 void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group,
-                  ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t unread) {
+                  const std::uint32_t* slots, ContactBatches& out, std::size_t first, std::size_t end,
+                  std::uint32_t unread) {
   if (first == end) return;
   const bool has_bounces = (model.contact_features & contact_feature::bounce) != 0;
-  scratch.kernels->contacts.fill(source_of(state, scratch, group, out, first, unread, has_bounces),
+  scratch.kernels->contacts.fill(source_of(state, scratch, group, slots, unread, has_bounces),
                                  out.batches.data() + first, end - first);
   if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
@@ -203,27 +187,24 @@ void clear_contacts(Scratch& scratch) {
 
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group) {
   ContactBatches& out = scratch.contact_batches;
-  ContactColoring& coloring = scratch.kept.coloring;
-  const ContactBlock& all = coloring.blocks[0];
+  const ContactColoring& coloring = scratch.kept.coloring;
   group.first_batch = static_cast<std::uint32_t>(out.batch_count);
   group.first_run = static_cast<std::uint32_t>(out.runs.size());
-  group.batch_end = place_colors(coloring, all, group.first_batch, [&](std::uint32_t first, std::uint32_t end) {
-    add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, first, end);
-  });
+  for (const BatchRange& color : coloring.color_batches)
+    add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, group.first_batch + color.first,
+            group.first_batch + color.end);
   group.run_end = static_cast<std::uint32_t>(out.runs.size());
-  out.batch_count = group.batch_end;
-  make_room(out, coloring, all, model.contact_features);
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::size_t count = coloring.colors.size();
-  scratch.parallel.for_chunks(
-      count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
-      [&](const Chunk& chunk) { fill_slots(out, coloring, all, contacts, chunk.begin, chunk.end); });
+  out.batch_count += coloring.slots.size() / contact_lane_count;
+  group.batch_end = static_cast<std::uint32_t>(out.batch_count);
+  make_room(out, model.contact_features);
+  const std::uint32_t* slots = slots_of(scratch, group, coloring.blocks[0], out);
   for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
     const BatchRun& run = out.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
-      fill_batches(model, state, scratch, group, out, first, end, unread_record(scratch, chunk.index));
+      fill_batches(model, state, scratch, group, slots + (first - group.first_batch) * contact_lane_count, out, first,
+                   end, unread_record(scratch, chunk.index));
       scratch.kernels->contacts.prepare(work_of(scratch, group, out, first, end));
     });
   }
@@ -282,9 +263,7 @@ void store_contacts(const Scratch& scratch, const SolveGroup& group, State& stat
 
 void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
                    const ContactBlock& block, std::uint32_t unread, ContactBatches& out) {
-  ContactColoring& coloring = scratch.kept.coloring;
-  out.batch_count = place_colors(coloring, block, 0, [](std::uint32_t, std::uint32_t) {});
-  make_room(out, coloring, block, model.contact_features);
+  const ContactColoring& coloring = scratch.kept.coloring;
   const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
     const std::uint32_t contact = contacts[coloring.contacts[i]];
@@ -292,8 +271,9 @@ void prepare_block(const Model& model, const State& state, Scratch& scratch, con
     __builtin_prefetch(&scratch.touching[contact].manifold.points[1]);
     __builtin_prefetch(&state.contacts[contact]);
   }
-  fill_slots(out, coloring, block, contacts, 0, block.end - block.first);
-  fill_batches(model, state, scratch, group, out, 0, out.batch_count, unread);
+  out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
+  make_room(out, model.contact_features);
+  fill_batches(model, state, scratch, group, slots_of(scratch, group, block, out), out, 0, out.batch_count, unread);
   scratch.kernels->contacts.prepare(work_of_block(scratch, group, out));
 }
 

@@ -34,7 +34,7 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;     // [batch, lane] the contact, or no_contact
+  std::vector<std::uint32_t> slots;  // [batch of the group, lane] the contact, or no_contact; where not all are in it
   std::vector<BatchRun> runs;           // in solving order
   std::vector<ContactLanes> saved;      // [batch of the group, point] normal impulses
 };

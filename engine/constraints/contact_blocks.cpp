@@ -40,7 +40,7 @@ void solve_blocks(const Model& model, State& state, Scratch& scratch, const Solv
       for (int substep = 0; substep < group.substeps; ++substep) {
         motion.step_velocities(bodies, scratch.velocity_steps.data()->gain, rows, row_count);
         contacts.warm_start(work);
-        (substep == 0 ? contacts.solve : contacts.solve_again)(work);
+        contacts.solve_again(work);
         motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, group.h);
         contacts.relax(work);
       }

@@ -196,12 +196,32 @@ bool color_round(ContactColoring& out, const ContactBlock& block, std::uint32_t 
   return any_left;
 }
 
+/// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin on.
+void fill_slots(ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
+  block.first_slot = static_cast<std::uint32_t>(out.slots.size());
+  std::uint32_t next = block.first_slot;
+  for (const std::uint32_t first : {0u, class_color_count})
+    for (std::uint32_t round = 0; round < round_count; ++round)
+      for (std::uint32_t color = 0; color < class_color_count; ++color) {
+        ColorPlace& place = out.places[round * round_color_count + first + color];
+        if (place.count == 0) continue;
+        place.first_slot = next;
+        next += (place.count + contact_lane_count - 1) / contact_lane_count * contact_lane_count;
+        if (!out.is_split)
+          out.color_batches.push_back({place.first_slot / contact_lane_count, next / contact_lane_count});
+      }
+  block.slot_end = next;
+  out.slots.resize(next, no_contact);
+  for (std::uint32_t i = block.first; i < block.end; ++i)
+    out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = out.contacts[i];
+}
+
 void color_block(ContactColoring& out, ContactBlock& block) {
-  block.first_place = static_cast<std::uint32_t>(out.places.size());
-  block.round_count = 0;
+  out.places.clear();
+  std::uint32_t round_count = 0;
   bool any_left = true;
   while (any_left) {
-    if (block.round_count > 0)
+    if (round_count > 0)
       for (std::uint32_t i = block.first; i < block.end; ++i) {
         const ContactEnds ends = out.ends[out.contacts[i]];
         for (const std::uint32_t row : {ends.a, ends.b})
@@ -210,10 +230,11 @@ void color_block(ContactColoring& out, ContactBlock& block) {
     const std::size_t first = out.places.size();
     out.places.resize(first + round_color_count, {0, 0});
     ColorPlace* places = out.places.data() + first;
-    any_left = block.round_count == 0 ? color_round<true>(out, block, 0, places)
-                                      : color_round<false>(out, block, block.round_count, places);
-    ++block.round_count;
+    any_left =
+        round_count == 0 ? color_round<true>(out, block, 0, places) : color_round<false>(out, block, round_count, places);
+    ++round_count;
   }
+  fill_slots(out, block, round_count);
 }
 
 }  // namespace
@@ -236,7 +257,8 @@ void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
   }
   if (!coloring.is_split) make_one_block(coloring);
   coloring.colors.resize(coloring.ends.size());
-  coloring.places.clear();
+  coloring.slots.clear();
+  coloring.color_batches.clear();
   coloring.body_colors.assign(scratch.masses.size(), {0, 0});
   for (ContactBlock& block : coloring.blocks) color_block(coloring, block);
 }

@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/constraints/contact_lanes.h"
+
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Scratch;
@@ -47,12 +49,17 @@ struct ColorPlace {
   std::uint32_t first_slot;
 };
 
-/// Contacts that no body ties to those of other blocks. Ranges of ContactColoring::contacts, ::rows and ::places.
+/// Batches first..end-1.
+struct BatchRange {
+  std::uint32_t first;
+  std::uint32_t end;
+};
+
+/// Contacts that no body ties to those of other blocks. Ranges of ContactColoring::contacts, ::rows and ::slots.
 struct ContactBlock {
   std::uint32_t first = 0, end = 0;
   std::uint32_t first_row = 0, row_end = 0;
-  std::uint32_t first_place = 0;
-  std::uint32_t round_count = 0;
+  std::uint32_t first_slot = 0, slot_end = 0;
 };
 
 /// The colours of some contacts, which follow from their ends alone: kept from tick to tick, they hold for the same
@@ -64,13 +71,15 @@ struct ContactColoring {
   bool is_split = false;          // into blocks; else there is one of everything, without rows
   std::vector<ContactBlock> blocks;
   std::vector<std::uint32_t> contacts;  // of the group, by block
-  std::vector<ContactColor> colors;     // [place in `contacts`]
-  std::vector<ColorPlace> places;       // [block, round, colour]
+  std::vector<std::uint32_t> slots;     // [block, batch, lane] the contact of the group, or no_contact
+  std::vector<BatchRange> color_batches;  // in solving order, where there is one block
   std::vector<std::uint32_t> rows;      // bodies that move, by block
   std::vector<std::uint32_t> free_rows;   // those that are in none
   std::vector<std::uint32_t> group_rows;  // those that the blocks were made for
   std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; holds while no contact ties two blocks
   std::uint32_t ticks_unsplit = 0;        // to pass before islands are looked for
+  std::vector<ContactColor> colors;       // [place in `contacts`]
+  std::vector<ColorPlace> places;         // [round, colour] of a block
   std::vector<BodyColors> body_colors;    // [body]
   std::vector<std::uint32_t> block_starts;
   std::vector<std::uint32_t> island_parent;  // [body]

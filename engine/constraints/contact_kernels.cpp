@@ -328,6 +328,17 @@ TICKTRUE_INLINE QuadsOf<V> gather_behind(const Real* first, const std::size_t* b
   return quads;
 }
 
+template <typename V>
+TICKTRUE_INLINE V as_reals(const std::int32_t* from) {
+  if constexpr (VectorOf<V>::count == 1) {
+    return static_cast<Real>(*from);
+  } else {
+    std::int32_t __attribute__((vector_size(wide_count * sizeof(std::int32_t)))) numbers;
+    std::memcpy(&numbers, from, sizeof numbers);
+    return __builtin_convertvector(numbers, V);
+  }
+}
+
 /// Where the rows of the lanes are, and which bodies they name.
 template <typename V>
 TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_t* slots, Filling<V>& out) {
@@ -373,22 +384,25 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
   out.store(batch.normal_x, normal.at[0]);
   out.store(batch.normal_y, normal.at[1]);
   const QuadsOf<V> forces = gather_behind<V>(source.forces, out.rows);
-  ContactLanes exists, separation;
+  std::int32_t point_count[out.count];
+  for (int i = 0; i < out.count; ++i) point_count[i] = *behind(source.point_count, out.pairs[i]);
+  const V counts = as_reals<V>(point_count);
+  ContactLanes separation;
   for (int p = 0; p < 2; ++p) {
-    for (int i = 0; i < out.count; ++i) {
-      exists.at[i] = *behind(source.point_count, out.pairs[i]) > p ? Real(1) : Real(0);
-      separation.at[i] = *behind(source.separation[p], out.pairs[i]);
-    }
+    for (int i = 0; i < out.count; ++i) separation.at[i] = *behind(source.separation[p], out.pairs[i]);
     ContactPointLanes& point = batch.points[p];
     const QuadsOf<V> anchors = gather_behind<V>(source.anchors[p], out.pairs);
-    const V there = VectorOf<V>::load(exists.at);
     const V zero{};
+    const V there =
+        choose(counts > VectorOf<V>::spread(static_cast<Real>(p)), VectorOf<V>::spread(1), zero);
     const auto set = [&](ContactLanes& lanes, V value) { out.store(lanes, choose(there > zero, value, zero)); };
     set(point.normal_arm_a, anchors.at[0]);
     set(point.normal_arm_b, anchors.at[1]);
     set(point.tangent_arm_a, anchors.at[2]);
     set(point.tangent_arm_b, anchors.at[3]);
-    set(point.separation, VectorOf<V>::load(separation.at) + slop);
+    const V apart = choose(there > zero, VectorOf<V>::load(separation.at) + slop, zero);
+    out.store(point.separation, apart);
+    out.store(point.present_separation, apart + zero);  // as separation_of gives it for bodies that have not moved
     set(point.normal_impulse, forces.at[p]);
     set(point.tangent_impulse, forces.at[2 + p]);
     out.store(point.normal_mass, there);
@@ -440,7 +454,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     batch.count = count;
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
     batch.bounces = 0;
-    if (i + 1 < batch_count)  // a colour skips over memory
+    if (source.asks_ahead && i + 1 < batch_count)
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.ends, contact * source.pair_size));

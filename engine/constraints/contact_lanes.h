@@ -79,6 +79,7 @@ struct ContactSource {
   std::uint32_t own_unread;      // instead of it
   std::uint32_t resting;         // read for empty lanes
   Real slop;                     // of the size
+  bool asks_ahead;               // for the rows of the next batch: a colour skips over memory
   bool has_bounces;              // one that is alone in its batch is not always taken by itself
 };
 
