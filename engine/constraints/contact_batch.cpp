@@ -97,6 +97,8 @@ void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
 // What kernels read.
 static_assert(offsetof(TouchingPair, body_b) == offsetof(TouchingPair, body_a) + sizeof(std::uint32_t));
 static_assert(offsetof(TouchingPair, size) == offsetof(TouchingPair, friction) + 3 * sizeof(Real));
+static_assert(offsetof(Manifold, point_count) == 2 * sizeof(Real));
+static_assert(offsetof(TouchingPair, restitution) - offsetof(TouchingPair, manifold.points[1].separation) >= 4 * sizeof(Real));
 static_assert(offsetof(ManifoldPoint, anchor_b) == offsetof(ManifoldPoint, anchor_a) + sizeof(Vec2));
 static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal_force) + 2 * sizeof(Real));
 static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass) == 4 * sizeof(Real));
@@ -268,7 +270,7 @@ void prepare_block(const Model& model, const State& state, Scratch& scratch, con
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
     const std::uint32_t contact = contacts[coloring.contacts[i]];
     __builtin_prefetch(&scratch.touching[contact]);
-    __builtin_prefetch(&scratch.touching[contact].manifold.points[1]);
+    __builtin_prefetch(&scratch.touching[contact].friction);
     __builtin_prefetch(&state.contacts[contact]);
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;

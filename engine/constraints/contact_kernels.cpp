@@ -328,14 +328,19 @@ TICKTRUE_INLINE QuadsOf<V> gather_behind(const Real* first, const std::size_t* b
   return quads;
 }
 
+/// How many points the contacts have. `normal`: the quads at ContactSource::normal, which hold it where it is as wide as
+/// a Real: no lane is then loaded by itself, only to wait for its vector.
 template <typename V>
-TICKTRUE_INLINE V as_reals(const std::int32_t* from) {
-  if constexpr (VectorOf<V>::count == 1) {
-    return static_cast<Real>(*from);
+TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const QuadsOf<V>& normal) {
+  if constexpr (lanes.count == 1) {
+    return static_cast<Real>(*behind(source.point_count, lanes.pairs[0]));
   } else {
-    std::int32_t __attribute__((vector_size(wide_count * sizeof(std::int32_t)))) numbers;
-    std::memcpy(&numbers, from, sizeof numbers);
-    return __builtin_convertvector(numbers, V);
+    std::int32_t __attribute__((vector_size(wide_count * sizeof(std::int32_t)))) counts;
+    if constexpr (sizeof counts == sizeof(V))
+      std::memcpy(&counts, &normal.at[2], sizeof counts);
+    else
+      for (int i = 0; i < lanes.count; ++i) counts[i] = *behind(source.point_count, lanes.pairs[i]);
+    return __builtin_convertvector(counts, V);
   }
 }
 
@@ -384,12 +389,8 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
   out.store(batch.normal_x, normal.at[0]);
   out.store(batch.normal_y, normal.at[1]);
   const QuadsOf<V> forces = gather_behind<V>(source.forces, out.rows);
-  std::int32_t point_count[out.count];
-  for (int i = 0; i < out.count; ++i) point_count[i] = *behind(source.point_count, out.pairs[i]);
-  const V counts = as_reals<V>(point_count);
-  ContactLanes separation;
+  const V counts = point_counts(source, out, normal);
   for (int p = 0; p < 2; ++p) {
-    for (int i = 0; i < out.count; ++i) separation.at[i] = *behind(source.separation[p], out.pairs[i]);
     ContactPointLanes& point = batch.points[p];
     const QuadsOf<V> anchors = gather_behind<V>(source.anchors[p], out.pairs);
     const V zero{};
@@ -400,7 +401,7 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
     set(point.normal_arm_b, anchors.at[1]);
     set(point.tangent_arm_a, anchors.at[2]);
     set(point.tangent_arm_b, anchors.at[3]);
-    const V apart = choose(there > zero, VectorOf<V>::load(separation.at) + slop, zero);
+    const V apart = choose(there > zero, gather_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
     out.store(point.separation, apart);
     out.store(point.present_separation, apart + zero);  // as separation_of gives it for bodies that have not moved
     set(point.normal_impulse, forces.at[p]);
@@ -458,7 +459,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.ends, contact * source.pair_size));
-        __builtin_prefetch(behind(source.anchors[1], contact * source.pair_size));
+        __builtin_prefetch(behind(source.surface, contact * source.pair_size));
         __builtin_prefetch(behind(source.forces, contact * source.row_size));
       }
     int lane = 0;

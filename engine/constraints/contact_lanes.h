@@ -69,7 +69,7 @@ struct ContactSource {
   const Real* normal;          // x, y
   const Real* anchors[2];      // of the points: A's x, y, B's x, y
   const Real* separation[2];   // of the points
-  const int* point_count;
+  const std::int32_t* point_count;
   std::size_t row_size;  // of ContactRow, bytes
   const Real* forces;    // normal ones of the points, tangential ones
   std::size_t mass_size;  // of BodyMass, bytes

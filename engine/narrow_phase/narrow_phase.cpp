@@ -277,7 +277,9 @@ struct FoundContacts {
 
 /// What a pair is beside its manifold, from what it was a tick ago.
 void copy_constants(const TouchingPair& old, TouchingPair& pair) {
-  std::memcpy(static_cast<void*>(&pair), &old, offsetof(TouchingPair, manifold));
+  pair.body_a = old.body_a;
+  pair.body_b = old.body_b;
+  std::memcpy(&pair.proxy_a, &old.proxy_a, sizeof(TouchingPair) - offsetof(TouchingPair, proxy_a));
 }
 
 /// Whether the row of a pair is what it was: its points are, each for itself.

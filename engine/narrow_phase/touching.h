@@ -26,6 +26,7 @@ struct Manifold {
 struct TouchingPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;
+  Manifold manifold;
   std::uint32_t proxy_a;  // in Scratch::proxies; pairs ascend by both
   std::uint32_t proxy_b;
   Real friction;
@@ -33,7 +34,6 @@ struct TouchingPair {
   Real radius_b;
   Real size;  // of the smaller shape, m
   Real restitution;
-  Manifold manifold;
 };
 
 /// What a chunk has added to a list.
