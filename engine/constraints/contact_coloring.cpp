@@ -18,7 +18,7 @@ constexpr std::uint32_t uncolored = 0xffffffff;
 constexpr std::size_t contacts_per_chunk_least = 256;
 
 /// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
-constexpr std::uint32_t contacts_per_block = 512;
+constexpr std::uint32_t contacts_per_block = 1024;
 /// Fewer are there all along, whatever the order.
 constexpr std::size_t contacts_to_split_least = 2048;
 /// Looking for islands costs as much as some ticks can save.

@@ -91,6 +91,7 @@ TICKTRUE_INLINE void store_pair(const Group<V>& group, Pair<V>& pair, V along_no
   pair.a.at[1] -= pair.inv_mass_a * py;
   pair.b.at[0] += pair.inv_mass_b * px;
   pair.b.at[1] += pair.inv_mass_b * py;
+  pair.a.at[3] = pair.b.at[3] = V{};  // what it is, and no register has to hold
   scatter_quads_of<V, word_length>(bodies, group.write_a(), pair.a);
   scatter_quads_of<V, word_length>(bodies, group.write_b(), pair.b);
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/constraints/groups.h"
 
+#include <numeric>
+
 #include "engine/integrators/flow.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -21,11 +23,11 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
   }
   scratch.group_rows.resize(row_count);
   scratch.group_contacts.resize(scratch.touching.size());
-  std::uint32_t count = 0;
-  const bool locates = model.scene.settings.locate_impacts;
-  for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact)
-    if (!locates || !is_left_to_impacts(model, state, scratch, contact)) scratch.group_contacts[count++] = contact;
-  scratch.group_contacts.resize(count);
+  std::iota(scratch.group_contacts.begin(), scratch.group_contacts.end(), std::uint32_t{0});
+  if (model.scene.settings.locate_impacts)
+    std::erase_if(scratch.group_contacts, [&](std::uint32_t contact) {
+      return is_left_to_impacts(model, state, scratch, contact);
+    });
   SolveGroup group;
   group.substeps = model.scene.settings.substeps;
   group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());

@@ -187,7 +187,7 @@ TICKTRUE_INLINE void collide_group(const BoxPairs& pairs, const Real* poses, con
     separations[p] = separation;
     const Wide corner_a = flipped ? on_other[p] : on_reference[p];
     const Wide corner_b = flipped ? on_reference[p] : on_other[p];
-    group.store(group.out.features[p], exists ? spread(256) * corner_a + corner_b : spread(-1));  // feature_of
+    group.store(group.out.features.at[p], exists ? spread(256) * corner_a + corner_b : spread(-1));  // feature_of
   }
   const Wide out_x = flipped ? -nx : nx;
   const Wide out_y = flipped ? -ny : ny;

@@ -6,11 +6,16 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+/// What touches, per point, as ManifoldPoint's; -1: there is no such point.
+struct BoxFeatures {
+  Lanes at[2];
+};
+
 /// Points of contact of eight pairs, anchors from the bodies' centres of mass in world axes, m.
 struct BoxContacts {
   Real normals[lane_count][4];     // from A to B: x, y; separations of the two points
   Real anchors[2][lane_count][4];  // of each point: A's x, y, B's x, y
-  Lanes features[2];               // as ManifoldPoint's; -1: there is no such point
+  BoxFeatures features;
 };
 
 /// Eight pairs; lanes beyond the last pair repeat one.

@@ -51,4 +51,15 @@ BoxManifolds::BoxManifolds(const Model& model, const State& state, const PairBlo
                                 contacts_[first / lane_count]);
 }
 
+void BoxManifolds::keep_features(PairBlock& block) const {
+  block.has_features = block.box_count > 0 && block.box_count == block.candidate_count;
+  for (std::uint32_t i = 0; i < block.box_count && block.has_features; ++i) {
+    const BoxFeatures& features = contacts_[i / lane_count].features;
+    const Real first = features.at[0].at[i % lane_count];
+    const Real second = features.at[1].at[i % lane_count];
+    block.has_features = first >= 0 && second >= 0 && first != second;
+    block.features[i / lane_count] = features;
+  }
+}
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -35,7 +35,7 @@ class BoxManifolds {
   void write(std::uint8_t place, Manifold& manifold) const {
     const BoxContacts& found = contacts_[place / lane_count];
     const std::size_t lane = place % lane_count;
-    const bool exists[2] = {found.features[0].at[lane] >= 0, found.features[1].at[lane] >= 0};
+    const bool exists[2] = {found.features.at[0].at[lane] >= 0, found.features.at[1].at[lane] >= 0};
     manifold.point_count = exists[0] + exists[1];
     if (manifold.point_count == 0) return;
     std::memcpy(&manifold.normal, found.normals[lane], sizeof manifold.normal);
@@ -43,23 +43,27 @@ class BoxManifolds {
     if (exists[1]) write_point(found, lane, 1, manifold.points[exists[0] ? 1 : 0]);
   }
 
-  /// Renews the contact of the pair at a place. False, and nothing done, unless the same two points touch.
-  bool renew(std::uint32_t place, const ContactRow& row, TouchingPair& touching) const {
-    const BoxContacts& found = contacts_[place / lane_count];
-    const std::size_t lane = place % lane_count;
-    const Real first = found.features[0].at[lane];
-    const Real second = found.features[1].at[lane];
-    if (!(first >= 0 && second >= 0) || first == second || row.feature[0] != as_feature(first) ||
-        row.feature[1] != as_feature(second))
-      return false;
-    Manifold& manifold = touching.manifold;
-    std::memcpy(&manifold.normal, found.normals[lane], sizeof manifold.normal);
-    for (int p = 0; p < 2; ++p) {
-      std::memcpy(&manifold.points[p].anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
-      manifold.points[p].separation = found.normals[lane][2 + p];
+  /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which it
+  /// did. `touching`: those contacts. Requires: block.has_features.
+  bool renew(const PairBlock& block, TouchingPair* touching) const {
+    for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
+      if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],
+                      sizeof(BoxFeatures)) != 0)
+        return false;
+    for (std::uint32_t i = 0; i < block.box_count; ++i) {
+      const BoxContacts& found = contacts_[i / lane_count];
+      const std::size_t lane = i % lane_count;
+      Manifold& manifold = touching[i].manifold;
+      std::memcpy(&manifold.normal, found.normals[lane], sizeof manifold.normal);
+      for (int p = 0; p < 2; ++p) {
+        std::memcpy(&manifold.points[p].anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
+        manifold.points[p].separation = found.normals[lane][2 + p];
+      }
     }
     return true;
   }
+  /// Notes in the block at which points its boxes touch.
+  void keep_features(PairBlock& block) const;
 
  private:
   static std::uint32_t as_feature(Real feature) {
@@ -68,7 +72,7 @@ class BoxManifolds {
   static void write_point(const BoxContacts& found, std::size_t lane, std::size_t p, ManifoldPoint& out) {
     std::memcpy(&out.anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
     out.separation = found.normals[lane][2 + p];
-    out.feature = as_feature(found.features[p].at[lane]);
+    out.feature = as_feature(found.features.at[p].at[lane]);
   }
 
   BoxContacts contacts_[PairBlock::pair_count_max / lane_count];

@@ -311,7 +311,8 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
     const Pair* pairs = search.scratch.pairs.data() + first;
     const std::size_t pair_count = std::min(PairBlock::pair_count_max, range.end - first);
     OldCandidates before;
-    if (is_same(search, block, pairs, pair_count))
+    const bool is_block_same = is_same(search, block, pairs, pair_count);
+    if (is_block_same)
       find_old_of_block(search, block, old, before);
     else
       choose_candidates(search, pairs, pair_count, old, block, before);
@@ -325,15 +326,16 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
       return index < limit ? room.touching[index] : room.touching_apart[index - limit];
     };
     // In most of a world at rest all pairs are boxes that touch as they did.
-    bool is_settled = is_in_place && before.all_touched(block.candidate_count) && before.still == 0 &&
-                      block.box_count == candidate_count && found.count + candidate_count <= limit &&
-                      old.first + found.count == before.next[0];
+    if (is_in_place && is_block_same && block.has_features && before.all_touched(block.candidate_count) &&
+        found.count + candidate_count <= limit && old.first + found.count == before.next[0] &&
+        boxes.renew(block, room.touching + found.count)) {
+      found.count += candidate_count;
+      block.found = before.touched;
+      found.in_place = std::min(found.count, limit);
+      continue;
+    }
+    boxes.keep_features(block);
     for (std::size_t i = 0; i < candidate_count; ++i) {
-      if (is_settled && boxes.renew(static_cast<std::uint32_t>(i), room.rows[found.count], room.touching[found.count])) {
-        block.found |= std::uint64_t{1} << i;
-        ++found.count;
-        continue;
-      }
       const auto [index, place] = block.candidates[i];
       const bool touched = (before.touched >> i & 1) != 0;
       const Pair pair = block.pairs[index];
@@ -352,10 +354,7 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
         if (search.foresees && manifold.point_count == 0)
           manifold = foresee(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body],
                              search.fall, search.dt);
-        if (manifold.point_count == 0) {
-          is_settled = false;
-          continue;
-        }
+        if (manifold.point_count == 0) continue;
       }
       const bool has_old = search.may_reuse ? touched : find_old(search, pair, old);
       const std::size_t old_index = search.may_reuse ? before.next[i] : old.next;
