@@ -299,6 +299,7 @@ void warm_start(const ContactWork& work) {
 template <typename V>
 struct Filling {
   static constexpr int count = VectorOf<V>::count;
+  Filling(ContactBatch& batch_, int first_) : batch(batch_), first(first_) {}  // the rest is not cleared
   ContactBatch& batch;
   int first;
   std::size_t pairs[count];  // where the contacts' rows are, bytes
@@ -373,7 +374,7 @@ TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_
 template <typename V>
 TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t* slots, ContactBatch& batch,
                                 int first) {
-  Filling<V> out{batch, first, {}, {}, {}, {}};
+  Filling<V> out(batch, first);
   fill_places(source, slots, out);
   const QuadsOf<V> a = gather_behind<V>(source.masses, out.masses_a);
   out.store(batch.inv_mass_a, a.at[0]);
