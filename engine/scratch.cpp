@@ -73,7 +73,6 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.touch_buffer);
   poison_rows(scratch.bodies);
   poison_rows(scratch.masses);
-  poison_rows(scratch.velocity_steps);
   poison_rows(scratch.constant_accelerations);
   poison_rows(scratch.accelerations);
   poison_rows(scratch.velocity_offsets);

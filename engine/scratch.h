@@ -39,6 +39,7 @@ struct Kept {
   std::uint32_t contact_set = 0;       // another number in each tick that has other contacts than the one before
   std::vector<PairBlock> pair_blocks;  // of that tick's pairs
   std::uint32_t look = 0;              // counts the ticks in which they were looked at
+  VelocitySteps velocity_steps;
   JointPlan joints;
   ContactColoring coloring;
 };
@@ -153,7 +154,6 @@ struct Scratch {
   std::vector<BodyMass> masses;               // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
   Real free_motion_step = 0;                  // s; 0: not computed yet
-  std::vector<VelocityStep> velocity_steps;   // [body]
   std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
   std::vector<Twist> accelerations;           // [record] at the present stage
   std::vector<Twist> velocity_offsets;        // [body] velocity at the end of the substep, less the drift velocity

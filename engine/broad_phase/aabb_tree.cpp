@@ -77,6 +77,7 @@ bool fits(const Scratch& scratch, const State& state) {
 }
 
 void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
+  ++kept.body_set;
   kept.static_count = 0;
   for (const BodyRow& body : state.bodies)
     kept.static_count += model.bodies[body.source].type == BodyType::static_body ? 1 : 0;
@@ -115,7 +116,7 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     const Real ahead = ahead_of(reach, model.bodies[body.source], way);
     kept.looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
     for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
-      kept.proxies[i].ahead = ahead;
+      if (kept.proxies[i].ahead != ahead) kept.proxies[i].ahead = ahead;  // most lines stay as they are
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
       if (kept.restless_ticks == 0 && !is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
     }

@@ -40,6 +40,7 @@ struct KeptPairs {
   std::vector<BodyRow> bodies;  // as the boxes below were made
   std::vector<std::uint8_t>
       is_still;  // [body] its pose (where contacts are foreseen: all of it) has the bits of the tick before
+  std::uint32_t body_set = 0;              // another number in each tick that has other bodies than the one before
   std::size_t static_count = 0;            // of bodies
   bool many_are_still = false;             // of the others
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end

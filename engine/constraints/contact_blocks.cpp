@@ -38,7 +38,7 @@ void solve_blocks(const Model& model, State& state, Scratch& scratch, const Solv
       prepare_block(model, state, scratch, group, block, unread, batches);
       const ContactWork work = work_of_block(scratch, group, batches);
       for (int substep = 0; substep < group.substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.velocity_steps.data()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, row_count);
         contacts.warm_start(work);
         contacts.solve_again(work);
         motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, group.h);

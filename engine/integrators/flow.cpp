@@ -51,7 +51,18 @@ void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
 
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
   prepare_free_motion(model, scratch, h);
-  scratch.velocity_steps.resize(state.bodies.size());
+  VelocitySteps& kept = scratch.kept.velocity_steps;
+  const KeptPairs& pairs = scratch.kept.pairs;
+  const Vec2 gravity = state.world.gravity;
+  const bool may_keep = pairs.is_valid && scratch.force.empty();
+  if (may_keep && kept.is_valid && kept.body_set == pairs.body_set && kept.h == h && kept.gravity.x == gravity.x &&
+      kept.gravity.y == gravity.y)
+    return;
+  kept.is_valid = may_keep;
+  kept.body_set = pairs.body_set;
+  kept.h = h;
+  kept.gravity = gravity;
+  kept.rows.resize(state.bodies.size());
   const auto step_of = [&](std::size_t row) -> VelocityStep {
     const BodyModel& body = model.bodies[state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) return {{0, 0, 0, 0}, {1, 1, 1, 0}};
@@ -63,7 +74,7 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
   };
   const std::size_t count = state.bodies.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
-    for (std::size_t row = chunk.begin; row < chunk.end; ++row) scratch.velocity_steps[row] = step_of(row);
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) kept.rows[row] = step_of(row);
   });
 }
 
@@ -71,7 +82,7 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   if (scratch.moving_rows.empty()) return;  // without bodies there are no rows to point to
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
-    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.velocity_steps.data()->gain,
+    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.kept.velocity_steps.rows.data()->gain,
                                             scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
   });
   if (model.position_forces == nullptr) return;
@@ -110,7 +121,7 @@ void fly(Scratch& scratch, Real h, int substeps) {
       const std::uint32_t* rows = scratch.moving_rows.data() + first;
       const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
       for (int substep = 0; substep < substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.velocity_steps.data()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, row_count);
         motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread_record(scratch, chunk.index), h);
       }
     }

@@ -7,7 +7,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Fills scratch.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
+/// Fills scratch.kept.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h);
 
 /// v' = e^(-c h) v + a (1 - e^(-c h)) / c with a at the present poses, h as prepared.
