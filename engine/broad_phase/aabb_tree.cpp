@@ -101,24 +101,37 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
 std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach,
                           bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving) {
   const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
+  const bool is_restless = kept.restless_ticks != 0;
+  const Real fall = kept.fall;
+  // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
+  const BodyRow* bodies = state.bodies.data();
+  const BodyModel* constants = model.bodies.data();
+  const ShapeModel* shapes = model.shapes.data();
+  BodyRow* bodies_before = kept.bodies.data();
+  std::uint8_t* is_still = kept.is_still.data();
+  std::uint8_t* looks = kept.looks.data();
+  const std::uint32_t* first_proxy = kept.first_proxy.data();
+  Proxy* proxies = kept.proxies.data();
+  Box* boxes = kept.boxes.data();
+  const Box* large_boxes = kept.large_boxes.data();
   std::size_t count = 0;
   for (std::size_t row = first; row < end; ++row) {
-    const BodyRow& body = state.bodies[row];
-    BodyRow& before = kept.bodies[row];
+    const BodyRow& body = bodies[row];
+    BodyRow& before = bodies_before[row];
     const bool has_pose = same_pose(body, before);
     const bool is_same = has_pose && same_bits(body, before);
-    kept.is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
+    is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
     if (!everything && is_same) continue;
     before = body;
-    const std::uint32_t proxy_end = kept.first_proxy[row + 1];
-    if (kept.first_proxy[row] == proxy_end) continue;
-    const Real way = sweep_of(reach, model.bodies[body.source], body);
-    const Real ahead = ahead_of(reach, model.bodies[body.source], way);
-    kept.looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
-    for (std::uint32_t i = kept.first_proxy[row]; i < proxy_end; ++i) {
-      if (kept.proxies[i].ahead != ahead) kept.proxies[i].ahead = ahead;  // most lines stay as they are
-      kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
-      if (kept.restless_ticks == 0 && !is_inside(kept.boxes[i], kept.large_boxes[i])) leaving[count++] = i;
+    const std::uint32_t proxy_end = first_proxy[row + 1];
+    if (first_proxy[row] == proxy_end) continue;
+    const Real way = sweep_of(reach, constants[body.source], body);
+    const Real ahead = ahead_of(reach, constants[body.source], way);
+    looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
+    for (std::uint32_t i = first_proxy[row]; i < proxy_end; ++i) {
+      if (proxies[i].ahead != ahead) proxies[i].ahead = ahead;  // most lines stay as they are
+      boxes[i] = box_around(model, body, shapes[proxies[i].shape], fall, way);
+      if (!is_restless && !is_inside(boxes[i], large_boxes[i])) leaving[count++] = i;
     }
   }
   return count;

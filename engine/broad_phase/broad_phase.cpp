@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
-#include "engine/math/four.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/stages/reach.h"
 
@@ -47,29 +46,15 @@ Real sweep_of_row(const Model& model, const State& state, const TickReach& reach
 }  // namespace
 
 Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
-  const Vec2 center = body.position + rotate(body.rotation, shape.center);
-  Vec2 lower, upper;
-  if (shape.quad != no_quad) {
-    const Quad& corners = model.quads[shape.quad];
-    const Four x = load_four(corners.x);
-    const Four y = load_four(corners.y);
-    const Rotation q = body.rotation;
-    const Four turned_x = q.c * x - q.s * y;
-    const Four turned_y = q.s * x + q.c * y;
-    lower = {least_of(turned_x), least_of(turned_y)};
-    upper = {most_of(turned_x), most_of(turned_y)};
-  } else {
-    const Vec2* vertices = &model.vertices[shape.first_vertex];
-    lower = upper = rotate(body.rotation, vertices[0]);
-    for (std::uint32_t i = 1; i < shape.vertex_count; ++i) {
-      const Vec2 v = rotate(body.rotation, vertices[i]);
-      lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
-      upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
-    }
+  const Vec2* vertices = &model.vertices[shape.first_vertex];
+  Vec2 lower = rotate(body.rotation, vertices[0]);
+  Vec2 upper = lower;
+  for (std::uint32_t i = 1; i < shape.vertex_count; ++i) {
+    const Vec2 v = rotate(body.rotation, vertices[i]);
+    lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
+    upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
   }
-  const Real around = (shape.radius + margin_around(center, shape, fall)) + way;
-  const Vec2 extent{around, around};
-  return {(body.position + lower) - extent, (body.position + upper) + extent};
+  return box_between(body, shape, lower, upper, fall, way);
 }
 
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/math/four.h"
 #include "engine/model.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
@@ -30,7 +31,24 @@ inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real f
   return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};
 }
 Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+/// `lower`, `upper`: of its vertices, from the body's position.
+inline Box box_between(const BodyRow& body, const ShapeModel& shape, Vec2 lower, Vec2 upper, Real fall, Real way) {
+  const Vec2 center = body.position + rotate(body.rotation, shape.center);
+  const Real around = (shape.radius + margin_around(center, shape, fall)) + way;
+  const Vec2 extent{around, around};
+  return {(body.position + lower) - extent, (body.position + upper) + extent};
+}
+inline Box box_around_quad(const Quad& corners, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  const Four x = load_four(corners.x);
+  const Four y = load_four(corners.y);
+  const Rotation q = body.rotation;
+  const Four turned_x = q.c * x - q.s * y;
+  const Four turned_y = q.s * x + q.c * y;
+  return box_between(body, shape, {least_of(turned_x), least_of(turned_y)}, {most_of(turned_x), most_of(turned_y)},
+                     fall, way);
+}
 inline Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+  if (shape.quad != no_quad) return box_around_quad(model.quads[shape.quad], body, shape, fall, way);
   if (shape.family != ShapeFamily::circle) return box_around_hull(model, body, shape, fall, way);
   const Circle circle = circle_around(body, shape, fall, way);
   const Vec2 extent{circle.radius, circle.radius};

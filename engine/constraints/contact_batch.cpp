@@ -98,15 +98,16 @@ void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
 static_assert(offsetof(TouchingPair, body_b) == offsetof(TouchingPair, body_a) + sizeof(std::uint32_t));
 static_assert(offsetof(TouchingPair, size) == offsetof(TouchingPair, friction) + 3 * sizeof(Real));
 static_assert(offsetof(Manifold, point_count) == 2 * sizeof(Real));
-static_assert(offsetof(TouchingPair, restitution) - offsetof(TouchingPair, manifold.points[1].separation) >= 4 * sizeof(Real));
+static_assert(offsetof(TouchingPair, restitution) - offsetof(TouchingPair, manifold.points[1].separation) >=
+              4 * sizeof(Real));
 static_assert(offsetof(ManifoldPoint, anchor_b) == offsetof(ManifoldPoint, anchor_a) + sizeof(Vec2));
 static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal_force) + 2 * sizeof(Real));
 static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass) == 4 * sizeof(Real));
 static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
 
 /// What a kernel fills the batches from `first` on from.
-ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group,
-                        const std::uint32_t* slots, std::uint32_t unread, bool has_bounces) {
+ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const std::uint32_t* slots,
+                        std::uint32_t unread, bool has_bounces) {
   const TouchingPair& pair = scratch.touching[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
   return {slots,

@@ -35,8 +35,8 @@ struct ContactBatches {
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
   std::vector<std::uint32_t> slots;  // [batch of the group, lane] the contact, or no_contact; where not all are in it
-  std::vector<BatchRun> runs;           // in solving order
-  std::vector<ContactLanes> saved;      // [batch of the group, point] normal impulses
+  std::vector<BatchRun> runs;        // in solving order
+  std::vector<ContactLanes> saved;   // [batch of the group, point] normal impulses
 };
 
 enum class Bias : std::uint8_t { off, on };

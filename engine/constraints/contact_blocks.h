@@ -1,9 +1,9 @@
 // Islands of contacts, some at a time through all substeps of a tick.
 // SPDX-License-Identifier: MIT
 //
-// Bodies of an island see nothing of others: where nothing but contacts ties them, an island can pass a whole tick before
-// the next begins. A block of islands stays in a core's own cache for all passes, and threads take blocks, with nothing
-// to wait for. Each body meets its contacts and its steps in the order of plain passes: the same bits.
+// Bodies of an island see nothing of others: where nothing but contacts ties them, an island can pass a whole tick
+// before the next begins. A block of islands stays in a core's own cache for all passes, and threads take blocks, with
+// nothing to wait for. Each body meets its contacts and its steps in the order of plain passes: the same bits.
 #pragma once
 
 #include "engine/scratch.h"

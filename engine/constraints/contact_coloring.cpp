@@ -77,8 +77,7 @@ bool find_blocks(ContactColoring& coloring, std::size_t body_count) {
   std::vector<std::uint32_t>& counts = coloring.block_starts;  // [body] contacts of the island, at its first row
   counts.assign(body_count, 0);
   std::uint32_t most = 0;
-  for (const ContactEnds& ends : coloring.ends)
-    most = std::max(most, ++counts[find_root(parent, mover_of(ends))]);
+  for (const ContactEnds& ends : coloring.ends) most = std::max(most, ++counts[find_root(parent, mover_of(ends))]);
   if (most > coloring.ends.size() / 2) return false;
   coloring.block_of.assign(body_count, no_block);
   std::uint32_t block = 0;
@@ -119,7 +118,8 @@ void sort_by_block(ContactColoring& coloring, std::size_t count, BlockAt block_a
 void fill_blocks(ContactColoring& coloring) {
   sort_by_block(
       coloring, coloring.ends.size(), [&](std::size_t i) { return coloring.block_of[mover_of(coloring.ends[i])]; },
-      coloring.contacts, [](ContactBlock& block, std::uint32_t first, std::uint32_t end) {
+      coloring.contacts,
+      [](ContactBlock& block, std::uint32_t first, std::uint32_t end) {
         block.first = first;
         block.end = end;
       });
@@ -189,14 +189,14 @@ bool color_round(ContactColoring& out, const ContactBlock& block, std::uint32_t 
     any_left |= is_left;
     out.colors[i] = {uncolored, 0};
     if (is_left) continue;
-    const std::uint32_t color =
-        static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
+    const std::uint32_t color = static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
     out.colors[i] = {first_color + color, places[color].count++};
   }
   return any_left;
 }
 
-/// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin on.
+/// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin
+/// on.
 void fill_slots(ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
   block.first_slot = static_cast<std::uint32_t>(out.slots.size());
   std::uint32_t next = block.first_slot;
@@ -230,8 +230,8 @@ void color_block(ContactColoring& out, ContactBlock& block) {
     const std::size_t first = out.places.size();
     out.places.resize(first + round_color_count, {0, 0});
     ColorPlace* places = out.places.data() + first;
-    any_left =
-        round_count == 0 ? color_round<true>(out, block, 0, places) : color_round<false>(out, block, round_count, places);
+    any_left = round_count == 0 ? color_round<true>(out, block, 0, places)
+                                : color_round<false>(out, block, round_count, places);
     ++round_count;
   }
   fill_slots(out, block, round_count);

@@ -1,9 +1,9 @@
 // The colours of contacts, and which of them are solved by themselves.
 // SPDX-License-Identifier: MIT
 //
-// A colour is a set of contacts of which no two move the same body. Contacts get colours in their order, each the lowest
-// that its bodies do not have: a contact's colour depends on nothing but its island. So islands can be coloured, and
-// solved, a few at a time.
+// A colour is a set of contacts of which no two move the same body. Contacts get colours in their order, each the
+// lowest that its bodies do not have: a contact's colour depends on nothing but its island. So islands can be coloured,
+// and solved, a few at a time.
 #pragma once
 
 #include <cstddef>
@@ -68,12 +68,12 @@ struct ContactColoring {
   std::vector<ContactEnds> ends;  // [contact of the group]
   std::uint32_t contact_set = 0;  // Kept's, if they are all of it
   bool is_whole_set = false;
-  bool is_split = false;          // into blocks; else there is one of everything, without rows
+  bool is_split = false;  // into blocks; else there is one of everything, without rows
   std::vector<ContactBlock> blocks;
-  std::vector<std::uint32_t> contacts;  // of the group, by block
-  std::vector<std::uint32_t> slots;     // [block, batch, lane] the contact of the group, or no_contact
+  std::vector<std::uint32_t> contacts;    // of the group, by block
+  std::vector<std::uint32_t> slots;       // [block, batch, lane] the contact of the group, or no_contact
   std::vector<BatchRange> color_batches;  // in solving order, where there is one block
-  std::vector<std::uint32_t> rows;      // bodies that move, by block
+  std::vector<std::uint32_t> rows;        // bodies that move, by block
   std::vector<std::uint32_t> free_rows;   // those that are in none
   std::vector<std::uint32_t> group_rows;  // those that the blocks were made for
   std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; holds while no contact ties two blocks

@@ -330,8 +330,8 @@ TICKTRUE_INLINE QuadsOf<V> gather_behind(const Real* first, const std::size_t* b
   return quads;
 }
 
-/// How many points the contacts have. `normal`: the quads at ContactSource::normal, which hold it where it is as wide as
-/// a Real: no lane is then loaded by itself, only to wait for its vector.
+/// How many points the contacts have. `normal`: the quads at ContactSource::normal, which hold it where it is as wide
+/// as a Real: no lane is then loaded by itself, only to wait for its vector.
 template <typename V>
 TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const QuadsOf<V>& normal) {
   if constexpr (lanes.count == 1) {
@@ -396,8 +396,7 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
     ContactPointLanes& point = batch.points[p];
     const QuadsOf<V> anchors = gather_behind<V>(source.anchors[p], out.pairs);
     const V zero{};
-    const V there =
-        choose(counts > VectorOf<V>::spread(static_cast<Real>(p)), VectorOf<V>::spread(1), zero);
+    const V there = choose(counts > VectorOf<V>::spread(static_cast<Real>(p)), VectorOf<V>::spread(1), zero);
     const auto set = [&](ContactLanes& lanes, V value) { out.store(lanes, choose(there > zero, value, zero)); };
     set(point.normal_arm_a, anchors.at[0]);
     set(point.normal_arm_b, anchors.at[1]);

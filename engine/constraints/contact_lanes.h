@@ -59,8 +59,8 @@ struct BounceLanes {
 
 inline constexpr std::uint32_t no_contact = 0xffffffff;
 
-/// What batches are filled from: numbers of the first of rows that follow each other at a distance in bytes. Four numbers
-/// are there for each pointer, whatever the fourth may be.
+/// What batches are filled from: numbers of the first of rows that follow each other at a distance in bytes. Four
+/// numbers are there for each pointer, whatever the fourth may be.
 struct ContactSource {
   const std::uint32_t* slots;  // [batch, lane] the contact
   std::size_t pair_size;       // of TouchingPair, bytes
@@ -70,10 +70,10 @@ struct ContactSource {
   const Real* anchors[2];      // of the points: A's x, y, B's x, y
   const Real* separation[2];   // of the points
   const std::int32_t* point_count;
-  std::size_t row_size;  // of ContactRow, bytes
-  const Real* forces;    // normal ones of the points, tangential ones
-  std::size_t mass_size;  // of BodyMass, bytes
-  const Real* masses;     // inverse mass, inverse inertia
+  std::size_t row_size;          // of ContactRow, bytes
+  const Real* forces;            // normal ones of the points, tangential ones
+  std::size_t mass_size;         // of BodyMass, bytes
+  const Real* masses;            // inverse mass, inverse inertia
   const std::uint32_t* records;  // of each body: where to read it, where to write it
   std::uint32_t unread;          // written for what impulses do not move; in `records`, and
   std::uint32_t own_unread;      // instead of it

@@ -10,8 +10,6 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void group_everything(const Model& model, const State& state, Scratch& scratch) {
   scratch.groups.clear();
-  scratch.group_rows.clear();
-  scratch.group_contacts.clear();
   scratch.body_group.resize(state.bodies.size());
   scratch.group_rows.resize(state.bodies.size());
   std::uint32_t row_count = 0;
@@ -25,9 +23,8 @@ void group_everything(const Model& model, const State& state, Scratch& scratch) 
   scratch.group_contacts.resize(scratch.touching.size());
   std::iota(scratch.group_contacts.begin(), scratch.group_contacts.end(), std::uint32_t{0});
   if (model.scene.settings.locate_impacts)
-    std::erase_if(scratch.group_contacts, [&](std::uint32_t contact) {
-      return is_left_to_impacts(model, state, scratch, contact);
-    });
+    std::erase_if(scratch.group_contacts,
+                  [&](std::uint32_t contact) { return is_left_to_impacts(model, state, scratch, contact); });
   SolveGroup group;
   group.substeps = model.scene.settings.substeps;
   group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());

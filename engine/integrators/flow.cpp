@@ -82,7 +82,8 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   if (scratch.moving_rows.empty()) return;  // without bodies there are no rows to point to
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
-    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x, scratch.kept.velocity_steps.rows.data()->gain,
+    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x,
+                                            scratch.kept.velocity_steps.rows.data()->gain,
                                             scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
   });
   if (model.position_forces == nullptr) return;

@@ -61,13 +61,13 @@ struct alignas(8 * sizeof(Real)) VelocityStep {
 };
 static_assert(sizeof(VelocityStep) == body_record_length * sizeof(Real));
 
-/// The steps of all bodies. They follow from the bodies, which have no forces of their own, the gravity and the length of
-/// a step: kept from tick to tick, they hold for the same.
+/// The steps of all bodies. They follow from the bodies, which have no forces of their own, the gravity and the length
+/// of a step: kept from tick to tick, they hold for the same.
 struct VelocitySteps {
   bool is_valid = false;
-  std::uint32_t body_set = 0;  // KeptPairs'
-  Vec2 gravity{0, 0};          // m/s^2
-  Real h = 0;                  // s
+  std::uint32_t body_set = 0;      // KeptPairs'
+  Vec2 gravity{0, 0};              // m/s^2
+  Real h = 0;                      // s
   std::vector<VelocityStep> rows;  // [body]
 };
 

@@ -31,7 +31,7 @@ struct Transposer<float, 8> {
   /// place(i): where record i's quad begins.
   template <typename Place>
   TICKTRUE_INLINE static void gather(Place place, Row* out) {
-    const auto pair = [&place](int low, int high) { 
+    const auto pair = [&place](int low, int high) {
       const Quad half = load(place(low));
       const Row wide = __builtin_shufflevector(half, half, 0, 1, 2, 3, -1, -1, -1, -1);
       return __builtin_ia32_vinsertf128_ps256(wide, load(place(high)), 1);

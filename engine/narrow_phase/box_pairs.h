@@ -43,8 +43,8 @@ class BoxManifolds {
     if (exists[1]) write_point(found, lane, 1, manifold.points[exists[0] ? 1 : 0]);
   }
 
-  /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which it
-  /// did. `touching`: those contacts. Requires: block.has_features.
+  /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which
+  /// it did. `touching`: those contacts. Requires: block.has_features.
   bool renew(const PairBlock& block, TouchingPair* touching) const {
     for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
       if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],

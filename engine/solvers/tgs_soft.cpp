@@ -65,7 +65,8 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       warm_start_contacts(scratch, group);
       for (std::uint32_t sweep = 0; sweep < group.joint_sweeps; ++sweep) solve_joints(scratch, h, Bias::on);
       solve_pulls(scratch);
-      solve_contacts(scratch, group, poses_stay && (substep > 0 || scratch.impacts.empty()) ? Poses::unmoved : Poses::moved);
+      solve_contacts(scratch, group,
+                     poses_stay && (substep > 0 || scratch.impacts.empty()) ? Poses::unmoved : Poses::moved);
       Real settled = group.has_landings ? settled_speed(state, scratch, group) : Real(0);
       if (settled > 0) pass_on_landings(model, state, scratch, group, settled);
       scheme.drift(model, state, scratch, h);
