@@ -18,9 +18,9 @@ constexpr std::uint32_t uncolored = 0xffffffff;
 constexpr std::size_t contacts_per_chunk_least = 256;
 
 /// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
-constexpr std::uint32_t contacts_per_block = 1024;
+constexpr std::size_t contacts_per_block = 1024;
 /// Fewer are there all along, whatever the order.
-constexpr std::size_t contacts_to_split_least = 2048;
+constexpr std::size_t contacts_to_split_least = 2 * contacts_per_block;
 /// Looking for islands costs as much as some ticks can save.
 constexpr std::uint32_t ticks_between_splits = 16;
 
@@ -67,8 +67,9 @@ bool holds(const ContactColoring& coloring) {
   });
 }
 
-/// Some islands to a block, in the order of their first rows. False: most contacts are of one island.
-bool find_blocks(ContactColoring& coloring, std::size_t body_count) {
+/// Some islands to a block, in the order of their first rows. `forced`: so many contacts to a block, or 0 for as many
+/// as pay. False: most contacts are of one island.
+bool find_blocks(ContactColoring& coloring, std::size_t body_count, std::size_t forced) {
   std::vector<std::uint32_t>& parent = coloring.island_parent;
   parent.resize(body_count);
   for (std::uint32_t row = 0; row < body_count; ++row) parent[row] = row;
@@ -78,14 +79,15 @@ bool find_blocks(ContactColoring& coloring, std::size_t body_count) {
   counts.assign(body_count, 0);
   std::uint32_t most = 0;
   for (const ContactEnds& ends : coloring.ends) most = std::max(most, ++counts[find_root(parent, mover_of(ends))]);
-  if (most > coloring.ends.size() / 2) return false;
+  if (forced == 0 && most > coloring.ends.size() / 2) return false;
+  const std::size_t wanted = forced > 0 ? forced : contacts_per_block;
   coloring.block_of.assign(body_count, no_block);
   std::uint32_t block = 0;
   std::uint32_t in_block = 0;
   for (std::uint32_t row = 0; row < body_count; ++row) {
     const std::uint32_t root = find_root(parent, row);
     if (root == row && counts[row] > 0) {
-      if (in_block > 0 && in_block + counts[row] > contacts_per_block) {
+      if (in_block > 0 && in_block + counts[row] > wanted) {
         ++block;
         in_block = 0;
       }
@@ -137,15 +139,16 @@ void fill_blocks(ContactColoring& coloring) {
 
 /// Splits the contacts into blocks, if that is worth it.
 bool split(const Scratch& scratch, ContactColoring& coloring) {
-  if (coloring.ends.size() < contacts_to_split_least) return false;
+  const std::size_t forced = scratch.parallel.chunk_size_forced;
+  if (coloring.ends.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
   const std::size_t body_count = scratch.masses.size();
   if (coloring.block_of.size() != body_count || !holds(coloring)) {
-    if (coloring.ticks_unsplit > 0) {
+    if (forced == 0 && coloring.ticks_unsplit > 0) {
       --coloring.ticks_unsplit;
       return false;
     }
     coloring.ticks_unsplit = ticks_between_splits;
-    if (!find_blocks(coloring, body_count)) return false;
+    if (!find_blocks(coloring, body_count, forced)) return false;
   }
   fill_blocks(coloring);
   return true;

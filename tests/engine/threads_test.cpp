@@ -36,9 +36,9 @@ Session builtin_session(const std::string& text) {
 /// Scenes that are worth several threads without being forced to.
 std::vector<Session> wide_sessions() {
   std::vector<Session> sessions;
-  for (const char* text :
-       {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
-        "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid", "gas?bodies=900"})
+  for (const char* text : {"pyramid?base=40", "mixed_pile?bodies=800", "joint_grid?columns=30", "tumbler?columns=20",
+                           "pyramid?base=30&precision=f64", "pyramid?base=30&broad_phase=uniform_grid",
+                           "gas?bodies=900", "many_pyramids?rows=4&columns=4"})
     sessions.push_back(builtin_session(text));
   Session island = builtin_session("pyramid?base=45");  // one, of contacts enough for threads to unite it together
   island.name = "pyramid with sleep";
