@@ -152,8 +152,8 @@ void fill_batches(const Model& model, const State& state, const Scratch& scratch
                   std::uint32_t unread) {
   if (first == end) return;
   const bool has_bounces = (model.contact_features & contact_feature::bounce) != 0;
-  scratch.kernels->contacts.fill(source_of(state, scratch, group, slots, unread, has_bounces),
-                                 out.batches.data() + first, end - first);
+  scratch.kernels->filling.fill(source_of(state, scratch, group, slots, unread, has_bounces),
+                                out.batches.data() + first, end - first);
   if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
 }
@@ -162,8 +162,8 @@ void fill_batches(const Model& model, const State& state, const Scratch& scratch
 void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolveGroup& group, std::size_t first,
                    std::size_t end, State& state) {
   if (first == end) return;
-  scratch.kernels->contacts.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
-                                  sizeof(ContactRow), 1 / group.h);
+  scratch.kernels->filling.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
+                                 sizeof(ContactRow), 1 / group.h);
 }
 
 }  // namespace

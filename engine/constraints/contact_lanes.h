@@ -106,15 +106,23 @@ inline constexpr unsigned general = 15;  // without surfaces
 inline constexpr unsigned all = 31;
 }  // namespace contact_feature
 
-struct ContactKernels {
+/// Whether bodies are written elsewhere than they are read: full batches of moving ones are not.
+[[gnu::always_inline]] inline bool writes_elsewhere(const ContactBatch& batch) {
+  return batch.immovable != 0 || batch.count < contact_lane_count;
+}
+
+struct FillingKernels {
   /// Fills `count` batches but for what `prepare` finds, and `bounces`.
   void (*fill)(const ContactSource& source, ContactBatch* batches, std::size_t count);
   /// Forces back to `rows`, those of ContactSource::forces. `inv_h`: 1/s.
   void (*store)(const ContactBatch* batches, std::size_t count, Real* forces, std::size_t row_size, Real inv_h);
+};
+
+struct ContactKernels {
   void (*prepare)(const ContactWork& work);
   void (*warm_start)(const ContactWork& work);
   void (*solve)(const ContactWork& work);
-  /// Requires: `solve` or `relax` since the poses changed. As `solve`.
+  /// As `solve`. Requires: `fill`, `solve` or `relax` since the poses changed.
   void (*solve_again)(const ContactWork& work);
   void (*relax)(const ContactWork& work);
   /// Gives points that hit faster than `threshold` their bounce. True if any did.

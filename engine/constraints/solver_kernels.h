@@ -10,6 +10,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct SolverKernels {
+  FillingKernels filling;
   ContactKernels contacts;
   PinKernels pins;
   HingeKernels hinges;
@@ -19,6 +20,7 @@ struct SolverKernels {
 
 // Units of these namespaces include no standard header with code in it (math/wide.h).
 namespace baseline {
+FillingKernels filling_kernels();
 ContactKernels contact_kernels(unsigned features);
 PinKernels pin_kernels();
 HingeKernels hinge_kernels();
@@ -26,6 +28,7 @@ MotionKernels motion_kernels();
 BoxKernels box_kernels();
 }  // namespace baseline
 namespace avx2 {
+FillingKernels filling_kernels();
 ContactKernels contact_kernels(unsigned features);
 PinKernels pin_kernels();
 HingeKernels hinge_kernels();

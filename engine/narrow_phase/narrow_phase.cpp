@@ -375,8 +375,8 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
           fill_constants(search.model, search.scratch.proxies, pair, touching);
         write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, old_row, row);
       } else if (!has_features(row, touching.manifold)) {
-        const ContactRow before = row;
-        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, &before, row);
+        const ContactRow was = row;
+        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, &was, row);
       }
       block.found |= std::uint64_t{1} << i;
       found.any_new |= !has_old;

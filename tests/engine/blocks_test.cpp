@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
+#include "tests/support/scenes.h"
 
 using namespace ticktrue;
 using namespace ticktrue::test;
@@ -92,6 +93,27 @@ TEST_CASE("blocks of islands that meet and part give the bits of one group", "[e
       threads.thread_count = 2;
       CHECK((run_of(session, threads) == expected));
     }
+}
+
+TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blocks][kept]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.settings.continuous = false;  // no way ahead that would keep the pair
+  scene.inputs = {engine::InputKind::set_velocity};
+  scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5})};
+  Session session{"hop", scene, {}};
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    engine::Input input;
+    input.kind = engine::InputKind::set_velocity;
+    input.body = 1;
+    input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
+    Bytes bytes;
+    if (tick >= 10 && tick <= 12) engine::encode_inputs({input}, bytes);
+    session.inputs.push_back(bytes);
+  }
+  engine::EngineOptions kept, anew;
+  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+  anew.broad_phase = engine::BroadPhaseKind::brute_force;
+  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
 }
 
 TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
