@@ -116,6 +116,26 @@ TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blo
   CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
 }
 
+TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engine][kept]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.inputs = {engine::InputKind::set_gravity};
+  scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5}), body_of(disc_shape(0.5), {3, 2})};
+  Session session{"leaning", scene, {}};
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    engine::Input input;
+    input.kind = engine::InputKind::set_gravity;
+    input.values[0] = tick < 20 ? 3 : -3;
+    input.values[1] = tick < 25 ? -9.81 : -4;
+    Bytes bytes;
+    if (tick % 10 == 5 || tick == 20) engine::encode_inputs({input}, bytes);
+    session.inputs.push_back(bytes);
+  }
+  engine::EngineOptions kept, anew;
+  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+  anew.broad_phase = engine::BroadPhaseKind::brute_force;
+  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+}
+
 TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
   const Session session = disturbed_pyramids(Precision::f32, false);
   const auto original = make_engine_or_fail(session.scene);
