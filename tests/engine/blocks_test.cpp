@@ -1,8 +1,9 @@
 // Contacts solved in blocks of islands, and in their places: the bits of one group, found anew.
 // SPDX-License-Identifier: MIT
 //
-// Verified: pyramids enough for blocks, whose boxes are pushed, taken away and thrown between them, so that islands
-// meet and part; with sleep, too. Blocks of a few contacts are forced on every scene in threads_test.cpp.
+// Verified: pyramids enough for blocks, whose boxes are taken away and thrown between them, so that islands meet and
+// part, and into which discs fall; with sleep, too. Blocks of a few contacts are forced on every scene in
+// threads_test.cpp.
 #include <vector>
 
 #include "base/build_info.h"
@@ -21,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t blocks_tick_count = 80;
 
-/// Pyramids that rest, then some of their boxes are thrown, and some are taken away.
+/// Pyramids that rest, then some of their boxes are thrown, some are taken away, and discs fall in.
 Session disturbed_pyramids(Precision precision, bool sleeps) {
   Result<engine::Scene> scene = engine::make_builtin_scene("many_pyramids?rows=4&columns=4");
   REQUIRE(scene.has_value());
@@ -30,7 +31,9 @@ Session disturbed_pyramids(Precision precision, bool sleeps) {
     scene->settings.sleep.emplace();
     scene->settings.sleep->after_s = 0.2;
   }
-  scene->inputs = {engine::InputKind::remove, engine::InputKind::set_velocity};
+  scene->prototypes = {body_of(disc_shape(0.4), {})};
+  scene->prototypes[0].name = "disc";
+  scene->inputs = {engine::InputKind::spawn, engine::InputKind::remove, engine::InputKind::set_velocity};
   Session session{"disturbed pyramids", *scene, {}};
   engine::Random random(7);
   for (std::uint64_t tick = 0; tick < blocks_tick_count; ++tick) {
@@ -41,6 +44,11 @@ Session disturbed_pyramids(Precision precision, bool sleeps) {
       input.kind = engine::InputKind::set_velocity;
       input.values[0] = random.real(-40, 40);
       input.values[1] = random.real(0, 10);
+      inputs.push_back(input);
+    } else if (tick == 22 || tick % 16 == 10) {  // falls a while before it touches anything
+      input.kind = engine::InputKind::spawn;
+      input.values[0] = random.real(-40, 40);
+      input.values[1] = 30;
       inputs.push_back(input);
     } else if (tick >= 24 && tick % 16 == 5) {
       input.kind = engine::InputKind::remove;
@@ -99,12 +107,17 @@ TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blo
   Scene scene = empty_scene(Precision::f32);
   scene.settings.continuous = false;  // no way ahead that would keep the pair
   scene.inputs = {engine::InputKind::set_velocity};
-  scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5})};
+  scene.bodies = {ground(200)};
+  for (int i = 0; i < 64; ++i) {  // so many pairs to a block
+    scene.bodies.push_back(body_of(disc_shape(0.5), {1.5 * i - 100, 0.5}));
+    scene.bodies.back().velocity = {1, 0};
+  }
+  scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only one in its block
   Session session{"hop", scene, {}};
   for (std::uint64_t tick = 0; tick < 30; ++tick) {
     engine::Input input;
     input.kind = engine::InputKind::set_velocity;
-    input.body = 1;
+    input.body = 65;
     input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
     Bytes bytes;
     if (tick >= 10 && tick <= 12) engine::encode_inputs({input}, bytes);
