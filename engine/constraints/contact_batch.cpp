@@ -18,9 +18,6 @@ constexpr Real contact_damping_ratio = 10;
 /// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-/// So many contacts are worth another thread's while.
-constexpr std::size_t contacts_per_chunk_least = 256;
-
 /// So many batches are worth another thread's while.
 constexpr std::size_t batches_per_chunk_least = 8;
 

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t uncolored = 0xffffffff;
 
 /// So many contacts are worth another thread's while.
-constexpr std::size_t contacts_per_chunk_least = 256;
+constexpr std::size_t ends_per_chunk_least = 256;
 
 /// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
 constexpr std::size_t contacts_per_block = 1024;
@@ -36,17 +36,16 @@ bool find_ends(Scratch& scratch, const SolveGroup& group, ContactColoring& color
   std::atomic<bool> changed{coloring.ends.size() != count};
   coloring.ends.resize(count);
   const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, contacts_per_chunk_least),
-                              [&](const Chunk& chunk) {
-                                bool same = true;
-                                for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-                                  const TouchingPair& pair = scratch.touching[contacts[i]];
-                                  const ContactEnds ends{mover(pair.body_a), mover(pair.body_b)};
-                                  same &= ends == coloring.ends[i];
-                                  coloring.ends[i] = ends;
-                                }
-                                if (!same) changed.store(true, std::memory_order_relaxed);
-                              });
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, ends_per_chunk_least), [&](const Chunk& chunk) {
+    bool same = true;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const TouchingPair& pair = scratch.touching[contacts[i]];
+      const ContactEnds ends{mover(pair.body_a), mover(pair.body_b)};
+      same &= ends == coloring.ends[i];
+      coloring.ends[i] = ends;
+    }
+    if (!same) changed.store(true, std::memory_order_relaxed);
+  });
   return !changed.load(std::memory_order_relaxed);
 }
 

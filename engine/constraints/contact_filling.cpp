@@ -48,7 +48,7 @@ TICKTRUE_INLINE QuadsOf<V> gather_behind(const Real* first, const std::size_t* b
 /// as a Real: no lane is then loaded by itself, only to wait for its vector.
 template <typename V>
 TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const QuadsOf<V>& normal) {
-  if constexpr (lanes.count == 1) {
+  if constexpr (VectorOf<V>::count == 1) {
     return static_cast<Real>(*behind(source.point_count, lanes.pairs[0]));
   } else {
     std::int32_t __attribute__((vector_size(wide_count * sizeof(std::int32_t)))) counts;
