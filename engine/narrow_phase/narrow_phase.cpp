@@ -406,11 +406,9 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   const std::size_t old_count = search.is_in_place ? search.old_count : std::min(search.old_count, pair_count);
   scratch.touching.resize(old_count);
   scratch.contacts.resize(old_count);
-  const auto old_contact = [&](std::size_t chunk) {
-    return chunk == chunk_count ? search.old_count : first_old_contact(search, scratch.pairs[chunk * chunk_size]);
-  };
   // Before any of them is overwritten.
-  for (std::size_t chunk = 0; chunk < chunk_count; ++chunk) scratch.parts[chunk].first = old_contact(chunk);
+  for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
+    scratch.parts[chunk].first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
   std::atomic<bool> any_new{false};
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     ListPart& part = scratch.parts[chunk.index];

@@ -17,9 +17,9 @@ struct Candidate {
 };
 inline constexpr std::uint8_t no_place = 0xff;
 
-/// Pairs that follow each other, those of them that may touch, and those that did when last looked at. All but the last
-/// follows from the pairs, as long as shapes and margins are the same: kept from tick to tick, it holds for the same
-/// pairs.
+/// Pairs that follow each other, those of them that may touch, and those that did when last looked at. Pairs,
+/// candidates and boxes follow from the pairs alone, as long as shapes and margins are the same; what was found holds
+/// for the very next look.
 struct PairBlock {
   static constexpr std::size_t pair_count_max = 64;
 

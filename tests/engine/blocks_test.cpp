@@ -61,6 +61,28 @@ Session disturbed_pyramids(Precision precision, bool sleeps) {
   return session;
 }
 
+/// Thirty ticks of one input each, where change(tick, input) says there is one.
+template <typename Change>
+Session thirty_ticks(const Scene& scene, Change change) {
+  Session session{"thirty ticks", scene, {}};
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    engine::Input input;
+    input.kind = scene.inputs[0];
+    Bytes bytes;
+    if (change(tick, input)) engine::encode_inputs({input}, bytes);
+    session.inputs.push_back(bytes);
+  }
+  return session;
+}
+
+/// That keeping what ticks keep changes no bit.
+void check_kept(const Session& session) {
+  engine::EngineOptions kept, anew;
+  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+  anew.broad_phase = engine::BroadPhaseKind::brute_force;
+  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+}
+
 /// The bodies and contacts after every fifth tick.
 std::vector<Bytes> run_of(const Session& session, const engine::EngineOptions& options) {
   std::vector<Bytes> out;
@@ -113,40 +135,22 @@ TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blo
     scene.bodies.back().velocity = {1, 0};
   }
   scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only one in its block
-  Session session{"hop", scene, {}};
-  for (std::uint64_t tick = 0; tick < 30; ++tick) {
-    engine::Input input;
-    input.kind = engine::InputKind::set_velocity;
+  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
     input.body = 65;
     input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
-    Bytes bytes;
-    if (tick >= 10 && tick <= 12) engine::encode_inputs({input}, bytes);
-    session.inputs.push_back(bytes);
-  }
-  engine::EngineOptions kept, anew;
-  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
-  anew.broad_phase = engine::BroadPhaseKind::brute_force;
-  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+    return tick >= 10 && tick <= 12;
+  }));
 }
 
 TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engine][kept]") {
   Scene scene = empty_scene(Precision::f32);
   scene.inputs = {engine::InputKind::set_gravity};
   scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5}), body_of(disc_shape(0.5), {3, 2})};
-  Session session{"leaning", scene, {}};
-  for (std::uint64_t tick = 0; tick < 30; ++tick) {
-    engine::Input input;
-    input.kind = engine::InputKind::set_gravity;
+  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
     input.values[0] = tick < 20 ? 3 : -3;
     input.values[1] = tick < 25 ? -9.81 : -4;
-    Bytes bytes;
-    if (tick % 10 == 5 || tick == 20) engine::encode_inputs({input}, bytes);
-    session.inputs.push_back(bytes);
-  }
-  engine::EngineOptions kept, anew;
-  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
-  anew.broad_phase = engine::BroadPhaseKind::brute_force;
-  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+    return tick % 10 == 5 || tick == 20;
+  }));
 }
 
 TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
