@@ -57,6 +57,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.cell_starts);
   poison_rows(scratch.large);
   poison_rows(scratch.near_boxes);
+  poison_rows(scratch.outlines);
   poison_rows(scratch.guarded_starts);
   poison_rows(scratch.guarded_places);
   poison_rows(scratch.touching);

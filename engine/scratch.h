@@ -85,6 +85,7 @@ struct Scratch {
   std::vector<std::uint32_t> cell_starts;     // uniform_grid, [bucket]; neighbour_cells, [cell]
   std::vector<std::uint32_t> large;           // uniform_grid, neighbour_cells: proxies in no cell, ascending
   std::vector<Box> near_boxes;                // neighbour_cells, [proxy] without what is ahead
+  std::vector<BoxOutline> outlines;           // neighbour_cells, [chunk]
   std::vector<std::uint32_t> guarded_starts;  // neighbour_cells: [cell]
   std::vector<std::uint32_t> guarded_places;  // neighbour_cells: the guarded proxies, by cell
 
@@ -109,6 +110,7 @@ struct Scratch {
   bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
+  bool is_grouped = false;                     // by islands; else everything will be one group
   std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
   std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
   std::uint32_t group_index = 0;               // of that group

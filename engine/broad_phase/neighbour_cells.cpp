@@ -69,25 +69,40 @@ struct Cells {
   std::uint32_t rows;     // with the empty one
 };
 
-/// Where lower corners are, m.
-struct Spread {
-  Vec2 lowest{Real(1e38), Real(1e38)};
-  Vec2 highest{Real(-1e38), Real(-1e38)};
-};
 bool holds(const Spread& spread, Vec2 corner) {
   return corner.x >= spread.lowest.x && corner.x <= spread.highest.x && corner.y >= spread.lowest.y &&
          corner.y <= spread.highest.y;
 }
 
-/// Of the boxes of at most this side.
-Spread spread_of(const std::vector<Box>& boxes, Real side) {
-  Spread spread;
-  for (const Box& box : boxes) {
-    if (!fits_into(box, side)) continue;
-    spread.lowest = {smaller(spread.lowest.x, box.lower.x), smaller(spread.lowest.y, box.lower.y)};
-    spread.highest = {larger(spread.highest.x, box.lower.x), larger(spread.highest.y, box.lower.y)};
-  }
-  return spread;
+Spread of_both(const Spread& a, const Spread& b) {
+  return {{smaller(a.lowest.x, b.lowest.x), smaller(a.lowest.y, b.lowest.y)},
+          {larger(a.highest.x, b.highest.x), larger(a.highest.y, b.highest.y)}};
+}
+
+constexpr std::size_t boxes_per_chunk_least = 256;
+
+/// Fills scratch.near_boxes, and finds what looks ahead and where boxes of at most this side are.
+BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real side) {
+  const std::size_t count = boxes.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, boxes_per_chunk_least);
+  scratch.near_boxes.resize(count);
+  scratch.outlines.assign(Parallel::chunk_count(count, size), {});
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    BoxOutline outline;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const Real ahead = proxies[i].ahead;
+      outline.farthest = larger(outline.farthest, ahead);
+      outline.any_guarded |= ahead < 0;
+      const Box box = near_box(boxes[i], ahead);
+      scratch.near_boxes[i] = box;
+      if (fits_into(box, side)) outline.spread = of_both(outline.spread, {box.lower, box.lower});
+    }
+    scratch.outlines[chunk.index] = outline;
+  });
+  BoxOutline all;
+  for (const BoxOutline& part : scratch.outlines)
+    all = {of_both(all.spread, part.spread), larger(all.farthest, part.farthest), all.any_guarded || part.any_guarded};
+  return all;
 }
 
 /// Without what is farther than some deviations from the mean, a few times over: those far out are in the first.
@@ -127,36 +142,43 @@ Cells cells_in(const Spread& spread, Real side, std::size_t count) {
           static_cast<std::uint32_t>(extent.y * inv_size) + 2};
 }
 
-/// Cells for the boxes of at most this side, all of them or all but a few that are far out; without rows if they are
-/// unsuited. Lists the others in scratch.large.
-Cells cells_for(Scratch& scratch, const std::vector<Box>& boxes, Real side) {
-  Spread spread = spread_of(boxes, side);
-  Cells cells = cells_in(spread, side, boxes.size());
-  if (cells.rows == 0) {
-    spread = without_outliers(boxes, side, spread);
-    cells = cells_in(spread, side, boxes.size());
-  }
-  scratch.large.clear();
-  for (std::uint32_t i = 0; i < boxes.size(); ++i)
-    if (!fits_into(boxes[i], side) || !holds(spread, boxes[i].lower)) scratch.large.push_back(i);
-  return cells;
+/// Cells for the boxes of at most this side, which are spread so far, or for all but a few that are far out: then takes
+/// these out of `spread`. Without rows if boxes are unsuited.
+Cells cells_for(const std::vector<Box>& boxes, Real side, Spread& spread) {
+  const Cells cells = cells_in(spread, side, boxes.size());
+  if (cells.rows > 0) return cells;
+  spread = without_outliers(boxes, side, spread);
+  return cells_in(spread, side, boxes.size());
 }
 
-/// Sorts the boxes by cell, but those in scratch.large.
+/// The cell of each box that is of at most this side and within `spread`: scratch.counts. Lists the others in
+/// scratch.large.
+void find_cells(Scratch& scratch, const std::vector<Box>& boxes, Real side, const Spread& spread, const Cells& cells) {
+  std::vector<std::uint32_t>& cell_of = scratch.counts;
+  cell_of.resize(boxes.size());
+  scratch.parallel.for_chunks(
+      boxes.size(), scratch.parallel.chunk_size(boxes.size(), boxes_per_chunk_least), [&](const Chunk& chunk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+          cell_of[i] = in_no_cell;
+          if (!fits_into(boxes[i], side) || !holds(spread, boxes[i].lower)) continue;
+          const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
+          const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
+          const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
+          cell_of[i] = row * cells.columns + column;
+        }
+      });
+  scratch.large.clear();
+  for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    if (cell_of[i] == in_no_cell) scratch.large.push_back(i);
+}
+
+/// Sorts the boxes by cell, but those in scratch.large. Requires: find_cells.
 void fill_cells(Scratch& scratch, const std::vector<Box>& boxes, const Cells& cells) {
   std::vector<std::uint32_t>& start = scratch.cell_starts;
-  std::vector<std::uint32_t>& cell_of = scratch.counts;
+  const std::vector<std::uint32_t>& cell_of = scratch.counts;
   start.assign(std::size_t{cells.columns} * cells.rows + 1, 0);
-  cell_of.assign(boxes.size(), 0);
-  for (const std::uint32_t i : scratch.large) cell_of[i] = in_no_cell;
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    if (cell_of[i] == in_no_cell) continue;
-    const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
-    const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
-    const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
-    cell_of[i] = row * cells.columns + column;
-    ++start[cell_of[i] + 1];
-  }
+  for (const std::uint32_t cell : cell_of)
+    if (cell != in_no_cell) ++start[cell + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
   scratch.swept_boxes.resize(boxes.size() + looked_at_least);
   scratch.swept_places.resize(boxes.size());
@@ -337,20 +359,6 @@ bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const Ahead& 
   return out.proxies[index].ahead > 0 ? meet_guarded(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
 }
 
-/// Near boxes, if any shape looks ahead.
-Ahead look_ahead(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes) {
-  Ahead ahead{boxes};
-  for (const Proxy& proxy : proxies) {
-    ahead.farthest = larger(ahead.farthest, proxy.ahead);
-    ahead.any_guarded |= proxy.ahead < 0;
-  }
-  if (!(ahead.farthest > 0)) return ahead;
-  ahead.farthest *= 1 + 64 * epsilon;  // what was put on (ahead_of)
-  scratch.near_boxes.resize(boxes.size());
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) scratch.near_boxes[i] = near_box(boxes[i], proxies[i].ahead);
-  return ahead;
-}
-
 /// Sorts the guarded shapes by cell, but those in scratch.large. Requires: fill_cells.
 void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
   std::vector<std::uint32_t>& start = scratch.guarded_starts;
@@ -370,14 +378,21 @@ void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
 
 CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes,
                           Real& side) {
-  const Ahead ahead = look_ahead(scratch, proxies, all_boxes);
-  const std::vector<Box>& boxes = ahead.farthest > 0 ? scratch.near_boxes : all_boxes;
-  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_guarded;
-  if (side == 0) side = common_side(boxes, scratch.counts);
-  if (side == 0) return CellListing::unsuited;
-  const Cells cells = cells_for(scratch, boxes, side);
-  if (cells.rows == 0 || scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
+  BoxOutline outline = outline_of(scratch, proxies, all_boxes, side);
+  const std::vector<Box>& boxes = scratch.near_boxes;
+  if (side == 0) {
+    side = common_side(boxes, scratch.counts);
+    if (side == 0) return CellListing::unsuited;
+    outline = outline_of(scratch, proxies, all_boxes, side);
+  }
+  const Cells cells = cells_for(boxes, side, outline.spread);
+  if (cells.rows == 0) return CellListing::unsuited;
+  find_cells(scratch, boxes, side, outline.spread, cells);
+  if (scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
+  const Ahead ahead{all_boxes, outline.farthest * (1 + 64 * epsilon),
+                    outline.any_guarded};  // with what ahead_of puts on
+  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_guarded;
   if (some_look_ahead) fill_guarded_cells(scratch, proxies);
   // Boxes in cells, then the large ones.
   const std::size_t end_in_cells = boxes.size() - scratch.large.size();

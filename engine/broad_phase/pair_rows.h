@@ -63,6 +63,19 @@ struct KeptPairs {
   BoxTree static_tree;
 };
 
+/// Where lower corners are, m.
+struct Spread {
+  Vec2 lowest{Real(1e38), Real(1e38)};
+  Vec2 highest{Real(-1e38), Real(-1e38)};
+};
+
+/// What some boxes are like together.
+struct BoxOutline {
+  Spread spread;      // of those that fit into cells
+  Real farthest = 0;  // m, any looks ahead
+  bool any_guarded = false;
+};
+
 /// Where a range of pairs is sorted.
 struct PairSorter {
   std::vector<Pair> pairs;

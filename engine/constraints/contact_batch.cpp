@@ -104,10 +104,11 @@ static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std
 
 /// What a kernel fills the batches from `first` on from.
 ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const std::uint32_t* slots,
-                        std::uint32_t unread, bool has_bounces) {
+                        const std::uint8_t* in_turn, std::uint32_t unread) {
   const TouchingPair& pair = scratch.touching[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
   return {slots,
+          in_turn,
           sizeof(TouchingPair),
           &pair.body_a,
           &pair.friction,
@@ -124,8 +125,7 @@ ContactSource source_of(const State& state, const Scratch& scratch, const SolveG
           unread,
           resting_record(scratch),
           group.stiffness.slop,
-          true,
-          has_bounces};
+          true};
 }
 
 /// Fills what scenes with restitution or surfaces have beside.
@@ -143,14 +143,13 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
   }
 }
 
-/// Fills the batches first..end-1 from the contacts in `slots`.
+/// Fills the batches first..end-1 from the contacts in `slots`, of which some are `in_turn`.
 void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group,
-                  const std::uint32_t* slots, ContactBatches& out, std::size_t first, std::size_t end,
-                  std::uint32_t unread) {
+                  const std::uint32_t* slots, const std::uint8_t* in_turn, ContactBatches& out, std::size_t first,
+                  std::size_t end, std::uint32_t unread) {
   if (first == end) return;
-  const bool has_bounces = (model.contact_features & contact_feature::bounce) != 0;
-  scratch.kernels->filling.fill(source_of(state, scratch, group, slots, unread, has_bounces),
-                                out.batches.data() + first, end - first);
+  scratch.kernels->filling.fill(source_of(state, scratch, group, slots, in_turn, unread), out.batches.data() + first,
+                                end - first);
   if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
 }
@@ -203,8 +202,9 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
-      fill_batches(model, state, scratch, group, slots + (first - group.first_batch) * contact_lane_count, out, first,
-                   end, unread_record(scratch, chunk.index));
+      const std::size_t of_group = first - group.first_batch;
+      fill_batches(model, state, scratch, group, slots + of_group * contact_lane_count,
+                   coloring.in_turn.data() + of_group, out, first, end, unread_record(scratch, chunk.index));
       scratch.kernels->contacts.prepare(work_of(scratch, group, out, first, end));
     });
   }
@@ -273,7 +273,8 @@ void prepare_block(const Model& model, const State& state, Scratch& scratch, con
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
   make_room(out, model.contact_features);
-  fill_batches(model, state, scratch, group, slots_of(scratch, group, block, out), out, 0, out.batch_count, unread);
+  fill_batches(model, state, scratch, group, slots_of(scratch, group, block, out),
+               coloring.in_turn.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, unread);
   scratch.kernels->contacts.prepare(work_of_block(scratch, group, out));
 }
 

@@ -12,10 +12,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::uint32_t uncolored = 0xffffffff;
-
 /// So many contacts are worth another thread's while.
 constexpr std::size_t ends_per_chunk_least = 256;
+constexpr std::size_t slots_per_chunk_least = 1024;
 
 /// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
 constexpr std::size_t contacts_per_block = 1024;
@@ -24,29 +23,43 @@ constexpr std::size_t contacts_to_split_least = 2 * contacts_per_block;
 /// Looking for islands costs as much as some ticks can save.
 constexpr std::uint32_t ticks_between_splits = 16;
 
-/// Fills coloring.ends. True if they are those that were there.
-bool find_ends(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
-  const std::uint32_t unread = unread_record(scratch);
-  const std::size_t count = group.contact_end - group.first_contact;
-  const bool is_whole_set = count == scratch.touching.size();
-  if (is_whole_set && coloring.is_whole_set && coloring.contact_set == scratch.kept.contact_set) return true;
-  coloring.is_whole_set = is_whole_set;
-  coloring.contact_set = scratch.kept.contact_set;
+/// Fills coloring.ends: the i-th is ends_at(i). True if they are those that were there.
+template <typename EndsAt>
+bool find_ends(const Parallel& parallel, std::size_t count, EndsAt ends_at, ContactColoring& coloring) {
   std::atomic<bool> changed{coloring.ends.size() != count};
   coloring.ends.resize(count);
-  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, ends_per_chunk_least), [&](const Chunk& chunk) {
+  parallel.for_chunks(count, parallel.chunk_size(count, ends_per_chunk_least), [&](const Chunk& chunk) {
     bool same = true;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const TouchingPair& pair = scratch.touching[contacts[i]];
-      const ContactEnds ends{mover(pair.body_a), mover(pair.body_b)};
+      const ContactEnds ends = ends_at(i);
       same &= ends == coloring.ends[i];
       coloring.ends[i] = ends;
     }
     if (!same) changed.store(true, std::memory_order_relaxed);
   });
   return !changed.load(std::memory_order_relaxed);
+}
+
+/// Whether the colours are those of all present contacts.
+bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
+  return coloring.is_whole_set && coloring.contact_set == scratch.kept.contact_set;
+}
+
+/// True if the ends of the group's contacts are those that were there.
+bool find_ends_of_group(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
+  const std::size_t count = group.contact_end - group.first_contact;
+  const bool is_whole_set = count == scratch.touching.size();
+  if (is_whole_set && are_colored(scratch, coloring)) return true;
+  coloring.is_whole_set = is_whole_set;
+  coloring.contact_set = scratch.kept.contact_set;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::uint32_t unread = unread_record(scratch);
+  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
+  const auto ends_at = [&](std::size_t i) {
+    const TouchingPair& pair = scratch.touching[contacts[i]];
+    return ContactEnds{mover(pair.body_a), mover(pair.body_b)};
+  };
+  return find_ends(scratch.parallel, count, ends_at, coloring);
 }
 
 // ---- Blocks ----
@@ -164,15 +177,17 @@ void make_one_block(ContactColoring& coloring) {
 
 // ---- Colours ----
 
-/// Colours the contacts of one round, and counts those of each colour; those of bodies that have no colour left wait
-/// for the next. True if any do.
-template <bool is_first>
-bool color_round(ContactColoring& out, const ContactBlock& block, std::uint32_t round, ColorPlace* places) {
-  bool any_left = false;
+/// Colours `count` contacts, at place_at(0), .. in the block; those of bodies that have no colour left wait for the
+/// next round, in `left`. How many do.
+template <typename PlaceAt>
+std::size_t color_round(ContactColoring& out, std::size_t count, PlaceAt place_at, std::uint32_t round) {
+  std::size_t left_count = 0;
   const std::uint32_t first_color = round * round_color_count;
-  for (std::uint32_t i = block.first; i < block.end; ++i) {
-    if (!is_first && out.colors[i].color != uncolored) continue;
-    const ContactEnds ends = out.ends[out.contacts[i]];
+  out.places.resize(first_color + round_color_count, {0, 0});
+  ColorPlace* places = out.places.data() + first_color;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t place = place_at(i);
+    const ContactEnds ends = out.ends[out.contacts[place]];
     const bool both_move = is_tie(ends);
     std::uint32_t used;
     if (both_move) {
@@ -187,63 +202,99 @@ bool color_round(ContactColoring& out, const ContactBlock& block, std::uint32_t 
       used = mover.immovable;
       mover.immovable |= ~used & (used + 1);
     }
-    const bool is_left = used == 0xffffffffu;
-    any_left |= is_left;
-    out.colors[i] = {uncolored, 0};
-    if (is_left) continue;
+    if (used == 0xffffffffu) {
+      out.left[left_count++] = place;
+      continue;
+    }
     const std::uint32_t color = static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
-    out.colors[i] = {first_color + color, places[color].count++};
+    out.colors[place] = {first_color + color, places[color].count++};
   }
-  return any_left;
+  return left_count;
 }
 
 /// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin
-/// on.
-void fill_slots(ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
+/// on. Colours of one contact, as a body that touches everything has, follow each other in a batch.
+void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
   block.first_slot = static_cast<std::uint32_t>(out.slots.size());
   std::uint32_t next = block.first_slot;
-  for (const std::uint32_t first : {0u, class_color_count})
+  for (const std::uint32_t first : {0u, class_color_count}) {
+    std::uint32_t in_turn = 0;  // contacts of the last batch, if it takes colours of one
     for (std::uint32_t round = 0; round < round_count; ++round)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
         ColorPlace& place = out.places[round * round_color_count + first + color];
         if (place.count == 0) continue;
+        if (place.count == 1 && in_turn % contact_lane_count != 0) {
+          place.first_slot = next - contact_lane_count + in_turn++;
+          continue;
+        }
+        in_turn = place.count == 1 ? 1 : 0;
+        const std::uint32_t batch_count = (place.count + contact_lane_count - 1) / contact_lane_count;
         place.first_slot = next;
-        next += (place.count + contact_lane_count - 1) / contact_lane_count * contact_lane_count;
+        next += batch_count * contact_lane_count;
+        out.in_turn.insert(out.in_turn.end(), batch_count, static_cast<std::uint8_t>(in_turn));
         if (!out.is_split)
           out.color_batches.push_back({place.first_slot / contact_lane_count, next / contact_lane_count});
       }
+  }
   block.slot_end = next;
   out.slots.resize(next, no_contact);
-  for (std::uint32_t i = block.first; i < block.end; ++i)
-    out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = out.contacts[i];
+  const std::size_t count = block.end - block.first;
+  parallel.for_chunks(count, parallel.chunk_size(count, slots_per_chunk_least), [&](const Chunk& chunk) {
+    for (std::size_t i = block.first + chunk.begin; i < block.first + chunk.end; ++i)
+      out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = out.contacts[i];
+  });
 }
 
-void color_block(ContactColoring& out, ContactBlock& block) {
+void color_block(const Parallel& parallel, ContactColoring& out, ContactBlock& block) {
   out.places.clear();
-  std::uint32_t round_count = 0;
-  bool any_left = true;
-  while (any_left) {
-    if (round_count > 0)
-      for (std::uint32_t i = block.first; i < block.end; ++i) {
-        const ContactEnds ends = out.ends[out.contacts[i]];
-        for (const std::uint32_t row : {ends.a, ends.b})
-          if (row != no_body) out.body_colors[row] = {0, 0};
-      }
-    const std::size_t first = out.places.size();
-    out.places.resize(first + round_color_count, {0, 0});
-    ColorPlace* places = out.places.data() + first;
-    any_left = round_count == 0 ? color_round<true>(out, block, 0, places)
-                                : color_round<false>(out, block, round_count, places);
-    ++round_count;
+  out.left.resize(out.colors.size());
+  std::uint32_t round_count = 1;
+  std::size_t left_count = color_round(
+      out, block.end - block.first, [&](std::size_t i) { return block.first + static_cast<std::uint32_t>(i); }, 0);
+  while (left_count > 0) {
+    for (std::size_t i = 0; i < left_count; ++i) {
+      const ContactEnds ends = out.ends[out.contacts[out.left[i]]];
+      for (const std::uint32_t row : {ends.a, ends.b})
+        if (row != no_body) out.body_colors[row] = {0, 0};
+    }
+    left_count = color_round(
+        out, left_count, [&](std::size_t i) { return out.left[i]; }, round_count++);
   }
-  fill_slots(out, block, round_count);
+  fill_slots(parallel, out, block, round_count);
+}
+
+void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColoring& coloring) {
+  coloring.colors.resize(coloring.ends.size());
+  coloring.slots.clear();
+  coloring.in_turn.clear();
+  coloring.color_batches.clear();
+  coloring.body_colors.assign(body_count, {0, 0});
+  for (ContactBlock& block : coloring.blocks) color_block(parallel, coloring, block);
 }
 
 }  // namespace
 
+void color_ahead(const State& state, Scratch& scratch) {
+  ContactColoring& coloring = scratch.kept.coloring;
+  if (!coloring.is_whole_set || coloring.is_split || are_colored(scratch, coloring)) return;
+  const auto mover = [&](std::uint32_t proxy, std::uint32_t row) {
+    return scratch.proxies[proxy].is_dynamic ? row : no_body;
+  };
+  const auto ends_at = [&](std::size_t i) {
+    const TouchingPair& pair = scratch.touching[i];
+    return ContactEnds{mover(pair.proxy_a, pair.body_a), mover(pair.proxy_b, pair.body_b)};
+  };
+  const Parallel alone;
+  const bool same_ends = find_ends(alone, scratch.touching.size(), ends_at, coloring);
+  coloring.contact_set = scratch.kept.contact_set;
+  if (same_ends && !coloring.blocks.empty()) return;
+  make_one_block(coloring);
+  color_blocks(alone, state.bodies.size(), coloring);
+}
+
 void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
   ContactColoring& coloring = scratch.kept.coloring;
-  const bool same_ends = find_ends(scratch, group, coloring) && !coloring.blocks.empty();
+  const bool same_ends = find_ends_of_group(scratch, group, coloring) && !coloring.blocks.empty();
   if (may_split) {
     const std::span<const std::uint32_t> rows(scratch.group_rows.data() + group.first_row,
                                               group.row_end - group.first_row);
@@ -258,11 +309,7 @@ void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
     coloring.is_split = false;
   }
   if (!coloring.is_split) make_one_block(coloring);
-  coloring.colors.resize(coloring.ends.size());
-  coloring.slots.clear();
-  coloring.color_batches.clear();
-  coloring.body_colors.assign(scratch.masses.size(), {0, 0});
-  for (ContactBlock& block : coloring.blocks) color_block(coloring, block);
+  color_blocks(scratch.parallel, scratch.masses.size(), coloring);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

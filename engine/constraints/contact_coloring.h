@@ -16,6 +16,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Scratch;
 struct SolveGroup;
+struct State;
 
 // One bit each in a body's colour set. Contacts between two moving bodies come first, those with something immovable
 // last: the last ones solved are met best, and nothing may sink into the ground.
@@ -72,6 +73,7 @@ struct ContactColoring {
   std::vector<ContactBlock> blocks;
   std::vector<std::uint32_t> contacts;    // of the group, by block
   std::vector<std::uint32_t> slots;       // [block, batch, lane] the contact of the group, or no_contact
+  std::vector<std::uint8_t> in_turn;      // [block, batch] 1: contacts of colours that have one each
   std::vector<BatchRange> color_batches;  // in solving order, where there is one block
   std::vector<std::uint32_t> rows;        // bodies that move, by block
   std::vector<std::uint32_t> free_rows;   // those that are in none
@@ -79,12 +81,17 @@ struct ContactColoring {
   std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; holds while no contact ties two blocks
   std::uint32_t ticks_unsplit = 0;        // to pass before islands are looked for
   std::vector<ContactColor> colors;       // [place in `contacts`]
+  std::vector<std::uint32_t> left;        // places of those that wait for the next round
   std::vector<ColorPlace> places;         // [round, colour] of a block
   std::vector<BodyColors> body_colors;    // [body]
   std::vector<std::uint32_t> block_starts;
   std::vector<std::uint32_t> island_parent;  // [body]
 };
 inline constexpr std::uint32_t no_block = 0xffffffff;
+
+/// Colours all contacts, if those of the tick before were one group and one block, as these probably are: other threads
+/// may do something else meanwhile. Runs nothing in chunks.
+void color_ahead(const State& state, Scratch& scratch);
 
 /// Colours the contacts of a group: scratch.kept.coloring. `may_split`: in blocks, if there are contacts enough for
 /// some. Requires: prepare_bodies.

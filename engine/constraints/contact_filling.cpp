@@ -169,6 +169,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     while (count < contact_lane_count && slots[count] != no_contact) ++count;
     batch.count = count;
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
+    batch.in_turn = source.in_turn[i];
     batch.bounces = 0;
     if (source.asks_ahead && i + 1 < batch_count)
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
@@ -180,7 +181,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     int lane = 0;
     for (; lane + wide_count <= count; lane += wide_count) fill_lanes<Wide>(source, slots, batch, lane);
     for (; lane < count; ++lane) fill_lanes<Real>(source, slots, batch, lane);
-    if (count == 1 && !source.has_bounces) continue;
+    if (batch.in_turn != 0) continue;
     for (; lane % lane_count != 0; ++lane) empty_lane(source, batch, lane);
   }
 }

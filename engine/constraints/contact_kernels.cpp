@@ -39,19 +39,19 @@ struct Group {
   }
 };
 
-/// Runs `solve_group` over the contacts of all batches: two vectors of them at a time where there are so many, and one
-/// by itself where it is alone in its batch, as those of a body that touches everything are.
-template <typename Solve>
+/// Runs `solve_group` over the contacts of all batches: as many as `Widest` has lanes at a time where there are so
+/// many, and one by itself where they are to be solved in turn.
+template <typename Widest, typename Solve>
 TICKTRUE_INLINE void for_groups(const ContactWork& work, Solve solve_group) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     ContactBatch& batch = work.batches[i];
-    if (batch.count == 1) {
-      solve_group(Group<Real>{batch, 0}, i);
+    if (batch.in_turn != 0) {
+      for (int lane = 0; lane < batch.count; ++lane) solve_group(Group<Real>{batch, lane}, i);
       continue;
     }
-    for (int first = 0; first < batch.count; first += VectorOf<Twin>::count)
+    for (int first = 0; first < batch.count; first += VectorOf<Widest>::count)
       if (first + wide_count < batch.count)
-        solve_group(Group<Twin>{batch, first}, i);
+        solve_group(Group<Widest>{batch, first}, i);
       else
         solve_group(Group<Wide>{batch, first}, i);
   }
@@ -80,15 +80,20 @@ TICKTRUE_INLINE Pair<V> load_pair(const Group<V>& group, const Real* bodies) {
           group.load(group.batch.inv_inertia_b)};
 }
 
-/// Adds the contact's impulses to the velocities, but for the turn, and puts them back.
+/// Adds the contact's impulses to the velocities, but for the turn.
 template <typename V>
-TICKTRUE_INLINE void store_pair(const Group<V>& group, Pair<V>& pair, V along_normal, V along_tangent, Real* bodies) {
+TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V along_normal, V along_tangent) {
   const V px = along_normal * pair.nx + along_tangent * pair.ny;
   const V py = along_normal * pair.ny - along_tangent * pair.nx;
   pair.a.at[0] -= pair.inv_mass_a * px;
   pair.a.at[1] -= pair.inv_mass_a * py;
   pair.b.at[0] += pair.inv_mass_b * px;
   pair.b.at[1] += pair.inv_mass_b * py;
+}
+
+/// Puts the velocities back.
+template <typename V>
+TICKTRUE_INLINE void store_pair(const Group<V>& group, Pair<V>& pair, Real* bodies) {
   pair.a.at[3] = pair.b.at[3] = V{};  // what it is, and no register has to hold
   scatter_quads_of<V, word_length>(bodies, group.write_a(), pair.a);
   scatter_quads_of<V, word_length>(bodies, group.write_b(), pair.b);
@@ -248,13 +253,14 @@ TICKTRUE_INLINE void solve_group(const ContactWork& work, std::size_t i, const G
     wa -= pair.inv_inertia_a * change;
     wb += pair.inv_inertia_b * change;
   }
-  store_pair(group, pair, pushed, rubbed, work.bodies);
+  add_impulses(pair, pushed, rubbed);
+  store_pair(group, pair, work.bodies);
 }
 
 template <unsigned features, Pass pass>
 void solve(const ContactWork& work) {
   const Real inv_h = 1 / work.h;
-  for_groups(
+  for_groups<Twin>(
       work, [&](const auto& group, std::size_t i)
                 __attribute__((always_inline)) { solve_group<features, pass>(work, i, group, inv_h); });
 }
@@ -279,14 +285,15 @@ TICKTRUE_INLINE void warm_start_group(const ContactWork& work, const Group<V>& g
   }
   pair.a.at[2] -= pair.inv_inertia_a * turn_a;
   pair.b.at[2] += pair.inv_inertia_b * turn_b;
-  store_pair(group, pair, pushed, rubbed, work.bodies);
+  add_impulses(pair, pushed, rubbed);
+  store_pair(group, pair, work.bodies);
 }
 
 template <unsigned features>
 void warm_start(const ContactWork& work) {
   if constexpr (has(features, contact_feature::surface))
     for (std::size_t i = 0; i < work.batch_count; ++i) work.surfaces[i].rolling_impulse = {};
-  for_groups(
+  for_groups<Twin>(
       work, [&](const auto& group, std::size_t)
                 __attribute__((always_inline)) { warm_start_group<features>(work, group); });
 }
@@ -339,61 +346,72 @@ TICKTRUE_INLINE void prepare_group(const ContactWork& work, std::size_t i, const
 
 template <unsigned features>
 void prepare(const ContactWork& work) {
-  for_groups(
+  for_groups<Twin>(
       work, [&](const auto& group, std::size_t i)
                 __attribute__((always_inline)) { prepare_group<features>(work, i, group); });
 }
 
-bool any_of(decltype(Wide{} > Wide{}) lanes) {
+bool any_of(bool lane) {
+  return lane;
+}
+bool any_of(WideMask lanes) {
   bool any = false;
   for (int lane = 0; lane < wide_count; ++lane) any |= lanes[lane] != 0;
   return any;
 }
 
+template <unsigned features, typename V>
+TICKTRUE_INLINE bool bounce_group(const ContactWork& work, std::size_t i, const Group<V>& group, Real threshold) {
+  ContactBatch& batch = group.batch;
+  BounceLanes& bounces = work.bounces[i];
+  const V zero{};
+  Pair<V> pair = load_pair(group, work.bodies);
+  const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
+  const V restitution = group.load(bounces.restitution);
+  V speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+  V pushed = zero;
+  auto bounced = zero > zero;
+  for (int p = 0; p < points_of(features); ++p) {
+    // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
+    ContactPointLanes& point = batch.points[p];
+    const V approach = group.load(bounces.approach[p]);
+    const auto hits = (restitution > zero) & (VectorOf<V>::spread(-threshold) >= approach) &
+                      (group.load(bounces.impulse_max[p]) > zero);
+    if (!any_of(hits)) continue;
+    bounced = bounced | hits;
+    const V arm_a = group.load(point.normal_arm_a);
+    const V arm_b = group.load(point.normal_arm_b);
+    const V velocity = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+    const V old_impulse = group.load(point.normal_impulse);
+    const V wanted = old_impulse - group.load(point.normal_mass) * (velocity + restitution * approach);
+    const V impulse = choose(hits, larger(wanted, zero), old_impulse);
+    group.store(point.normal_impulse, impulse);
+    const V change = impulse - old_impulse;
+    speed += inv_mass * change;
+    pair.a.at[2] -= (pair.inv_inertia_a * arm_a) * change;
+    pair.b.at[2] += (pair.inv_inertia_b * arm_b) * change;
+    pushed += change;
+  }
+  if (!any_of(bounced)) return false;
+  // Velocities of what does not bounce keep the signs of their zeros, whoever is beside it.
+  const Pair<V> before = load_pair(group, work.bodies);
+  add_impulses(pair, pushed, zero);
+  for (int i = 0; i < 3; ++i) {
+    pair.a.at[i] = choose(bounced, pair.a.at[i], before.a.at[i]);
+    pair.b.at[i] = choose(bounced, pair.b.at[i], before.b.at[i]);
+  }
+  store_pair(group, pair, work.bodies);
+  return true;
+}
+
 template <unsigned features>
 bool bounce(const ContactWork& work, Real threshold) {
   bool any = false;
-  if constexpr (has(features, contact_feature::bounce)) {
-    const Wide zero{};
-    for (std::size_t i = 0; i < work.batch_count; ++i) {
-      ContactBatch& batch = work.batches[i];
-      if (batch.bounces == 0) continue;
-      BounceLanes& bounces = work.bounces[i];
-      for (int first = 0; first < batch.count; first += wide_count) {
-        const Group<Wide> group{batch, first};
-        Pair<Wide> pair = load_pair(group, work.bodies);
-        const Wide inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-        const Wide restitution = group.load(bounces.restitution);
-        Wide speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
-        Wide pushed = zero;
-        bool any_here = false;
-        for (int p = 0; p < points_of(features); ++p) {
-          // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
-          ContactPointLanes& point = batch.points[p];
-          const Wide approach = group.load(bounces.approach[p]);
-          const auto hits =
-              (restitution > zero) & (approach <= spread(-threshold)) & (group.load(bounces.impulse_max[p]) > zero);
-          if (!any_of(hits)) continue;
-          any_here = true;
-          const Wide arm_a = group.load(point.normal_arm_a);
-          const Wide arm_b = group.load(point.normal_arm_b);
-          const Wide velocity = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
-          const Wide old_impulse = group.load(point.normal_impulse);
-          const Wide wanted = old_impulse - group.load(point.normal_mass) * (velocity + restitution * approach);
-          const Wide impulse = hits ? larger(wanted, zero) : old_impulse;
-          group.store(point.normal_impulse, impulse);
-          const Wide change = impulse - old_impulse;
-          speed += inv_mass * change;
-          pair.a.at[2] -= (pair.inv_inertia_a * arm_a) * change;
-          pair.b.at[2] += (pair.inv_inertia_b * arm_b) * change;
-          pushed += change;
-        }
-        if (!any_here) continue;
-        store_pair(group, pair, pushed, zero, work.bodies);
-        any = true;
-      }
-    }
-  }
+  if constexpr (has(features, contact_feature::bounce))
+    for_groups<Wide>(
+        work, [&](const auto& group, std::size_t i) __attribute__((always_inline)) {
+          if (group.batch.bounces != 0) any |= bounce_group<features>(work, i, group, threshold);
+        });
   return any;
 }
 

@@ -1,4 +1,4 @@
-// Contacts as kernels see them: sixteen at a time, no body twice in a batch, in the frame of their normals.
+// Contacts as kernels see them: sixteen to a batch, in the frame of their normals.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -32,6 +32,7 @@ struct ContactBatch {
   std::uint32_t read_b[contact_lane_count];
   std::int32_t count;       // lanes from here on are empty
   std::uint32_t immovable;  // 1: one body of each contact is not moved by impulses
+  std::uint32_t in_turn;    // 1: lanes are solved one after the other; else no body is moved by two of them
   std::uint32_t bounces;    // 1: some lane has restitution
   ContactLanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   ContactLanes normal_x, normal_y, friction;
@@ -62,13 +63,14 @@ inline constexpr std::uint32_t no_contact = 0xffffffff;
 /// What batches are filled from: numbers of the first of rows that follow each other at a distance in bytes. Four
 /// numbers are there for each pointer, whatever the fourth may be.
 struct ContactSource {
-  const std::uint32_t* slots;  // [batch, lane] the contact
-  std::size_t pair_size;       // of TouchingPair, bytes
-  const std::uint32_t* ends;   // rows of the two bodies
-  const Real* surface;         // friction, radius of A, radius of B, size
-  const Real* normal;          // x, y
-  const Real* anchors[2];      // of the points: A's x, y, B's x, y
-  const Real* separation[2];   // of the points
+  const std::uint32_t* slots;   // [batch, lane] the contact
+  const std::uint8_t* in_turn;  // [batch] ContactBatch::in_turn
+  std::size_t pair_size;        // of TouchingPair, bytes
+  const std::uint32_t* ends;    // rows of the two bodies
+  const Real* surface;          // friction, radius of A, radius of B, size
+  const Real* normal;           // x, y
+  const Real* anchors[2];       // of the points: A's x, y, B's x, y
+  const Real* separation[2];    // of the points
   const std::int32_t* point_count;
   std::size_t row_size;          // of ContactRow, bytes
   const Real* forces;            // normal ones of the points, tangential ones
@@ -80,7 +82,6 @@ struct ContactSource {
   std::uint32_t resting;         // read for empty lanes
   Real slop;                     // of the size
   bool asks_ahead;               // for the rows of the next batch: a colour skips over memory
-  bool has_bounces;              // one that is alone in its batch is not always taken by itself
 };
 
 /// Batches that follow each other, for one call of a kernel.

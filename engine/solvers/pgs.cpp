@@ -12,7 +12,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
   prepare_bodies(model, state, scratch);
-  if (!model.finds_islands) group_everything(model, state, scratch);
+  if (!scratch.is_grouped) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   for (SolveGroup& group : scratch.groups) {

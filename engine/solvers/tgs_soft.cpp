@@ -30,7 +30,7 @@ std::uint32_t sweeps_of(const Model& model, const State& state, const Scratch& s
 
 void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt) {
   prepare_bodies(model, state, scratch);
-  if (!model.finds_islands) group_everything(model, state, scratch);
+  if (!scratch.is_grouped) group_everything(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   const bool poses_stay = bodies_step_alone(model) && !scratch.planted;  // from one drift to the next

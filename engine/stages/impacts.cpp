@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "engine/broad_phase/broad_phase.h"
+#include "engine/constraints/contact_coloring.h"
 #include "engine/constraints/joint_model.h"
 #include "engine/narrow_phase/distance.h"
 #include "engine/pipeline.h"
@@ -129,10 +130,13 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   if (size >= count) return add_impacts(model, state, scratch, reach, 0, count, scratch.impacts);
   const std::size_t chunk_count = Parallel::chunk_count(count, size);
   if (scratch.impact_parts.size() < chunk_count) scratch.impact_parts.resize(chunk_count);
-  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
-    scratch.impact_parts[chunk.index].clear();
-    add_impacts(model, state, scratch, reach, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
-  });
+  scratch.parallel.for_chunks_beside(
+      count, size,
+      [&](const Chunk& chunk) {
+        scratch.impact_parts[chunk.index].clear();
+        add_impacts(model, state, scratch, reach, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
+      },
+      [&] { color_ahead(state, scratch); });
   for (std::size_t i = 0; i < chunk_count; ++i)
     scratch.impacts.insert(scratch.impacts.end(), scratch.impact_parts[i].begin(), scratch.impact_parts[i].end());
 }

@@ -4,6 +4,8 @@
 // "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
 #include "engine/stages/islands.h"
 
+#include <atomic>
+
 #include "base/limits.h"
 #include "engine/constraints/groups.h"
 #include "engine/pipeline.h"
@@ -64,11 +66,7 @@ void unite_by_contacts(Scratch& scratch) {
 void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_parent.resize(count);
-  scratch.body_types.resize(count);
-  for (std::uint32_t row = 0; row < count; ++row) {
-    scratch.island_parent[row] = row;
-    scratch.body_types[row] = type_of(model, state, row);
-  }
+  for (std::uint32_t row = 0; row < count; ++row) scratch.island_parent[row] = row;
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     if (scratch.body_types[a] == BodyType::dynamic_body && scratch.body_types[b] == BodyType::dynamic_body)
       unite(scratch.island_parent, a, b);
@@ -87,19 +85,42 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
 
 // ---- Sleep ----
 
+constexpr std::size_t bodies_per_chunk_least = 512;
+
+/// Calls look(row), a bool, for each body. True if it was for any.
+template <typename Look>
+bool any_body(const Scratch& scratch, std::size_t count, Look look) {
+  std::atomic<bool> any{false};
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, bodies_per_chunk_least, 64),
+                              [&](const Chunk& chunk) {
+                                bool found = false;
+                                for (std::size_t row = chunk.begin; row < chunk.end; ++row)
+                                  found |= look(static_cast<std::uint32_t>(row));
+                                if (found) any.store(true, std::memory_order_relaxed);
+                              });
+  return any.load(std::memory_order_relaxed);
+}
+
+bool disturbs(const State& state, const Scratch& scratch, std::uint32_t row) {
+  return scratch.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
+}
+
+/// Fills scratch.body_types. True if something kinematic moves.
+bool find_types(const Model& model, const State& state, Scratch& scratch) {
+  scratch.body_types.resize(state.bodies.size());
+  return any_body(scratch, state.bodies.size(), [&](std::uint32_t row) {
+    scratch.body_types[row] = type_of(model, state, row);
+    return disturbs(state, scratch, row);
+  });
+}
+
 /// Keeps awake what something kinematic that moves touches or holds.
 void disturb(const Model& model, State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
-  const auto disturbs = [&](std::uint32_t row) {
-    return scratch.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
-  };
-  bool any = false;
-  for (std::uint32_t row = 0; row < count; ++row) any |= disturbs(row);
-  if (!any) return;
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     Real none = 0;  // by several contacts of a body at once
-    if (disturbs(b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
-    if (disturbs(a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, scratch, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, scratch, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
   const std::size_t contact_count = scratch.touching.size();
   scratch.parallel.for_chunks(contact_count, scratch.parallel.chunk_size(contact_count, contacts_per_chunk_least),
@@ -117,26 +138,50 @@ void disturb(const Model& model, State& state, Scratch& scratch) {
   }
 }
 
-void wake_and_sleep(const Model& model, State& state, Scratch& scratch) {
-  const std::size_t count = state.bodies.size();
-  scratch.island_awake.assign(count, model.scene.settings.sleep ? 0 : 1);
-  if (!model.scene.settings.sleep) return;
-  const Real after = static_cast<Real>(model.scene.settings.sleep->after_s);
+bool is_dynamic(const Scratch& scratch, std::uint32_t row) {
+  return scratch.body_types[row] == BodyType::dynamic_body;
+}
+
+/// Has been calm for long enough to sleep, if all of its island have.
+bool may_sleep(const Model& model, const State& state, std::uint32_t row) {
+  return state.sleep[row].calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
+}
+
+void wake(SleepRow& sleep) {
+  if (sleep.asleep != 0) sleep.calm = 0;
+  sleep.asleep = 0;
+}
+
+/// Wakes what is pulled or disturbed, and all bodies if none may sleep. True if they are awake.
+bool stay_awake(const Model& model, State& state, Scratch& scratch, bool some_disturb) {
+  if (!model.scene.settings.sleep) return true;
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
-  disturb(model, state, scratch);
+  if (some_disturb) disturb(model, state, scratch);
+  const std::size_t count = state.bodies.size();
+  if (any_body(scratch, count,
+               [&](std::uint32_t row) { return is_dynamic(scratch, row) && may_sleep(model, state, row); }))
+    return false;
   for (std::uint32_t row = 0; row < count; ++row)
-    if (scratch.body_types[row] == BodyType::dynamic_body && !(state.sleep[row].calm >= after))
+    if (is_dynamic(scratch, row)) wake(state.sleep[row]);
+  return true;
+}
+
+/// Islands of which all bodies may sleep do. Requires: islands are united.
+void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  scratch.island_awake.assign(count, 0);
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (is_dynamic(scratch, row) && !may_sleep(model, state, row))
       scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
   for (std::uint32_t row = 0; row < count; ++row) {
-    if (scratch.body_types[row] != BodyType::dynamic_body) continue;
-    SleepRow& sleep = state.sleep[row];
-    const bool awake = scratch.island_awake[find_root(scratch.island_parent, row)] != 0;
-    if (awake && sleep.asleep != 0) sleep.calm = 0;
-    if (!awake) {
-      state.bodies[row].velocity = {0, 0};
-      state.bodies[row].angular_velocity = 0;
+    if (!is_dynamic(scratch, row)) continue;
+    if (scratch.island_awake[find_root(scratch.island_parent, row)] != 0) {
+      wake(state.sleep[row]);
+      continue;
     }
-    sleep.asleep = awake ? 0 : 1;
+    state.sleep[row].asleep = 1;
+    state.bodies[row].velocity = {0, 0};
+    state.bodies[row].angular_velocity = 0;
   }
 }
 
@@ -214,8 +259,16 @@ void make_groups(const Model& model, const State& state, Scratch& scratch) {
 }  // namespace
 
 void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const bool some_disturb = find_types(model, state, scratch);
+  const bool all_awake = stay_awake(model, state, scratch, some_disturb);
+  // Where all are awake and have equal substeps, who hangs together with whom makes no difference.
+  scratch.is_grouped = !all_awake || model.scene.settings.auto_substeps;
+  if (!scratch.is_grouped) return;
   unite_bodies(model, state, scratch);
-  wake_and_sleep(model, state, scratch);
+  if (all_awake)
+    scratch.island_awake.assign(state.bodies.size(), 1);
+  else
+    sleep_by_islands(model, state, scratch);
   choose_substeps(model, state, scratch, dt);
   make_groups(model, state, scratch);
 }

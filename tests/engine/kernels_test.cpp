@@ -61,7 +61,9 @@ Scene net(Precision precision, int columns, int chain_length) {
 }  // namespace
 
 TEST_CASE("every instruction set gives the same bits", "[engine][kernels][determinism]") {
-  for (const Session& session : kernel_sessions()) {
+  std::vector<Session> sessions = kernel_sessions();
+  for (GoldenSession& golden : golden_sessions()) sessions.push_back(std::move(golden.session));
+  for (const Session& session : sessions) {
     engine::EngineOptions options;
     options.instruction_set = InstructionSet::baseline;
     const std::vector<std::uint64_t> expected = tick_hashes(session, 90, options);
