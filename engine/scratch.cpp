@@ -40,7 +40,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.proxy_rows);
   poison_rows(scratch.boxes);
   poison_rows(scratch.circles);
-  poison_rows(scratch.pairs);
+  poison_rows(scratch.pair_rows);
   poison_rows(scratch.unsorted_pairs);
   for (PairSorter& sorter : scratch.pair_sorters) {
     poison_rows(sorter.pairs);

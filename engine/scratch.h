@@ -70,7 +70,8 @@ struct Scratch {
   std::vector<Proxy> proxy_rows;
   std::vector<Box> boxes;           // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
   std::vector<Circle> circles;      // [proxy], bounding_circle
-  std::vector<Pair> pairs;          // by (first, second)
+  std::span<const Pair> pairs;      // by (first, second)
+  std::vector<Pair> pair_rows;      // those, where no broad phase keeps them
   bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
   std::vector<Pair> unsorted_pairs;
   std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells

@@ -6,8 +6,9 @@
 // Each shape gets a box that is larger than it needs. While all shapes stay inside, the list of overlapping large boxes
 // holds every pair that may touch. A shape that leaves gets a new large box and its pairs are found anew; it is then a
 // stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
-// on are always those pairs of the list whose present boxes overlap: the same as from any other algorithm. Where more
-// large boxes overlap than a tick may have pairs, only the pairs of present boxes are listed, and nothing is kept.
+// on are those pairs of the list whose present boxes overlap: those of any other algorithm, and a few more, since boxes
+// of what has moved have a little room (`box_room_share`), with which they hold for some ticks of a slow body. Where
+// more large boxes overlap than a tick may have pairs, only the pairs of present boxes are listed, and nothing is kept.
 // Where what was built held for a few ticks only, such as in a gas, pairs are listed by cells (neighbour_cells.h) for a
 // while.
 #include <atomic>
@@ -28,6 +29,10 @@ constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
 // More strays than this share, or this number, and everything is built anew.
 constexpr std::size_t moving_per_stray = 8;
 constexpr std::size_t stray_count_max = 1024;
+// A body's boxes have room for so much of its size.
+constexpr Real box_room_share = Real(1) / 512;
+// What is slower than this share of its size a tick is certainly not fast (reach.h).
+constexpr Real slow_share = Real(0.2);
 // Where more bodies than this share are still, their contacts are looked for.
 constexpr std::size_t bodies_per_still = 4;
 
@@ -92,16 +97,40 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.large_boxes.assign(kept.proxies.size(), empty_box);
   kept.is_stray.assign(kept.proxies.size(), 0);
   kept.bodies = state.bodies;
+  kept.boxed.resize(state.bodies.size());
   kept.is_still.resize(state.bodies.size());
   kept.looks.assign(state.bodies.size(), 0);
 }
 
-/// For the bodies first..end-1: boxes of what has moved, or of everything. Lists what has left its large box from
-/// `leaving` on; returns how many.
+/// Whether the boxes of a body hold its shapes still. A point moves by no more than its body and the chord of its turn.
+bool hold(const BoxedBody& boxed, const BodyRow& body) {
+  const Real moved = larger(absolute(body.position.x - boxed.position.x), absolute(body.position.y - boxed.position.y));
+  const Real turned = absolute(body.rotation.c - boxed.rotation.c) + absolute(body.rotation.s - boxed.rotation.s);
+  const Real speed =
+      (absolute(body.velocity.x) + absolute(body.velocity.y)) + absolute(body.angular_velocity) * boxed.reach;
+  return moved + turned * boxed.reach < boxed.room && speed < boxed.speed;
+}
+
+/// `way`: that of the boxes. `has_room`: they may have.
+BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const TickReach& reach, Real way, bool has_room) {
+  BoxedBody boxed{body.position, body.rotation, constants.reach, 0, 0};
+  if (!has_room || way > 0) return boxed;
+  // Less what rounding may make of a box.
+  const Real far = larger(absolute(body.position.x), absolute(body.position.y)) + constants.reach;
+  boxed.room = box_room_share * constants.size - 16 * epsilon * far;
+  const Real fall = absolute(constants.gravity_scale) * reach.gravity * reach.dt;
+  boxed.speed = reach.guards ? slow_share * constants.size / reach.dt - fall : Real(1e30);
+  return boxed;
+}
+
+/// For the bodies first..end-1: boxes of what has left their room, or of everything, then without room. Lists what has
+/// left its large box from `leaving` on; returns how many.
 std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach,
-                          bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving) {
+                          bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving,
+                          std::atomic<bool>& any_boxed) {
   const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
   const bool is_restless = kept.restless_ticks != 0;
+  const bool has_room = !everything && !is_restless && !reach.locates && !reach.foresees;
   const Real fall = kept.fall;
   // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
   const BodyRow* bodies = state.bodies.data();
@@ -110,11 +139,13 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
   BodyRow* bodies_before = kept.bodies.data();
   std::uint8_t* is_still = kept.is_still.data();
   std::uint8_t* looks = kept.looks.data();
+  BoxedBody* boxed = kept.boxed.data();
   const std::uint32_t* first_proxy = kept.first_proxy.data();
   Proxy* proxies = kept.proxies.data();
   Box* boxes = kept.boxes.data();
   const Box* large_boxes = kept.large_boxes.data();
   std::size_t count = 0;
+  bool some_boxed = false;
   for (std::size_t row = first; row < end; ++row) {
     const BodyRow& body = bodies[row];
     BodyRow& before = bodies_before[row];
@@ -123,31 +154,38 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
     if (!everything && is_same) continue;
     before = body;
+    if (has_room && hold(boxed[row], body)) continue;
     const std::uint32_t proxy_end = first_proxy[row + 1];
     if (first_proxy[row] == proxy_end) continue;
     const Real way = sweep_of(reach, constants[body.source], body);
     const Real ahead = ahead_of(reach, constants[body.source], way);
+    some_boxed = true;
+    boxed[row] = boxed_body(constants[body.source], body, reach, way, has_room);
+    const Real room = larger(boxed[row].room, 0);
     looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
     for (std::uint32_t i = first_proxy[row]; i < proxy_end; ++i) {
       if (proxies[i].ahead != ahead) proxies[i].ahead = ahead;  // most lines stay as they are
-      boxes[i] = box_around(model, body, shapes[proxies[i].shape], fall, way);
+      const Box box = box_around(model, body, shapes[proxies[i].shape], fall, way);
+      boxes[i] = {{box.lower.x - room, box.lower.y - room}, {box.upper.x + room, box.upper.y + room}};
       if (!is_restless && !is_inside(boxes[i], large_boxes[i])) leaving[count++] = i;
     }
   }
+  if (some_boxed) any_boxed.store(true, std::memory_order_relaxed);
   return count;
 }
 
-/// Boxes of what has moved, or of everything; lists what has left its large box.
-void follow(const Model& model, const State& state, Scratch& scratch, const TickReach& reach, bool everything) {
+/// Boxes of what has left their room, or of everything; lists what has left its large box. True if there are any.
+bool follow(const Model& model, const State& state, Scratch& scratch, const TickReach& reach, bool everything) {
   KeptPairs& kept = scratch.kept.pairs;
   kept.leaving.resize(kept.proxies.size());
   const std::size_t count = state.bodies.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 128);
+  std::atomic<bool> any_boxed{false};
   scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
   scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
     scratch.part_counts[chunk.index] =
         static_cast<std::uint32_t>(follow_bodies(model, state, kept, reach, everything, chunk.begin, chunk.end,
-                                                 kept.leaving.data() + kept.first_proxy[chunk.begin]));
+                                                 kept.leaving.data() + kept.first_proxy[chunk.begin], any_boxed));
   });
   std::size_t still_count = 0;
   for (const std::uint8_t is_still : kept.is_still) still_count += is_still;
@@ -158,6 +196,18 @@ void follow(const Model& model, const State& state, Scratch& scratch, const Tick
   kept.any_sweeps = (looks & 2) != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
+  return any_boxed.load(std::memory_order_relaxed);
+}
+
+/// Boxes without room, to be counted.
+void box_exactly(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach) {
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    const BodyRow& body = state.bodies[row];
+    const Real way = sweep_of(reach, model.bodies[body.source], body);
+    for (std::uint32_t i = kept.first_proxy[row]; i < kept.first_proxy[row + 1]; ++i)
+      kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
+    kept.boxed[row].room = 0;
+  }
 }
 
 struct NodesToList {
@@ -220,7 +270,7 @@ bool list_pairs(Scratch& scratch, bool is_tight) {
                         });
 }
 
-void build_everything(const Model& model, const State& state, Scratch& scratch) {
+void build_everything(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
   KeptPairs& kept = scratch.kept.pairs;
   const std::size_t proxy_count = kept.proxies.size();
   scratch.parallel.for_chunks(proxy_count, scratch.parallel.chunk_size(proxy_count, 128), [&](const Chunk& chunk) {
@@ -237,6 +287,7 @@ void build_everything(const Model& model, const State& state, Scratch& scratch) 
                is_static ? kept.static_tree : kept.moving_tree);
   }
   const bool fits = list_pairs(scratch, false);
+  if (!fits) box_exactly(model, state, kept, reach);
   if (!fits && !list_pairs(scratch, true)) {
     are_too_many(scratch, scratch.pair_count_max + 1);
     return;
@@ -253,7 +304,7 @@ constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
 constexpr std::uint32_t ticks_per_side = 8;    // for which cells are of one size
 
 /// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.
-bool list_present_pairs(Scratch& scratch) {
+bool list_present_pairs(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
   KeptPairs& kept = scratch.kept.pairs;
   kept.has_pairs = false;
   const bool has_side = kept.common_side > 0 && kept.restless_ticks % ticks_per_side != 0;
@@ -263,11 +314,15 @@ bool list_present_pairs(Scratch& scratch) {
     kept.common_side = 0;
     listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
   }
+  if (listing == CellListing::too_many) {
+    box_exactly(model, state, kept, reach);
+    listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
+  }
   if (listing == CellListing::unsuited) return false;
   if (listing == CellListing::too_many)
     are_too_many(scratch, scratch.pair_count_max + 1);
   else
-    sort_pairs(scratch, kept.proxies.size(), scratch.pairs);
+    sort_present_pairs(scratch, kept.proxies.size());
   return true;
 }
 
@@ -307,7 +362,8 @@ bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
     find_pairs_of(scratch, index);
     if (scratch.unsorted_pairs.size() > scratch.pair_count_max) return false;
   }
-  sort_pairs(scratch, kept.proxies.size(), scratch.pairs);
+  const std::vector<Pair>& added = scratch.pair_rows;
+  sort_pairs(scratch, kept.proxies.size(), scratch.pair_rows);
   kept.merged.clear();
   std::size_t next = 0;
   const auto comes_before = [](Pair a, Pair b) {
@@ -315,11 +371,10 @@ bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
   };
   for (const Pair& pair : kept.pairs) {
     if (kept.is_stray[pair.first] == strays_now || kept.is_stray[pair.second] == strays_now) continue;
-    while (next < scratch.pairs.size() && comes_before(scratch.pairs[next], pair))
-      kept.merged.push_back(scratch.pairs[next++]);
+    while (next < added.size() && comes_before(added[next], pair)) kept.merged.push_back(added[next++]);
     kept.merged.push_back(pair);
   }
-  while (next < scratch.pairs.size()) kept.merged.push_back(scratch.pairs[next++]);
+  while (next < added.size()) kept.merged.push_back(added[next++]);
   kept.pairs.swap(kept.merged);
   for (const std::uint32_t index : kept.leaving) kept.is_stray[index] = 1;
   return kept.pairs.size() <= scratch.pair_count_max;
@@ -355,10 +410,10 @@ std::size_t copy_present(const KeptPairs& kept, std::size_t begin, std::size_t e
 
 /// The pairs of this tick.
 void keep_overlapping(Scratch& scratch) {
-  const KeptPairs& kept = scratch.kept.pairs;
-  scratch.pairs.resize(kept.pairs.size());
-  scratch.pairs.resize(select_in_chunks(
-      scratch, kept.pairs.size(), 512, scratch.pairs.data(),
+  KeptPairs& kept = scratch.kept.pairs;
+  kept.present.resize(kept.pairs.size());
+  kept.present.resize(select_in_chunks(
+      scratch, kept.pairs.size(), 512, kept.present.data(),
       [&](std::size_t begin, std::size_t end, Pair* out) { return copy_present(kept, begin, end, out); }));
 }
 
@@ -377,7 +432,8 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   kept.fall = fall;
   kept.farthest = reach.farthest;
   kept.is_valid = true;
-  follow(model, state, scratch, reach, !boxes_hold);
+  kept.stay = !follow(model, state, scratch, reach, !boxes_hold) && kept.has_present;
+  kept.has_present = false;
   scratch.proxies = kept.proxies;
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
   const bool are_many =
@@ -387,15 +443,19 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
     kept.restless_ticks = restless_ticks;
   ++kept.ticks_held;
   if (kept.restless_ticks > 0) {
+    kept.stay = false;
     --kept.restless_ticks;
-    if (list_present_pairs(scratch)) return;
+    if (list_present_pairs(model, state, scratch, reach)) return;
     kept.restless_ticks = 0;
     builds = true;
   }
+  kept.stay = kept.stay && !builds;
   if (builds || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
-    build_everything(model, state, scratch);
+    build_everything(model, state, scratch, reach);
   if (scratch.has_too_many_pairs) return;
-  keep_overlapping(scratch);
+  if (!kept.stay) keep_overlapping(scratch);
+  kept.has_present = true;
+  scratch.pairs = kept.present;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

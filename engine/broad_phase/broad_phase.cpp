@@ -77,7 +77,7 @@ bool are_too_many(Scratch& scratch, std::size_t pair_count) {
   if (pair_count <= scratch.pair_count_max) return false;
   scratch.has_too_many_pairs = true;
   forget(scratch.kept);
-  scratch.pairs.clear();
+  scratch.pairs = {};
   return true;
 }
 
@@ -85,13 +85,14 @@ void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
   make_proxies(model, state, scratch, dt);
   const std::span<const Proxy> proxies = scratch.proxies;
   const std::vector<Box>& boxes = scratch.boxes;
-  scratch.pairs.clear();
+  scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
       if (overlaps(boxes[i], boxes[j]) && are_pair(proxies[i], proxies[j], boxes[i], boxes[j]))
-        scratch.pairs.push_back({i, j});
-    if (are_too_many(scratch, scratch.pairs.size())) return;
+        scratch.pair_rows.push_back({i, j});
+    if (are_too_many(scratch, scratch.pair_rows.size())) return;
   }
+  scratch.pairs = scratch.pair_rows;
 }
 
 namespace {
@@ -124,16 +125,17 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   for (const Proxy& proxy : proxies)
     circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
                                     sweep_of_row(model, state, reach, proxy.body)));
-  scratch.pairs.clear();
+  scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
       const Real reach = circles[i].radius + circles[j].radius;
       if (length_squared(circles[j].center - circles[i].center) <= reach * reach && may_touch(proxies[i], proxies[j]))
-        scratch.pairs.push_back({i, j});
+        scratch.pair_rows.push_back({i, j});
     }
     // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
-    if (scratch.pairs.size() > scratch.pair_count_max) return brute_force(model, state, scratch, dt);
+    if (scratch.pair_rows.size() > scratch.pair_count_max) return brute_force(model, state, scratch, dt);
   }
+  scratch.pairs = scratch.pair_rows;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -91,6 +91,11 @@ bool are_too_many(Scratch& scratch, std::size_t pair_count);
 
 /// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`.
 void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& pairs);
+/// The same, as the pairs of this tick.
+inline void sort_present_pairs(Scratch& scratch, std::size_t proxy_count) {
+  sort_pairs(scratch, proxy_count, scratch.pair_rows);
+  scratch.pairs = scratch.pair_rows;
+}
 
 void brute_force(const Model& model, State& state, Scratch& scratch, Real dt);
 void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt);

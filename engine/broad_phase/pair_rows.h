@@ -30,6 +30,16 @@ struct Pair {
   std::uint32_t second;
 };
 
+/// The pose that the boxes of a body were made for, and how long they hold its shapes: while its points have moved by
+/// less than `room` and it is slower than `speed`.
+struct BoxedBody {
+  Vec2 position;
+  Rotation rotation;
+  Real reach;  // m, BodyModel's
+  Real room;   // m; not above 0: they hold for no other pose
+  Real speed;  // m/s, of any of its points, as its velocities bound it
+};
+
 /// What aabb_tree keeps: boxes that are too large on purpose, and which of them overlap. As long as every shape is
 /// inside its large box, the pairs that may touch are among these.
 struct KeptPairs {
@@ -48,10 +58,14 @@ struct KeptPairs {
   std::vector<std::uint8_t> looks;  // [body] of its proxies: bit 0: they have an `ahead` > 0; bit 1: a way (sweep_of)
   bool any_looks_ahead = false;
   bool any_sweeps = false;
-  std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins
+  std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins, and room to move
+  std::vector<BoxedBody> boxed;        // [body]
   std::vector<Box> large_boxes;        // [proxy]
   std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)
   std::vector<Pair> merged;            // the rows that replace them
+  std::vector<Pair> present;           // of them, those whose boxes overlap
+  bool has_present = false;            // those of the last tick
+  bool stay = false;                   // they are those of the tick before
   std::vector<std::uint8_t> is_stray;  // [proxy] has left the large box that is in the tree; 2: in this tick
   std::vector<std::uint32_t> strays;
   std::vector<std::uint32_t> leaving;  // proxies that are not inside their large boxes

@@ -43,7 +43,7 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
     }
     if (are_too_many(scratch, scratch.unsorted_pairs.size())) return;
   }
-  sort_pairs(scratch, proxies.size(), scratch.pairs);
+  sort_present_pairs(scratch, proxies.size());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -155,7 +155,7 @@ void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
     begin = end;
   }
   if (!find_pairs_of_large(scratch)) return;
-  sort_pairs(scratch, proxies.size(), scratch.pairs);
+  sort_present_pairs(scratch, proxies.size());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

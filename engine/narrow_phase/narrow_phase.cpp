@@ -126,6 +126,7 @@ struct PairSearch {
   std::size_t old_count;
   std::uint32_t look;
   bool may_skip;  // blocks of the same pairs as a tick ago are what they were
+  bool stay;      // all pairs are those
 
   ContactKey key(const Pair& pair) const {
     const Proxy& a = scratch.proxies[pair.first];
@@ -208,8 +209,8 @@ struct OldCandidates {
 
 /// Whether the pairs of a block are those it was made for.
 bool is_same(const PairSearch& search, const PairBlock& block, const Pair* pairs, std::size_t count) {
-  return search.may_skip && block.is_valid && block.look + 1 == search.look && block.pair_count == count &&
-         std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0;
+  return search.may_skip && block.is_valid && block.look + 1 == search.look &&
+         (search.stay || (block.pair_count == count && std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0));
 }
 
 /// For a block that is what it was: its contacts were in a row.
@@ -517,7 +518,8 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
                           (is_in_place ? scratch.touching : kept.touching).data(),
                           old.size(),
                           ++kept.look,
-                          may_reuse && !is_sparse && !kept.pairs.many_are_still};
+                          may_reuse && !is_sparse && !kept.pairs.many_are_still,
+                          kept.pairs.stay};
   FoundContacts found{};
   if (chunk_size < pair_count)
     found = find_contacts_in_chunks(search, scratch, chunk_size);
