@@ -128,8 +128,8 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
-      const Real reach = circles[i].radius + circles[j].radius;
-      if (length_squared(circles[j].center - circles[i].center) <= reach * reach && may_touch(proxies[i], proxies[j]))
+      const Real near = circles[i].radius + circles[j].radius;
+      if (length_squared(circles[j].center - circles[i].center) <= near * near && may_touch(proxies[i], proxies[j]))
         scratch.pair_rows.push_back({i, j});
     }
     // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
