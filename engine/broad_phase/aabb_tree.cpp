@@ -432,8 +432,8 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   kept.fall = fall;
   kept.farthest = reach.farthest;
   kept.is_valid = true;
-  kept.stay = !follow(model, state, scratch, reach, !boxes_hold) && kept.has_present;
-  kept.has_present = false;
+  const bool all_hold = !follow(model, state, scratch, reach, !boxes_hold) && kept.has_present;
+  kept.has_present = kept.stay = false;
   scratch.proxies = kept.proxies;
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
   const bool are_many =
@@ -443,13 +443,12 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
     kept.restless_ticks = restless_ticks;
   ++kept.ticks_held;
   if (kept.restless_ticks > 0) {
-    kept.stay = false;
     --kept.restless_ticks;
     if (list_present_pairs(model, state, scratch, reach)) return;
     kept.restless_ticks = 0;
     builds = true;
   }
-  kept.stay = kept.stay && !builds;
+  kept.stay = all_hold && !builds;
   if (builds || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
     build_everything(model, state, scratch, reach);
   if (scratch.has_too_many_pairs) return;

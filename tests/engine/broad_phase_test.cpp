@@ -192,6 +192,20 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
   CHECK(stay_count > 100);
 }
 
+TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][kept]") {
+  const f64::Model model = f64::make_model(coincident(0, 2));
+  f64::State state = f64::initial_state(model);
+  f64::Scratch kept;
+  for (int tick = 0; tick < 3; ++tick) {
+    f64::aabb_tree(model, state, kept, dt);
+    CHECK(kept.pairs.size() == 1);
+    f64::poison(kept);
+  }
+  while (!state.bodies.empty()) f64::erase_body_row(state, 0);
+  f64::aabb_tree(model, state, kept, dt);
+  CHECK(kept.pairs.empty());
+}
+
 TEST_CASE("while everything flies, pairs are listed anew; once it lies still, they are kept again",
           "[engine][broad_phase][kept]") {
   engine::Random random(5);
