@@ -296,94 +296,161 @@ struct PairRange {
   PairBlock* blocks;
 };
 
+/// Writes the contacts of some pairs, block by block.
+class ContactWriter {
+ public:
+  ContactWriter(const PairSearch& search, const OldContacts& old)
+      : search_(search),
+        bodies_(search.state.bodies.data()),
+        proxies_(search.scratch.proxies.data()),
+        old_(old),
+        is_in_place_(search.is_in_place) {}
+
+  FoundContacts found{0, 0, false};
+
+  /// Chooses what may touch of the pairs of a block, unless it is what it was. True if it is.
+  bool begin(const Pair* pairs, std::size_t count, PairBlock& block) {
+    before_.touched = before_.still = 0;
+    const bool is_same_block = is_same(search_, block, pairs, count);
+    if (is_same_block)
+      find_old_of_block(search_, block, old_, before_);
+    else
+      choose_candidates(search_, pairs, count, old_, block, before_);
+    block.look = search_.look;
+    block.found = 0;
+    return is_same_block;
+  }
+
+  /// Where the contacts of the block are to be.
+  void enter(const ContactRoom& room) {
+    room_ = room;
+    limit_ = std::min(room.limit, limit_in_place_);
+  }
+
+  /// Renews the contacts of a block that is what it was, if all of its pairs are boxes that touched and touch at the
+  /// same points: so it is in most of a world at rest.
+  bool renew(const BoxManifolds& boxes, PairBlock& block) {
+    const std::size_t count = block.candidate_count;
+    if (!is_in_place_ || !block.has_features || !before_.all_touched(block.candidate_count) ||
+        found.count + count > limit_ || old_.first + found.count != before_.next[0] ||
+        !boxes.renew(block, room_.touching + found.count))
+      return false;
+    found.count += count;
+    block.found = before_.touched;
+    return true;
+  }
+
+  /// Finds the contact of the i-th candidate, if it touches.
+  [[gnu::always_inline]] void find(const BoxManifolds& boxes, PairBlock& block, std::size_t i) {
+    const auto [index, place] = block.candidates[i];
+    const Pair& pair = block.pairs[index];
+    const bool touched = (before_.touched >> i & 1) != 0;
+    const bool is_still = (before_.still >> i & 1) != 0;
+    // A contact that was not there before would be written over a later one.
+    const bool is_taken =
+        is_in_place_ && !touched && found.count < limit_ && old_.first + found.count == before_.next[i];
+    Manifold& manifold = is_taken ? not_yet_ : touching_at(found.count).manifold;
+    if (!is_still) {
+      collide_pair(boxes, pair, place, manifold);
+      if (manifold.point_count == 0) return;
+    }
+    const bool has_old = search_.may_reuse ? touched : find_old(search_, pair, old_);
+    const std::size_t old_index = search_.may_reuse ? before_.next[i] : old_.next;
+    if (is_taken) {
+      limit_ = limit_in_place_ = found.count;
+      is_in_place_ = false;
+      touching_at(found.count).manifold = not_yet_;
+    }
+    write(pair, is_still, has_old, old_index);
+    block.found |= std::uint64_t{1} << i;
+    found.any_new |= !has_old;
+    ++found.count;
+  }
+
+  void leave() { found.in_place = std::min(found.count, limit_); }
+
+ private:
+  TouchingPair& touching_at(std::size_t index) {
+    return index < limit_ ? room_.touching[index] : room_.touching_apart[index - limit_];
+  }
+  ContactRow& row_at(std::size_t index) {
+    return index < limit_ ? room_.rows[index] : room_.rows_apart[index - limit_];
+  }
+
+  /// `place`: of the pair in `boxes`, or no_place.
+  void collide_pair(const BoxManifolds& boxes, const Pair& pair, std::uint8_t place, Manifold& manifold) const {
+    if (place != no_place) {
+      boxes.write(place, manifold);
+      if (!search_.foresees || manifold.point_count != 0) return;
+    }
+    const Proxy& a = proxies_[pair.first];
+    const Proxy& b = proxies_[pair.second];
+    const ShapeModel& shape_a = search_.model.shapes[a.shape];
+    const ShapeModel& shape_b = search_.model.shapes[b.shape];
+    const BodyRow& body_a = bodies_[a.body];
+    const BodyRow& body_b = bodies_[b.body];
+    if (place == no_place)
+      new (&manifold) Manifold(collide(search_.model, shape_a, shape_b, body_a, body_b, search_.fall));
+    if (search_.foresees && manifold.point_count == 0)
+      manifold = foresee(search_.model, shape_a, shape_b, body_a, body_b, search_.fall, search_.dt);
+  }
+
+  /// Completes the contact of a pair, which has its manifold unless the pair is still.
+  void write(const Pair& pair, bool is_still, bool has_old, std::size_t old_index) {
+    TouchingPair& touching = touching_at(found.count);
+    ContactRow& row = row_at(found.count);
+    const ContactRow* old_row = has_old ? search_.old_rows + old_index : nullptr;
+    const Proxy& a = proxies_[pair.first];
+    const Proxy& b = proxies_[pair.second];
+    const auto write_now = [&](const ContactRow* old) {
+      write_row(bodies_[a.body], a.child, bodies_[b.body], b.child, touching.manifold, old, row);
+    };
+    if (old_row == &row) {
+      if (has_features(row, touching.manifold)) return;
+      const ContactRow was = row;
+      write_now(&was);
+      return;
+    }
+    if (is_still)
+      touching = search_.old_touching[old_index];
+    else if (has_old && search_.may_reuse)
+      copy_constants(search_.old_touching[old_index], touching);
+    else
+      fill_constants(search_.model, search_.scratch.proxies, pair, touching);
+    write_now(old_row);
+  }
+
+  const PairSearch& search_;
+  const BodyRow* bodies_;
+  const Proxy* proxies_;
+  OldContacts old_;
+  OldCandidates before_;
+  ContactRoom room_{};
+  std::size_t limit_ = 0;                         // contacts from here on are apart
+  std::size_t limit_in_place_ = ~std::size_t{0};  // once one is new
+  bool is_in_place_;
+  Manifold not_yet_;
+};
+
 /// Finds the contacts of some pairs, at most one each: manifolds are large. room_for(n, m): where to write
 /// the first n of them, m of them apart at most.
 template <typename RoomFor>
-FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, OldContacts old, RoomFor room_for) {
-  const BodyRow* bodies = search.state.bodies.data();
-  const Proxy* proxies = search.scratch.proxies.data();
-  const ShapeModel* shapes = search.model.shapes.data();
-  bool is_in_place = search.is_in_place;
-  FoundContacts found{0, 0, false};
-  std::size_t limit_in_place = ~std::size_t{0};
-  Manifold not_yet;
+FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, const OldContacts& old,
+                               RoomFor room_for) {
+  ContactWriter writer(search, old);
+  const FoundContacts& found = writer.found;
   for (std::size_t first = range.begin; first < range.end; first += PairBlock::pair_count_max) {
     PairBlock& block = range.blocks[(first - range.begin) / PairBlock::pair_count_max];
-    const Pair* pairs = search.scratch.pairs.data() + first;
     const std::size_t pair_count = std::min(PairBlock::pair_count_max, range.end - first);
-    OldCandidates before;
-    const bool is_block_same = is_same(search, block, pairs, pair_count);
-    if (is_block_same)
-      find_old_of_block(search, block, old, before);
-    else
-      choose_candidates(search, pairs, pair_count, old, block, before);
-    block.look = search.look;
-    block.found = 0;
+    const bool is_same_block = writer.begin(search.scratch.pairs.data() + first, pair_count, block);
     const BoxManifolds boxes(search.model, search.state, block);
-    const std::size_t candidate_count = block.candidate_count;
-    const ContactRoom room = room_for(found.count + candidate_count, found.count - found.in_place + candidate_count);
-    std::size_t limit = std::min(room.limit, limit_in_place);
-    const auto touching_at = [&](std::size_t index) -> TouchingPair& {
-      return index < limit ? room.touching[index] : room.touching_apart[index - limit];
-    };
-    // In most of a world at rest all pairs are boxes that touch as they did.
-    if (is_in_place && is_block_same && block.has_features && before.all_touched(block.candidate_count) &&
-        found.count + candidate_count <= limit && old.first + found.count == before.next[0] &&
-        boxes.renew(block, room.touching + found.count)) {
-      found.count += candidate_count;
-      block.found = before.touched;
-      found.in_place = std::min(found.count, limit);
-      continue;
+    const std::size_t count = block.candidate_count;
+    writer.enter(room_for(found.count + count, found.count - found.in_place + count));
+    if (!is_same_block || !writer.renew(boxes, block)) {
+      boxes.keep_features(block);
+      for (std::size_t i = 0; i < count; ++i) writer.find(boxes, block, i);
     }
-    boxes.keep_features(block);
-    for (std::size_t i = 0; i < candidate_count; ++i) {
-      const auto [index, place] = block.candidates[i];
-      const bool touched = (before.touched >> i & 1) != 0;
-      const Pair pair = block.pairs[index];
-      const Proxy& a = proxies[pair.first];
-      const Proxy& b = proxies[pair.second];
-      const bool is_still = (before.still >> i & 1) != 0;
-      // A contact that was not there before would be written over a later one.
-      const bool is_taken = is_in_place && !touched && found.count < limit && old.first + found.count == before.next[i];
-      Manifold& manifold = is_taken ? not_yet : touching_at(found.count).manifold;
-      if (!is_still) {
-        if (place != no_place)
-          boxes.write(place, manifold);
-        else
-          new (&manifold) Manifold(
-              collide(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body], search.fall));
-        if (search.foresees && manifold.point_count == 0)
-          manifold = foresee(search.model, shapes[a.shape], shapes[b.shape], bodies[a.body], bodies[b.body],
-                             search.fall, search.dt);
-        if (manifold.point_count == 0) continue;
-      }
-      const bool has_old = search.may_reuse ? touched : find_old(search, pair, old);
-      const std::size_t old_index = search.may_reuse ? before.next[i] : old.next;
-      if (is_taken) {
-        limit = limit_in_place = found.count;
-        is_in_place = false;
-        touching_at(found.count).manifold = not_yet;
-      }
-      TouchingPair& touching = touching_at(found.count);
-      ContactRow& row = found.count < limit ? room.rows[found.count] : room.rows_apart[found.count - limit];
-      const ContactRow* old_row = has_old ? search.old_rows + old_index : nullptr;
-      if (old_row != &row) {
-        if (is_still)
-          touching = search.old_touching[old_index];
-        else if (has_old && search.may_reuse)
-          copy_constants(search.old_touching[old_index], touching);
-        else
-          fill_constants(search.model, search.scratch.proxies, pair, touching);
-        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, old_row, row);
-      } else if (!has_features(row, touching.manifold)) {
-        const ContactRow was = row;
-        write_row(bodies[a.body], a.child, bodies[b.body], b.child, touching.manifold, &was, row);
-      }
-      block.found |= std::uint64_t{1} << i;
-      found.any_new |= !has_old;
-      ++found.count;
-    }
-    found.in_place = std::min(found.count, limit);
+    writer.leave();
   }
   return found;
 }

@@ -155,8 +155,9 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
   engine::Random random(12);
   std::size_t more = 0;
   std::size_t stay_count = 0;
-  for (const Case& c : cases()) {
+  for (Case& c : cases()) {
     if (c.scene.bodies.size() > 1000) continue;
+    if (random.below(2) == 0) c.scene.gravity = {0, -500};  // some are fast for what they fall in a tick
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
     f64::Scratch kept;
@@ -171,7 +172,8 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
         body.position = {body.position.x + size * step * random.real(-1, 1),
                          body.position.y + size * step * random.real(-1, 1)};
         body.rotation = f64::rotation_by(step * random.real(-1, 1)) * body.rotation;
-        if (random.below(50) == 0) body.velocity = {random.real(-200, 200) * size, random.real(-200, 200) * size};
+        const double speed = size * std::pow(10, random.real(0, 2.3));
+        if (random.below(20) == 0) body.velocity = {random.real(-1, 1) * speed, random.real(-1, 1) * speed};
         if (random.below(5) == 0) body.velocity = {0, 0};
       }
       if (tick % 25 == 24 && state.bodies.size() > 2) f64::erase_body_row(state, random.below(state.bodies.size()));

@@ -314,6 +314,19 @@ TEST_CASE("force elements that mean nothing are refused with their place", "[eng
   CHECK(refusal(drag).find("s: forces[0].coefficient: must be finite") == 0);
 }
 
+std::size_t asleep_count(const engine::Engine& engine) {
+  const StateView& state = engine.state();
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) {
+    const TableSchema& table = state.schema->tables[t];
+    if (table.name != "sleep") continue;
+    for (const Column& column : table.columns)
+      for (std::size_t row = 0; column.name == "asleep" && row < state.tables[t].row_count; ++row)
+        count += state.tables[t].data[row * table.row_size + column.offset] != 0 ? 1 : 0;
+  }
+  return count;
+}
+
 TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other end moves", "[engine][forces][sleep]") {
   Scene scene = empty_scene();
   scene.gravity = {0, 0};
@@ -332,6 +345,7 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   const TickInput nothing{scene.settings.dt, {}};
   for (int tick = 0; tick < 120; ++tick) engine->step(nothing, nullptr);
   CHECK(engine->bodies()[0].center.y == 0);
+  CHECK(asleep_count(*engine) == 1);
   engine::Input up;
   up.kind = InputKind::set_velocity;
   up.body = 1;
@@ -339,6 +353,7 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   Bytes bytes;
   engine::encode_inputs({up}, bytes);
   engine->step({scene.settings.dt, bytes}, nullptr);
+  CHECK(asleep_count(*engine) == 0);
   for (int tick = 0; tick < 60; ++tick) engine->step(nothing, nullptr);
   CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other, which is 1 m higher
 }
