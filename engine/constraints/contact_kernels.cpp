@@ -351,6 +351,7 @@ void prepare(const ContactWork& work) {
                 __attribute__((always_inline)) { prepare_group<features>(work, i, group); });
 }
 
+// Conditions of a lane, and of as many as a Wide has.
 bool any_of(bool lane) {
   return lane;
 }
@@ -358,6 +359,18 @@ bool any_of(WideMask lanes) {
   bool any = false;
   for (int lane = 0; lane < wide_count; ++lane) any |= lanes[lane] != 0;
   return any;
+}
+bool both(bool a, bool b) {
+  return a && b;
+}
+WideMask both(WideMask a, WideMask b) {
+  return a & b;
+}
+bool either(bool a, bool b) {
+  return a || b;
+}
+WideMask either(WideMask a, WideMask b) {
+  return a | b;
 }
 
 template <unsigned features, typename V>
@@ -375,10 +388,10 @@ TICKTRUE_INLINE bool bounce_group(const ContactWork& work, std::size_t i, const 
     // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
     ContactPointLanes& point = batch.points[p];
     const V approach = group.load(bounces.approach[p]);
-    const auto hits = (restitution > zero) & (VectorOf<V>::spread(-threshold) >= approach) &
-                      (group.load(bounces.impulse_max[p]) > zero);
+    const auto hits = both(both(restitution > zero, VectorOf<V>::spread(-threshold) >= approach),
+                           group.load(bounces.impulse_max[p]) > zero);
     if (!any_of(hits)) continue;
-    bounced = bounced | hits;
+    bounced = either(bounced, hits);
     const V arm_a = group.load(point.normal_arm_a);
     const V arm_b = group.load(point.normal_arm_b);
     const V velocity = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);

@@ -194,6 +194,34 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
   CHECK(stay_count > 100);
 }
 
+TEST_CASE("the room of boxes does not count against the limit of pairs", "[engine][broad_phase][kept][hostile]") {
+  engine::Random random(3);
+  const f64::Model model = f64::make_model(scattered(1, 600, 8, 0.4, 0.5, {}));
+  f64::State state = f64::initial_state(model);
+  f64::Scratch kept;
+  std::size_t more = 0;
+  for (int tick = 0; tick < 40; ++tick) {
+    for (f64::BodyRow& body : state.bodies)
+      if (random.below(2) == 0 && model.bodies[body.source].type != BodyType::static_body)
+        body.position.x += random.real(-1e-3, 1e-3);
+    f64::Scratch expected;
+    f64::brute_force(model, state, expected, dt);
+    for (const bool by_cells : {false, true})
+      for (const std::size_t too_few : {0, 1}) {
+        f64::Scratch limited = kept;
+        limited.pair_count_max = expected.pairs.size() - too_few;
+        limited.kept.pairs.has_pairs = false;  // what was built is to be built again
+        limited.kept.pairs.restless_ticks = by_cells ? 5 : 0;
+        f64::aabb_tree(model, state, limited, dt);
+        CAPTURE(tick, by_cells, too_few);
+        CHECK(limited.has_too_many_pairs == (too_few > 0));
+      }
+    f64::aabb_tree(model, state, kept, dt);
+    more += kept.pairs.size() - expected.pairs.size();
+  }
+  CHECK(more > 10);
+}
+
 TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][kept]") {
   const f64::Model model = f64::make_model(coincident(0, 2));
   f64::State state = f64::initial_state(model);
