@@ -31,6 +31,7 @@ constexpr std::size_t moving_per_stray = 8;
 constexpr std::size_t stray_count_max = 1024;
 // A body's boxes have room for so much of its size.
 constexpr Real box_room_share = Real(1) / 512;
+constexpr Real ticks_of_room = 4;  // at the present velocity; for less it is not worth it
 // What is slower than this share of its size a tick is certainly not fast (reach.h).
 constexpr Real slow_share = Real(0.2);
 // Where more bodies than this share are still, their contacts are looked for.
@@ -102,25 +103,36 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.looks.assign(state.bodies.size(), 0);
 }
 
-/// Whether the boxes of a body hold its shapes still. A point moves by no more than its body and the chord of its turn.
-bool hold(const BoxedBody& boxed, const BodyRow& body) {
-  const Real moved = larger(absolute(body.position.x - boxed.position.x), absolute(body.position.y - boxed.position.y));
-  const Real turned = absolute(body.rotation.c - boxed.rotation.c) + absolute(body.rotation.s - boxed.rotation.s);
-  const Real speed =
-      (absolute(body.velocity.x) + absolute(body.velocity.y)) + absolute(body.angular_velocity) * boxed.reach;
-  return moved + turned * boxed.reach < boxed.room && speed < boxed.speed;
+// Bits of KeptPairs::looks.
+constexpr std::uint8_t looks_ahead = 1;  // its proxies have an `ahead` > 0
+constexpr std::uint8_t has_way = 2;      // (sweep_of)
+constexpr std::uint8_t has_room = 4;
+
+/// No point of a body is faster, m/s.
+Real speed_bound(const BodyRow& body, Real reach) {
+  return (magnitude(body.velocity.x) + magnitude(body.velocity.y)) + magnitude(body.angular_velocity) * reach;
 }
 
-/// `way`: that of the boxes. `has_room`: they may have.
-BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const TickReach& reach, Real way, bool has_room) {
-  BoxedBody boxed{body.position, body.rotation, constants.reach, 0, 0};
-  if (!has_room || way > 0) return boxed;
+/// Whether the boxes of a body hold its shapes still. A point moves by no more than its body and the chord of its turn.
+bool hold(const BoxedBody& boxed, const BodyRow& body) {
+  const Real moved =
+      larger(magnitude(body.position.x - boxed.position.x), magnitude(body.position.y - boxed.position.y));
+  const Real turned = magnitude(body.rotation.c - boxed.rotation.c) + magnitude(body.rotation.s - boxed.rotation.s);
+  return moved + turned * boxed.reach < boxed.room && speed_bound(body, boxed.reach) < boxed.speed;
+}
+
+/// The room of the boxes of a body that has no way, m; 0 for one that would soon have left it.
+Real room_for(const BodyModel& constants, const BodyRow& body, const TickReach& reach) {
   // Less what rounding may make of a box.
-  const Real far = larger(absolute(body.position.x), absolute(body.position.y)) + constants.reach;
-  boxed.room = box_room_share * constants.size - 16 * epsilon * far;
+  const Real far = larger(magnitude(body.position.x), magnitude(body.position.y)) + constants.reach;
+  const Real room = box_room_share * constants.size - 16 * epsilon * far;
+  return ticks_of_room * reach.dt * speed_bound(body, constants.reach) < room ? room : Real(0);
+}
+
+BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const TickReach& reach, Real room) {
   const Real fall = absolute(constants.gravity_scale) * reach.gravity * reach.dt;
-  boxed.speed = reach.guards ? slow_share * constants.size / reach.dt - fall : Real(1e30);
-  return boxed;
+  const Real speed = reach.guards ? slow_share * constants.size / reach.dt - fall : Real(1e30);
+  return {body.position, body.rotation, constants.reach, room, speed};
 }
 
 /// For the bodies first..end-1: boxes of what has left their room, or of everything, then without room. Lists what has
@@ -130,7 +142,7 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
                           std::atomic<bool>& any_boxed) {
   const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
   const bool is_restless = kept.restless_ticks != 0;
-  const bool has_room = !everything && !is_restless && !reach.locates && !reach.foresees;
+  const bool gives_room = !everything && !is_restless && !reach.locates && !reach.foresees;
   const Real fall = kept.fall;
   // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
   const BodyRow* bodies = state.bodies.data();
@@ -154,19 +166,22 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
     if (!everything && is_same) continue;
     before = body;
-    if (has_room && hold(boxed[row], body)) continue;
+    if (gives_room && (looks[row] & has_room) != 0 && hold(boxed[row], body)) continue;
     const std::uint32_t proxy_end = first_proxy[row + 1];
     if (first_proxy[row] == proxy_end) continue;
     const Real way = sweep_of(reach, constants[body.source], body);
     const Real ahead = ahead_of(reach, constants[body.source], way);
     some_boxed = true;
-    boxed[row] = boxed_body(constants[body.source], body, reach, way, has_room);
-    const Real room = larger(boxed[row].room, 0);
-    looks[row] = static_cast<std::uint8_t>((ahead > 0 ? 1 : 0) + (way > 0 ? 2 : 0));
+    const Real room = gives_room && !(way > 0) ? room_for(constants[body.source], body, reach) : Real(0);
+    if (room > 0) boxed[row] = boxed_body(constants[body.source], body, reach, room);
+    looks[row] =
+        static_cast<std::uint8_t>((ahead > 0 ? looks_ahead : 0) | (way > 0 ? has_way : 0) | (room > 0 ? has_room : 0));
     for (std::uint32_t i = first_proxy[row]; i < proxy_end; ++i) {
       if (proxies[i].ahead != ahead) proxies[i].ahead = ahead;  // most lines stay as they are
-      const Box box = box_around(model, body, shapes[proxies[i].shape], fall, way);
-      boxes[i] = {{box.lower.x - room, box.lower.y - room}, {box.upper.x + room, box.upper.y + room}};
+      boxes[i] = box_around(model, body, shapes[proxies[i].shape], fall, way);
+      if (room > 0)
+        boxes[i] = {{boxes[i].lower.x - room, boxes[i].lower.y - room},
+                    {boxes[i].upper.x + room, boxes[i].upper.y + room}};
       if (!is_restless && !is_inside(boxes[i], large_boxes[i])) leaving[count++] = i;
     }
   }
@@ -192,8 +207,8 @@ bool follow(const Model& model, const State& state, Scratch& scratch, const Tick
   kept.many_are_still = bodies_per_still * (still_count - kept.static_count) > count - kept.static_count;
   std::uint8_t looks = 0;
   for (const std::uint8_t of_body : kept.looks) looks |= of_body;
-  kept.any_looks_ahead = (looks & 1) != 0;
-  kept.any_sweeps = (looks & 2) != 0;
+  kept.any_looks_ahead = (looks & looks_ahead) != 0;
+  kept.any_sweeps = (looks & has_way) != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
   return any_boxed.load(std::memory_order_relaxed);
@@ -206,7 +221,7 @@ void box_exactly(const Model& model, const State& state, KeptPairs& kept, const 
     const Real way = sweep_of(reach, model.bodies[body.source], body);
     for (std::uint32_t i = kept.first_proxy[row]; i < kept.first_proxy[row + 1]; ++i)
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
-    kept.boxed[row].room = 0;
+    kept.looks[row] &= static_cast<std::uint8_t>(~has_room);
   }
 }
 

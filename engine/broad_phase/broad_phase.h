@@ -19,7 +19,7 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
 /// What a shape is given around it, beside its way: what the narrow phase calls near, plus the rounding of coordinates
 /// this far out, so that no algorithm can miss a pair that another one finds.
 inline Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
-  const Real reach = larger(absolute(center.x), absolute(center.y)) + shape.bounding_radius;
+  const Real reach = larger(magnitude(center.x), magnitude(center.y)) + shape.bounding_radius;
   return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
 }
 

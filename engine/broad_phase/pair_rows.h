@@ -36,7 +36,7 @@ struct BoxedBody {
   Vec2 position;
   Rotation rotation;
   Real reach;  // m, BodyModel's
-  Real room;   // m; not above 0: they hold for no other pose
+  Real room;   // m
   Real speed;  // m/s, of any of its points, as its velocities bound it
 };
 
@@ -55,11 +55,11 @@ struct KeptPairs {
   bool many_are_still = false;             // of the others
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
   std::vector<Proxy> proxies;
-  std::vector<std::uint8_t> looks;  // [body] of its proxies: bit 0: they have an `ahead` > 0; bit 1: a way (sweep_of)
+  std::vector<std::uint8_t> looks;  // [body] bits: how its boxes were made (aabb_tree.cpp)
   bool any_looks_ahead = false;
   bool any_sweeps = false;
   std::vector<Box> boxes;              // [proxy] m, hold the shapes with their margins, and room to move
-  std::vector<BoxedBody> boxed;        // [body]
+  std::vector<BoxedBody> boxed;        // [body] of those whose boxes have room
   std::vector<Box> large_boxes;        // [proxy]
   std::vector<Pair> pairs;             // of large boxes that overlap, by (first, second)
   std::vector<Pair> merged;            // the rows that replace them

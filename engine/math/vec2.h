@@ -52,6 +52,10 @@ inline Real larger(Real a, Real b) {
 inline Real absolute(Real a) {
   return a < 0 ? -a : a;
 }
+/// The same but for -0, of which it is 0, and without a branch: for signs that are anybody's guess.
+inline Real magnitude(Real a) {
+  return larger(a, -a);
+}
 
 /// A rotation by its cosine and sine.
 struct Rotation {

@@ -21,7 +21,7 @@ inline Real reach_in(const TickReach& tick, const BodyModel& constants, const Bo
   if (constants.type == BodyType::static_body) return 0;
   const Real fall =
       constants.type == BodyType::dynamic_body ? absolute(constants.gravity_scale) * tick.gravity * tick.dt : Real(0);
-  return tick.dt * ((length(body.velocity) + fall) + absolute(body.angular_velocity) * constants.reach);
+  return tick.dt * ((length(body.velocity) + fall) + magnitude(body.angular_velocity) * constants.reach);
 }
 
 /// Whether a body moves so far in a tick that it might pass through something.

@@ -14,7 +14,7 @@ void measure_calm(const Model& model, State& state, Scratch& scratch, Real dt) {
       SleepRow& sleep = state.sleep[row];
       if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
       // No point of the body is faster than this.
-      const Real speed = length(body.velocity) + absolute(body.angular_velocity) * constants.reach;
+      const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.reach;
       sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
     }
   });
