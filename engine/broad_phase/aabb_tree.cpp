@@ -33,7 +33,7 @@ constexpr std::size_t stray_count_max = 1024;
 constexpr Real box_room_share = Real(1) / 512;
 constexpr Real ticks_of_room = 4;  // at the present velocity; for less it is not worth it
 // What is slower than this share of its size a tick is certainly not fast (reach.h).
-constexpr Real slow_share = Real(0.2);
+constexpr Real certainly_slow_share = Real(0.2);
 // Where more bodies than this share are still, their contacts are looked for.
 constexpr std::size_t bodies_per_still = 4;
 
@@ -131,7 +131,7 @@ Real room_for(const BodyModel& constants, const BodyRow& body, const TickReach& 
 
 BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const TickReach& reach, Real room) {
   const Real fall = absolute(constants.gravity_scale) * reach.gravity * reach.dt;
-  const Real speed = reach.guards ? slow_share * constants.size / reach.dt - fall : Real(1e30);
+  const Real speed = reach.guards ? certainly_slow_share * constants.size / reach.dt - fall : Real(1e30);
   return {body.position, body.rotation, constants.reach, room, speed};
 }
 
