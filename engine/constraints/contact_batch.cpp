@@ -124,8 +124,7 @@ ContactSource source_of(const State& state, const Scratch& scratch, const SolveG
           unread_record(scratch),
           unread,
           resting_record(scratch),
-          group.stiffness.slop,
-          true};
+          group.stiffness.slop};
 }
 
 /// Fills what scenes with restitution or surfaces have beside.

@@ -171,7 +171,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
     batch.in_turn = source.in_turn[i];
     batch.bounces = 0;
-    if (source.asks_ahead && i + 1 < batch_count)
+    if (i + 1 < batch_count)  // asks for the rows of the next one: a colour skips over memory
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.ends, contact * source.pair_size));

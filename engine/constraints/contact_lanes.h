@@ -81,7 +81,6 @@ struct ContactSource {
   std::uint32_t own_unread;      // instead of it
   std::uint32_t resting;         // read for empty lanes
   Real slop;                     // of the size
-  bool asks_ahead;               // for the rows of the next batch: a colour skips over memory
 };
 
 /// Batches that follow each other, for one call of a kernel.
