@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/result.h"
 #include "base/simulation.h"
+#include "engine/caches.h"
 #include "engine/instruction_set.h"
 #include "engine/scene.h"
 
@@ -29,6 +30,10 @@ struct EngineOptions {
   // For tests: instead of threads of its own, and chunks of this size. The runner must outlive the engine.
   Parallel parallel = {};
   std::size_t pair_count_max = limits::pair_count_max;  // for tests: fewer
+  // Does each tick a second time without any cached structure, on a copy of the state, and compares every column: where
+  // they differ, last_step() is an error (internal) with tick, table, column and row. A tick takes two to five times as
+  // long.
+  bool check_caches = false;
 };
 
 /// A stage that is, or could have been, in the pipeline.
@@ -91,6 +96,10 @@ class Engine : public Simulation {
   virtual std::uint64_t tick() const = 0;            // ticks done
   virtual double time_s() const = 0;                 // sum of their dt
   virtual std::uint64_t ignored_inputs() const = 0;  // inputs to bodies already removed
+
+  /// Makes the next tick build these structures anew. Changes no bit of any later state.
+  virtual void forget_caches(CacheSet caches) = 0;
+  virtual CacheReport cache_report() const = 0;
 };
 
 /// Errors: what check_scene refuses, incompatible, and what make_workers refuses (base/workers.h).

@@ -188,6 +188,13 @@ class World final : public Engine {
     return state_.world.ignored_inputs;
   }
 
+  void forget_caches(CacheSet caches) override {
+    if (caches != 0) forget(scratch_.kept);
+  }
+  CacheReport cache_report() const override {
+    return {};
+  }
+
   std::vector<BodyReport> bodies() const override {
     std::vector<BodyReport> reports;
     for (const BodyRow& row : state_.bodies) {
