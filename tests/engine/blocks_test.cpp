@@ -11,7 +11,7 @@
 #include "engine/input.h"
 #include "engine/math/random.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
+#include "base/chunk_order.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 

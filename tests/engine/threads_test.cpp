@@ -8,7 +8,7 @@
 #include "base/build_info.h"
 #include "engine/builtin_scenes.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
+#include "base/chunk_order.h"
 #include "tests/support/engine_runs.h"
 
 namespace ticktrue::test {
