@@ -47,7 +47,7 @@ inline constexpr std::array<CheckInfo, 13> check_table{{
     {CheckKind::restore, "restore", "a fresh engine loads the state of a tick and runs on", "the tick"},
     {CheckKind::process, "process", "a fresh process loads every checkpoint of a trace and runs on", "seed"},
     {CheckKind::trace, "trace", "the world is recorded, and verify says match", "seed"},
-    {CheckKind::momentum, "momentum", "momentum stays where nothing acts from outside", ""},
+    {CheckKind::momentum, "momentum", "without anything from outside, momentum stays", ""},
 }};
 
 /// One way to examine a world.

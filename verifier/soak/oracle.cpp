@@ -37,7 +37,7 @@ class Plan {
     add({CheckKind::trace, random_.below(1u << 20)}, 4, false);
     if (random_.below(3) == 0) add({CheckKind::threads, (body_count_ > 400 ? 0 : 40) + thread_count()}, 3, false);
     if (random_.below(24) == 0) add({CheckKind::process, random_.below(1u << 20)}, 6, false);
-    if (keeps_momentum(soak_case_)) add({CheckKind::momentum}, 2, false);
+    if (random_.below(4) == 0) add({CheckKind::momentum}, 2, false);
     return std::move(planned_);
   }
 

@@ -12,13 +12,14 @@
 
 namespace ticktrue::verifier::soak {
 
-/// Whether nothing acts on the bodies from outside: then their momentum may not change.
-bool keeps_momentum(const SoakCase& soak_case);
+/// The dynamic bodies of a world and the joints between them, without gravity, forces, inputs, damping, sleep and
+/// bounds: nothing acts on them from outside. Nothing where fewer than two bodies are left or the scene is not legal.
+std::optional<SoakCase> in_free_space(const SoakCase& soak_case);
 
-/// Compares momentum before and after each tick. The bound is that of rounding: each of the 4 n substeps' velocity
-/// changes of a constraint row rounds at most three times, by half a unit in the last place of the largest velocity, in
-/// each of its two bodies; twice that, since velocities inside a tick are not known. Nothing where momentum need not be
-/// kept.
+/// Runs the world in free space and compares its momentum before and after each tick. The bound is that of rounding:
+/// each of the 4 n substeps' velocity changes of a constraint row rounds at most three times, by half a unit in the
+/// last place of the largest velocity, in each of its two bodies; twice that, since velocities inside a tick are only
+/// known by how far bodies moved.
 std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& base);
 
 /// What is counted, not refused: docs/soak.md.

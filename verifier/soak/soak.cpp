@@ -125,8 +125,8 @@ class Soak {
       for (std::size_t i = 0; i < physics_checks.size(); ++i)
         if (physics.broken[i]) ++counts.known[{physics.cause, std::string(physics_checks[i])}];
     }
-    world.soak_case.tick_count = std::max<std::uint64_t>(1, result.base.tick_count);
     for (const Finding& finding : result.findings) {
+      world.soak_case.tick_count = std::max(result.base.tick_count, finding.tick + 1);
       std::string folder = options_.folder + "/" + std::to_string(seed);
       if (!counts.failures.empty())
         folder += "_" + std::string(check_table[static_cast<std::size_t>(finding.variant.check)].name);
