@@ -26,7 +26,7 @@ class Plan {
 
   std::vector<PlannedVariant> all() {
     if (body_count_ <= cold_body_count_max) add({CheckKind::cold}, 3, true);
-    add({CheckKind::forget, random_.below(1u << 20)}, 1.5, true);
+    add_forgets();
     add_broad_phases();
     add_chunks();
     add_restores();
@@ -34,7 +34,7 @@ class Plan {
     for (const engine::InstructionSetInfo& info : engine::instruction_sets)
       if (engine::can_use(info.kind) && info.kind != engine::instruction_set_in_use())
         add({CheckKind::instruction_set, static_cast<std::uint64_t>(info.kind)}, 1.5, false);
-    add({CheckKind::trace, random_.below(1u << 20)}, 4, false);
+    for (int i = 0; i < repeat_count; ++i) add({CheckKind::trace, random_.below(1u << 20)}, 4, false);
     if (random_.below(3) == 0) add({CheckKind::threads, (body_count_ > 400 ? 0 : 40) + thread_count()}, 3, false);
     if (random_.below(24) == 0) add({CheckKind::process, random_.below(1u << 20)}, 6, false);
     if (random_.below(4) == 0) add({CheckKind::momentum}, 2, false);
@@ -43,7 +43,17 @@ class Plan {
 
  private:
   void add(const Variant& variant, double cost, bool is_required) { planned_.push_back({variant, cost, is_required}); }
+  static constexpr int repeat_count = 4;  // variants of a check whose numbers are drawn
+
   std::uint64_t thread_count() { return random_.below(2) == 0 ? 2 : 4; }
+
+  /// The first one with the broad phase of the scene, the others with a random one that is not quadratic.
+  void add_forgets() {
+    constexpr std::uint64_t scene_phase = engine::broad_phases.size();
+    add({CheckKind::forget, 6 * random_.below(1u << 20) + scene_phase}, 1.5, true);
+    for (int i = 1; i < repeat_count; ++i)
+      add({CheckKind::forget, 6 * random_.below(1u << 20) + 2 + random_.below(scene_phase - 2)}, 1.5, false);
+  }
 
   /// Every pair is looked at by brute_force and bounding_circle: for large worlds rarely.
   void add_broad_phases() {
@@ -70,7 +80,8 @@ class Plan {
     const std::uint64_t size = body_count_ > 600 ? 8 + random_.below(57) : sizes[random_.below(7)];
     const std::uint64_t order = random_.below(2);
     add({CheckKind::chunks, 10 * size + order}, 2, true);
-    if (random_.below(2) == 0) add({CheckKind::chunks, 10 * (1 + random_.below(64)) + 1 - order}, 2, false);
+    for (int i = 1; i < repeat_count; ++i)
+      add({CheckKind::chunks, 10 * (1 + random_.below(64)) + random_.below(2)}, 2, false);
   }
 
   void add_restores() {
@@ -95,7 +106,7 @@ BaseOptions base_options(const SoakCase& soak_case, std::uint64_t seed, const Ch
   Random random(mix(seed, 2));
   const std::uint64_t tick_count = std::max<std::uint64_t>(1, soak_case.tick_count);
   options.image_ticks.push_back(1 + random.below(std::min<std::uint64_t>(tick_count, 16)));
-  for (int i = 0; i < 3; ++i) options.image_ticks.push_back(random.below(tick_count));
+  for (int i = 0; i < 7; ++i) options.image_ticks.push_back(random.below(tick_count));
   return options;
 }
 

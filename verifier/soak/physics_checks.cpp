@@ -74,13 +74,13 @@ double substeps_max(const Scene& scene) {
   return scene.settings.auto_substeps ? scene.settings.auto_substeps->substeps_max : scene.settings.substeps;
 }
 
-/// Largest velocity inside a tick: what pushes overlapping bodies apart within a substep is gone at its end, and shows
-/// in how far they moved.
+/// Largest velocity inside a tick, at least 1 m/s. What pushes overlapping bodies apart is gone at the end of the
+/// substep and shows in how far they moved; impulses on one body may cancel each other.
 double speed_inside(const Scene& scene, const Bodies& before, const Bodies& after) {
   double way = 0;
   for (std::size_t i = 0; i < before.size() && i < after.size(); ++i)
     way = std::max(way, std::hypot(after[i].center.x - before[i].center.x, after[i].center.y - before[i].center.y));
-  return std::max({fastest(before), fastest(after), way * substeps_max(scene) / scene.settings.dt});
+  return std::max({1.0, fastest(before), fastest(after), way * substeps_max(scene) / scene.settings.dt});
 }
 
 double momentum_bound(const Scene& scene, const StateView& state, const Bodies& before, const Bodies& after) {

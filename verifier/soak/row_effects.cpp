@@ -9,7 +9,7 @@
 namespace ticktrue::verifier::soak {
 namespace {
 
-constexpr std::size_t measured_per_world = 4;
+constexpr std::size_t measured_per_world = 8;
 
 /// Tables that have a row for each body or one for the world: that they exist shows nothing.
 constexpr std::array<std::string_view, 5> tables_of_all{"world", "sleep", "substeps", "accelerations", "integrator"};

@@ -189,6 +189,10 @@ class VariantWalk {
   engine::EngineOptions engine_options() {
     engine::EngineOptions options;
     switch (variant_.check) {
+      case CheckKind::forget:  // five broad phases, and that of the scene
+        if (variant_.value % (engine::broad_phases.size() + 1) < engine::broad_phases.size())
+          options.broad_phase = engine::broad_phases[variant_.value % (engine::broad_phases.size() + 1)].kind;
+        break;
       case CheckKind::broad_phase:
         options.broad_phase = engine::broad_phases[variant_.value % engine::broad_phases.size()].kind;
         break;

@@ -16,18 +16,33 @@ double worlds_per_second(const SoakReport& report) {
   return report.seconds > 0 ? static_cast<double>(report.new_worlds) / report.seconds : 0;
 }
 
-struct RarePair {
-  std::string a, b;
-  std::uint64_t count = 0;
+/// Pairs of rows by how many worlds had both.
+struct PairCoverage {
+  std::uint64_t enough = 0;  // at least pair_count_wanted worlds
+  std::vector<std::string> rare;
+  std::vector<std::string> never;  // of rows of different tables
 };
+constexpr std::uint64_t pair_count_wanted = 5;
 
-/// The pair of rows that the fewest worlds have. Two rows of a table of which a world has one are no pair: those that
-/// no world has may be such, so only pairs that were seen count.
-RarePair rarest_pair(const SoakCounters& counters) {
-  RarePair rarest;
-  for (const auto& [names, count] : counters.pairs)
-    if (rarest.a.empty() || count < rarest.count) rarest = {names.first, names.second, count};
-  return rarest;
+std::string_view table_of(std::string_view row) {
+  return row.substr(0, row.find('/'));
+}
+
+PairCoverage pair_coverage(const SoakOptions& options, const SoakCounters& counters) {
+  PairCoverage coverage;
+  const std::vector<std::string>& rows = options.worlds.rows;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t k = i + 1; k < rows.size(); ++k) {
+      const auto found = counters.pairs.find(std::minmax(rows[i], rows[k]));
+      const std::string names = rows[i] + " and " + rows[k];
+      if (found != counters.pairs.end() && found->second >= pair_count_wanted)
+        ++coverage.enough;
+      else if (found != counters.pairs.end())
+        coverage.rare.push_back(names + ": " + std::to_string(found->second));
+      else if (table_of(rows[i]) != table_of(rows[k]))
+        coverage.never.push_back(names);
+    }
+  return coverage;
 }
 
 std::string checks_text(const SoakCounters& counters) {
@@ -59,9 +74,9 @@ std::string rows_text(const SoakOptions& options, const SoakCounters& counters) 
                                                                      : std::string("changes no bit");
     text += fmt::format("    {:<33} {:>8} {:>12}\n", name, row.active, effect);
   }
-  const RarePair rarest = rarest_pair(counters);
-  if (!rarest.a.empty())
-    text += fmt::format("  rarest pair of rows seen  {} and {}: {} worlds\n", rarest.a, rarest.b, rarest.count);
+  const PairCoverage pairs = pair_coverage(options, counters);
+  text += fmt::format("  pairs of rows  {} in at least {} worlds, {} in fewer, {} of different tables in none\n",
+                      pairs.enough, pair_count_wanted, pairs.rare.size(), pairs.never.size());
   return text;
 }
 
@@ -128,6 +143,10 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
   text += failures_text(counters);
   for (const std::string& line : known.rose) text += "  physics, more than is known  " + line + "\n";
   for (const std::string& line : known.fell) text += "  physics, less than is known  " + line + "\n";
+  if (options.known_world_count > 0)
+    text += fmt::format("  physics of the first {} worlds: {}\n", options.known_world_count,
+                        counters.world_count >= options.known_world_count ? "compared with what is known"
+                                                                          : "not compared, too few worlds were run");
   text += fmt::format("  ticks   {}, body-ticks {}\n", counters.tick_count, counters.body_ticks);
   text += checks_text(counters) + caches_text(counters) + rows_text(options, counters);
   text += fmt::format("  time    {:.1f} s for {} worlds, {:.2f} worlds/s\n", report.seconds, report.new_worlds,
@@ -150,8 +169,9 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
     json["checks"][std::string(info.name)] = counters.run_counts[static_cast<std::size_t>(info.kind)];
   json["caches"] = caches_json(counters);
   json["rows"] = rows_json(options, counters);
-  const RarePair rarest = rarest_pair(counters);
-  json["rarest_pair"] = {{"a", rarest.a}, {"b", rarest.b}, {"worlds", rarest.count}};
+  const PairCoverage pairs = pair_coverage(options, counters);
+  json["pairs"] = {
+      {"wanted", pair_count_wanted}, {"enough", pairs.enough}, {"rare", pairs.rare}, {"never", pairs.never}};
   json["physics_rose"] = known.rose;
   json["physics_fell"] = known.fell;
   json["failures"] = failures_json(counters);
