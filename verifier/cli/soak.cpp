@@ -175,8 +175,8 @@ void add_soak(CLI::App& app, CliContext& context) {
   add_number(*command, "-j,--jobs", options->jobs, "Worlds at once; default: one a core", {1, 1024});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.soak/1)");
   set_examples(*command,
-               "ticktrue soak --worlds 4 --seed 7\n"
-               "ticktrue soak --seed 7 --world 2 --checks forget,restore\n"
+               "ticktrue soak --worlds 4 --seed 7 --checks cold,forget,restore\n"
+               "ticktrue soak --seed 7 --world 2 --checks broad_phase,trace\n"
                "ticktrue soak 'stack?boxes=5' --ticks 60 --checks broad_phase,restore=30");
   command->callback([options, &context] { context.exit_code = run_soak_command(*options); });
 }
