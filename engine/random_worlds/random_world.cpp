@@ -14,8 +14,8 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
   builder.build();
   RandomWorld world;
   world.scene = std::move(builder.scene);
-  world.scene.name = "random?seed=" + std::to_string(seed);
-  add_joints(draw, plan, world.scene);
+  world.scene.name = "random_" + std::to_string(seed);
+  add_joints(draw, plan, builder.size, world.scene);
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

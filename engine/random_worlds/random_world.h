@@ -39,7 +39,8 @@ std::vector<std::string> rows_of_world(const RandomWorld& world);
 /// Nothing where the world has no such row, or no legal world without the row exists.
 std::optional<RandomWorld> without_row(const RandomWorld& world, const std::string& row);
 
-/// Whether a row may change the bits of a state. Broad phases, clocks and `end` never do.
+/// Whether a row may change the bits of a state. Broad phases, clocks and `end` never do, nor does a
+/// solver that solves nothing: where it may be chosen, others have nothing to solve either.
 bool row_changes_bits(const std::string& row);
 
 }  // namespace ticktrue::engine

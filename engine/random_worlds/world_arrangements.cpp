@@ -239,6 +239,27 @@ constexpr std::array<Arrangement, 5> arrangements{{
 
 }  // namespace
 
+double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count) {
+  Draw& draw = builder.draw;
+  const std::uint32_t quiet = 2 + draw.below(count / 6 + 1);
+  const double pitch = draw.one_of({0.75, 0.875, 1.015625, 1.0625, 1.25});
+  const bool is_diagonal = draw.chance(60);
+  const double rise = is_diagonal ? pitch : draw.half() ? 0 : 0.25;
+  for (std::uint32_t i = 0; i < quiet; ++i) {
+    const Point shift{builder.size * (0.5 + 2.5 * (i / 2) + pitch * (i % 2)), builder.size * (0.5 + rise * (i % 2))};
+    builder.add({{corner.x + shift.x, corner.y + shift.y}, 0, {}, 0}, builder.size);
+  }
+  const double left = builder.size * (2.5 * (quiet / 2.0 + 1) + draw.one_of({0.5, 2, 6}));
+  // Stacks of two or more, so that most pairs are contacts.
+  Lattice lattice{{corner.x + left, corner.y}, count - quiet, 1, {draw.one_of({1, 1.5, 2, 3}), 1}};
+  const std::uint32_t height = 2 + draw.below(4);
+  lattice.columns = (lattice.count + height - 1) / height;
+  if (lattice.columns == 0) return left;
+  const bool glides = !builder.has_gravity() || draw.half();
+  add_lattice(builder, lattice, glides ? glide : rest, false);
+  return left + builder.size * (lattice.pitch.x * (lattice.columns - 1) + 1);
+}
+
 double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count) {
   // What the plan asks for and only one arrangement makes comes first.
   const bool is_first = builder.scene.bodies.size() < 2;

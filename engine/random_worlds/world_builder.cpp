@@ -50,7 +50,9 @@ void WorldBuilder::build() {
     const std::uint32_t count = room <= 3 || draw.chance(30) ? room : 1 + draw.below(room);
     const double gap = size * draw.one_of({0, 0.015625, 0.125, 0.5, 1, 4});
     const double before = right;
-    right += gap + add_arrangement(*this, {right + gap, 0}, count);
+    const bool is_quiet = part == 0 && room >= 8 && draw.chance(40);
+    right += gap + (is_quiet ? add_quiet_corner(*this, {right + gap, 0}, room - draw.below(room / 4))
+                             : add_arrangement(*this, {right + gap, 0}, count));
     if (draw.half()) continue;
     // To the left instead, mirrored at a coordinate below zero: what was added moves.
     left -= right - before;

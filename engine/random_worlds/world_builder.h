@@ -50,6 +50,10 @@ class WorldBuilder {
   std::optional<Shape> shape_;
 };
 
+/// A few bodies at rest near each other, and `count` less those that glide or lie in touch: what rests is a minority,
+/// the case in which caches look at what moves alone. Gives the width taken, m.
+double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count);
+
 /// Adds up to `count` bodies in one of the arrangements, from `corner` on to the right and upwards; `count` >= 1.
 /// Gives the width taken, m.
 double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count);
@@ -57,7 +61,8 @@ double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count)
 /// A shape of a kind of about this size around the body's origin. Requires: a kind of the table.
 Shape make_shape(Draw& draw, ShapeKind kind, double size);
 
-void add_joints(Draw& draw, const WorldPlan& plan, Scene& scene);
+/// `size`: of most bodies, m.
+void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene);
 void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene);
 /// Also declares their kinds and gives the scene a pointer if there is one.
 std::vector<Input> add_inputs(Draw& draw, const WorldPlan& plan, Scene& scene);

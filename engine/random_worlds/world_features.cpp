@@ -123,7 +123,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      },
      [](World& w) { each_body(w.scene, [](Body& b) { b.can_sleep = true; }); }},
     {{F::automatic_substeps, "automatic_substeps", "substeps chosen per island"},
-     40,
+     55,
      [](const World& w) { return w.scene.settings.auto_substeps.has_value(); },
      [](World& w) { w.scene.settings.auto_substeps.reset(); }},
     {{F::tight_target_error, "tight_target_error", "automatic substeps with a target below the default"},
@@ -246,7 +246,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      [](const World& w) { return w.scene.settings.restitution_threshold == 0; },
      [](World& w) { w.scene.settings.restitution_threshold = Settings{}.restitution_threshold; }},
     {{F::frictionless, "frictionless", "shapes without friction"},
-     35,
+     45,
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.material.friction == 0; }); },
      [](World& w) {
        each_shape(w.scene, [](Shape& s) {
@@ -302,7 +302,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
          if (joint.spring && joint.spring->absolute) joint.spring.reset();
      }},
     {{F::linear_springs, "linear_springs", "welds that give along their axes"},
-     75,
+     80,
      [](const World& w) { return any_joint(w.scene, [](const Joint& j) { return j.linear_spring.has_value(); }); },
      [](World& w) {
        for (Joint& joint : w.scene.joints) joint.linear_spring.reset();
@@ -322,7 +322,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
            w.inputs.erase(w.inputs.begin() + static_cast<std::ptrdiff_t>(i));
      }},
     {{F::teleports, "teleports", "a body is removed and another comes in the same tick"},
-     70,
+     80,
      has_teleports,
      take_teleports},
     {{F::quarter_turns, "quarter_turns", "bodies turned by a quarter or a half"},

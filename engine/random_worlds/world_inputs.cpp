@@ -61,7 +61,10 @@ class InputMaker {
  public:
   InputMaker(Draw& draw, const WorldPlan& plan, Scene& scene) : draw_(draw), plan_(plan), scene_(scene) {
     for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
-      if (scene.bodies[i].type != BodyType::static_body) movable_.push_back(i);
+      if (const Body& body = scene.bodies[i]; body.type != BodyType::static_body) {
+        movable_.push_back(i);
+        if (body.velocity == Point{} && body.angular_velocity == 0) resting_.push_back(i);
+      }
     for (std::uint32_t i = 0; i < scene.joints.size(); ++i)
       if (scene.joints[i].motor) motors_.push_back(i);
     next_id_ = static_cast<std::uint32_t>(scene.bodies.size());
@@ -136,7 +139,7 @@ class InputMaker {
       return static_cast<std::uint32_t>(scene_.bodies.size()) +
              draw_.below(next_id_ - static_cast<std::uint32_t>(scene_.bodies.size()));
     if (movable_.empty() || draw_.chance(3)) return draw_.below(static_cast<std::uint32_t>(scene_.bodies.size()));
-    return draw_.any(movable_);
+    return !resting_.empty() && draw_.half() ? draw_.any(resting_) : draw_.any(movable_);
   }
 
   /// Neighbours in the list are neighbours in the world.
@@ -287,6 +290,7 @@ class InputMaker {
   Scene& scene_;
   std::vector<Input> inputs_;
   std::vector<std::uint32_t> movable_;  // bodies
+  std::vector<std::uint32_t> resting_;  // those that do not move at the start
   std::vector<std::uint32_t> motors_;   // joints
   std::uint32_t next_id_ = 0;           // of what is spawned, if nothing else is
   std::uint64_t tick_ = 0;

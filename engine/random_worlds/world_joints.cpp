@@ -39,10 +39,13 @@ std::vector<std::uint32_t> dynamic_bodies(const Scene& scene) {
 
 class JointMaker {
  public:
-  JointMaker(Draw& draw, const WorldPlan& plan, Scene& scene) : draw_(draw), plan_(plan), scene_(scene) {}
+  JointMaker(Draw& draw, const WorldPlan& plan, double size, Scene& scene)
+      : draw_(draw), plan_(plan), size_(size), scene_(scene) {}
 
-  /// Requires: `b` is dynamic, `a` another body.
+  /// Requires: `b` is dynamic, `a` another body. Rarely makes a second joint of a pair: two that contradict each other
+  /// only blow up.
   void add(JointKind kind, std::uint32_t a, std::uint32_t b) {
+    if (is_joined(a, b) && !draw_.chance(5)) return;
     kind_ = kind;
     joint_ = Joint{};
     joint_.kind = kind;
@@ -50,7 +53,11 @@ class JointMaker {
     const Body& body_a = scene_.bodies[a];
     const Body& body_b = scene_.bodies[b];
     mass_ = body_mass(body_b).mass;
-    const Point between{(body_a.position.x + body_b.position.x) / 2, (body_a.position.y + body_b.position.y) / 2};
+    // Long arms of light bodies only blow up.
+    const bool far = is_far(body_a.position, body_b.position);
+    if (far && is_dynamic(body_a) && !draw_.chance(5)) return;
+    const Point middle{(body_a.position.x + body_b.position.x) / 2, (body_a.position.y + body_b.position.y) / 2};
+    const Point between = far ? body_b.position : middle;
     const bool apart = has(JointField::length) && draw_.half();
     if (has(JointField::body_a)) joint_.body_a = a;
     if (has(JointField::anchor_a)) joint_.anchor_a = apart ? Point{} : in_frame(body_a, between);
@@ -71,6 +78,17 @@ class JointMaker {
  private:
   bool has(JointField field) const { return !key_of(info_of(joint_fields, kind_), field).empty(); }
   bool wants(JointField field, WorldFeature feature) { return has(field) && plan_.has(feature) && draw_.chance(60); }
+
+  bool is_joined(std::uint32_t a, std::uint32_t b) const {
+    for (const Joint& joint : scene_.joints)
+      if ((joint.body_a == a && joint.body_b == b) || (joint.body_a == b && joint.body_b == a)) return true;
+    return false;
+  }
+
+  bool is_far(Point a, Point b) const {
+    const double x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y > 9 * size_ * size_;
+  }
 
   /// Between the bodies' origins, or anchors in one place that are to be apart a little.
   void add_length(bool apart, const Body& a, const Body& b) {
@@ -111,6 +129,7 @@ class JointMaker {
 
   Draw& draw_;
   const WorldPlan& plan_;
+  double size_;
   Scene& scene_;
   Joint joint_;
   JointKind kind_ = JointKind::revolute;
@@ -127,10 +146,10 @@ double whole_power(double r, int exponent) {
 
 }  // namespace
 
-void add_joints(Draw& draw, const WorldPlan& plan, Scene& scene) {
+void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
   const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
   if (dynamic.empty() || scene.bodies.size() < 2 || plan.joints.empty()) return;
-  JointMaker maker(draw, plan, scene);
+  JointMaker maker(draw, plan, size, scene);
   const auto count = static_cast<std::uint32_t>(scene.bodies.size());
   // A body's neighbour in the list is most often its neighbour in the world.
   const auto neighbour = [&](std::uint32_t b) {
@@ -138,8 +157,8 @@ void add_joints(Draw& draw, const WorldPlan& plan, Scene& scene) {
     return b == 0 ? 1 : b - 1;
   };
   for (const JointKind kind : plan.joints) {
-    const int more = draw.between(1, 3);
-    for (int i = 0; i < more; ++i) {
+    const std::size_t wanted = scene.joints.size() + 1 + draw.below(3);
+    for (int tries = 0; tries < 12 && scene.joints.size() < wanted; ++tries) {
       const std::uint32_t b = draw.any(dynamic);
       maker.add(kind, neighbour(b), b);
     }

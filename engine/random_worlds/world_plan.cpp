@@ -136,8 +136,8 @@ std::uint32_t draw_body_count(Draw& draw, std::uint32_t count_max) {
   const std::uint32_t kind = draw.below(1000);
   const std::uint32_t count = kind < 8     ? 1000 + draw.below(2001)
                               : kind < 40  ? 100 + draw.below(500)
-                              : kind < 200 ? 40 + draw.below(60)
-                              : kind < 600 ? 12 + draw.below(30)
+                              : kind < 280 ? 40 + draw.below(60)
+                              : kind < 700 ? 12 + draw.below(30)
                                            : 2 + draw.below(12);
   return count < count_max ? count : count_max < 2 ? 2 : count_max;
 }
@@ -150,7 +150,9 @@ std::uint64_t draw_tick_count(Draw& draw, const WorldPlan& plan, std::uint32_t c
   if (settings.locate_impacts) cost += 4;
   if (plan.integrator().order > 2) cost *= 2;
   if (!plan.integrator().carries_constraints) cost *= plan.forces.empty() ? 2 : 8;
-  if (settings.broad_phase == BroadPhaseKind::brute_force) cost += static_cast<int>(plan.body_count / 32);
+  const bool is_quadratic =
+      settings.broad_phase == BroadPhaseKind::brute_force || settings.broad_phase == BroadPhaseKind::bounding_circle;
+  if (is_quadratic || plan.is_plain()) cost += static_cast<int>(plan.body_count / 32);
   const std::uint64_t budget = std::uint64_t{2000} << draw.below(6);
   const std::uint64_t work = std::uint64_t{plan.body_count + 6} * static_cast<std::uint64_t>(cost);
   const std::uint64_t count = 4 * budget / work;
