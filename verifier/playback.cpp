@@ -7,6 +7,7 @@
 
 #include "base/state_view.h"
 #include "engine/scene_binary.h"
+#include "verifier/simulations.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -34,7 +35,7 @@ Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t fir
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show) {
   const Result<engine::Scene> scene = scene_of(reader.setup());
   if (!scene) return scene.error();
-  auto made = engine::make_engine(*scene);
+  auto made = engine::make_engine(*scene, engine_options_of_environment());
   if (!made) return made.error();
   engine::Engine& engine = **made;
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/chunk_order.h"
 #include "base/limits.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 

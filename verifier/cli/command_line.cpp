@@ -49,6 +49,7 @@ constexpr const char* footer =
   list the built-in scenes, print one as JSON                     scenes
   keep golden traces for continuous integration                   golden
   prove that verify finds a changed bit in a trace                inject
+  look for worlds in which something cached changes a bit         soak
   know what this build and this machine compute with              env
 
 Exit codes: 0 match, or done. 1 divergence, non-finite state or a failed check. 2 usage, input/output, bad scene or
@@ -143,6 +144,7 @@ int parse_and_run(int argc, char** argv) {
   add_scenes(app, context);
   add_golden(app, context);
   add_inject(app, context);
+  add_soak(app, context);
   add_env(app, context);
 
   drop_text_labels(app);

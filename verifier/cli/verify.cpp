@@ -141,7 +141,7 @@ Report verify_scene(const std::string& word, const VerifyCommand& command, const
   if (const Status clock = use_clock(*inputs, {}, **made); !clock) return refused(clock.error());
   verifier::SceneSource source(**made, *inputs->source, command.tick_count);
   verifier::VerifyOptions options = walk_options(command);
-  options.simulation = &engine::engine_info();
+  options.simulation = verifier::find_simulation(engine::simulation_name);
   if (progress) options.progress = [&](std::uint64_t done) { progress(done, inputs->ticks_expected); };
   Report report = verifier::verify_source(source, options);
   if (source.error()) return refused(*source.error());
