@@ -103,15 +103,14 @@ class Mutants:
         self.results = os.path.join(options.out, 'results.tsv')
 
     def prepare(self):
-        os.makedirs(self.options.out, exist_ok=True)
         shutil.rmtree(self.tree, ignore_errors=True)
-        subprocess.check_call(f"git -C '{self.options.root}' ls-files -z | (cd '{self.options.root}' && "
-                              f"xargs -0 cp --parents -t '{self.tree}')" if os.makedirs(self.tree) is None else '',
-                              shell=True)
+        os.makedirs(self.tree)
+        root = self.options.root
+        subprocess.check_call(f"cd '{root}' && git ls-files -z | xargs -0 cp --parents -t '{self.tree}'", shell=True)
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
-                     f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_BUILD_TESTS=OFF "
-                     f"-DTICKTRUE_BUILD_BENCH=OFF {launcher}")
+                     f"-DCMAKE_CXX_FLAGS_RELEASE=-O3 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=ON "
+                     f"-DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF {launcher}")
         for command in (configure, self.build_command()):
             status, output = run(command, 3600)
             if status != 0:
@@ -153,6 +152,7 @@ class Mutants:
         options = self.options
         lines = candidates_of(options.root, options.files)
         source = random.Random(options.seed)
+        os.makedirs(options.out, exist_ok=True)
         done = self.done() if options.resume else {}
         if not done:
             with open(self.results, 'w') as table:
