@@ -7,6 +7,7 @@
 
 #include "base/state_view.h"
 #include "engine/scene_binary.h"
+#include "verifier/schema_difference.h"
 #include "verifier/simulations.h"
 
 namespace ticktrue::verifier {
@@ -14,7 +15,7 @@ namespace {
 
 /// Puts the engine at the last checkpoint at or before the tick; where that cannot be, at the start, as made.
 void go_to(replay::TraceReader& reader, engine::Engine& engine, std::uint64_t tick) {
-  const bool same_columns = reader.setup().schema == *engine.state().schema;
+  const bool same_columns = !first_schema_difference(reader.setup().schema, *engine.state().schema, Ranges::inside);
   if (tick > 0 && same_columns && reader.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
     if (checkpoint != nullptr && engine.load(checkpoint->image)) return;
