@@ -20,6 +20,8 @@
 #include "verifier/cli/commands.h"
 #include "verifier/cli/plugins.h"
 #include "verifier/plugin.h"
+#include "verifier/plugin_guard.h"
+#include "verifier/runs/finished_mark.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -196,10 +198,7 @@ void prepare_standard_streams() {
 }
 #endif
 
-}  // namespace
-
-int run_command_line(int argc, char** argv) {
-  prepare_standard_streams();
+int run_to_exit_code(int argc, char** argv) {
   int exit_code = exit_usage;
   try {
     exit_code = parse_and_run(argc, argv);
@@ -212,6 +211,18 @@ int run_command_line(int argc, char** argv) {
     return fail_usage(Error{ErrorCode::usage, std::string("internal: ") + exception.what(), ""});
   }
   if (const Status flushed = flush_output(); !flushed) return fail_usage(flushed.error());
+  return exit_code;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  prepare_standard_streams();
+  verifier::take_finished_mark();
+  const int exit_code = run_to_exit_code(argc, argv);
+  // From here on an exit is the tool's own: in a child process with plug-ins, and for whoever runs the tool.
+  verifier::finish_guarded(exit_code);
+  verifier::write_finished_mark();
   return exit_code;
 }
 
