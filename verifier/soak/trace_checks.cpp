@@ -9,7 +9,7 @@
 
 #include "engine/math/random.h"
 #include "engine/scene_binary.h"
-#include "verifier/process.h"
+#include "verifier/runs/child.h"
 #include "verifier/session.h"
 #include "verifier/verify.h"
 
@@ -144,15 +144,16 @@ class TraceRun {
   }
 
   std::optional<Finding> verify_elsewhere() {
-    ProcessLimits limits;
-    limits.time_s = 300;
-    const ProcessResult result = run_process(
-        {files_.tool, "verify", files_.path, "--mode", "restore", "-j", std::to_string(draw_.thread_count)}, limits);
-    if (const std::string failed = process_failure(result, limits); !failed.empty())
+    ChildCommand command;
+    command.argv = {files_.tool, "verify", files_.path, "--mode", "restore", "-j", std::to_string(draw_.thread_count)};
+    command.limits.time_s = 300;
+    const ChildResult result = run_child(command);
+    if (const std::string failed = child_failure(result, command.limits); !failed.empty())
       return failure(0, "verify in a fresh process " + failed);
-    if (result.code == 0) return std::nullopt;
-    return failure(0, "verify " + options_text(draw_) + " in a fresh process: exit " + std::to_string(result.code) +
-                          ": " + result.output.substr(0, result.output.find('\n')));
+    const int status = result.end.exit_status;
+    if (status == 0) return std::nullopt;
+    return failure(0, "verify " + options_text(draw_) + " in a fresh process: exit " + std::to_string(status) + ": " +
+                          result.output.substr(0, result.output.find('\n')));
   }
 
   const RunContext& context_;
