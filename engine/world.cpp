@@ -85,11 +85,11 @@ class World final : public Engine {
     const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
     scratch_.planted = std::exchange(planted_, std::nullopt);
-    scratch_.pair_count_max = pair_count_max();
     if (check_ != nullptr) begin_check(input);
     begin_tick(state_, scratch_, input);
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
+      scratch_.pair_count_max = pair_count_max();  // inputs make bodies
       pipeline_.stages[i].run(model_, state_, scratch_, dt);
       if (scratch_.has_too_many_pairs) {
         last_step_ = too_many_pairs();
@@ -285,7 +285,6 @@ class World final : public Engine {
     check_->state = state_;
     Scratch& cold = check_->scratch.emplace();
     cold.parallel = scratch_.parallel;
-    cold.pair_count_max = scratch_.pair_count_max;
     cold.inputs = scratch_.inputs;
     cold.planted = scratch_.planted;
     begin_tick(check_->state, cold, input);
@@ -293,6 +292,7 @@ class World final : public Engine {
 
   /// Does a stage in `check_`, too. Errors: inconsistent.
   Status check_stage(std::size_t stage, Real dt) {
+    check_->scratch->pair_count_max = scratch_.pair_count_max;
     pipeline_.stages[stage].run(model_, check_->state, *check_->scratch, dt);
     StateView cold;
     cold.schema = &schema_;
