@@ -1,5 +1,5 @@
-// The place that a recording goes to: taken by another recorder, replaced, full, no file at all. Nothing is lost
-// unseen. SPDX-License-Identifier: MIT
+// Where a recording goes: taken by another recorder, replaced, full, no file at all. Nothing is lost unseen.
+// SPDX-License-Identifier: MIT
 //
 // Not verified: file systems without locks (NFS without its lock service), and two machines on one file.
 #include <sys/resource.h>
