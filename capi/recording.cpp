@@ -62,11 +62,14 @@ Status Recording::start(const StateView& state, const std::vector<std::string>& 
   if (!writer) return writer.error();
   writer_.emplace(std::move(*writer));
   first_root_ = root_ = root_hash(state);
-  return writer_->checkpoint(state, root_);
+  if (const Status status = writer_->checkpoint(state, root_); !status) return writer_->abandon(status.error());
+  return {};
 }
 
 Status Recording::begin(double dt, ByteView inputs) {
-  return writer_->begin_tick(TickInput{dt, inputs});
+  if (const Status status = writer_->begin_tick(TickInput{dt, inputs}); !status)
+    return writer_->abandon(status.error());
+  return {};
 }
 
 Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
@@ -78,10 +81,11 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
   }
   root_ = root_hash(*tick.state);
   changed_ = changed_ || root_ != first_root_;
-  if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status) return status.error();
+  if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status)
+    return writer_->abandon(status.error());
   time_s_ += tick.dt;
   if (writer_->wants_checkpoint())
-    if (const Status status = writer_->checkpoint(*tick.state, root_); !status) return status.error();
+    if (const Status status = writer_->checkpoint(*tick.state, root_); !status) return writer_->abandon(status.error());
   return true;
 }
 
@@ -98,7 +102,8 @@ Status Recording::finish(replay::EndReason reason, const std::string& note) {
   if (!changed_ && writer_->tick_count() > 0)
     warnings.push_back("no registered value changed in " + std::to_string(writer_->tick_count()) +
                        " ticks: is all of the state registered, and by its own address rather than a copy's?");
-  return writer_->finish(reason, note);
+  if (const Status status = writer_->finish(reason, note); !status) return writer_->abandon(status.error());
+  return {};
 }
 
 std::string Recording::text() const {

@@ -8,6 +8,7 @@
 #include "engine/builtin_scenes.h"
 #include "play/session.h"
 #include "play/stage.h"
+#include "replay/file.h"
 #include "verifier/data_file.h"
 
 namespace ticktrue::play {
@@ -131,6 +132,7 @@ class SceneMode {
     if (!made) return made.error();
     engine::Engine& engine = **made;
     file_ = file_name(options_, number_);
+    if (const Status status = replay::check_output(file_); !status) return status.error();
     if (const Status status = verifier::check_writable_target(file_, may_overwrite()); !status) return status.error();
     stage_.set_title("ticktrue - " + scene.name + " - " + file_);
 
@@ -228,9 +230,11 @@ int play_in_scene(const cli::PlayOptions& options) {
   if (!scene) return cli::fail_usage(scene.error());
   const Result<LayerSet> layers = parse_layers(options.layers);
   if (!layers) return cli::fail_usage(layers.error());
-  if (!options.output.empty())
+  if (!options.output.empty()) {
+    if (const Status status = replay::check_output(options.output); !status) return cli::fail_usage(status.error());
     if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
       return cli::fail_usage(status.error());
+  }
   if (const Status status = verifier::check_not_read(options.output, {options.what, options.script}); !status)
     return cli::fail_usage(status.error());
   const auto stage = Stage::open(options);

@@ -11,33 +11,45 @@
 
 namespace ticktrue::replay {
 
-/// A file that only grows. Each append is in the hands of the operating system when it returns.
+/// Refuses what no trace can be written to, changing nothing: an empty name, a directory, a device, a pipe, a link to
+/// nothing, a file that another process is recording to. An existing file of another kind is not refused.
+/// Errors: io.
+Status check_output(const std::string& path);
+
+/// A file that only grows, locked against other recorders. Each append is in the hands of the operating system when it
+/// returns.
 class OutputFile {
  public:
-  /// With `overwrite`, an existing regular file is renamed to `<path>.old`; a device or pipe is written to as it is.
-  /// Errors: io.
+  /// With `overwrite`, an existing file is renamed to `<path>.old`. Errors: io, and what check_output refuses.
   static Result<OutputFile> create(const std::string& path, bool overwrite);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();
 
   Status append(ByteView bytes);
-  /// To the disk itself, where the target is one.
+  /// To the disk itself.
   Status sync();
-  /// Closes, and removes what was overwritten.
+  /// Refuses a file that was removed, replaced or written to by others since create. Errors: io.
+  Status check_in_place() const;
+  /// check_in_place, closes, and removes what was overwritten.
   Status commit();
-  /// Closes, removes the file and puts back what was overwritten.
+  /// Closes, removes the file (if it is still this one) and puts back what was overwritten.
   void discard();
 
   const std::string& path() const { return path_; }
+  /// Where what was overwritten is until commit or discard; empty if there was nothing.
+  const std::string& old_path() const { return old_path_; }
 
  private:
   OutputFile() = default;
+  Status set_aside(bool overwrite);
+  void put_back();
   void close();
   std::string path_;
-  std::string old_path_;  // of the overwritten file, empty if there was none
-  bool is_regular_ = false;
+  std::string old_path_;
+  std::uint64_t size_ = 0;  // bytes appended
   int descriptor_ = -1;
+  int old_descriptor_ = -1;  // of the overwritten file, locked
 };
 
 /// Bytes to read: a regular file, or memory that must outlive this.
@@ -52,6 +64,8 @@ class InputFile {
 
   /// Size when it was opened.
   std::uint64_t size() const { return size_; }
+  /// Whether it is still what it was when it was opened. Errors: io.
+  Status check_unchanged(const std::string& path) const;
   /// Nothing behind `size_max` bytes is seen from now on.
   void cut(std::uint64_t size_max) { size_ = size_max < size_ ? size_max : size_; }
   /// Fills `out` with at most `size` bytes from `offset`; fewer only where the file ends or cannot be read.
@@ -61,6 +75,10 @@ class InputFile {
   InputFile() = default;
   ByteView memory_;
   std::uint64_t size_ = 0;
+  // When it was opened.
+  std::uint64_t opened_size_ = 0;
+  std::int64_t modified_ns_ = 0;
+  std::int64_t changed_ns_ = 0;
   int descriptor_ = -1;
 };
 

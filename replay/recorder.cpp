@@ -30,17 +30,19 @@ class Recording {
     for (;;) {
       if (writer_.wants_checkpoint())
         if (const Status status = writer_.checkpoint(simulation_.state(), result_.root_hash); !status)
-          return status.error();
+          return writer_.abandon(status.error());
       const std::uint64_t tick = writer_.tick_count();
       if (options_.tick_count && tick >= *options_.tick_count) return finish(EndReason::complete, "");
-      if (options_.progress && !options_.progress(tick)) return finish(EndReason::interrupted, "stopped on request");
+      if (is_stopped(tick)) return stop(tick);
       Result<std::optional<TickInput>> input = source_.next(tick);
+      // A wait for live inputs ends with an error when a signal asks to stop.
+      if (!input && !source_.repeatable() && is_stopped(tick)) return stop(tick);
       if (!input) return refuse(input.error());
       if (!input->has_value() && tick == 0)
         return refuse(Error{ErrorCode::invalid_input, "the session ends before its first tick: nothing to record", ""});
       if (!input->has_value()) return finish(EndReason::complete, "");
       if (const Status status = simulation_.accept(**input); !status) return refuse(status.error());
-      if (const Status status = writer_.begin_tick(**input); !status) return status.error();
+      if (const Status status = writer_.begin_tick(**input); !status) return writer_.abandon(status.error());
       const bool is_full = writer_.wants_full();
       step(**input, is_full);
       if (const Status status = simulation_.last_step(); !status) return give_up(status.error());
@@ -50,11 +52,21 @@ class Recording {
       if (const Status status = writer_.end_tick(result_.root_hash, stage_hashes_.hashes(),
                                                  writer_.wants_state() ? &simulation_.state() : nullptr);
           !status)
-        return status.error();
+        return writer_.abandon(status.error());
     }
   }
 
  private:
+  bool is_stopped(std::uint64_t tick) { return options_.progress && !options_.progress(tick); }
+
+  Result<RecordResult> stop(std::uint64_t tick) {
+    if (tick > 0) return finish(EndReason::interrupted, "stopped on request");
+    writer_.discard();
+    result_.reason = EndReason::interrupted;
+    result_.note = "stopped before the first tick";
+    return std::move(result_);
+  }
+
   void step(const TickInput& input, bool is_full) {
     stage_hashes_.clear();
     const auto before = std::chrono::steady_clock::now();
@@ -63,7 +75,7 @@ class Recording {
   }
 
   Result<RecordResult> finish(EndReason reason, const std::string& note) {
-    if (const Status status = writer_.finish(reason, note); !status) return status.error();
+    if (const Status status = writer_.finish(reason, note); !status) return writer_.abandon(status.error());
     result_.tick_count = writer_.tick_count();
     result_.size = writer_.size();
     result_.reason = reason;
@@ -89,7 +101,8 @@ class Recording {
 
   Error close_before(Error error) {
     const std::uint64_t tick_count = writer_.tick_count();
-    if (const Status status = writer_.finish(EndReason::interrupted, error.message); !status) return status.error();
+    if (const Status status = writer_.finish(EndReason::interrupted, error.message); !status)
+      return writer_.abandon(status.error());
     error.hint += (error.hint.empty() ? "" : "; ") + std::string("the trace was closed and holds the ") +
                   std::to_string(tick_count) + " ticks before";
     return error;

@@ -52,6 +52,7 @@ struct RecordResult {
   std::string note;  // the place of a non-finite value, or why it was interrupted
 };
 
+/// (`progress` that gives false before the first tick: no file is left, tick_count and size are 0.)
 /// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the
 /// trace is closed before it.
 /// Errors: unsupported (check_float_behaviour), io, limit (also of a tick that could not be done: last_step),

@@ -1,10 +1,12 @@
 // Makes a complete trace of what is intact at the start of a broken one.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <deque>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include "replay/payload.h"
 #include "replay/trace_reader.h"
 #include "replay/trace_writer.h"
 
@@ -32,17 +34,28 @@ struct HeldTick {
   std::vector<std::uint64_t> stage_hashes;
 };
 
+bool is_same_setup(const TraceSetup& a, const TraceSetup& b) {
+  ByteWriter bytes_a, bytes_b;
+  encode_setup(a, bytes_a);
+  encode_setup(b, bytes_b);
+  const ByteView left = bytes_a.view(), right = bytes_b.view();
+  return std::equal(left.begin(), left.end(), right.begin(), right.end());
+}
+
 /// The ticks of the chunk in which the damage lies, up to the damage: a file that ended there would be a truncated
 /// trace, whose last chunk is read record by record.
-Status salvage(const std::string& input, std::uint64_t damage_offset, TraceWriter& writer) {
+Status salvage(const std::string& input, const TraceSetup& setup, std::uint64_t damage_offset, TraceWriter& writer) {
   Result<TraceReader> reader = TraceReader::open(input, damage_offset);
-  if (!reader) return {};  // damage in the setup or the build facts: no ticks before it
+  if (!reader) return {};                                 // damage in the setup or the build facts: no ticks before it
+  if (!is_same_setup(reader->setup(), setup)) return {};  // another file by now: told at the end
+  if (!writer.has_checkpoint()) return {};
   std::deque<HeldTick> held;
   for (;;) {
     const TraceReader::Item& item = reader->next();
     if (std::holds_alternative<std::monostate>(item)) return {};
     const auto* tick = std::get_if<TickRecord>(&item);
     if (tick == nullptr || tick->tick < writer.tick_count()) continue;
+    if (tick->tick != writer.tick_count() + held.size()) return {};  // another file by now
     held.push_back({tick->dt, Bytes(tick->inputs.begin(), tick->inputs.end()), tick->root_hash, tick->stage_hashes});
     if (held.size() <= salvage_margin) continue;
     const HeldTick& proven = held.front();
@@ -61,7 +74,8 @@ Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) 
   }
   const TraceTail& tail = reader.tail();
   if (tail.condition == TraceCondition::damaged && !tail.end)
-    if (const Status status = salvage(input, tail.offset, writer); !status) return status;
+    if (const Status status = salvage(input, reader.setup(), tail.offset, writer); !status) return status;
+  if (const Status same = reader.check_unchanged(); !same) return same;
   if (nothing_saved(writer, tail)) return {};
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;

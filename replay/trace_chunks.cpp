@@ -33,6 +33,7 @@ ByteView TraceReader::Impl::view(std::uint64_t offset, std::size_t size) {
   if (!is_inside) {
     file.read(offset, std::max(size, read_ahead_size), window);
     window_offset = offset;
+    ++window_reads;
   }
   const auto at = static_cast<std::size_t>(offset - window_offset);
   return ByteView(window).subspan(at, std::min(size, window.size() - at));
@@ -223,6 +224,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
   std::size_t inputs_offset = 0, inputs_size = 0;
   std::size_t want = ticks_view_size;
   ByteView bytes = view(cursor.offset, want);
+  const std::uint64_t reads = window_reads;
   for (;;) {
     const Record record = parse_record(bytes.subspan(at), &running);
     const std::uint64_t place = cursor.offset + at;
@@ -233,6 +235,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
       if (bytes.size() < want || place + record.size > file.size()) break;
       want = std::min(std::max(at + record.size, 2 * want), limits::chunk_size_max);
       bytes = view(cursor.offset, want);
+      if (window_reads != reads && !is_as_read(bytes, at, header.check, running)) return changed(header);
       continue;
     }
     if (record.fault != RecordFault::none) return damaged(place, chunk_text(header.kind) + ": " + fault_text(record));
@@ -312,10 +315,21 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
   truncated("the file ends inside " + chunk_text(header.kind) + ": found " + std::to_string(tick - cursor.tick) +
             " whole ticks of it");
   bytes = view(cursor.offset, at);
-  if (bytes.size() < at) return Step::stop;  // the file shrank meanwhile
+  if (!is_as_read(bytes, at, header.check, running)) return changed(header);
   keep_ticks(bytes, ticks_end, tick);
   if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
   return walk_end > 0 ? Step::ticks : Step::stop;
+}
+
+bool TraceReader::Impl::is_as_read(ByteView bytes, std::size_t end, std::uint64_t check, std::uint64_t running) {
+  if (bytes.size() < end) return false;
+  std::size_t at = chunk_header_size;
+  while (at < end) {
+    const Record record = parse_record(bytes.first(end).subspan(at), &check);
+    if (record.fault != RecordFault::none) return false;
+    at += record.size;
+  }
+  return check == running;
 }
 
 bool TraceReader::Impl::is_full(std::uint64_t tick) const {

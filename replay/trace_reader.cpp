@@ -226,6 +226,9 @@ const std::string& TraceReader::name() const {
 std::uint64_t TraceReader::size() const {
   return impl_->file.size();
 }
+Status TraceReader::check_unchanged() const {
+  return impl_->file.check_unchanged(impl_->name);
+}
 bool TraceReader::is_compressed() const {
   return impl_->facts.codec != Codec::none;
 }

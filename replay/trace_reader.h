@@ -52,6 +52,9 @@ class TraceReader {
   /// believes nothing that is not checked.
   std::optional<std::uint64_t> tick_count_hint() const;
 
+  /// Refuses a file that others wrote to since it was opened: what was read may be of two files. Errors: io.
+  Status check_unchanged() const;
+
  private:
   struct Impl;
   explicit TraceReader(std::unique_ptr<Impl> impl);
@@ -61,7 +64,8 @@ class TraceReader {
 /// Copies all that is intact from the start of `input` into a new, complete trace. Of a ticks chunk that is damaged
 /// inside, these are the ticks before the damage, but for the last salvage_margin of them: they are known by the 16-bit
 /// checks of their records only, and by those of the records behind them. `tail` tells what was lost. No file is
-/// written where no tick of a broken trace is intact. Errors: io, and what TraceReader::open refuses.
+/// written where no tick of a broken trace is intact. Errors: io (also an input that changes meanwhile), and what
+/// TraceReader::open refuses.
 inline constexpr std::size_t salvage_margin = 3;  // so that a wrong tick passes once in 2^64 damaged chunks
 struct RecoverResult {
   TraceTail tail;

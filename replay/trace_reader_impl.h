@@ -76,6 +76,7 @@ struct TraceReader::Impl {
   // Window on the file.
   Bytes window;
   std::uint64_t window_offset = 0;
+  std::uint64_t window_reads = 0;  // how often it was filled
 
   // Records of the ticks chunk that is being given out.
   Bytes records;
@@ -137,6 +138,12 @@ struct TraceReader::Impl {
   /// records up to the cut are kept.
   Step read_ticks(const ChunkHeader& header);
   bool is_full(std::uint64_t tick) const;
+  /// Whether records that were read again, up to `end`, are still those whose checks gave `running`: others may write
+  /// to the file. `check` is that of the header.
+  static bool is_as_read(ByteView bytes, std::size_t end, std::uint64_t check, std::uint64_t running);
+  Step changed(const ChunkHeader& header) {
+    return damaged(cursor.offset, chunk_text(header.kind) + ": the file changed while it was read");
+  }
   static std::string fault_text(const Record& record);
   void keep_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick);
   void keep_pending(double dt, ByteView inputs);

@@ -46,6 +46,7 @@ struct TraceWriter::Impl {
   std::chrono::steady_clock::time_point last_sync{};
   bool in_tick = false;
   std::optional<Error> failure;
+  bool file_is_closed = false;
 
   // The open ticks chunk.
   bool is_open = false;
@@ -183,7 +184,10 @@ struct TraceWriter::Impl {
     ++tick_count;
     ++chunk_ticks;
     if (has_image || chunk_ticks == chunk_tick_count || chunk_size + out.size() >= chunk_close_size) close_chunk();
-    if (const Status status = flush(); !status) return status;
+    if (const Status status = flush(); !status) {
+      --tick_count;  // it is not in the file
+      return status;
+    }
     return has_image ? write_image(ChunkKind::image, *bytes, root_hash) : Status();
   }
 };
@@ -226,11 +230,10 @@ Result<TraceWriter> TraceWriter::create(const std::string& path, const TraceSetu
   payload.clear();
   encode_facts({impl->options.compress ? Codec::zstd : Codec::none, facts}, payload);
   impl->facts_check = impl->put_chunk(impl->next_header(ChunkKind::facts, payload.size()), payload.view());
-  if (const Status status = impl->flush(); !status) {
-    impl->file.discard();
-    return status.error();
-  }
-  return TraceWriter(std::move(impl));
+  const Status status = impl->flush();
+  TraceWriter writer(std::move(impl));
+  if (!status) return writer.abandon(status.error());
+  return writer;
 }
 
 Status TraceWriter::begin_tick(const TickInput& input) {
@@ -321,6 +324,7 @@ Status TraceWriter::finish(EndReason reason, const std::string& note) {
   impl.put_chunk(impl.next_header(ChunkKind::footer, payload.size()), payload.view());
   if (const Status status = impl.flush(); !status) return status;
   if (const Status status = impl.sync(true); !status) return status;
+  impl.file_is_closed = true;
   const Status status = impl.file.commit();
   if (!status) impl.failure = status.error();
   return status;
@@ -328,6 +332,26 @@ Status TraceWriter::finish(EndReason reason, const std::string& note) {
 
 void TraceWriter::discard() {
   impl_->file.discard();
+}
+
+Error TraceWriter::abandon(Error error) {
+  OutputFile& file = impl_->file;
+  if (impl_->file_is_closed || !file.check_in_place()) return error;  // it may be another program's by now
+  const auto add = [&](const std::string& text) { error.hint += (error.hint.empty() ? "" : "; ") + text; };
+  if (impl_->tick_count == 0) {
+    const bool had_old = !file.old_path().empty();
+    discard();
+    add(had_old ? "no tick was recorded: the file from before is back"
+                : "no tick was recorded: no file was left behind");
+    return error;
+  }
+  add(std::to_string(impl_->tick_count) + " ticks are whole in it: `ticktrue recover` saves them");
+  if (!file.old_path().empty()) add("the file from before is " + file.old_path());
+  return error;
+}
+
+bool TraceWriter::has_checkpoint() const {
+  return impl_->index.checkpoint_count > 0;
 }
 
 std::uint64_t TraceWriter::tick_count() const {

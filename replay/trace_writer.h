@@ -61,6 +61,13 @@ class TraceWriter {
   /// Removes the file (and puts an overwritten one back): as if it had never been created.
   void discard();
 
+  /// After an error of one of these calls: `error` with what becomes of the file. Without a whole tick it is discarded,
+  /// else it stays, truncated.
+  Error abandon(Error error);
+
+  /// Whether a checkpoint was written, without which no tick can be.
+  bool has_checkpoint() const;
+
   std::uint64_t tick_count() const;
   std::uint64_t size() const;  // bytes written so far
 

@@ -675,6 +675,36 @@ TEST_CASE("options are those of any version of the header that the library can s
   CHECK(ticktrue_close(session) == 2);
 }
 
+TEST_CASE("two sessions on one trace: the second is refused, and the first is whole", "[capi][session][corruption]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("x.ttr");
+  ticktrue_options options = options_for(path, TICKTRUE_RECORD);
+  options.flags |= TICKTRUE_OVERWRITE;
+  Outcome second;
+  const Outcome first = play(options, 20, [&](Game& game) {
+    if (game.tick == 10) second = play(options, 5, [](Game&) {});
+  });
+  CHECK(second.exit_code == 2);
+  CHECK(contains(second.message, path + ": cannot write: "));
+  CHECK(contains(second.message, " is recording to it"));
+  CHECK(first.exit_code == 0);
+  CHECK(play(options_for(path, TICKTRUE_VERIFY), 20, [](Game&) {}).exit_code == 0);
+}
+
+TEST_CASE("a trace that is replaced while a session records it is an error", "[capi][session][corruption]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("x.ttr");
+  const Outcome outcome = play(options_for(path, TICKTRUE_RECORD), 20, [&](Game& game) {
+    if (game.tick != 10) return;
+    std::ofstream(path + ".new") << "mine";
+    std::filesystem::rename(path + ".new", path);
+  });
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.message, path + ": was replaced by another file while it was written"));
+  std::ifstream in(path);
+  CHECK(std::string(std::istreambuf_iterator<char>(in), {}) == "mine");
+}
+
 TEST_CASE("the layout of the structs is the one that programs were built with", "[capi][abi][golden]") {
   if (sizeof(void*) != 8) return;
   CHECK(TICKTRUE_API_VERSION == 1);

@@ -3,57 +3,17 @@
 //
 // Verified: every input and hash before a kill or a full disk is the one of an undisturbed recording, the inputs of the
 // tick in flight included. Not verified: loss of power (the operating system keeps what it was handed).
-#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <fstream>
-#include <functional>
 
-#include "tests/replay/toy_traces.h"
+#include "tests/cli/tool_run.h"
 
 namespace ticktrue::test {
 namespace {
-
-/// A child process with the tool, its messages in a file.
-class ToolRun {
- public:
-  ToolRun(const std::vector<std::string>& words, const std::string& messages, const std::function<void()>& prepare) {
-    std::vector<std::string> whole{TICKTRUE_TOOL};
-    whole.insert(whole.end(), words.begin(), words.end());
-    std::vector<char*> arguments;
-    for (std::string& word : whole) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    child_ = ::fork();
-    REQUIRE(child_ >= 0);
-    if (child_ != 0) return;
-    const int out = ::open(messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    ::dup2(out, 1);
-    ::dup2(out, 2);
-    if (prepare) prepare();
-    ::execv(arguments[0], arguments.data());
-    ::_exit(127);
-  }
-  void kill() const { ::kill(child_, SIGKILL); }
-  /// The exit code, or -1 after a signal.
-  int wait() const {
-    int status = 0;
-    ::waitpid(child_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t child_ = -1;
-};
-
-std::string text_of(const std::string& path) {
-  const Bytes bytes = read_file(path);
-  return {bytes.begin(), bytes.end()};
-}
 
 /// Inputs for `tick_count` ticks: something to lose in every third of them.
 void write_inputs(const std::string& path, std::uint64_t tick_count) {
@@ -63,10 +23,6 @@ void write_inputs(const std::string& path, std::uint64_t tick_count) {
   out << R"({"tick":)" << tick_count << R"(,"kind":"end"})"
       << "\n";
 }
-
-const std::string scene = R"({"name":"three","bodies":[{"type":"static","shapes":[{"type":"box","half_size":[50,1]}]},
-{"position":[0,2],"shapes":[{"type":"circle","radius":0.5}]},{"position":[2,2],"shapes":[{"type":"circle","radius":0.5}]},
-{"position":[4,2],"shapes":[{"type":"box","half_size":[0.5,0.5]}]}],"inputs":["impulse"]})";
 
 /// What is left is true: ticks of the undisturbed recording, and the inputs of the next one.
 void require_part_of(const ReadTrace& part, const ReadTrace& whole) {
@@ -89,7 +45,7 @@ struct RecordedSession {
   std::size_t whole_size = 0;
 
   RecordedSession() {
-    std::ofstream(scene_path) << scene;
+    std::ofstream(scene_path) << pushed_scene;
     write_inputs(inputs_path, tick_count);
     const std::string path = folder.file("whole.ttr");
     const int code = ToolRun(words(path), messages, {}).wait();

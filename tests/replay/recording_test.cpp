@@ -1,7 +1,11 @@
 // What a recorder leaves behind: when all goes well, when it dies, when the disk is full, when inputs are refused.
 // SPDX-License-Identifier: MIT
+#include <sys/resource.h>
+
+#include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "replay/chunk.h"
@@ -152,41 +156,79 @@ TEST_CASE("places that cannot be written to are told", "[replay][writer][analyti
   };
   CHECK(error_of(folder.file(""), true).find("found a directory") != std::string::npos);
   CHECK(error_of(folder.file("missing/x.ttr"), false).find("No such file or directory") != std::string::npos);
-  if (exists("/dev/full")) {
-    CHECK(error_of("/dev/full", true) == "/dev/full: cannot write: No space left on device");
-    CHECK(error_of("/dev/full", false).find("exists") != std::string::npos);
-    CHECK(exists("/dev/full"));
+  for (const bool overwrite : {false, true}) {
+    CHECK(error_of("", overwrite) == "output: found an empty name, expected a file name");
+    CHECK(error_of("/dev/null", overwrite) == "/dev/null: cannot write: found a device, expected a file name");
+    CHECK(exists("/dev/null"));
   }
-  std::filesystem::create_symlink("/dev/full", folder.file("link.ttr"));
-  CHECK(error_of(folder.file("link.ttr"), true).find("No space left") != std::string::npos);
+  std::filesystem::create_symlink("/dev/null", folder.file("link.ttr"));
+  CHECK(error_of(folder.file("link.ttr"), true).find("found a device") != std::string::npos);
+  std::filesystem::create_symlink("nowhere", folder.file("dangling.ttr"));
+  CHECK(error_of(folder.file("dangling.ttr"), true).find("found a link to nowhere") != std::string::npos);
+  CHECK_FALSE(exists(folder.file("nowhere")));
 }
 
-TEST_CASE("a pipe whose reader is gone is an error", "[replay][writer][analytic]") {
+TEST_CASE("a write that fails is an error, and the last one", "[replay][writer][analytic]") {
   const TemporaryFolder folder;
-  int ends[2];
-  REQUIRE(::pipe(ends) == 0);
-  const auto before = std::signal(SIGPIPE, SIG_IGN);
-  replay::WriterOptions options = plain_writer();
-  options.overwrite = true;
-  auto writer = TraceWriter::create("/proc/self/fd/" + std::to_string(ends[1]), toy_setup(1), toy_facts, options);
+  auto writer = TraceWriter::create(folder.file("x.ttr"), toy_setup(1), toy_facts, plain_writer());
   REQUIRE(writer);
   const ToySimulation simulation(1);
   REQUIRE(writer->checkpoint(simulation.state(), 1));
-  Bytes bytes(1u << 16);
-  const auto size = ::read(ends[0], bytes.data(), bytes.size());
-  REQUIRE(size > 0);
-  bytes.resize(static_cast<std::size_t>(size));
-  CHECK(read_all(bytes).checkpoints.size() == 1);
-  ::close(ends[0]);
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &limit) == 0);
+  const rlimit small{writer->size(), limit.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
   const Status failed = writer->begin_tick({0.5, Bytes{1}});
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &limit) == 0);
+  std::signal(SIGXFSZ, before);
   REQUIRE_FALSE(failed);
   CHECK(failed.error().code == ErrorCode::io);
-  CHECK(failed.error().message.find("cannot write: Broken pipe") != std::string::npos);
+  CHECK(failed.error().message.find("cannot write: File too large") != std::string::npos);
   // An error is final.
   CHECK_FALSE(writer->end_tick(1, {}, nullptr));
   CHECK_FALSE(writer->finish(EndReason::complete, ""));
-  ::close(ends[1]);
-  std::signal(SIGPIPE, before);
+}
+
+TEST_CASE("two writers of one file: the second is refused, and the first goes on", "[replay][writer][analytic]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("x.ttr");
+  auto writer = TraceWriter::create(path, toy_setup(1), toy_facts, plain_writer());
+  REQUIRE(writer);
+  for (const bool overwrite : {false, true}) {
+    replay::WriterOptions options = plain_writer();
+    options.overwrite = overwrite;
+    const auto second = TraceWriter::create(path, toy_setup(1), toy_facts, options);
+    REQUIRE_FALSE(second);
+    CHECK(second.error().message.find(" is recording to it") != std::string::npos);
+  }
+  const ToySimulation simulation(1);
+  REQUIRE(writer->checkpoint(simulation.state(), 1));
+  REQUIRE(writer->finish(EndReason::complete, ""));
+  CHECK(read_all(read_file(path)).tail.condition == TraceCondition::complete);
+}
+
+TEST_CASE("a file that changes while it is read is told", "[replay][open][corruption]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("x.ttr");
+  const Bytes trace = toy_trace(toy_setup(2), 20);
+  const auto opened = [&] {
+    write_file(path, trace);
+    auto reader = TraceReader::open(path);
+    REQUIRE(reader);
+    CHECK(reader->check_unchanged());
+    return reader;
+  };
+  const auto longer = opened();
+  std::ofstream(path, std::ios::app) << "more";
+  const Status refused = longer->check_unchanged();
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::io);
+  CHECK(refused.error().message == path + ": changed while it was read: size: found " +
+                                       std::to_string(trace.size() + 4) + ", expected " + std::to_string(trace.size()));
+  const auto touched = opened();
+  std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(1));
+  CHECK_FALSE(touched->check_unchanged());
 }
 
 TEST_CASE("places that cannot be read are told", "[replay][open][analytic]") {

@@ -254,7 +254,10 @@ void catch_stop_signals() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, remember_stop);
 #else
   // Without SA_RESTART: a read that waits for live input returns, so that the recording can be closed.
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;  // nohup: it goes on without the terminal
     struct sigaction action {};
     action.sa_handler = remember_stop;
     sigaction(signal, &action, nullptr);

@@ -83,8 +83,8 @@ struct TickRange {
 /// Errors: usage. `option` is what the message names first, such as "--ticks".
 Result<TickRange> parse_tick_range(const std::string& text, const std::string& option);
 
-/// From here on Ctrl-C and termination do not kill the tool but make stop_requested() true; one more, over a
-/// second later, kills.
+/// From here on Ctrl-C, termination and the end of the terminal (unless ignored: nohup) do not kill the tool but make
+/// stop_requested() true; one more, over a second later, kills.
 void catch_stop_signals();
 bool stop_requested();
 

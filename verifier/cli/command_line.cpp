@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cctype>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -220,6 +221,7 @@ int run_command_line(int argc, char** argv) {
   prepare_standard_streams();
   verifier::take_finished_mark();
   const int exit_code = run_to_exit_code(argc, argv);
+  std::fflush(nullptr);  // a slow reader of the output is no plug-in that hangs
   // From here on an exit is the tool's own: in a child process with plug-ins, and for whoever runs the tool.
   verifier::finish_guarded(exit_code);
   verifier::write_finished_mark();

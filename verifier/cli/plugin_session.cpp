@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "replay/file.h"
 #include "replay/recorder.h"
 #include "verifier/cli/cli.h"
 #include "verifier/cli/json_output.h"
@@ -170,6 +171,7 @@ int run_plugin(const PluginSession& session) {
 int record_plugin(const PluginSession& session) {
   const auto made = make(session);
   if (!made) return fail_usage(made.error());
+  if (const Status status = replay::check_output(session.output); !status) return fail_usage(status.error());
   if (const Status status = verifier::check_writable_target(session.output, session.force); !status)
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(session.output, {session.scene, session.inputs}); !status)
@@ -203,6 +205,10 @@ int record_plugin(const PluginSession& session) {
   const auto result = replay::record(simulation, inputs, session.output, setup, verifier::make_build_facts(), options);
   progress.finish();
   if (!result) return fail_usage(result.error());
+  if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {
+    print_note("stopped before the first tick: nothing was written");
+    return exit_ok;
+  }
   std::string_view reason;
   for (const replay::EndReasonInfo& info : replay::end_reasons)
     if (info.reason == result->reason) reason = info.name;

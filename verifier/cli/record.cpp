@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "replay/file.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/plugin_session.h"
@@ -52,6 +53,7 @@ int run_record(const RecordCommand& options) {
   if (options.output == "-")
     return fail_usage(
         Error{ErrorCode::usage, "--output: found -, expected a file: a trace is not written to a pipe", ""});
+  if (const Status status = replay::check_output(options.output); !status) return fail_usage(status.error());
   if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(options.output, {options.scene, options.inputs}); !status)
@@ -72,9 +74,7 @@ int run_record(const RecordCommand& options) {
   record_options.tick_count = options.tick_count;
   record_options.writer.overwrite = options.force;
   record_options.writer.compress = !options.no_compress;
-  std::uint64_t ticks_done = 0;
   record_options.progress = [&](std::uint64_t done) {
-    ticks_done = done;
     progress.update(done);
     return !stop_requested();
   };
@@ -82,13 +82,11 @@ int run_record(const RecordCommand& options) {
       replay::record(engine, *inputs->source, options.output, verifier::make_trace_setup(engine, choices),
                      verifier::make_build_facts(), record_options);
   progress.finish();
-  if (!result && stop_requested() && result.error().code == ErrorCode::io && !inputs->source->repeatable()) {
-    // The signal came while waiting for live inputs; the recorder closed the trace as interrupted.
-    print_note(options.output + ": stopped as asked after " + std::to_string(ticks_done) +
-               " ticks; the trace is whole");
+  if (!result) return fail_usage(with_input_place(result.error(), *inputs, engine));
+  if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {
+    print_note("stopped before the first tick: nothing was written");
     return exit_ok;
   }
-  if (!result) return fail_usage(with_input_place(result.error(), *inputs, engine));
 
   const std::uint64_t input_count = inputs->lines == nullptr ? 0 : inputs->lines->count();
   const double time_s =
@@ -187,7 +185,7 @@ void add_record(CLI::App& app, CliContext& context) {
                "cat session.jsonl | ticktrue record thesis --inputs - -o live.ttr",
                "Inputs are checked before anything is written: a file with a wrong line gives no trace. Live ones are\n"
                "recorded as they come: a tick runs when a line of a later tick, an `end` or the end of input is read.\n"
-               "Ctrl-C or SIGTERM closes the trace: it is whole, marked interrupted, exit 0.");
+               "Ctrl-C, SIGTERM or SIGHUP closes the trace: it is whole, marked interrupted, exit 0.");
   command->callback([options, &context] { context.exit_code = run_record(*options); });
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "replay/file.h"
 #include "replay/trace_reader.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
@@ -21,6 +22,7 @@ struct RecoverOptions {
 };
 
 int run_recover(const RecoverOptions& options) {
+  if (const Status status = replay::check_output(options.output); !status) return fail_usage(status.error());
   if (const Status status = verifier::check_writable_target(options.output, options.force); !status)
     return fail_usage(status.error());
   const auto result = replay::recover_trace(options.file, options.output, options.force);

@@ -1,0 +1,47 @@
+// The operating system's calls on files, one spelling for every system. Of replay/ alone.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+
+namespace ticktrue::replay {
+
+// One call may transfer less than 2 GiB on every system; a smaller bound keeps the loops simple.
+inline constexpr std::size_t transfer_size_max = 64u << 20;
+
+/// -1: errno says why. Flags are those of open(2).
+int open_file(const std::string& path, int flags);
+/// -1: errno says why; else the number of bytes, which may be less.
+std::int64_t write_some(int descriptor, const std::uint8_t* data, std::size_t size);
+std::int64_t read_some(int descriptor, std::uint8_t* data, std::size_t size, std::uint64_t offset);
+int sync_file(int descriptor);
+int close_file(int descriptor);
+
+Error io_error(const std::string& path, const std::string& action, int code);
+
+/// Which file it is, and in which state.
+struct FileFacts {
+  std::uint64_t device = 0;
+  std::uint64_t inode = 0;
+  std::uint64_t size = 0;
+  std::int64_t modified_ns = 0;
+  std::int64_t changed_ns = 0;
+};
+std::optional<FileFacts> file_facts(int descriptor);
+std::optional<FileFacts> file_facts(const std::string& path);
+/// Always true on Windows, where an open file can be neither removed nor replaced.
+bool is_same_file(const FileFacts& a, const FileFacts& b);
+
+/// Takes the lock that every recorder takes on the file it writes (flock): false if another process has it. True also
+/// where the file system has no locks. Ends with the descriptor, or unlock_file.
+bool lock_file(int descriptor);
+void unlock_file(int descriptor);
+/// Who has the lock: "process 4711 (ticktrue)", or "another process" where the system does not say.
+std::string lock_holder(int descriptor);
+
+}  // namespace ticktrue::replay
