@@ -148,7 +148,10 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
     lines.add("stage", divergence.stage_note);
 
   if (divergence.rows.empty() && divergence.tables.empty())
-    lines.add("column", "not known: the trace stores only a hash of this tick");
+    lines.add("column", divergence.from_cells ? "none: the hash of every column agrees"
+                        : divergence.expected_root == divergence.got_root && divergence.got_root != 0
+                            ? "none: the state at the end of the tick agrees"
+                            : "not known: the trace stores only a hash of this tick");
   for (const TableDifference& table : divergence.tables) {
     std::string columns;
     for (const std::string& column : table.columns)

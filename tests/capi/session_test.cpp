@@ -15,6 +15,7 @@
 #include "include/ticktrue.h"
 #include "replay/trace_reader.h"
 #include "tests/support/catch.h"
+#include "tests/support/forging.h"
 #include "tests/support/text.h"
 
 using ticktrue::test::contains;
@@ -176,6 +177,57 @@ TEST_CASE("a loop that ends before its trace is incomplete, not a match", "[capi
   const Outcome verified = play(options_for(path, TICKTRUE_VERIFY), 49);
   CHECK(verified.exit_code == 3);
   CHECK(contains(verified.report, "ended its loop after 49 ticks"));
+}
+
+TEST_CASE("a session finds a forged image, cells or checkpoint whose tick has the right hash", "[capi][corruption]") {
+  using ticktrue::verifier::StoredCheckpoint;
+  using ticktrue::verifier::StoredTick;
+  struct Case {
+    const char* name;
+    int detail;
+    ticktrue::test::Forgery forgery;
+    const char* said;
+  };
+  const auto change_checkpoint = [](StoredCheckpoint& checkpoint) {
+    if (checkpoint.tick == 32) checkpoint.image.back() ^= 1;
+  };
+  const Case cases[] = {
+      {"image",
+       TICKTRUE_DETAIL_FULL,
+       {[](StoredTick& tick) {
+         if (tick.tick == 20) tick.image->back() ^= 1;
+       }},
+       "tick 20: the root hash agrees, the state image does not"},
+      {"cells",
+       TICKTRUE_DETAIL_CELLS,
+       {[](StoredTick& tick) {
+         if (tick.tick == 20) tick.cells.back() ^= 1;
+       }},
+       "tick 20: the root hash agrees, the cells do not"},
+      {"checkpoint", TICKTRUE_DETAIL_ROOT, {{}, change_checkpoint}, "diverged  "},
+      {"checkpoint of a full tick",
+       TICKTRUE_DETAIL_FULL,
+       {{}, change_checkpoint},
+       "checkpoint        the hash of the tick"},
+  };
+  for (const Case& one : cases) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("game.ttr");
+    ticktrue_options options = options_for(path, TICKTRUE_RECORD);
+    options.detail = one.detail;
+    REQUIRE(play(options, 60).exit_code == 0);
+    const std::string forged = folder.file("forged.ttr");
+    ticktrue::test::forge_trace(path, forged, {});
+    CHECK(play(options_for(forged, TICKTRUE_VERIFY), 60).exit_code == 0);
+    std::filesystem::remove(forged);
+    ticktrue::test::forge_trace(path, forged, one.forgery);
+    const Outcome verified = play(options_for(forged, TICKTRUE_VERIFY), 60);
+    CAPTURE(one.name, verified.report, verified.message);
+    CHECK(verified.exit_code == 1);
+    CHECK(contains(verified.report, one.said));
+    CHECK(contains(verified.report,
+                   one.detail == TICKTRUE_DETAIL_CELLS ? "none: the hash of every column agrees" : "balls.speed"));
+  }
 }
 
 TEST_CASE("one changed bit is named with tick, table, column, row and values", "[capi][injection]") {

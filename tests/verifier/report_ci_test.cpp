@@ -29,9 +29,9 @@ TEST_CASE("report_ci: JUnit has a case for each file, findings as failures, the 
           "[verifier][report_ci][analytic]") {
   const std::string xml = verifier::report_junit(one_of_each(), false);
   CAPTURE(xml);
-  CHECK(contains(xml, "tests=\"7\" failures=\"3\" errors=\"3\" skipped=\"0\""));
+  CHECK(contains(xml, "tests=\"8\" failures=\"4\" errors=\"3\" skipped=\"0\""));
   CHECK(contains(xml, "<testcase classname=\"ticktrue.replay\" name=\"match.ttr\" time=\"0.000\"/>"));
-  for (const char* name : {"diverged", "not_reproducible", "incomplete"})
+  for (const char* name : {"diverged", "state_incomplete", "not_reproducible", "incomplete"})
     CHECK(contains(xml, "<failure type=\"" + std::string(name) + "\""));
   for (const char* name : {"damaged", "not_comparable", "error"})
     CHECK(contains(xml, "<error type=\"" + std::string(name) + "\""));
@@ -45,11 +45,11 @@ TEST_CASE("report_ci: annotations are one line each, whatever the reason holds",
   reports[1].file = "a,b:c%.ttr";
   const std::string lines = verifier::report_github(reports, false);
   CAPTURE(lines);
-  CHECK(std::count(lines.begin(), lines.end(), '\n') == 7);
+  CHECK(std::count(lines.begin(), lines.end(), '\n') == 8);
   CHECK(contains(lines, "::warning file=match.ttr,title=ticktrue::does it show all of its state?\n"));
   CHECK(contains(lines, "::error file=a%2Cb%3Ac%25.ttr,title=ticktrue%3A diverged::a \"reason\" & <more>, 100 %25: "));
   const std::string table = verifier::report_markdown(reports, false);
-  CHECK(contains(table, "1 of 7 traces pass"));
+  CHECK(contains(table, "1 of 8 traces pass"));
   CHECK(contains(table, "| damaged.ttr | damaged | "));
   CHECK(!contains(table, "| match.ttr"));
 }
