@@ -52,7 +52,7 @@ int fail(const Error& error);
 /// The same for commands that were given a scene or inputs, not a trace: always exit_usage.
 int fail_usage(const Error& error);
 
-// Data goes to stdout through these only. A reader that went away (`| head`) is no error: what follows is dropped.
+// Data goes to stdout through these only; base/plain_text.h says what of it is escaped. A reader that went away (`| head`) is no error: what follows is dropped.
 void print(std::string_view text);
 /// False once nothing more can be written: long listings stop early.
 bool output_is_open();
