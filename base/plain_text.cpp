@@ -1,3 +1,4 @@
+// Escapes character by character: what is UTF-8, what steers, what begins a workflow command.
 // SPDX-License-Identifier: MIT
 #include "base/plain_text.h"
 

@@ -1,5 +1,5 @@
-// A scene, a trace and a file name full of control bytes and workflow commands go through every command that shows
-// them. SPDX-License-Identifier: MIT
+// A scene, a trace and a file name full of control bytes and workflow commands go through the commands that show them.
+// SPDX-License-Identifier: MIT
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>

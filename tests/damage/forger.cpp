@@ -1,3 +1,4 @@
+// Chunks and records with right checksums and chain values, around any content.
 // SPDX-License-Identifier: MIT
 #include "tests/damage/forger.h"
 

@@ -1,3 +1,4 @@
+// A child with a limit of processor time, and what wait4 says of it.
 // SPDX-License-Identifier: MIT
 #include "tests/damage/run_tool.h"
 
