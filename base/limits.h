@@ -45,6 +45,15 @@ inline constexpr std::size_t record_size_max = 1u << 20;       // what a reader 
 inline constexpr std::size_t chunk_size_max = 16u << 20;       // what a reader buffers at once for a chunk
 inline constexpr std::size_t setup_size_max = 256u << 20;      // a scene of body_count_max bodies
 inline constexpr std::size_t state_image_size_max = 1u << 30;  // body_count_max bodies with their contacts, f64
+// A compressed image may be thousands of times as large as its bytes in the file. Of `file_size` bytes of a trace, a
+// reader holds at most image_held_max(file_size) bytes of one image, and unpacks at most images_unpacked_max(file_size)
+// bytes in one reading. A writer that would pass either limit stores the part uncompressed.
+constexpr std::uint64_t image_held_max(std::uint64_t file_size) {
+  return (8u << 20) + 16 * file_size;
+}
+constexpr std::uint64_t images_unpacked_max(std::uint64_t file_size) {
+  return (1u << 30) + 256 * file_size;
+}
 inline constexpr std::size_t table_count_max = 64;
 inline constexpr std::size_t column_count_max = 256;    // per table
 inline constexpr std::size_t row_size_max = 4'096;      // bytes

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/build_info.h"
+#include "base/plain_text.h"
 #include "capi/session.h"
 
 using ticktrue::Error;
@@ -216,7 +217,7 @@ int ticktrue_close(ticktrue_session* session) {
     std::fputs(is_json ? ticktrue_report_json(session) : ticktrue_report(session), stdout);
     std::fflush(stdout);
     if (const char* message = ticktrue_message(session); message[0] != 0)
-      std::fprintf(stderr, "ticktrue: error: %s\n", message);
+      std::fprintf(stderr, "ticktrue: error: %s\n", ticktrue::plain_line(message).c_str());
   }
   if (session != &memory_failure) delete session;
   return exit_code;

@@ -175,43 +175,6 @@ Step TraceReader::Impl::read_private(const ChunkHeader& header) {
   return Step::passed;
 }
 
-Step TraceReader::Impl::read_image_part(const ChunkHeader& header) {
-  const std::optional<ByteView> payload = read_payload(header, chunk_kind_info(header.kind)->payload_size_max);
-  if (!payload) return Step::stop;
-  const Result<ImagePart> part = decode_image_part(*payload);
-  if (!part) return damaged(cursor.offset, chunk_text(header.kind) + ": " + part.error().message);
-  const ImagePart& before = cursor.part;
-  const bool is_first = cursor.part_kind == 0;
-  if (is_first ? part->offset != 0
-               : part->offset != before.offset + before.size || part->image_size != before.image_size ||
-                     part->root_hash != before.root_hash)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": state image: a part of another place or image");
-  if (is_first) {
-    image.clear();
-    image_start = cursor;
-  }
-  const std::size_t raw_offset = image.size();
-  if (const Status status = unpack_image_part(*part, image); !status)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
-  cursor.chain = extend_chain(header, payload->first(image_part_fields_size), ByteView(image).subspan(raw_offset));
-  pass(header);
-  cursor.part = *part;
-  cursor.part.stored = {};
-  if (part->offset + part->size < part->image_size) {
-    cursor.part_kind = header.kind;
-    return Step::passed;
-  }
-  cursor.part_kind = 0;
-  if (header.kind == static_cast<std::uint8_t>(ChunkKind::image)) {
-    cursor.expects_image = false;
-    return Step::image;
-  }
-  cursor.has_checkpoint = true;
-  cursor.last_checkpoint = cursor.tick;
-  if (is_sequential) seen.add({cursor.tick, image_start.offset});
-  return Step::checkpoint;
-}
-
 Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
   std::uint64_t running = header.check;
   std::size_t at = chunk_header_size;  // of the next record

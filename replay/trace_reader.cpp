@@ -112,6 +112,7 @@ void TraceReader::Impl::rewind() {
   first_damage = facts_fault;
   is_sequential = true;
   seen = {};
+  unpacked_size = 0;
   end.reset();
   index_check.reset();
   walk_offset = walk_end = 0;

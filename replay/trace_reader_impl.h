@@ -32,6 +32,15 @@ struct Fault {
   std::string message;
 };
 
+/// Follows the row counts through an image that comes in parts, so that a wrong count is found before the rest is read.
+struct ImageShape {
+  std::size_t table = 0;     // whose row count stands at `offset`
+  std::uint64_t offset = 0;  // behind the last table: the size of the image
+
+  /// Reads the row counts that stand in `image`, the bytes of the image so far. Errors: corrupt.
+  Status pass(const StateSchema& schema, ByteView image, std::uint64_t image_size);
+};
+
 /// Everything that says where reading is: copied to try a place, put back afterwards.
 struct Cursor {
   std::uint64_t offset = 0;  // of the next chunk
@@ -45,6 +54,7 @@ struct Cursor {
   // A state image whose parts are being read.
   std::uint8_t part_kind = 0;  // 0: none
   ImagePart part;              // the part before; `stored` is not used
+  ImageShape shape;            // of the image, as far as it was read
 
   bool expects_image = false;  // the last tick said that its image follows
   bool has_pending = false;    // inputs of a tick without hash stand at the end of the last ticks chunk
@@ -87,6 +97,7 @@ struct TraceReader::Impl {
   std::uint64_t walk_file_offset = 0;  // of records[0]
 
   Bytes image;
+  std::uint64_t unpacked_size = 0;  // of images, since the last rewind
   Item item;
   std::uint64_t item_offset = 0;
   TraceTail tail;
@@ -134,6 +145,8 @@ struct TraceReader::Impl {
   const char* wanted_kind(const ChunkHeader& header) const;
   Step read_private(const ChunkHeader& header);
   Step read_image_part(const ChunkHeader& header);
+  /// Whether the part, which ends at `end` in the file, keeps to what a file of that size may hold.
+  Status check_image_limits(const ImagePart& part, std::uint64_t end) const;
   /// Proves a ticks chunk record by record and keeps its records for walk(). At the end of a truncated file the
   /// records up to the cut are kept.
   Step read_ticks(const ChunkHeader& header);

@@ -40,6 +40,7 @@ struct TraceWriter::Impl {
   std::uint32_t sequence = 0;  // of the next chunk
   std::uint64_t tick_count = 0;
   std::uint64_t size = 0;
+  std::uint64_t unpacked_size = 0;  // of all state images
   std::uint64_t facts_check = 0;
   CheckpointIndex index;
   std::uint64_t last_checkpoint = 0;  // tick; counts only if there is one
@@ -110,6 +111,12 @@ struct TraceWriter::Impl {
     is_open = false;
   }
 
+  /// Whether a reader accepts the part however little of the file it takes.
+  bool may_compress(const ImagePart& part) const {
+    return part.offset + part.size <= limits::image_held_max(size) &&
+           unpacked_size + part.size <= limits::images_unpacked_max(size);
+  }
+
   Status write_image(ChunkKind kind, ByteView bytes, std::uint64_t root_hash) {
     ImagePart part;
     part.root_hash = root_hash;
@@ -119,7 +126,8 @@ struct TraceWriter::Impl {
       const ByteView raw = bytes.first(part.size);
       bytes = bytes.subspan(part.size);
       ByteWriter payload;
-      encode_image_part(part, raw, options.compress, payload);
+      encode_image_part(part, raw, options.compress && may_compress(part), payload);
+      unpacked_size += part.size;
       const ChunkHeader header = next_header(kind, payload.size());
       put_chunk(header, payload.view());
       chain = extend_chain(header, payload.view().first(image_part_fields_size), raw);

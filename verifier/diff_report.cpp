@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "verifier/diff.h"
 #include "verifier/json_parts.h"
 
@@ -26,7 +27,7 @@ Json side_json(const DiffSide& side) {
 
 std::string diff_text(const DiffReport& report) {
   std::string text(diff_verdict_info(report.verdict).name);
-  text += "  " + report.a.file + "  " + report.b.file + "  ";
+  text += "  " + plain_line(report.a.file) + "  " + plain_line(report.b.file) + "  ";
   if (report.divergence) {
     char seconds[40];
     std::snprintf(seconds, sizeof seconds, "%.3f s", report.divergence->time_s);
@@ -37,7 +38,7 @@ std::string diff_text(const DiffReport& report) {
   }
   const auto line = [&](std::string label, const std::string& content) {
     label.resize(7, ' ');
-    text += "  " + label + " " + content + "\n";
+    text += "  " + label + " " + plain_line(content) + "\n";
   };
   if (!report.reason.empty()) line("reason", report.reason);
   for (const SetupDifference& difference : report.setup)
@@ -87,7 +88,7 @@ std::string diff_json(const DiffReport& report) {
   object["divergence"] = report.divergence ? divergence_json(*report.divergence) : Json(nullptr);
   object["notes"] = report.notes;
   object["again"] = report.again;
-  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return plain_text(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace ticktrue::verifier

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 
+#include "base/plain_text.h"
 #include "verifier/inject.h"
 #include "verifier/json_parts.h"
 
@@ -133,7 +134,7 @@ std::string inject_json(const InjectReport& report) {
     rows.push_back(std::move(entry));
   }
   object["rows"] = std::move(rows);
-  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return plain_text(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace ticktrue::verifier

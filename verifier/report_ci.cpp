@@ -8,13 +8,14 @@
 #include <cstdio>
 
 #include "base/build_info.h"
+#include "base/plain_text.h"
 
 namespace ticktrue::verifier {
 namespace {
 
 std::string xml_text(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : plain_text(text)) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '&')
       safe += "&amp;";
@@ -35,7 +36,7 @@ std::string xml_text(std::string_view text) {
 /// The data of a workflow command; in a parameter, `,` and `:` too would end it.
 std::string github_text(std::string_view text, bool is_parameter) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : plain_text(text)) {
     if (c == '%')
       safe += "%25";
     else if (c == '\r')
@@ -54,9 +55,9 @@ std::string github_text(std::string_view text, bool is_parameter) {
 
 std::string markdown_cell(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : plain_line(text)) {
     if (c == '|' || c == '\\' || c == '`' || c == '<') safe += '\\';
-    safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    safe += c;
   }
   return safe;
 }

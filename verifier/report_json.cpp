@@ -4,6 +4,7 @@
 
 #include "base/build_info.h"
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "verifier/json_parts.h"
 #include "verifier/report.h"
 
@@ -224,7 +225,7 @@ std::string report_json(std::span<const Report> reports, bool allow_truncated) {
     for (const Report& report : reports) rows.push_back(row_json(report));
     object["rows"] = std::move(rows);
   }
-  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return plain_text(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace ticktrue::verifier

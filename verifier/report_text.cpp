@@ -5,6 +5,7 @@
 
 #include "base/build_info.h"
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "verifier/report.h"
 
 namespace ticktrue::verifier {
@@ -30,8 +31,7 @@ class Lines {
     if (label.size() < 7) label.resize(7, ' ');
     text_ += "  " + label + " ";
     // Names and notes come from the file: nothing in them may steer a terminal.
-    for (const char c : content) text_ += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-    text_ += "\n";
+    text_ += plain_line(content) + "\n";
   }
   /// At most `shown_max` of the lines, and how many more there are.
   void add_inputs(const std::string& inputs, std::size_t shown_max) {
@@ -51,7 +51,7 @@ std::string of_recorded(const Report& report) {
 
 std::string headline(const Report& report) {
   std::string text(verdict_info(report.verdict).name);
-  if (!report.file.empty()) text += "  " + report.file;
+  if (!report.file.empty()) text += "  " + plain_line(report.file);
   if (report.divergence)
     return text + "  tick " + std::to_string(report.divergence->tick) + of_recorded(report) + " (" +
            seconds(report.divergence->time_s) + ")";

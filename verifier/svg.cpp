@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "base/plain_text.h"
 #include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
 
@@ -81,14 +82,14 @@ std::string_view class_of(BodyType type) {
 
 std::string xml_text(std::string_view text) {
   std::string escaped;
-  for (const char letter : text) {
+  for (const char letter : plain_line(text)) {
     if (letter == '&')
       escaped += "&amp;";
     else if (letter == '<')
       escaped += "&lt;";
     else if (letter == '>')
       escaped += "&gt;";
-    else if (static_cast<unsigned char>(letter) >= 0x20)
+    else
       escaped += letter;
   }
   return escaped;

@@ -9,11 +9,6 @@
 // code 3 or 4 and nothing else; no other command dies; each ends within 2 s of processor time; what `recover` writes
 // verifies with exit code 0. Not verified: the messages (traces/bad/EXPECTED.tsv does).
 // With sanitizers, their findings are told from exit codes of the tool by exit code 99.
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -27,21 +22,16 @@
 #include <vector>
 
 #include "engine/math/random.h"
+#include "tests/damage/run_tool.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using Bytes = std::vector<char>;
+using ticktrue::damage::fail;
+using ticktrue::damage::Outcome;
+using ticktrue::damage::run_tool;
 using ticktrue::engine::Random;
-
-constexpr double cpu_max_s = 2;
-constexpr int wall_max_s = 60;  // other work may keep the processor; a run that waits for something ends here
-constexpr int sanitizer_exit_code = 99;
-
-[[noreturn]] void fail(const std::string& message) {
-  std::fprintf(stderr, "damage_check: error: %s\n", message.c_str());
-  std::exit(2);
-}
 
 struct Trace {
   std::string path;
@@ -65,40 +55,6 @@ Trace read_trace(const std::string& path) {
   }
   if (trace.chunks.size() < 6) fail(path + ": found fewer chunks than a trace has");
   return trace;
-}
-
-struct Outcome {
-  int exit_code = -1;  // -1: killed by a signal
-  int signal = 0;
-  double cpu_s = 0;
-};
-
-Outcome run(const std::vector<std::string>& words) {
-  const pid_t child = ::fork();
-  if (child < 0) fail("fork: " + std::string(std::strerror(errno)));
-  if (child == 0) {
-    const int null = ::open("/dev/null", O_RDWR);
-    for (const int descriptor : {0, 1, 2}) ::dup2(null, descriptor);
-    const rlimit cpu{static_cast<rlim_t>(cpu_max_s) + 1, static_cast<rlim_t>(cpu_max_s) + 1};
-    ::setrlimit(RLIMIT_CPU, &cpu);
-    ::alarm(wall_max_s);
-    std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    ::execv(arguments[0], arguments.data());
-    ::_exit(127);
-  }
-  int status = 0;
-  rusage usage{};
-  if (::wait4(child, &status, 0, &usage) != child) fail("wait4: " + std::string(std::strerror(errno)));
-  Outcome outcome;
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  outcome.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  return outcome;
 }
 
 struct Count {
@@ -152,11 +108,11 @@ class Checker {
  private:
   int judge(std::vector<std::string> words, const std::string& what, Count& count) {
     words.insert(words.begin(), tool_);
-    const Outcome outcome = run(words);
+    const Outcome outcome = run_tool(words);
     count.slowest_s = std::max(count.slowest_s, outcome.cpu_s);
-    const bool is_hang = outcome.cpu_s > cpu_max_s || outcome.signal == SIGALRM || outcome.signal == SIGXCPU;
+    const bool is_hang = outcome.is_hang();
+    const bool is_crash = outcome.is_crash();
     if (is_hang) ++count.hangs;
-    const bool is_crash = !is_hang && (outcome.signal != 0 || outcome.exit_code == sanitizer_exit_code);
     if (is_crash) ++count.crashes;
     if (is_hang || is_crash)
       std::printf("%s: %s of `%s`: signal %d, exit code %d, %.1f s\n", is_hang ? "hang" : "crash", what.c_str(),
@@ -259,8 +215,7 @@ int main(int argument_count, char** arguments) {
     fail(
         "usage: damage_check TOOL TRACE TRACE... [--changes N] [--cuts N] [--splices N] [--seed S], or TOOL TRACE... "
         "--every");
-  ::setenv("ASAN_OPTIONS", ("exitcode=" + std::to_string(sanitizer_exit_code) + ":detect_leaks=0").c_str(), 1);
-  ::setenv("UBSAN_OPTIONS", ("exitcode=" + std::to_string(sanitizer_exit_code)).c_str(), 1);
+  ticktrue::damage::set_sanitizer_options();
   std::vector<Trace> traces;
   for (std::size_t i = 1; i < files.size(); ++i) traces.push_back(read_trace(files[i]));
   std::string folder = (fs::temp_directory_path() / "ticktrue_damage_XXXXXX").string();

@@ -35,7 +35,7 @@ TEST_CASE("report_ci: JUnit has a case for each file, findings as failures, the 
     CHECK(contains(xml, "<failure type=\"" + std::string(name) + "\""));
   for (const char* name : {"damaged", "not_comparable", "error"})
     CHECK(contains(xml, "<error type=\"" + std::string(name) + "\""));
-  CHECK(contains(xml, "a &quot;reason&quot; &amp; &lt;more&gt;, 100 %: ?&#10;second line"));
+  CHECK(contains(xml, "a &quot;reason&quot; &amp; &lt;more&gt;, 100 %: \\u0001&#10;second line"));
   CHECK(!contains(xml, "\x01"));
 }
 

@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "base/limits.h"
+#include "base/plain_text.h"
 #include "engine/builtin_scenes.h"
 #include "engine/scene_json.h"
 #include "verifier/data_file.h"
@@ -39,7 +40,7 @@ void remember_stop(int signal) {
 void print_message(const char* kind, std::string_view text) {
   if (data_output != nullptr)
     std::fflush(data_output);  // on a terminal, data printed before the message stands before it
-  std::fprintf(stderr, "ticktrue: %s: %.*s\n", kind, static_cast<int>(text.size()), text.data());
+  std::fprintf(stderr, "ticktrue: %s: %s\n", kind, plain_line(text).c_str());
 }
 
 /// Letters to insert, remove, replace or exchange with a neighbour to get from `a` to `b`.
@@ -110,7 +111,7 @@ std::uint64_t checked_number(const std::string& name, const std::string& text, N
 
 void print_error(const Error& error) {
   print_message("error", error.message);
-  if (!error.hint.empty()) std::fprintf(stderr, "  %s\n", error.hint.c_str());
+  if (!error.hint.empty()) std::fprintf(stderr, "  %s\n", plain_line(error.hint).c_str());
 }
 
 void print_warning(std::string_view text) {
@@ -137,7 +138,9 @@ void print(std::string_view text) {
     output_error = EBADF;
     return;
   }
-  if (std::fwrite(text.data(), 1, text.size(), data_output) != text.size()) output_error = errno != 0 ? errno : EIO;
+  static bool at_line_start = true;
+  const std::string plain = plain_text(text, at_line_start);
+  if (std::fwrite(plain.data(), 1, plain.size(), data_output) != plain.size()) output_error = errno != 0 ? errno : EIO;
 }
 
 void use_data_output(std::FILE* file) {

@@ -53,8 +53,8 @@ int fail(const Error& error);
 /// The same for commands that were given a scene or inputs, not a trace: always exit_usage.
 int fail_usage(const Error& error);
 
-// Data goes to standard output through these only. A reader that went away (`| head`) is no error: what follows is
-// dropped.
+// Data goes to standard output through these only; base/plain_text.h says what of it is escaped. A reader that went away
+// (`| head`) is no error: what follows is dropped.
 void print(std::string_view text);
 /// From here on data goes to this file instead of stdout; null: every write fails. For a process whose stdout others
 /// use.

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "base/plain_text.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 
@@ -57,8 +58,8 @@ std::string range_text(const StateSchema& schema, const Column& column) {
 void print_text(const engine::Engine& engine, const DescribeOptions& options) {
   const engine::Scene& scene = engine.scene();
   const auto& automatic = scene.settings.auto_substeps;
-  print(fmt::format("{}  {} bodies, {} prototypes, dt {:.6g} s, {}{} substeps\n", scene.name, scene.bodies.size(),
-                    scene.prototypes.size(), scene.settings.dt, scene.settings.substeps,
+  print(fmt::format("{}  {} bodies, {} prototypes, dt {:.6g} s, {}{} substeps\n", plain_line(scene.name),
+                    scene.bodies.size(), scene.prototypes.size(), scene.settings.dt, scene.settings.substeps,
                     automatic ? ".." + std::to_string(automatic->substeps_max) : ""));
   print("choices\n");
   for (const ChoiceText& choice : choices_of(scene.settings)) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "base/state_view.h"
 #include "verifier/cli/cli.h"
 #include "verifier/cli/json_output.h"
@@ -45,7 +46,7 @@ std::string state_text(const Simulation& simulation, std::uint64_t tick, double 
   for_each_row(state, [&](std::size_t t, std::size_t r, ByteView rows) {
     const TableSchema& table = state.schema->tables[t];
     const std::string name = simulation.row_name(t, r);
-    text += fmt::format("  {} {}{}", table.name, r, name.empty() ? "" : " (" + name + ")");
+    text += fmt::format("  {} {}{}", table.name, r, name.empty() ? "" : " (" + plain_line(name) + ")");
     for (std::size_t c = 0; c < table.columns.size(); ++c)
       text += fmt::format("  {} {}", table.columns[c].name, value_text(table, rows, r, c));
     text += "\n";

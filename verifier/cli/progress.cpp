@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/plain_text.h"
+
 namespace ticktrue::cli {
 namespace {
 
@@ -33,7 +35,7 @@ std::string elapsed_text(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string label, std::uint64_t total, std::string unit)
-    : label_(std::move(label)), total_(total), unit_(std::move(unit)), start_(Clock::now()) {
+    : label_(plain_line(label)), total_(total), unit_(std::move(unit)), start_(Clock::now()) {
   const std::string_view wish = environment("TICKTRUE_PROGRESS");
   enabled_ = wish == "always" || (wish != "never" && isatty(STDERR_FILENO) != 0 && environment("TERM") != "dumb");
   colored_ = environment("NO_COLOR").empty();

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/plugin_session.h"
@@ -62,7 +63,7 @@ constexpr std::string_view table_head =
 std::string table_rows(const engine::Engine& engine, std::uint64_t tick) {
   std::string text;
   for (const engine::BodyReport& body : engine.bodies()) {
-    const std::string name = body.name.empty() ? "#" + std::to_string(body.id) : body.name;
+    const std::string name = body.name.empty() ? "#" + std::to_string(body.id) : plain_line(body.name);
     text += fmt::format("{:8}  {:10.4f}  {:<18} {:12.6g} {:12.6g} {:12.6g} {:12.6g} {:12.6g} {:12.6g}\n", tick,
                         engine.time_s(), name, body.center.x, body.center.y, body.angle, body.velocity.x,
                         body.velocity.y, body.angular_velocity);
@@ -98,7 +99,7 @@ std::string json_line(const engine::Engine& engine, std::uint64_t tick) {
                                 {"normal", {contact.normal.x, contact.normal.y}},
                                 {"points", std::move(points)}});
   }
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return plain_text(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 /// Says how the playing ended, and gives the exit code.

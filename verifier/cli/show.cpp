@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/hash.h"
+#include "base/plain_text.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
@@ -187,12 +188,13 @@ std::string inputs_line(const verifier::TraceSummary& summary) {
 void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
-  print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", options.file, setup.title, summary.tick_count, summary.time_s));
+  print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
+                    summary.tick_count, summary.time_s));
   std::string condition(condition_name(summary.tail.condition));
   if (summary.tail.end) {
     const replay::EndReason reason = summary.tail.end->reason;
     if (reason != replay::EndReason::complete) condition += fmt::format(", ended: {}", end_reason_name(reason));
-    if (!summary.tail.end->note.empty()) condition += fmt::format(" ({})", summary.tail.end->note);
+    if (!summary.tail.end->note.empty()) condition += fmt::format(" ({})", plain_line(summary.tail.end->note));
   }
   if (!summary.tail.message.empty()) condition += ": " + summary.tail.message;
   print(fmt::format("  condition   {}\n", condition));
@@ -200,7 +202,7 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
     print(fmt::format("              inputs of tick {} were written, its result was not\n", summary.tail.ticks_intact));
   for (const replay::IntactRange& range : summary.tail.intact_after)
     print(fmt::format("              behind the damage intact: {}\n", intact_range_text(range)));
-  print(fmt::format("  simulation  {}, physics version {}\n", setup.simulation, setup.physics_version));
+  print(fmt::format("  simulation  {}, physics version {}\n", plain_line(setup.simulation), setup.physics_version));
   print(fmt::format("  dt          {} s\n", setup.dt));
   print(fmt::format("  detail      {}\n", detail_text(setup)));
   print(fmt::format("  inputs      {}\n", inputs_line(summary)));
@@ -209,7 +211,8 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
                     summary.setup_size, summary.checkpoint_size, summary.tick_size, summary.rest_size));
   std::string build;
   for (const auto& [name, value] : reader.facts())
-    build += fmt::format("{}{} {}", build.empty() ? "" : ", ", name, value.empty() ? "-" : value);
+    build +=
+        fmt::format("{}{} {}", build.empty() ? "" : ", ", plain_line(name), value.empty() ? "-" : plain_line(value));
   print(fmt::format("  build       {}\n", build.empty() ? "not known" : build));
   print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
   print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");

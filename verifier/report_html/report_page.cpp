@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/build_info.h"
+#include "base/plain_text.h"
 #include "replay/trace_reader.h"
 #include "verifier/diff.h"
 #include "verifier/json_parts.h"
@@ -539,7 +540,7 @@ class PageMaker {
 
 std::string html_text(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
+  for (const char c : plain_text(text)) {
     if (c == '&')
       safe += "&amp;";
     else if (c == '<')
@@ -551,7 +552,7 @@ std::string html_text(std::string_view text) {
     else if (c == '\'')
       safe += "&#39;";
     else
-      safe += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+      safe += c;
   }
   return safe;
 }
@@ -560,7 +561,7 @@ std::string script_json(std::string_view json) {
   // Inside of JSON these three stand in strings only.
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json) {
+  for (const char c : plain_text(json)) {
     if (c == '<')
       safe += "\\u003c";
     else if (c == '>')

@@ -1,0 +1,22 @@
+// Text from outside on its way to a terminal, a log or a page: nothing in it may steer what shows it.
+// SPDX-License-Identifier: MIT
+//
+// Escaped as \uXXXX, which is also what JSON has for it: control characters (C0, DEL, C1), the characters that change
+// the direction of text or end a line (U+061C, U+200E, U+200F, U+2028..U+202E, U+2066..U+2069), the `##[` of a workflow
+// command anywhere, and the first colon of `::` at the beginning of a line. Bytes that are no UTF-8 become U+FFFD.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace ticktrue {
+
+/// Several lines: \n and \t stay. In JSON it changes texts only, and not what they mean.
+/// `at_line_start`: whether the text begins a line; becomes whether the next text does.
+std::string plain_text(std::string_view text, bool& at_line_start);
+std::string plain_text(std::string_view text);
+
+/// One line: \n and \t are escaped, too.
+std::string plain_line(std::string_view text);
+
+}  // namespace ticktrue

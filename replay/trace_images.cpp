@@ -1,0 +1,85 @@
+// Reads state images, part by part: what is held and unpacked is bounded by the size of the file.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "base/limits.h"
+#include "replay/trace_reader_impl.h"
+
+namespace ticktrue::replay {
+
+Status ImageShape::pass(const StateSchema& schema, ByteView image, std::uint64_t image_size) {
+  const auto wrong = [&](const std::string& what) { return Error{ErrorCode::corrupt, "state image: " + what, ""}; };
+  while (table < schema.tables.size() && offset + 4 <= image.size()) {
+    const std::uint64_t row_count = ByteReader(image.subspan(static_cast<std::size_t>(offset), 4)).u32();
+    offset += 4 + row_count * schema.tables[table].row_size;
+    if (offset > image_size)
+      return wrong("table " + schema.tables[table].name + ": rows: found " + std::to_string(row_count) +
+                   ", expected at most what an image of " + std::to_string(image_size) + " bytes holds");
+    ++table;
+  }
+  if (image.size() == image_size && (table < schema.tables.size() || offset != image_size))
+    return wrong("size: found " + std::to_string(image_size) + " bytes, expected " + std::to_string(offset) + " by " +
+                 std::to_string(table) + " of " + std::to_string(schema.tables.size()) + " row counts");
+  return {};
+}
+
+Status TraceReader::Impl::check_image_limits(const ImagePart& part, std::uint64_t end) const {
+  const auto over = [](const char* what, std::uint64_t found, std::uint64_t max) {
+    return Error{ErrorCode::limit,
+                 std::string("state image: ") + what + ": found " + std::to_string(found) + ", expected at most " +
+                     std::to_string(max) + " at this place of the file",
+                 ""};
+  };
+  const std::uint64_t held = part.offset + part.size;
+  if (held > limits::image_held_max(end)) return over("bytes", held, limits::image_held_max(end));
+  const std::uint64_t unpacked = unpacked_size + part.size;
+  if (unpacked > limits::images_unpacked_max(end))
+    return over("bytes of all images", unpacked, limits::images_unpacked_max(end));
+  return {};
+}
+
+Step TraceReader::Impl::read_image_part(const ChunkHeader& header) {
+  const std::optional<ByteView> payload = read_payload(header, chunk_kind_info(header.kind)->payload_size_max);
+  if (!payload) return Step::stop;
+  const Result<ImagePart> part = decode_image_part(*payload);
+  if (!part) return damaged(cursor.offset, chunk_text(header.kind) + ": " + part.error().message);
+  const ImagePart& before = cursor.part;
+  const bool is_first = cursor.part_kind == 0;
+  if (is_first ? part->offset != 0
+               : part->offset != before.offset + before.size || part->image_size != before.image_size ||
+                     part->root_hash != before.root_hash)
+    return damaged(cursor.offset, chunk_text(header.kind) + ": state image: a part of another place or image");
+  if (const Status status = check_image_limits(*part, cursor.offset + whole_size(header)); !status)
+    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
+  if (is_first) {
+    image.clear();
+    image.reserve(static_cast<std::size_t>(std::min(part->image_size, limits::image_held_max(file.size()))));
+    image_start = cursor;
+    cursor.shape = {};
+  }
+  const std::size_t raw_offset = image.size();
+  if (const Status status = unpack_image_part(*part, image); !status)
+    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
+  unpacked_size += part->size;
+  if (const Status status = cursor.shape.pass(setup.schema, image, part->image_size); !status)
+    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
+  cursor.chain = extend_chain(header, payload->first(image_part_fields_size), ByteView(image).subspan(raw_offset));
+  pass(header);
+  cursor.part = *part;
+  cursor.part.stored = {};
+  if (part->offset + part->size < part->image_size) {
+    cursor.part_kind = header.kind;
+    return Step::passed;
+  }
+  cursor.part_kind = 0;
+  if (header.kind == static_cast<std::uint8_t>(ChunkKind::image)) {
+    cursor.expects_image = false;
+    return Step::image;
+  }
+  cursor.has_checkpoint = true;
+  cursor.last_checkpoint = cursor.tick;
+  if (is_sequential) seen.add({cursor.tick, image_start.offset});
+  return Step::checkpoint;
+}
+
+}  // namespace ticktrue::replay

@@ -1,0 +1,92 @@
+// Writes traces that no recorder would: any content, with checksums and chain values that are right.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.h"
+#include "replay/chunk.h"
+#include "replay/payload.h"
+
+namespace ticktrue::damage {
+
+/// Appends chunks in any order and with any payload. `tick` and `sequence` go on as a writer's do.
+class Forger {
+ public:
+  explicit Forger(std::uint16_t version);
+
+  void setup(ByteView payload);
+  void facts(const replay::FactsPayload& facts);
+  /// A chunk whose chain content is its payload: private kinds, end.
+  void chunk(std::uint8_t kind, ByteView payload);
+  /// An image of `image_size` bytes that begins with `head` and ends with zeros, as checkpoint or image chunks, up to
+  /// `size_max` bytes of file.
+  void image(replay::ChunkKind kind, std::uint64_t root_hash, ByteView head, std::uint64_t image_size, bool compress,
+             std::size_t size_max);
+
+  void open_ticks();
+  void record(replay::RecordTag tag, ByteView body);
+  void close_ticks();
+
+  void end(ByteView payload);
+  void index(ByteView payload);
+  void footer(std::uint64_t index_offset);
+  /// Bytes without any check.
+  void raw(ByteView bytes) { out_.bytes(bytes); }
+
+  std::size_t size() const { return out_.size(); }
+  std::uint64_t tick() const { return tick_; }
+  Bytes take() { return out_.take(); }
+
+ private:
+  replay::ChunkHeader header(std::uint8_t kind, std::size_t size);
+  std::uint64_t put(replay::ChunkHeader header, ByteView payload);
+
+  ByteWriter out_;
+  std::uint64_t seed_;
+  std::uint64_t chain_;
+  std::uint64_t running_ = 0;
+  std::uint32_t sequence_ = 0;
+  std::uint64_t tick_ = 0;
+  std::uint32_t chunk_ticks_ = 0;
+  std::uint64_t facts_check_ = 0;
+  std::uint64_t index_check_ = 0;
+  std::uint64_t index_offset_ = 0;
+};
+
+/// A recording, taken apart.
+struct Recording {
+  struct Checkpoint {
+    std::uint64_t tick = 0;
+    std::uint64_t root_hash = 0;
+    Bytes image;
+  };
+  struct Tick {
+    double dt = 0;
+    Bytes inputs;
+    std::uint64_t root_hash = 0;
+    std::vector<std::uint64_t> stage_hashes;
+    bool has_image = false;
+    Bytes image;
+    Bytes cells;
+  };
+  std::string path;
+  replay::TraceSetup setup;
+  std::vector<Checkpoint> checkpoints;
+  std::vector<Tick> ticks;
+};
+Recording read_recording(const std::string& path);
+
+struct Recipe {
+  std::string_view name;
+  std::string_view summary;
+  Bytes (*forge)(const Recording& from, std::uint64_t seed);
+};
+/// Each gives at most forged_size_max bytes.
+inline constexpr std::size_t forged_size_max = 1u << 20;
+const std::vector<Recipe>& recipes();
+
+}  // namespace ticktrue::damage
