@@ -398,7 +398,13 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
   report.again.push_back("ticktrue verify " + file + " --mode " + (is_incomplete ? "restore" : report.mode) +
                          " --from " + std::to_string(from) + " --to " + std::to_string(tick));
-  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick));
+  if (!report.divergence->rows.empty()) return;
+  const std::string number = std::to_string(tick);
+  report.again.push_back(is_incomplete ? "ticktrue record " + file + " --ticks " + std::to_string(tick + 1) +
+                                             " --detail full:" + number + ".." + number + " --checkpoint-interval " +
+                                             std::to_string(interval) +
+                                             " -o full.ttr; then ticktrue verify full.ttr --mode restore"
+                                       : more_detail_command(report.file, tick));
 }
 
 }  // namespace

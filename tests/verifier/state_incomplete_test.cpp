@@ -103,7 +103,11 @@ TEST_CASE("state_incomplete: a hidden variable is found by every run from a chec
       CHECK(report.divergence->tick == 39);
       REQUIRE(!report.again.empty());
       CHECK(contains(report.again[0], "--mode restore --from 30 --to 39"));
-      if (!is_full) continue;
+      if (!is_full) {
+        REQUIRE(report.again.size() == 2);
+        CHECK(contains(report.again[1], "--detail full:39..39 --checkpoint-interval 30 -o full.ttr; then"));
+        continue;
+      }
       REQUIRE(report.divergence->tables.size() == 1);
       CHECK(report.divergence->tables[0].table == "bodies");
       CHECK(report.divergence->tables[0].columns == std::vector<std::string>{"hits"});
