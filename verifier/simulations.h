@@ -19,6 +19,9 @@ const SimulationInfo* find_simulation(std::string_view name);
 /// nothing between them.
 bool runs_on_threads(const SimulationInfo& info);
 
+/// How commands for traces of this simulation begin: "ticktrue", and --plugin where a plug-in brought it.
+std::string tool_words(std::string_view simulation);
+
 /// "a, b or c": for error messages.
 std::string simulation_names();
 

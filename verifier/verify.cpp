@@ -12,6 +12,7 @@
 #include "verifier/rerun.h"
 #include "verifier/schema_difference.h"
 #include "verifier/segments.h"
+#include "verifier/simulations.h"
 #include "verifier/single_change.h"
 #include "verifier/twice.h"
 #include "verifier/walk.h"
@@ -397,8 +398,9 @@ class Verifier {
 /// The commands that would tell more.
 void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
   const std::string file = shell_word(report.file);
+  const std::string verify_words = tool_words(setup.simulation) + " verify " + file;
   if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
-    report.again.push_back("ticktrue verify " + file + " --mode twice");
+    report.again.push_back(verify_words + " --mode twice");
   if (report.verdict == Verdict::incomplete && report.end &&
       report.end->tail.condition == replay::TraceCondition::truncated)
     report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
@@ -406,9 +408,9 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t tick = report.divergence->tick;
   const std::uint64_t interval = setup.checkpoint_interval;
   const std::uint64_t from = interval == 0 ? 0 : tick / interval * interval;
-  report.again.push_back("ticktrue verify " + file + " --mode " + report.mode + " --from " + std::to_string(from) +
-                         " --to " + std::to_string(tick));
-  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick));
+  report.again.push_back(verify_words + " --mode " + report.mode + " --from " + std::to_string(from) + " --to " +
+                         std::to_string(tick));
+  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick, setup.simulation));
 }
 
 }  // namespace

@@ -155,8 +155,10 @@ class StretchWalk {
   }
 
   void count_tick() {
-    if (stretch_.counts && result_.tick >= stretch_.count_from) ++result_.ticks_compared;
     result_.last_tick_s = result_.time_s;
+    if (!stretch_.counts || result_.tick < stretch_.count_from) return;
+    ++result_.ticks_compared;
+    if (context_.options.on_compared) context_.options.on_compared(result_.last_tick_s);
   }
 
   void keep_mismatch(const TickRecord& record, std::uint64_t got_root) {
