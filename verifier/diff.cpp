@@ -11,7 +11,6 @@
 #include "verifier/locate.h"
 #include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
-#include "verifier/simulations.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -77,14 +76,14 @@ constexpr std::uint64_t spread_ticks = 64;
 
 /// What to run, each with the build that recorded it, for the values behind a difference of two traces.
 std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
-                                 std::string_view simulation) {
+                                 const std::string& tool) {
   const std::string number = std::to_string(tick);
-  if (find_simulation(simulation) == nullptr)
+  if (tool.empty())
     return "record both again with detail full:" + number + ".." + number +
            ", each with the program that recorded it; then ticktrue diff a.ttr b.ttr";
   const auto record = [&](const std::string& file, const char* out) {
-    return tool_words(simulation) + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) +
-           " --detail full:" + number + ".." + number + " -o " + out;
+    return tool + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
+           ".." + number + " -o " + out;
   };
   return record(a, "a.ttr") + " and " + record(b, "b.ttr") +
          ", each with the build that recorded it; then ticktrue diff a.ttr b.ttr";
@@ -308,7 +307,7 @@ class Differ {
     }
     if (report_.divergence && report_.divergence->rows.empty() && comparable_)
       report_.again.push_back(
-          more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, setup_a_.simulation));
+          more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
   }
 
   const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "replay/payload.h"
-#include "verifier/simulations.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -229,9 +228,8 @@ std::optional<Spread> measure_spread(const StateSchema& schema, const replay::Ti
   return std::nullopt;
 }
 
-std::string more_detail_command(const std::string& file, std::uint64_t tick, std::string_view simulation) {
+std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool) {
   const std::string number = std::to_string(tick);
-  const std::string tool = tool_words(simulation);
   return tool + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
          ".." + number + " -o full.ttr, with the build that recorded it; then " + tool + " verify full.ttr here";
 }

@@ -12,7 +12,6 @@
 #include "verifier/rerun.h"
 #include "verifier/schema_difference.h"
 #include "verifier/segments.h"
-#include "verifier/simulations.h"
 #include "verifier/single_change.h"
 #include "verifier/twice.h"
 #include "verifier/walk.h"
@@ -398,7 +397,7 @@ class Verifier {
 /// The commands that would tell more.
 void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
   const std::string file = shell_word(report.file);
-  const std::string verify_words = tool_words(setup.simulation) + " verify " + file;
+  const std::string verify_words = options.tool + " verify " + file;
   if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
     report.again.push_back(verify_words + " --mode twice");
   if (report.verdict == Verdict::incomplete && report.end &&
@@ -410,7 +409,7 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t from = interval == 0 ? 0 : tick / interval * interval;
   report.again.push_back(verify_words + " --mode " + report.mode + " --from " + std::to_string(from) + " --to " +
                          std::to_string(tick));
-  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick, setup.simulation));
+  if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick, options.tool));
 }
 
 }  // namespace

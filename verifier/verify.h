@@ -51,6 +51,8 @@ struct VerifyOptions {
   /// Where a trace stores only the hash of the tick that differs: look for a single bit that explains it (replay).
   bool search_single_bit = false;
 
+  std::string tool = "ticktrue";  // how the commands in reports begin: with a plug-in also how it is loaded
+
   unsigned thread_count = 1;  // replay, restore: stretches between checkpoints at once, where `reopen` is given
   /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
   std::function<std::unique_ptr<TraceSource>()> reopen;

@@ -96,7 +96,7 @@ is_red=1 # the first run of the game built with -mfma alone
 while IFS= read -r command; do
   wanted=0
   case $command in
-    export\ *) environment=$command; continue ;;
+    export\ *) environment=${command%%  #*}; continue ;; # without what it is for
     *pkg-config*) command -v pkg-config >/dev/null 2>&1 || command=$(printf '%s' "$command" |
       sed "s|\$(pkg-config[^)]*)|-I$prefix/include -L$library_folder -lticktrue|") ;;
   esac
@@ -138,6 +138,10 @@ expect 2 "use --force to replace it" ./lockstep --record lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep --verify lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep_static --verify lockstep.ttr
 expect 1 "balls.velocity    row 3, lane 0" ./lockstep --verify lockstep.ttr --bug clock
+head -c 100000 lockstep.ttr >cut.ttr
+expect 3 "\`ticktrue recover\` makes a complete trace of it" ./lockstep --verify cut.ttr
+expect 0 "recovered" "$tool" recover cut.ttr -o saved.ttr
+expect 0 "match  saved.ttr" ./lockstep --verify saved.ttr
 expect 1 "1 ulp" ./lockstep --verify lockstep.ttr --bug order
 expect 2 "--bug: found odrer, expected order, clock" ./lockstep --verify lockstep.ttr --bug odrer
 expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
@@ -206,6 +210,10 @@ sed -n 's/^  again   ticktrue //p' "$out" | sed 's/, with the build.*//' >again
 while IFS= read -r command; do expect 0 "" sh -c "'$tool' $command"; done <again
 expect 0 "match  full.ttr  101 of 101" "$tool" --plugin "$pendulum" verify full.ttr
 expect 0 "ran  pendulum-example  300 ticks" "$tool" run first.ttr --plugin "$pendulum"
+head -c 20000 first.ttr >first_cut.ttr
+expect 2 "ticktrue recover makes a trace that does" "$tool" run first_cut.ttr --plugin "$pendulum"
+expect 0 "recovered" "$tool" recover first_cut.ttr -o first_saved.ttr
+expect 0 "ran  pendulum-example" "$tool" run first_saved.ttr --plugin "$pendulum"
 expect 2 "--inputs: found a trace" "$tool" run first.ttr --plugin "$pendulum" --inputs inputs.jsonl
 expect 2 "found simulation lockstep-example, expected pendulum-example" "$tool" run lockstep.ttr --plugin "$pendulum"
 # A crash or a hang is one file's finding: those before and behind it are verified.

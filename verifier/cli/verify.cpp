@@ -93,6 +93,7 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
       return verifier::open_error_report(file, known.error());
   verifier::VerifyOptions options = walk_options(command);
   options.simulation = verifier::find_simulation(reader->setup().simulation);
+  if (options.simulation != nullptr) options.tool = verifier::tool_words(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
   SimulationInfo on_several;
