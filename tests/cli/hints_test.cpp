@@ -46,7 +46,7 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
   static const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
   static const std::regex command(
       R"re(ticktrue (run|record|replay|play|verify|diff|report|show|recover|import|compare|accuracy|stress|crosscheck)re"
-      R"re(|describe|scenes|golden|inject|env|--help)|^ (verify|record|replay|diff) )re");
+      R"re(|describe|scenes|golden|inject|env|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
   std::istringstream in(text_of(path));
   int number = 0;
   bool in_examples = false;
@@ -60,9 +60,9 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
       const std::string text = (*it)[1];
       std::smatch found;
       if (std::regex_search(text, found, command))
-        hints.push_back(
-            {fs::relative(path, tree).generic_string() + ":" + std::to_string(number),
-             (text[0] == ' ' ? "ticktrue" : "") + command_part(text, static_cast<std::size_t>(found.position(0)))});
+        hints.push_back({fs::relative(path, tree).generic_string() + ":" + std::to_string(number),
+                         (found.str(0)[0] == ' ' ? "ticktrue" : "") +
+                             command_part(text, static_cast<std::size_t>(found.position(0)))});
     }
   }
   return hints;
