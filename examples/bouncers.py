@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 #
 #   TICKTRUE_LIBRARY=PREFIX/lib/libticktrue.so python3 bouncers.py --record b.ttr
-#   TICKTRUE_LIBRARY=PREFIX/lib/libticktrue.so python3 bouncers.py --verify b.ttr [--bug hash]
+#   TICKTRUE_LIBRARY=PREFIX/lib/libticktrue.so python3 bouncers.py --verify b.ttr
+#   TICKTRUE_LIBRARY=PREFIX/lib/libticktrue.so python3 bouncers.py --verify b.ttr --bug hash
 #
 # --bug hash: lets the order of a set of strings decide, which Python changes in every run.
 import array

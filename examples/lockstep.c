@@ -1,9 +1,9 @@
 // A lockstep game for two in C: recorded, verified by itself, and broken on purpose to see what is told.
 // SPDX-License-Identifier: MIT
 //
-//   lockstep --record game.ttr             plays 600 ticks and records them
-//   lockstep --verify game.ttr             plays the recorded inputs again and compares every tick
-//   lockstep --verify game.ttr --bug NAME  the same with a determinism bug: clock, padding, pointer, order
+//   ./lockstep --record game.ttr              plays 600 ticks and records them
+//   ./lockstep --verify game.ttr              plays the recorded inputs again and compares every tick
+//   ./lockstep --verify game.ttr --bug order  the same with a determinism bug: order, clock, padding or pointer
 //
 // Lines that begin with `t:` in the margin are all that ticktrue needs.
 #include <stdio.h>
@@ -48,13 +48,23 @@ static void begin_game(Game* game, uint32_t seed) {
   }
 }
 
+/* Where the balls are on average. The bug `order`: the sum in another order, as an unordered container may give it. */
+static float centre_of(const Game* game, const char* bug) {
+  float sum = 0;
+  for (int i = 0; i < ball_count; ++i)
+    sum += game->balls[strcmp(bug, "order") == 0 ? ball_count - 1 - i : i].position[0];
+  return sum / ball_count;
+}
+
 static void step_game(Game* game, const Input* input, float dt, const char* bug) {
   for (int p = 0; p < player_count; ++p) {
     const int direction = ((input->buttons[p] >> 1) & 1) - (input->buttons[p] & 1);
     game->paddle[p] += 3.0f * dt * (float)direction;
   }
+  const float centre = centre_of(game, bug);
   for (int i = 0; i < ball_count; ++i) {
     Ball* ball = &game->balls[i];
+    ball->velocity[0] -= 0.015625f * dt * centre; /* a breeze towards the middle */
     ball->velocity[1] -= 9.8125f * dt;
     for (int lane = 0; lane < 2; ++lane) ball->position[lane] += ball->velocity[lane] * dt;
     if (ball->position[1] > 0) continue;
@@ -90,10 +100,18 @@ static void register_state(ticktrue_session* session, Game* game, const char* bu
     ticktrue_column(session, "balls", "padding", &balls->owner + 1, TICKTRUE_U8, 3, ball_count, sizeof *balls);
 }
 
+static int is_bug(const char* name) {
+  return !strcmp(name, "order") || !strcmp(name, "clock") || !strcmp(name, "padding") || !strcmp(name, "pointer");
+}
+
 int main(int argc, char** argv) {
   const char* bug = "";
   for (int i = 1; i + 1 < argc; ++i)
     if (strcmp(argv[i], "--bug") == 0) bug = argv[i + 1];
+  if (*bug && !is_bug(bug)) {
+    fprintf(stderr, "lockstep: --bug: found %s, expected order, clock, padding or pointer\n", bug);
+    return 2;
+  }
 
   uint32_t seed = 42;
   ticktrue_options options = {0};                                              /* t: */

@@ -1,10 +1,9 @@
 // A rollback loop in C: the other player's inputs arrive late, are guessed, and corrected by going back.
 // SPDX-License-Identifier: MIT
 //
-//   rollback --record game.ttr      plays 600 ticks over a bad line; only confirmed ticks are recorded
-//   rollback --verify game.ttr      plays the recorded inputs again, going back every few ticks to prove that it is
-//   harmless rollback --record game.ttr --bug unsaved     one field is not restored: verify is red where the recording
-//   went back
+//   ./rollback --record game.ttr                  plays 600 ticks over a bad line; only confirmed ticks are recorded
+//   ./rollback --verify game.ttr                  plays the recorded inputs again, and goes back every few ticks
+//   ./rollback --verify game.ttr --bug unsaved    going back forgets one field: verify names it
 #include <stdio.h>
 #include <string.h>
 

@@ -8,6 +8,7 @@
 #include "play/timeline_picture.h"
 #include "verifier/cli/trace_words.h"
 #include "verifier/locate_cells.h"
+#include "verifier/report.h"
 
 namespace ticktrue::play {
 namespace {
@@ -211,7 +212,7 @@ class TraceMode {
     cli::print(fmt::format("played  {}  {} of {} ticks as recorded\n", player_.path(), same, player_.tick_count()));
     if (player_.difference())
       cli::print(fmt::format("  differs  first at tick {}; ticktrue verify {} says more\n", *player_.difference(),
-                             player_.path()));
+                             verifier::shell_word(player_.path())));
     cli::print("  display  " + stage_.frames_text() + "\n");
     return code;
   }

@@ -67,10 +67,14 @@ constexpr std::uint64_t spread_ticks = 64;
 constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
 
 /// What to run, each with the build that recorded it, for the values behind a difference of two traces.
-std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick) {
+std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
+                                 const std::string& tool) {
+  const std::string number = std::to_string(tick);
+  if (tool.empty())
+    return "record both again with detail full:" + number + ".." + number +
+           ", each with the program that recorded it; then ticktrue diff a.ttr b.ttr";
   const auto record = [&](const std::string& file, const char* out) {
-    const std::string number = std::to_string(tick);
-    return "ticktrue record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
+    return tool + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
            ".." + number + " -o " + out;
   };
   return record(a, "a.ttr") + " and " + record(b, "b.ttr") +
@@ -361,7 +365,8 @@ class Differ {
       report_.reason = "no tick was compared";
     }
     if (report_.divergence && report_.divergence->rows.empty() && comparable_)
-      report_.again.push_back(more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick));
+      report_.again.push_back(
+          more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
   }
 
   const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }

@@ -80,6 +80,8 @@ struct DiffOptions {
   const SimulationInfo* simulation = nullptr;  // puts inputs into words; may be null
   std::size_t row_count_max = 64;
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+  /// As of VerifyOptions; empty: only the program that recorded the traces can do so again.
+  std::string tool = "ticktrue";
 };
 
 /// Reads both traces to their ends.

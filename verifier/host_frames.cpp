@@ -116,4 +116,19 @@ Result<std::unique_ptr<HostFrames>> open_host(const std::string& host, std::uint
   return std::unique_ptr<HostFrames>(std::make_unique<FileFrames>(std::move(*lines)));
 }
 
+Status check_host(const std::string& host, std::uint64_t seed) {
+  for (const HostInfo& info : hosts)
+    if (info.name == host) return {};
+  const auto frames = open_host(host, seed);
+  if (!frames) return frames.error();
+  if (!(*frames)->repeatable())
+    return Error{ErrorCode::usage, "--host: found " + host + ", expected a file: each run reads it from its beginning",
+                 "write the frame times to a file"};
+  for (;;) {
+    const auto frame = (*frames)->next();
+    if (!frame) return Error{frame.error().code, "--host: " + frame.error().message, frame.error().hint};
+    if (!*frame) return {};
+  }
+}
+
 }  // namespace ticktrue::verifier

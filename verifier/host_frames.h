@@ -43,6 +43,10 @@ class HostFrames {
 /// `host`: a name of the table, or a file of one frame time a line, in seconds. Errors: io.
 Result<std::unique_ptr<HostFrames>> open_host(const std::string& host, std::uint64_t seed);
 
+/// Whether several runs can take their frames from `host`, each from the beginning: reads a file to its end. Errors:
+/// io, invalid_input; usage where it can be read only once.
+Status check_host(const std::string& host, std::uint64_t seed);
+
 /// Every frame of the same length.
 std::unique_ptr<HostFrames> steady_frames(double seconds);
 

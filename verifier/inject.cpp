@@ -261,6 +261,7 @@ class Injector {
     for (const replay::DetailInfo& info : replay::details)
       if (info.detail == setup_.detail) report_.detail = info.name;
     if (const Status named = check_names(); !named) return named.error();
+    if (const Status known = check_lanes(); !known) return known.error();
     VerifyOptions plain;
     plain.simulation = options_.simulation;
     report_.baseline = verify(reader_, plain);
@@ -284,6 +285,12 @@ class Injector {
   Status check_row() const {
     std::uint64_t rows_seen = 0;
     for (const Flip& flip : flips_) rows_seen = std::max(rows_seen, flip.rows_seen);
+    if (options_.body_count > rows_seen && rows_seen > 0)
+      return Error{ErrorCode::usage,
+                   "--bodies: more than table " + setup_.schema.tables[table_of_bodies(setup_.schema)].name +
+                       " has rows: found " + std::to_string(options_.body_count) + ", expected 1.." +
+                       std::to_string(rows_seen),
+                   ""};
     if (!options_.row || *options_.row < rows_seen || rows_seen == 0) return {};
     return Error{ErrorCode::usage,
                  "--row: no such row" + (options_.table.empty() ? "" : " in table " + options_.table) + ": found " +
@@ -324,6 +331,40 @@ class Injector {
       return Error{ErrorCode::usage,
                    "--column: no such column: found " + options_.column + ", expected one of " + columns, ""};
     return {};
+  }
+
+  /// Lane and bit are in some column that may be drawn. Requires: table and column are known.
+  Status check_lanes() const {
+    std::uint32_t lanes = 0, bits = 0;  // of the widest column; bits of those that have the lane
+    for (std::size_t t = 0; t < setup_.schema.tables.size(); ++t) {
+      const TableSchema& table = setup_.schema.tables[t];
+      const bool in_bodies = options_.body_count > 0 || options_.after_substep;
+      if (!options_.table.empty() && table.name != options_.table) continue;
+      if (in_bodies && t != table_of_bodies(setup_.schema)) continue;
+      for (const Column& column : table.columns) {
+        if (!options_.column.empty() && column.name != options_.column) continue;
+        lanes = std::max<std::uint32_t>(lanes, column.lane_count);
+        if (options_.lane.value_or(0) < column.lane_count)
+          bits = std::max<std::uint32_t>(bits, static_cast<std::uint32_t>(8u * scalar_info(column.type)->size));
+      }
+    }
+    if (lanes == 0)
+      return Error{ErrorCode::usage,
+                   "--table, --column: no such place for --bodies and --after-substep: expected table " +
+                       setup_.schema.tables[table_of_bodies(setup_.schema)].name + " and a column of it",
+                   ""};
+    if (options_.lane && *options_.lane >= lanes)
+      return Error{ErrorCode::usage, "--lane: no such lane: " + range_text(*options_.lane, lanes), ""};
+    if (options_.bit && *options_.bit >= bits)
+      return Error{ErrorCode::usage, "--bit: no such bit: " + range_text(*options_.bit, bits), ""};
+    return {};
+  }
+
+  std::string range_text(std::uint32_t found, std::uint32_t count) const {
+    const std::string place =
+        options_.table + (options_.table.empty() || options_.column.empty() ? "" : ".") + options_.column;
+    return "found " + std::to_string(found) + ", expected 0.." + std::to_string(count - 1) +
+           (place.empty() ? "" : " in " + place);
   }
 
   bool stored_in_full(std::uint64_t tick) const {

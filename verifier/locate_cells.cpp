@@ -228,10 +228,10 @@ std::optional<Spread> measure_spread(const StateSchema& schema, const replay::Ti
   return std::nullopt;
 }
 
-std::string more_detail_command(const std::string& file, std::uint64_t tick) {
+std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool) {
   const std::string number = std::to_string(tick);
-  return "ticktrue record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
-         ".." + number + " -o full.ttr, with the build that recorded it; then ticktrue verify full.ttr here";
+  return tool + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
+         ".." + number + " -o full.ttr, with the build that recorded it; then " + tool + " verify full.ttr here";
 }
 
 Result<ImageState> ImageState::of(const StateSchema& schema, ByteView image) {

@@ -58,7 +58,7 @@ Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const Sta
 std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, ByteView b, std::uint64_t tick);
 
 /// What to run with the build that recorded `file`, for the values behind a difference at `tick`.
-std::string more_detail_command(const std::string& file, std::uint64_t tick);
+std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool);
 
 /// An image seen as a state. Requires: an image of the schema, which must outlive this.
 class ImageState {

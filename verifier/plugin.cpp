@@ -371,4 +371,10 @@ std::span<const SimulationInfo* const> plugin_simulations() {
   return plugin_infos();
 }
 
+std::string plugin_path(std::string_view simulation) {
+  for (const std::unique_ptr<Plugin>& plugin : plugins())
+    if (plugin->name == simulation) return plugin->path;
+  return "";
+}
+
 }  // namespace ticktrue::verifier

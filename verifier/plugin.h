@@ -5,6 +5,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 #include "base/simulation.h"
@@ -24,5 +25,7 @@ Status load_plugin(const std::string& path);
 
 /// Those loaded, in order.
 std::span<const SimulationInfo* const> plugin_simulations();
+/// The library that brought a simulation, as it was named to load_plugin; empty where none did.
+std::string plugin_path(std::string_view simulation);
 
 }  // namespace ticktrue::verifier

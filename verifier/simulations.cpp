@@ -9,6 +9,7 @@
 #include "engine/engine.h"
 #include "engine/scene_binary.h"
 #include "verifier/plugin.h"
+#include "verifier/report.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -61,6 +62,11 @@ const SimulationInfo* find_simulation(std::string_view name) {
 
 bool runs_on_threads(const SimulationInfo& info) {
   return &info == &engine_here() || &info == &engine::engine_info();
+}
+
+std::string tool_words(std::string_view simulation) {
+  const std::string library = plugin_path(simulation);
+  return library.empty() ? "ticktrue" : "ticktrue --plugin " + shell_word(library);
 }
 
 std::string simulation_names() {

@@ -70,6 +70,7 @@ class TwiceWalk {
     }
     result_.time_s += input.dt;
     result_.last_tick_s = result_.time_s;
+    if (context_.options.on_compared) context_.options.on_compared(result_.last_tick_s);
     ++result_.tick;
     if (context_.options.progress) context_.options.progress(result_.tick);
     return true;

@@ -386,8 +386,9 @@ class Verifier {
 /// The commands that would tell more.
 void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
   const std::string file = shell_word(report.file);
+  const std::string verify_words = options.tool + " verify " + file;
   if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
-    report.again.push_back("ticktrue verify " + file + " --mode twice");
+    report.again.push_back(verify_words + " --mode twice");
   if (report.verdict == Verdict::incomplete && report.end &&
       report.end->tail.condition == replay::TraceCondition::truncated)
     report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
@@ -396,15 +397,15 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t tick = report.divergence->tick;
   const std::uint64_t interval = setup.checkpoint_interval;
   const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
-  report.again.push_back("ticktrue verify " + file + " --mode " + (is_incomplete ? "restore" : report.mode) +
-                         " --from " + std::to_string(from) + " --to " + std::to_string(tick));
+  report.again.push_back(verify_words + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
+                         std::to_string(from) + " --to " + std::to_string(tick));
   if (!report.divergence->rows.empty()) return;
   const std::string number = std::to_string(tick);
-  report.again.push_back(is_incomplete ? "ticktrue record " + file + " --ticks " + std::to_string(tick + 1) +
+  report.again.push_back(is_incomplete ? options.tool + " record " + file + " --ticks " + std::to_string(tick + 1) +
                                              " --detail full:" + number + ".." + number + " --checkpoint-interval " +
-                                             std::to_string(interval) +
-                                             " -o full.ttr; then ticktrue verify full.ttr --mode restore"
-                                       : more_detail_command(report.file, tick));
+                                             std::to_string(interval) + " -o full.ttr; then " + options.tool +
+                                             " verify full.ttr --mode restore"
+                                       : more_detail_command(report.file, tick, options.tool));
 }
 
 }  // namespace

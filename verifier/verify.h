@@ -46,8 +46,13 @@ struct VerifyOptions {
   std::uint64_t spread_ticks = 64;  // how far behind a divergence its spread is followed; 0: not at all
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
 
+  /// After each tick that counts as compared: the simulated time at its end. May be empty; called by any thread.
+  std::function<void(double time_s)> on_compared;
+
   /// Where a trace stores only the hash of the tick that differs: look for a single bit that explains it (replay).
   bool search_single_bit = false;
+
+  std::string tool = "ticktrue";  // how the commands in reports begin: with a plug-in also how it is loaded
 
   /// Replay: in segments between checkpoints, on one thread too. With several threads always, where `reopen` is given.
   bool in_segments = false;

@@ -148,6 +148,8 @@ class StretchWalk {
     result_.root_hash = record.root_hash;
     watch_.look(simulation_->state());
     result_.time_s += record.dt;
+    if (context_.options.on_compared && stretch_.counts && result_.tick >= stretch_.count_from)
+      context_.options.on_compared(result_.time_s);
     ++result_.tick;
     result_.last_tick_s = result_.time_s;
     if (stretch_.progress) stretch_.progress(result_.tick);

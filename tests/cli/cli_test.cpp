@@ -4,7 +4,10 @@
 // Each case runs in a fresh directory. A case file holds cases, each of these lines:
 //   === the sentence that is proven          begins a case
 //   << NAME                                  a file of the directory: the lines up to `>>`
-//   $ COMMAND                                run by sh, `ticktrue` being the tool; what follows is about it
+//   $ COMMAND                                run by sh, `ticktrue` being the tool (and `plant_fault` that of
+//   tests/page);
+//                                            what follows is about it
+//   $^ COMMAND                               the same, and the command before must have printed this one
 //   exit N                                   exit code (default 0)
 //   stdout: TEXT      stderr: TEXT           a piece of it
 //   stdout!: TEXT     stderr!: TEXT          no piece of it
@@ -60,6 +63,7 @@ class CaseDirectory {
     path_ = name;
     fs::create_directory(path_ / "bin");
     fs::create_symlink(TICKTRUE_TOOL, path_ / "bin" / "ticktrue");
+    fs::create_symlink(fs::path(TICKTRUE_TOOL).parent_path() / "plant_fault", path_ / "bin" / "plant_fault");
     fs::create_directory(path_ / "work");
   }
   CaseDirectory(const CaseDirectory&) = delete;
@@ -99,6 +103,7 @@ struct Step {
   std::vector<std::pair<std::string, std::string>> files;  // name, content: made before the command runs
   std::string command;
   std::vector<Check> checks;
+  bool was_printed = false;  // by the step before
 };
 struct Case {
   std::string place;  // file:line
@@ -137,8 +142,9 @@ std::vector<Case> read_cases(const fs::path& path) {
       files.emplace_back(name, content);
       continue;
     }
-    if (line.compare(0, 2, "$ ") == 0) {
-      cases.back().steps.push_back({std::move(files), line.substr(2), {}});
+    if (line.compare(0, 2, "$ ") == 0 || line.compare(0, 3, "$^ ") == 0) {
+      const bool was_printed = line[1] == '^';
+      cases.back().steps.push_back({std::move(files), line.substr(was_printed ? 3 : 2), {}, was_printed});
       files.clear();
       continue;
     }
@@ -175,9 +181,15 @@ bool holds(const Check& check, const CaseDirectory::Outcome& outcome, const fs::
 
 void run_case(const Case& one) {
   const CaseDirectory directory;
+  std::string printed;  // by the step before
   for (const Step& step : one.steps) {
     for (const auto& [name, content] : step.files) write_file(directory.work() / name, content);
+    if (step.was_printed) {
+      CAPTURE(one.place, one.sentence, printed);
+      CHECK_THAT(printed, Catch::Matchers::Contains(step.command));
+    }
     const CaseDirectory::Outcome outcome = directory.run(step.command);
+    printed = outcome.out + outcome.err;
     int expected_exit = 0;
     for (const Check& check : step.checks)
       if (check.kind == "exit ") expected_exit = std::stoi(check.value);
@@ -244,6 +256,9 @@ TEST_CASE("scenes, stages, columns and the machine are described", "[cli][upkeep
 
 TEST_CASE("compare, accuracy and stress print what they found, and refuse what they cannot do", "[cli][study]") {
   run_cases("study.case");
+}
+TEST_CASE("each command that a message prints can be run as it stands", "[cli][hints][equivalence]") {
+  run_cases("hints.case");
 }
 TEST_CASE("the window's sessions and pictures work without a display", "[cli][play]") {
   run_cases("play.case");

@@ -81,6 +81,54 @@ if grep -qw fma /proc/cpuinfo 2>/dev/null && compile_game -mfma game.c 2>/dev/nu
   expect 0 "match  game.ttr" ./game --verify game.ttr
 fi
 
+# The commands that the document prints, in their order, from an install in ~/ticktrue.
+home=$work/home
+mkdir -p "$home" "$work/doc"
+ln -s "$prefix" "$home/ticktrue"
+cp game.c "$work/doc/game.c"
+[ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
+library_folder=$(dirname "$library")
+sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
+  sed "s|~/ticktrue/lib/pkgconfig|$library_folder/pkgconfig|; s|LD_LIBRARY_PATH=~/ticktrue/lib|LD_LIBRARY_PATH=$library_folder|" >printed
+[ "$(wc -l <printed)" -ge 10 ] || complain "any_simulation.md: commands: found $(wc -l <printed), expected 10 or more"
+environment=:
+is_red=1 # the first run of the game built with -mfma alone
+while IFS= read -r command; do
+  wanted=0
+  case $command in
+    export\ *) environment=${command%%  #*}; continue ;; # without what it is for
+    *pkg-config*) command -v pkg-config >/dev/null 2>&1 || command=$(printf '%s' "$command" |
+      sed "s|\$(pkg-config[^)]*)|-I$prefix/include -L$library_folder -lticktrue|") ;;
+  esac
+  case $command in
+    *game_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
+  esac
+  case $command in ./game_fma*) wanted=$is_red is_red=0 ;; esac
+  expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
+done <printed
+
+# --- the commands in the first lines of the examples -----------------------------------------------------------------
+mkdir -p "$work/headers"
+for file in lockstep rollback libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+  [ ! -e "$file" ] || cp "$file" "$work/headers"
+done
+for example in lockstep.c rollback.c plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+  # Of "//   COMMAND   what it does" the command.
+  sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
+  [ -s printed ] || complain "$example: found no command in its first lines, expected some"
+  while IFS= read -r command; do
+    case $command in
+      *libplugin_box2d*) [ -f libplugin_box2d.so ] || continue ;;
+      *python3*) command -v python3 >/dev/null 2>&1 || continue ;;
+    esac
+    wanted=0
+    case $command in *--bug*) wanted=1 ;; esac
+    command=$(printf '%s' "$command" | sed "s|PREFIX/lib/libticktrue.so|$library|")
+    expect "$wanted" "" env PYTHONHASHSEED=1 PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/headers' && $command"
+  done <printed
+  rm -f "$work"/headers/*.ttr
+done
+
 # --- a lockstep game in C --------------------------------------------------------------------------------------------
 lines=$(wc -l <../examples/lockstep.c)
 [ "$lines" -lt 150 ] || complain "lockstep.c: lines: found $lines, expected fewer than 150"
@@ -90,6 +138,12 @@ expect 2 "use --force to replace it" ./lockstep --record lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep --verify lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep_static --verify lockstep.ttr
 expect 1 "balls.velocity    row 3, lane 0" ./lockstep --verify lockstep.ttr --bug clock
+head -c 100000 lockstep.ttr >cut.ttr
+expect 3 "\`ticktrue recover\` makes a complete trace of it" ./lockstep --verify cut.ttr
+expect 0 "recovered" "$tool" recover cut.ttr -o saved.ttr
+expect 0 "match  saved.ttr" ./lockstep --verify saved.ttr
+expect 1 "1 ulp" ./lockstep --verify lockstep.ttr --bug order
+expect 2 "--bug: found odrer, expected order, clock" ./lockstep --verify lockstep.ttr --bug odrer
 expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
 expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
 expect 0 "recorded" ./lockstep --record padding.ttr --bug padding
@@ -142,6 +196,26 @@ expect 1 "name \"pendulum 4\"" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify p
 expect 1 "first stage whose output differs" env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "crashed with SIGSEGV in step of tick 100" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum"
 expect 1 "hangs in step of tick 100: found no end after 1 s" env TICKTRUE_EXAMPLE_FAULT=hang "$tool" verify pendulum.ttr --plugin "$pendulum" --plugin-timeout 1
+# How many ticks were compared is told also of a plug-in that ended in the middle.
+expect 1 "diverged  pendulum.ttr  100 of 300 ticks compared (1.667 s)" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum"
+expect 1 '"ticks_compared": 100' env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum" --json
+expect 1 "80 of 300 ticks compared" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum" --from 20
+expect 1 "100 of 300 ticks compared" env TICKTRUE_EXAMPLE_FAULT=crash "$tool" verify pendulum.ttr --plugin "$pendulum" --mode twice
+# The scene is the word behind the library, and the commands of reports bring the plug-in along.
+expect 0 "300 ticks" "$tool" record --plugin "$pendulum" 8 --ticks 300 -o first.ttr
+expect 0 "match  first.ttr" "$tool" verify --plugin "$pendulum" first.ttr
+env TICKTRUE_EXAMPLE_FAULT=drift "$tool" verify first.ttr --plugin "$pendulum" >"$out" 2>&1
+sed -n 's/^  again   ticktrue //p' "$out" | sed 's/, with the build.*//' >again
+[ "$(wc -l <again)" = 2 ] || { complain "again: lines: found $(wc -l <again), expected 2"; cat "$out"; }
+while IFS= read -r command; do expect 0 "" sh -c "'$tool' $command"; done <again
+expect 0 "match  full.ttr  101 of 101" "$tool" --plugin "$pendulum" verify full.ttr
+expect 0 "ran  pendulum-example  300 ticks" "$tool" run first.ttr --plugin "$pendulum"
+head -c 20000 first.ttr >first_cut.ttr
+expect 2 "ticktrue recover makes a trace that does" "$tool" run first_cut.ttr --plugin "$pendulum"
+expect 0 "recovered" "$tool" recover first_cut.ttr -o first_saved.ttr
+expect 0 "ran  pendulum-example" "$tool" run first_saved.ttr --plugin "$pendulum"
+expect 2 "--inputs: found a trace" "$tool" run first.ttr --plugin "$pendulum" --inputs inputs.jsonl
+expect 2 "found simulation lockstep-example, expected pendulum-example" "$tool" run lockstep.ttr --plugin "$pendulum"
 # A crash or a hang is one file's finding: those before and behind it are verified.
 expect 0 "50 ticks" "$tool" record 8 --plugin "$pendulum" --ticks 50 -o short.ttr
 for text in "match  short.ttr" "crashed with SIGSEGV in step of tick 100" "3 traces: 2 match, 1 diverged"; do

@@ -127,6 +127,16 @@ check_travel() {
   done <"$out/scenes"
 }
 
+# --- messages -------------------------------------------------------------------------------------------------------
+
+# What is no terminal gets no progress bar, whatever the platform's isatty says.
+check_no_bar() {
+  scene=stack
+  [ "$name" != wasm ] || scene='mixed_pile?bodies=300' # node hands no environment on: a run of seconds
+  TICKTRUE_PROGRESS=at_once tool run "$scene" --ticks 600 </dev/null >"$out/bar.out" 2>"$out/bar.err"
+  if grep -q "$(printf '\033')" "$out/bar.err"; then find_fault "progress: found a bar in a file, expected none"; fi
+}
+
 # --- all of it ------------------------------------------------------------------------------------------------------
 
 traces=- ticks=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
@@ -160,6 +170,7 @@ main() {
   target=$(json_value target "$out/env.json")
   probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1)
   check_travel
+  check_no_bar
   check_fused
   end_phase
   run_user=$user run_wall=$wall

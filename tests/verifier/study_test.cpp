@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "engine/builtin_scenes.h"
 #include "engine/math/trig.h"
 #include "tests/support/catch.h"
+#include "tests/support/text.h"
 #include "verifier/study/accuracy.h"
 #include "verifier/study/compare.h"
 #include "verifier/study/peer_curves.h"
@@ -381,15 +384,40 @@ TEST_CASE("a variant with other ticks is compared at equal times", "[verifier][s
   }
 }
 
-TEST_CASE("tables keep to their width, cells of CSV to their commas", "[verifier][study]") {
-  TextTable table({"name", "value"});
-  table.add({"long", std::string(200, 'x')});
-  const std::string text = table.text();
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = text.find('\n', at);
-    CHECK(end - at <= table_width_max);
-    at = end + 1;
+TEST_CASE("a table wider than its lines goes on below, and no cell of it is cut", "[verifier][study]") {
+  std::vector<std::string> head{"method", "setting"};
+  for (int i = 0; i < 12; ++i) head.push_back("column " + std::to_string(i));
+  TextTable table(head, 2);
+  for (int row = 0; row < 3; ++row) {
+    std::vector<std::string> cells{"m" + std::to_string(row), "s"};
+    for (int i = 0; i < 12; ++i) cells.push_back(std::to_string(1'000'000'000 + 100 * row + i));
+    table.add(cells);
   }
+  std::istringstream in(table.text());
+  std::size_t line_count = 0, empty_count = 0;
+  std::set<std::string> words;
+  for (std::string line; std::getline(in, line); ++line_count) {
+    CHECK(line.size() <= table_width_max);
+    if (line.empty()) ++empty_count;
+    // Each line says which row it is of.
+    if (!line.empty()) CHECK((line.compare(0, 3, "  m") == 0));
+    std::istringstream cells(line);
+    for (std::string word; cells >> word;) words.insert(word);
+  }
+  CHECK(empty_count == 1);
+  CHECK(line_count == 2 * 4 + 1);
+  for (int row = 0; row < 3; ++row)
+    for (int i = 0; i < 12; ++i) CHECK(words.count(std::to_string(1'000'000'000 + 100 * row + i)) == 1);
+}
+
+TEST_CASE("a cell wider than a line is shown whole", "[verifier][study]") {
+  TextTable table({"name", "value", "more"});
+  table.add({"long", std::string(200, 'x'), "7"});
+  CHECK(test::contains(table.text(), std::string(200, 'x')));
+  CHECK(test::contains(table.text(), "7"));
+}
+
+TEST_CASE("cells of CSV keep to their commas", "[verifier][study]") {
   CHECK(csv_line({"a,b", "say \"so\"", "c"}) == "\"a,b\",\"say \"\"so\"\"\",c\n");
   CHECK(full_number(0.1) == "0.1");
   CHECK(std::stod(full_number(1.0 / 3)) == 1.0 / 3);

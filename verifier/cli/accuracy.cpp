@@ -118,6 +118,7 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   options->precisions = {"f64", "f32"};
   command->add_option("--precision", options->precisions, "f64, f32; default: both")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
   add_number(*command, "--repeats", options->repeat_count, "Timed runs of a point at most; default: 7", {1, 1000});
   command->add_option("--peer", options->peer, "Error against time beside another engine on four scenes")

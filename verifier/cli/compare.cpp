@@ -16,6 +16,7 @@
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
 #include "verifier/cli/study_output.h"
+#include "verifier/host_frames.h"
 #include "verifier/parallel.h"
 
 namespace ticktrue::cli {
@@ -292,6 +293,7 @@ int run_compare(const CompareCommand& command) {
     session.seconds =
         command.tick_count ? static_cast<double>(*command.tick_count) * scene->settings.dt : command.seconds;
   }
+  if (const Status host = verifier::check_host(command.host, command.host_seed); !host) return fail_usage(host.error());
   verifier::CompareOptions options;
   options.twin_count = static_cast<int>(command.twin_count);
   options.host = command.host;
@@ -323,7 +325,7 @@ void add_axis(CLI::App& command, const std::string& name, std::vector<std::strin
               const std::string& what) {
   std::vector<std::string> names;
   for (const auto& row : table) names.emplace_back(row.name);
-  command.add_option(name, target, what)->delimiter(',')->check(CLI::IsMember(names));
+  command.add_option(name, target, what)->delimiter(',')->allow_extra_args(false)->check(CLI::IsMember(names));
 }
 
 }  // namespace
@@ -339,11 +341,17 @@ void add_compare(CLI::App& app, CliContext& context) {
   add_axis(*command, "--integrator", options->integrators, engine::integrators, "Integrators");
   add_axis(*command, "--clock", options->clocks, engine::clock_kinds, "Clocks, on the frames of --host");
   add_axis(*command, "--solver", options->solvers, engine::solvers, "Solvers");
-  command->add_option("--substeps", options->substeps, "Substeps, 1..256 or auto")->delimiter(',');
+  command->add_option("--substeps", options->substeps, "Substeps, 1..256 or auto")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   add_axis(*command, "--precision", options->precisions, engine::precisions, "Precisions");
-  command->add_option("--dt", options->dts, "Lengths of a tick, s, such as 1/120")->delimiter(',');
+  command->add_option("--dt", options->dts, "Lengths of a tick, s, such as 1/120")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   add_axis(*command, "--broad-phase", options->broad_phases, engine::broad_phases, "Broad phases");
-  command->add_option("--threads", options->threads, "Threads of a tick, 1..64")->delimiter(',');
+  command->add_option("--threads", options->threads, "Threads of a tick, 1..64")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   auto* seconds = command->add_option("--seconds", options->seconds, "Simulated time; of a trace: its own")
                       ->check(CLI::Range(1e-3, 1e6))
                       ->capture_default_str();

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "engine/engine.h"
+#include "engine/scene_binary.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/progress.h"
 #include "verifier/parallel.h"
@@ -32,12 +34,35 @@ struct InjectCommand {
   bool json = false;
 };
 
+/// Whether --after-substep can be met in some tick. How many substeps an island gets under automatic ones, only its
+/// ticks say: there the most that it may get counts.
+Status check_substep(std::uint64_t after, const replay::TraceSetup& setup) {
+  const auto refuse = [](const std::string& what) {
+    return Error{ErrorCode::usage, "--after-substep: " + what, "without it bits are flipped at the end of a tick"};
+  };
+  if (setup.simulation != engine::engine_info().name)
+    return refuse("found simulation " + setup.simulation + ", expected " + std::string(engine::engine_info().name));
+  const Result<engine::Scene> scene = engine::decode_scene(setup.setup);
+  if (!scene) return {};  // verify says why
+  const engine::Settings& settings = scene->settings;
+  if (settings.solver != engine::SolverKind::tgs_soft)
+    return refuse("found solver " + std::string(engine::info_of(engine::solvers, settings.solver).name) +
+                  ", expected tgs_soft");
+  const int count = settings.auto_substeps ? settings.auto_substeps->substeps_max : settings.substeps;
+  if (after < static_cast<std::uint64_t>(count)) return {};
+  return refuse("found " + std::to_string(after) + ", expected 0.." + std::to_string(count - 1) +
+                ", the substeps of a tick");
+}
+
 int run_inject(const InjectCommand& command) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(command.file);
   if (!reader) {
     print_error(reader.error());
     return verifier::verdict_info(verifier::verdict_of_open_error(reader.error().code)).exit_code;
   }
+  if (command.after_substep)
+    if (const Status known = check_substep(*command.after_substep, reader->setup()); !known)
+      return fail_usage(known.error());
   verifier::InjectOptions options;
   options.simulation = verifier::find_simulation(reader->setup().simulation);
   options.count = command.count;
@@ -79,10 +104,11 @@ void add_inject(CLI::App& app, CliContext& context) {
   add_number(*command, "--tick", options->tick, "Flip at the end of this tick; without it: any");
   command->add_option("--table", options->table, "Flip in this table; without it: any that has rows");
   command->add_option("--column", options->column, "Flip in this column; without it: any");
-  add_number(*command, "--row", options->row, "Flip in this row; without it: any");
+  CLI::Option* row = add_number(*command, "--row", options->row, "Flip in this row; without it: any");
   add_number(*command, "--lane", options->lane, "Flip in this lane; without it: any", {0, 255});
   add_number(*command, "--bit", options->bit, "Flip this bit, 0 is the lowest; without it: any", {0, 63});
-  add_number(*command, "--bodies", options->bodies, "Flip a bit in each of so many bodies at once", {1, 64});
+  add_number(*command, "--bodies", options->bodies, "Flip a bit in each of so many bodies at once", {1, 64})
+      ->excludes(row);
   add_number(*command, "--after-substep", options->after_substep,
              "Flip a bit of a body inside the solver, after this substep, the first is 0", {0, 255});
   add_number(*command, "-j,--jobs", options->jobs, "Threads (default: every core); they change nothing of the report",

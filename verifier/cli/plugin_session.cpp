@@ -16,8 +16,10 @@
 #include "verifier/cli/cli.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
+#include "verifier/cli/session_inputs.h"
 #include "verifier/data_file.h"
 #include "verifier/plugin.h"
+#include "verifier/trace_inputs.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -101,18 +103,38 @@ class ByteInputs : public replay::InputSource {
 struct Made {
   const SimulationInfo* info = nullptr;
   Bytes setup;
+  double dt = dt_default_s;
+  std::uint64_t tick_count = 0;
   std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<replay::InputSource> inputs;
 };
 
-Result<Made> make(const PluginSession& session) {
-  const auto plugins = verifier::plugin_simulations();
-  if (plugins.size() != 1)
-    return Error{ErrorCode::usage,
-                 "--plugin: found " + std::to_string(plugins.size()) + ", expected one to simulate with", ""};
+/// The session of a trace: its setup, its inputs, its length. Errors: usage (--inputs as well, another simulation),
+/// what TraceReader::open refuses.
+Status take_trace(const PluginSession& session, Made& made) {
+  if (!session.inputs.empty())
+    return Error{ErrorCode::usage, "--inputs: found a trace to run again, expected none: a trace has its own", ""};
+  auto reader = replay::TraceReader::open(session.scene);
+  if (!reader) return reader.error();
+  const replay::TraceSetup& setup = reader->setup();
+  if (setup.simulation != made.info->name)
+    return Error{
+        ErrorCode::usage,
+        session.scene + ": found simulation " + setup.simulation + ", expected " + std::string(made.info->name), ""};
+  if (!session.tick_count && !reader->tick_count_hint())
+    return Error{ErrorCode::usage, "--ticks: found none, expected how many: the trace does not say",
+                 "ticktrue recover makes a trace that does"};
+  made.setup = setup.setup;
+  made.dt = setup.dt;
+  made.tick_count = session.tick_count.value_or(reader->tick_count_hint().value_or(0));
+  made.inputs = std::make_unique<verifier::TraceInputs>(std::move(*reader));
+  return {};
+}
+
+Status take_scene(const PluginSession& session, Made& made) {
   if (!session.tick_count)
     return Error{ErrorCode::usage, "--ticks: found none, expected how many: a plug-in's inputs do not say", ""};
-  Made made;
-  made.info = plugins[0];
+  made.tick_count = *session.tick_count;
   std::error_code failure;
   if (std::filesystem::is_regular_file(session.scene, failure)) {
     const Result<std::string> text = read_text_file(session.scene, limits::setup_size_max);
@@ -121,6 +143,22 @@ Result<Made> make(const PluginSession& session) {
   } else {
     made.setup.assign(session.scene.begin(), session.scene.end());
   }
+  auto inputs = std::make_unique<ByteInputs>();
+  if (!session.inputs.empty())
+    if (const Status status = inputs->read(session.inputs); !status) return status;
+  made.inputs = std::move(inputs);
+  return {};
+}
+
+Result<Made> make(const PluginSession& session) {
+  const auto plugins = verifier::plugin_simulations();
+  if (plugins.size() != 1)
+    return Error{ErrorCode::usage,
+                 "--plugin: found " + std::to_string(plugins.size()) + ", expected one to simulate with", ""};
+  Made made;
+  made.info = plugins[0];
+  const Status taken = is_trace_argument(session.scene) ? take_trace(session, made) : take_scene(session, made);
+  if (!taken) return taken.error();
   auto simulation = made.info->make(made.setup);
   if (!simulation) return simulation.error();
   made.simulation = std::move(*simulation);
@@ -136,16 +174,15 @@ bool has_plugin() {
 int run_plugin(const PluginSession& session) {
   const auto made = make(session);
   if (!made) return fail_usage(made.error());
-  ByteInputs inputs;
-  if (!session.inputs.empty())
-    if (const Status status = inputs.read(session.inputs); !status) return fail_usage(status.error());
   catch_stop_signals();
   Simulation& simulation = *made->simulation;
   double time_s = 0;
   std::uint64_t tick = 0;
   std::optional<verifier::NonFinite> found;
-  for (; tick < *session.tick_count && !stop_requested() && !found; ++tick) {
-    const auto input = inputs.next(tick);
+  for (; tick < made->tick_count && !stop_requested() && !found; ++tick) {
+    const auto input = made->inputs->next(tick);
+    if (!input) return fail_usage(input.error());
+    if (!*input) break;
     if (const Status accepted = simulation.accept(**input); !accepted) return fail_usage(accepted.error());
     simulation.step(**input, nullptr);
     time_s += (*input)->dt;
@@ -176,16 +213,13 @@ int record_plugin(const PluginSession& session) {
     return fail_usage(status.error());
   if (const Status status = verifier::check_not_read(session.output, {session.scene, session.inputs}); !status)
     return fail_usage(status.error());
-  ByteInputs inputs;
-  if (!session.inputs.empty())
-    if (const Status status = inputs.read(session.inputs); !status) return fail_usage(status.error());
   catch_stop_signals();
   Simulation& simulation = *made->simulation;
   replay::TraceSetup setup;
   setup.simulation = std::string(made->info->name);
   setup.physics_version = made->info->physics_version;
   setup.title = std::string(made->info->name);
-  setup.dt = dt_default_s;
+  setup.dt = made->dt;
   setup.detail = session.choices.detail;
   setup.full_first = session.choices.full_first;
   setup.full_last = session.choices.full_last;
@@ -193,16 +227,17 @@ int record_plugin(const PluginSession& session) {
   setup.schema = *simulation.state().schema;
   setup.stages.assign(simulation.stage_names().begin(), simulation.stage_names().end());
   setup.setup = made->setup;
-  Progress progress("record " + session.output, *session.tick_count);
+  Progress progress("record " + session.output, made->tick_count);
   replay::RecordOptions options;
-  options.tick_count = session.tick_count;
+  options.tick_count = made->tick_count;
   options.writer.overwrite = session.force;
   options.writer.compress = session.compress;
   options.progress = [&](std::uint64_t done) {
     progress.update(done);
     return !stop_requested();
   };
-  const auto result = replay::record(simulation, inputs, session.output, setup, verifier::make_build_facts(), options);
+  const auto result =
+      replay::record(simulation, *made->inputs, session.output, setup, verifier::make_build_facts(), options);
   progress.finish();
   if (!result) return fail_usage(result.error());
   if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {

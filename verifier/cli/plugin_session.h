@@ -12,7 +12,8 @@
 namespace ticktrue::cli {
 
 struct PluginSession {
-  std::string scene;   // the setup: the bytes of this file, or of the word itself where there is none
+  std::string
+      scene;  // the setup: the bytes of this file, or of the word itself; or a trace, whose session is run again
   std::string inputs;  // JSON Lines {"tick": N, "bytes": "hex"}, ticks ascending; "dt": s, from that tick on; or empty
   std::optional<std::uint64_t> tick_count;
   verifier::TraceChoices choices;  // record

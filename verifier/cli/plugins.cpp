@@ -17,6 +17,7 @@ std::shared_ptr<PluginOptions> add_plugin_options(CLI::App& app) {
                  "than once")
       ->type_name("LIB.so")
       ->expected(1)
+      ->allow_extra_args(false)  // the next word is the scene
       ->take_all();
   add_number(app, "--plugin-timeout", options->timeout_s, "Seconds after which a call of a plug-in hangs (default 10)",
              {1, 86'400});

@@ -3,6 +3,12 @@
 #include "verifier/cli/progress.h"
 
 #include <unistd.h>
+#ifdef __EMSCRIPTEN__
+#include <emscripten.h>
+#endif
+#ifdef _WIN32
+#include <windows.h>
+#endif
 
 #include <cstdio>
 #include <cstdlib>
@@ -22,6 +28,25 @@ std::string_view environment(const char* name) {
   return value == nullptr ? std::string_view{} : std::string_view{value};
 }
 
+/// Whether somebody reads standard error as it comes.
+#if defined(__EMSCRIPTEN__)
+bool is_terminal() {
+  // isatty of Emscripten says yes to files and pipes, too.
+  return emscripten_run_script_int("typeof process != 'undefined' && process.stderr && process.stderr.isTTY ? 1 : 0") !=
+         0;
+}
+#elif defined(_WIN32)
+bool is_terminal() {
+  // _isatty says yes to every character device, NUL among them.
+  DWORD mode = 0;
+  return GetConsoleMode(GetStdHandle(STD_ERROR_HANDLE), &mode) != 0;
+}
+#else
+bool is_terminal() {
+  return isatty(STDERR_FILENO) != 0;
+}
+#endif
+
 std::string elapsed_text(double seconds) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   char text[32];
@@ -37,9 +62,9 @@ std::string elapsed_text(double seconds) {
 Progress::Progress(std::string label, std::uint64_t total, std::string unit)
     : label_(plain_line(label)), total_(total), unit_(std::move(unit)), start_(Clock::now()) {
   const std::string_view wish = environment("TICKTRUE_PROGRESS");
-  enabled_ = wish == "always" || (wish != "never" && isatty(STDERR_FILENO) != 0 && environment("TERM") != "dumb");
+  enabled_ = wish == "always" || (wish != "never" && is_terminal() && environment("TERM") != "dumb");
   colored_ = environment("NO_COLOR").empty();
-  next_draw_ = wish == "always" ? start_ : start_ + first_draw_after;
+  next_draw_ = wish == "always" || wish == "at_once" ? start_ : start_ + first_draw_after;
 }
 
 Progress::~Progress() {

@@ -59,12 +59,10 @@ std::string cases_text(const std::vector<StressRow>& rows) {
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
       const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
-      std::string line =
-          fmt::format("    {:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
-                      is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
+      std::string line = fmt::format("{:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
+                                     is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
       while (line.back() == ' ') line.pop_back();
-      if (line.size() > verifier::table_width_max) line.resize(verifier::table_width_max);
-      text += line + "\n";
+      text += verifier::wrapped(line, 4);
     }
   }
   return text;
@@ -273,6 +271,7 @@ void add_stress(CLI::App& app, CliContext& context) {
   options->precisions = {"f32"};
   command->add_option("--precision", options->precisions, "f32, f64; default: f32")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
   command->add_flag("--long", options->with_long, "Cases that take minutes too");
   auto* no_limits = command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");

@@ -26,6 +26,7 @@
 #include "verifier/report_ci.h"
 #include "verifier/report_transfer.h"
 #include "verifier/scene_source.h"
+#include "verifier/shared_count.h"
 #include "verifier/simulations.h"
 #include "verifier/trace_list.h"
 
@@ -81,8 +82,9 @@ verifier::VerifyOptions walk_options(const VerifyCommand& command) {
 
 using ProgressCall = std::function<void(std::uint64_t ticks_done, std::uint64_t tick_count)>;
 
+/// `compared` (may be null) counts the ticks as they are compared: what a process that ends by a crash leaves behind.
 Report verify_trace(const std::string& file, const VerifyCommand& command, unsigned thread_count,
-                    const ProgressCall& progress) {
+                    const ProgressCall& progress, verifier::SharedCount* compared) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(file);
   if (!reader) return verifier::open_error_report(file, reader.error());
   const std::optional<std::uint64_t> tick_count = reader->tick_count_hint();
@@ -91,6 +93,7 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
       return verifier::open_error_report(file, known.error());
   verifier::VerifyOptions options = walk_options(command);
   options.simulation = verifier::find_simulation(reader->setup().simulation);
+  if (options.simulation != nullptr) options.tool = verifier::tool_words(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
   options.in_segments = on_threads && command.jobs != 1;
@@ -109,6 +112,7 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
     return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
   };
   if (progress) options.progress = [&](std::uint64_t ticks_done) { progress(ticks_done, tick_count.value_or(0)); };
+  if (compared != nullptr) options.on_compared = [compared](double time_s) { compared->add_tick(time_s); };
   Report report = verifier::verify(*reader, options);
   if (options.simulation == nullptr && report.hint.empty())
     report.hint = "this build has " + verifier::simulation_names() +
@@ -158,10 +162,11 @@ bool is_scene(const std::string& word) {
 }
 
 Report verify_word(const std::string& word, const VerifyCommand& command, unsigned thread_count,
-                   const ProgressCall& progress) {
+                   const ProgressCall& progress, verifier::SharedCount* compared = nullptr) {
   const auto start = std::chrono::steady_clock::now();
-  Report report = command.mode == "twice" && is_scene(word) ? verify_scene(word, command, progress)
-                                                            : verify_trace(word, command, thread_count, progress);
+  Report report = command.mode == "twice" && is_scene(word)
+                      ? verify_scene(word, command, progress)
+                      : verify_trace(word, command, thread_count, progress, compared);
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
     report.hint.clear();
@@ -179,12 +184,15 @@ bool needs_plugin(const std::string& file) {
 }
 
 /// What a plug-in does wrong is a finding in one file: the next one goes on.
-Report plugin_report(const std::string& file, const std::string& mode, const std::string& what) {
+Report plugin_report(const std::string& file, const std::string& mode, const std::string& what,
+                     const verifier::SharedCount& compared) {
   Report report;
   report.file = file;
   report.mode = mode;
   report.verdict = Verdict::diverged;
   report.reason = what;
+  report.ticks_compared = compared.ticks();
+  report.time_s = compared.time_s();
   if (const auto reader = replay::TraceReader::open(file)) {
     report.title = reader->setup().title;
     report.simulation = reader->setup().simulation;
@@ -196,23 +204,24 @@ Report plugin_report(const std::string& file, const std::string& mode, const std
 
 /// In a process of its own.
 Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
+  verifier::SharedCount compared;
   const verifier::GuardedPart done = verifier::run_part([&] {
     Progress bar("verify " + file, 0);
     try {
-      return verifier::encode_report(
-          verify_word(file, command, 1, [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); }));
+      const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
+      return verifier::encode_report(verify_word(file, command, 1, show, &compared));
     } catch (const verifier::PluginFailure& failure) {
-      return verifier::encode_report(plugin_report(file, command.mode, failure.what()));
+      return verifier::encode_report(plugin_report(file, command.mode, failure.what(), compared));
     }
   });
   if (!done.message.empty()) {
-    Report report = plugin_report(file, command.mode, done.message);
+    Report report = plugin_report(file, command.mode, done.message, compared);
     report.hint =
         "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
     return report;
   }
   Result<Report> report = verifier::decode_report(done.result);
-  return report ? std::move(*report) : plugin_report(file, command.mode, report.error().message);
+  return report ? std::move(*report) : plugin_report(file, command.mode, report.error().message, compared);
 }
 
 void print_report(const Report& report, const VerifyCommand& command) {

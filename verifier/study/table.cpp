@@ -24,17 +24,47 @@ std::string TextTable::text() const {
   for (const auto& row : rows_)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   std::string out;
-  for (const auto& row : rows_) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string blanks(widths[i] - row[i].size(), ' ');
-      line += "  " + (i < left_ ? row[i] + blanks : blanks + row[i]);
+  for (const std::vector<std::size_t>& columns : blocks_of(widths)) {
+    if (!out.empty()) out += "\n";
+    for (const auto& row : rows_) {
+      std::string line;
+      for (const std::size_t i : columns) {
+        const std::string blanks(widths[i] - row[i].size(), ' ');
+        line += "  " + (i < left_ ? row[i] + blanks : blanks + row[i]);
+      }
+      while (!line.empty() && line.back() == ' ') line.pop_back();
+      out += line + "\n";
     }
-    while (!line.empty() && line.back() == ' ') line.pop_back();
-    if (line.size() > table_width_max) line.resize(table_width_max);
-    out += line + "\n";
   }
   return out;
+}
+
+std::vector<std::vector<std::size_t>> TextTable::blocks_of(const std::vector<std::size_t>& widths) const {
+  // What says which row it is stands in each block: the columns on the left, or the first where they leave no room.
+  std::size_t named_count = std::min(left_, widths.size()), named_width = 0, widest = 0;
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    if (i < named_count)
+      named_width += 2 + widths[i];
+    else
+      widest = std::max(widest, 2 + widths[i]);
+  }
+  if (named_width + widest > table_width_max) {
+    named_count = std::min<std::size_t>(1, widths.size());
+    named_width = named_count > 0 ? 2 + widths[0] : 0;
+  }
+  std::vector<std::size_t> named;
+  for (std::size_t i = 0; i < named_count; ++i) named.push_back(i);
+  std::vector<std::vector<std::size_t>> blocks{named};
+  std::size_t width = named_width;
+  for (std::size_t i = named_count; i < widths.size(); ++i) {
+    if (width + 2 + widths[i] > table_width_max && blocks.back().size() > named_count) {
+      blocks.push_back(named);
+      width = named_width;
+    }
+    blocks.back().push_back(i);
+    width += 2 + widths[i];
+  }
+  return blocks;
 }
 
 std::string csv_line(const std::vector<std::string>& cells) {

@@ -19,11 +19,15 @@ class TextTable {
   explicit TextTable(std::vector<std::string> head, std::size_t left = 1);
   void add(std::vector<std::string> row);
   std::size_t row_count() const { return rows_.size() - 1; }
-  /// Columns as wide as their widest cell, two blanks between them, indented by two. A line that would be longer than
-  /// table_width_max is cut there; nothing else is.
+  /// Columns as wide as their widest cell, two blanks between them, indented by two. Columns beyond table_width_max
+  /// stand in a further block of lines below, behind the columns on the left. No cell is cut: one that is wider than a
+  /// line makes its line longer.
   std::string text() const;
 
  private:
+  /// The columns of each block.
+  std::vector<std::vector<std::size_t>> blocks_of(const std::vector<std::size_t>& widths) const;
+
   std::size_t left_;
   std::vector<std::vector<std::string>> rows_;
 };

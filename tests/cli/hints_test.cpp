@@ -1,0 +1,126 @@
+// Each message of the sources that prints a command is provoked, and its command run.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "tests/support/text.h"
+
+namespace ticktrue::test::hints {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path tree = TICKTRUE_SOURCE_DIR;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+struct SourceHint {
+  std::string place;
+  std::string text;  // from "ticktrue" to the end of the literal, or of the words that belong to the command
+};
+
+/// Of a literal what is a command, up to where its words end: a backtick, a comma, a semicolon or words of English.
+std::string command_part(const std::string& literal, std::size_t at) {
+  std::string text = literal.substr(at);
+  for (const char* end : {"`", ",", ";", " here", " lists", " shows", " says", " makes", "\\n"})
+    if (const std::size_t cut = text.find(end); cut != std::string::npos) text.erase(cut);
+  return text;
+}
+
+/// Literals with "ticktrue SUBCOMMAND" in them, or that go on behind the tool's name with a subcommand. Examples of
+/// help texts and descriptions are tested where they are printed: whole statements of set_examples and add_subcommand,
+/// and raw strings, are left out.
+std::vector<SourceHint> hints_of(const fs::path& path) {
+  std::vector<SourceHint> hints;
+  static const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
+  static const std::regex command(
+      R"re(ticktrue (run|record|replay|play|verify|diff|report|show|recover|import|compare|accuracy|stress|crosscheck)re"
+      R"re(|describe|scenes|golden|inject|env|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
+  std::istringstream in(text_of(path));
+  int number = 0;
+  bool in_examples = false;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (contains(line, "set_examples(")) in_examples = true;
+    const bool is_left_out = in_examples || line.find("//") == line.find_first_not_of(' ');
+    if (contains(line, ");")) in_examples = false;
+    if (is_left_out) continue;
+    for (std::sregex_iterator it(line.begin(), line.end(), literal), end; it != end; ++it) {
+      const std::string text = (*it)[1];
+      std::smatch found;
+      if (std::regex_search(text, found, command))
+        hints.push_back({fs::relative(path, tree).generic_string() + ":" + std::to_string(number),
+                         (found.str(0)[0] == ' ' ? "ticktrue" : "") +
+                             command_part(text, static_cast<std::size_t>(found.position(0)))});
+    }
+  }
+  return hints;
+}
+
+/// Literals that are no command of a message, or whose command is run elsewhere: file, how the literal begins, why.
+struct Elsewhere {
+  const char* file;
+  const char* beginning;
+  const char* reason;
+};
+constexpr Elsewhere elsewhere[] = {
+    {"verifier/report_ci.cpp", "ticktrue verify", "the name of a test suite and a headline"},
+    {"verifier/cli/compare.cpp", "ticktrue run", "a name within a help text: docs/cli.md is compared with it"},
+    {"verifier/cli/verify.cpp", "ticktrue report", "a name within a help text: docs/cli.md is compared with it"},
+    {"verifier/cli/import.cpp", "ticktrue import", "the end of a help text: printed_commands_test.cpp runs it"},
+    {"verifier/cli/import.cpp", "ticktrue record", "the end of a help text: printed_commands_test.cpp runs it"},
+    {"verifier/cli/accuracy_peer.cpp", "ticktrue accuracy --peer box2d",
+     "runs for minutes: parsed as an example of a help"},
+    {"replay/trace.h", "ticktrue recover", "what the end of a trace says, no command"},
+    {"verifier/against_build.cpp", "ticktrue replay", "of another build: tests/verifier/against_build_test.cpp"},
+    {"play/player.cpp", "ticktrue replay", "needs a trace of 4,000,000 ticks; the command has no argument"},
+    {"play/command.cpp", "ticktrue play", "tests/cli/cases/play.case; ONE.ttr and OTHER.ttr stand for files"},
+    {"play/trace_mode.cpp", "ticktrue verify {}", "hints.case runs it with a name in place of {}"},
+    {"capi/comparing.cpp", "ticktrue diff A B", "A and B stand for files: traces of a session without full detail"},
+    {"capi/comparing.cpp", "ticktrue recover", "tests/examples/run.sh"},
+    {"verifier/cli/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
+};
+
+bool is_elsewhere(const SourceHint& hint) {
+  return std::any_of(std::begin(elsewhere), std::end(elsewhere), [&](const Elsewhere& row) {
+    return hint.place.compare(0, std::string(row.file).size(), row.file) == 0 &&
+           hint.text.compare(0, std::string(row.beginning).size(), row.beginning) == 0;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("for every message that prints a command there is a case that runs it", "[cli][hints][equivalence]") {
+  std::vector<std::string> commands;
+  std::istringstream cases(text_of(tree / "tests/cli/cases/hints.case"));
+  for (std::string line; std::getline(cases, line);)
+    if (line.compare(0, 3, "$^ ") == 0) commands.push_back(line.substr(3));
+  std::vector<SourceHint> hints;
+  for (const char* folder : {"base", "engine", "replay", "verifier", "capi", "play"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / folder)) {
+      const fs::path extension = entry.path().extension();
+      if (extension != ".cpp" && extension != ".h") continue;
+      for (SourceHint& hint : hints_of(entry.path())) hints.push_back(std::move(hint));
+    }
+  CHECK(hints.size() >= 25);
+  for (const SourceHint& hint : hints) {
+    if (is_elsewhere(hint)) continue;
+    CAPTURE(hint.place, hint.text);
+    CHECK(std::any_of(commands.begin(), commands.end(), [&](const std::string& command) {
+      return command.compare(0, hint.text.size(), hint.text) == 0;
+    }));
+  }
+}
+
+}  // namespace ticktrue::test::hints

@@ -1,0 +1,33 @@
+// How many ticks were compared, where a child process that crashes leaves it behind.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace ticktrue::verifier {
+
+/// A count in memory that this process shares with the children it makes later. Where a system has no child processes,
+/// or no memory for the page, the count is this process' own.
+class SharedCount {
+ public:
+  SharedCount();
+  ~SharedCount();
+  SharedCount(const SharedCount&) = delete;
+  SharedCount& operator=(const SharedCount&) = delete;
+
+  void add_tick(double time_s);
+  std::uint64_t ticks() const;
+  /// Simulated time at the end of the last tick that was added, s.
+  double time_s() const;
+
+ private:
+  struct Page {
+    std::atomic<std::uint64_t> ticks{0};
+    std::atomic<double> time_s{0};
+  };
+  Page own_;
+  Page* page_ = &own_;
+};
+
+}  // namespace ticktrue::verifier
