@@ -243,7 +243,7 @@ double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count
   Draw& draw = builder.draw;
   const std::uint32_t quiet = 2 + draw.below(count / 6 + 1);
   const double pitch = draw.one_of({0.75, 0.875, 1.015625, 1.0625, 1.25});
-  const bool is_diagonal = draw.chance(60);
+  const bool is_diagonal = draw.chance(75);
   const double rise = is_diagonal ? pitch : draw.half() ? 0 : 0.25;
   for (std::uint32_t i = 0; i < quiet; ++i) {
     const Point shift{builder.size * (0.5 + 2.5 * (i / 2) + pitch * (i % 2)), builder.size * (0.5 + rise * (i % 2))};

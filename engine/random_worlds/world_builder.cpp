@@ -50,7 +50,7 @@ void WorldBuilder::build() {
     const std::uint32_t count = room <= 3 || draw.chance(30) ? room : 1 + draw.below(room);
     const double gap = size * draw.one_of({0, 0.015625, 0.125, 0.5, 1, 4});
     const double before = right;
-    const bool is_quiet = part == 0 && room >= 8 && draw.chance(40);
+    const bool is_quiet = part == 0 && room >= 4 && plan.is_quiet;
     right += gap + (is_quiet ? add_quiet_corner(*this, {right + gap, 0}, room - draw.below(room / 4))
                              : add_arrangement(*this, {right + gap, 0}, count));
     if (draw.half()) continue;
