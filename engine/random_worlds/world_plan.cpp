@@ -181,6 +181,13 @@ void draw_quiet(Draw& draw, WorldPlan& plan) {
   if (draw.chance(80)) plan.inputs.push_back(push);
 }
 
+/// Large islands under many substeps take seconds a tick, most of all with joints.
+void bound_automatic_substeps(WorldPlan& plan) {
+  if (!plan.settings.auto_substeps || plan.body_count <= 24) return;
+  plan.settings.auto_substeps->substeps_max = 16;
+  if (plan.body_count > 60) plan.joints.clear();
+}
+
 }  // namespace
 
 double Draw::power(int low, int high) {
@@ -198,6 +205,7 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   draw_kinds(draw, plan);
   plan.body_count = draw_body_count(draw, options.body_count_max);
   draw_quiet(draw, plan);
+  bound_automatic_substeps(plan);
   plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
   return plan;
 }
