@@ -84,7 +84,9 @@ Motion draw_base(WorldBuilder& builder) {
   return base;
 }
 
-void add_lattice(WorldBuilder& builder, const Lattice& lattice, MotionRule rule, bool is_jittered) {
+/// `exact`: all are discs or squares of exactly the size.
+void add_lattice(WorldBuilder& builder, const Lattice& lattice, MotionRule rule, bool is_jittered,
+                 std::optional<ShapeKind> exact) {
   const Motion base = draw_base(builder);
   const double angle = builder.draw.chance(15) ? builder.draw.part(-8, 8, 8) : 0;
   for (std::uint32_t i = 0; i < lattice.count; ++i) {
@@ -101,7 +103,10 @@ void add_lattice(WorldBuilder& builder, const Lattice& lattice, MotionRule rule,
     const Motion motion = rule(builder, base, column, row);
     placement.velocity = motion.velocity;
     placement.angular_velocity = motion.angular_velocity;
-    builder.add(placement, builder.size);
+    if (exact)
+      builder.add_exact(placement, builder.size, *exact);
+    else
+      builder.add(placement, builder.size);
   }
 }
 
@@ -144,7 +149,11 @@ double arrange_lattice(WorldBuilder& builder, Point corner, std::uint32_t count)
   if (draw.chance(15)) lattice.columns = count;
   if (draw.chance(10)) lattice.columns = 1;
   lattice.pitch = {draw_pitch(draw), draw_pitch(draw)};
-  add_lattice(builder, lattice, draw_rule(draw), draw.chance(25));
+  const MotionRule rule = draw_rule(draw);
+  const bool is_jittered = draw.chance(25);
+  std::optional<ShapeKind> exact;
+  if (draw.chance(40)) exact = builder.draw_exact_kind();
+  add_lattice(builder, lattice, rule, is_jittered, exact);
   return builder.size * (lattice.pitch.x * (lattice.columns - 1) + 1);
 }
 
@@ -243,11 +252,16 @@ double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count
   Draw& draw = builder.draw;
   const std::uint32_t quiet = 2 + draw.below(count / 6 + 1);
   const double pitch = draw.one_of({0.75, 0.875, 1.015625, 1.0625, 1.25});
-  const bool is_diagonal = draw.chance(60);
+  const bool is_diagonal = draw.chance(75);
   const double rise = is_diagonal ? pitch : draw.half() ? 0 : 0.25;
+  const bool is_exact = draw.chance(70);
   for (std::uint32_t i = 0; i < quiet; ++i) {
     const Point shift{builder.size * (0.5 + 2.5 * (i / 2) + pitch * (i % 2)), builder.size * (0.5 + rise * (i % 2))};
-    builder.add({{corner.x + shift.x, corner.y + shift.y}, 0, {}, 0}, builder.size);
+    const Placement placement{{corner.x + shift.x, corner.y + shift.y}, 0, {}, 0};
+    if (is_exact)
+      builder.add_exact(placement, builder.size, ShapeKind::circle);
+    else
+      builder.add(placement, builder.size);
   }
   const double left = builder.size * (2.5 * (quiet / 2.0 + 1) + draw.one_of({0.5, 2, 6}));
   // Stacks of two or more, so that most pairs are contacts.
@@ -256,7 +270,9 @@ double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count
   lattice.columns = (lattice.count + height - 1) / height;
   if (lattice.columns == 0) return left;
   const bool glides = !builder.has_gravity() || draw.half();
-  add_lattice(builder, lattice, glides ? glide : rest, false);
+  std::optional<ShapeKind> exact;
+  if (draw.chance(80)) exact = builder.draw_exact_kind();
+  add_lattice(builder, lattice, glides ? glide : rest, false, exact);
   return left + builder.size * (lattice.pitch.x * (lattice.columns - 1) + 1);
 }
 

@@ -43,16 +43,17 @@ WorldBuilder::WorldBuilder(Draw& draw_, const WorldPlan& plan_) : draw(draw_), p
 }
 
 void WorldBuilder::build() {
-  if (draw.chance(has_gravity() ? 85 : 40)) add_terrain();
+  if (draw.chance(has_gravity() ? 85 : plan.is_quiet ? 15 : 40)) add_terrain();
   double left = 0, right = 0;
   for (int part = 0; !is_full(); ++part) {
     const auto room = static_cast<std::uint32_t>(plan.body_count - scene.bodies.size());
     const std::uint32_t count = room <= 3 || draw.chance(30) ? room : 1 + draw.below(room);
     const double gap = size * draw.one_of({0, 0.015625, 0.125, 0.5, 1, 4});
     const double before = right;
-    const bool is_quiet = part == 0 && room >= 8 && draw.chance(40);
-    right += gap + (is_quiet ? add_quiet_corner(*this, {right + gap, 0}, room - draw.below(room / 4))
-                             : add_arrangement(*this, {right + gap, 0}, count));
+    const bool is_quiet = part == 0 && room >= 4 && plan.is_quiet;
+    right += gap +
+             (is_quiet ? add_quiet_corner(*this, {right + gap, 0}, draw.chance(75) ? room : room - draw.below(room / 4))
+                       : add_arrangement(*this, {right + gap, 0}, count));
     if (draw.half()) continue;
     // To the left instead, mirrored at a coordinate below zero: what was added moves.
     left -= right - before;
@@ -162,6 +163,26 @@ void WorldBuilder::push(Body body, const Placement& placement) {
 
 void WorldBuilder::add(const Placement& placement, double body_size) {
   if (!is_full()) push(draw_body(BodyType::dynamic_body, body_size), placement);
+}
+
+void WorldBuilder::add_exact(const Placement& placement, double body_size, ShapeKind kind) {
+  if (is_full()) return;
+  Body body = draw_body(BodyType::dynamic_body, body_size);
+  const Shape drawn = body.shapes[0];
+  Shape shape = kind == ShapeKind::box ? box(body_size / 2, body_size / 2) : circle(body_size / 2);
+  shape.density = drawn.density;
+  shape.material = drawn.material;
+  shape.filter = drawn.filter;
+  shape.sensor = drawn.sensor;
+  body.shapes = {shape};
+  push(std::move(body), placement);
+}
+
+ShapeKind WorldBuilder::draw_exact_kind() {
+  std::vector<ShapeKind> kinds;
+  for (const ShapeKind kind : plan.shapes)
+    if (kind == ShapeKind::circle || kind == ShapeKind::box) kinds.push_back(kind);
+  return kinds.empty() ? ShapeKind::circle : draw.any(kinds);
 }
 
 void WorldBuilder::add_kinematic(const Placement& placement, double body_size) {

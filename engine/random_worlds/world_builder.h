@@ -23,6 +23,10 @@ class WorldBuilder {
 
   /// A dynamic body of about this size (width and height, m), with what the plan asks for.
   void add(const Placement& placement, double size);
+  /// The same as a disc or a square of exactly this size: what is a size apart touches exactly.
+  void add_exact(const Placement& placement, double size, ShapeKind kind);
+  /// One of circle and box that the plan has, or circle.
+  ShapeKind draw_exact_kind();
   void add_kinematic(const Placement& placement, double size);
   void add_static(Point position, Shape shape);
 

@@ -75,7 +75,7 @@ class InputMaker {
     declare();
     for (const InputKind kind : scene_.inputs) add_script(kind);
     // From a few to many: long quiet times, and bursts.
-    const std::uint32_t more = draw_.below(1u << draw_.below(6));
+    const std::uint32_t more = draw_.below(1u << draw_.below(6)) + (plan_.is_quiet ? 3 : 0);
     if (!scene_.inputs.empty())
       for (std::uint32_t i = 0; i < more; ++i) add_script(draw_.any(scene_.inputs));
     sort();
@@ -139,12 +139,19 @@ class InputMaker {
       return static_cast<std::uint32_t>(scene_.bodies.size()) +
              draw_.below(next_id_ - static_cast<std::uint32_t>(scene_.bodies.size()));
     if (movable_.empty() || draw_.chance(3)) return draw_.below(static_cast<std::uint32_t>(scene_.bodies.size()));
-    return !resting_.empty() && draw_.half() ? draw_.any(resting_) : draw_.any(movable_);
+    return !resting_.empty() && draw_.chance(plan_.is_quiet ? 80 : 40) ? draw_.any(resting_) : draw_.any(movable_);
   }
 
-  /// Neighbours in the list are neighbours in the world.
+  static double distance_squared(Point a, Point b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
+
+  /// Neighbours in the list are neighbours in the world. Most often the nearer one.
   const Body& neighbour_of(std::uint32_t body) {
     const auto count = static_cast<std::uint32_t>(scene_.bodies.size());
+    const Body& before = scene_.bodies[(body + count - 1) % count];
+    const Body& after = scene_.bodies[(body + 1) % count];
+    const Point p = scene_.bodies[body].position;
+    if (draw_.chance(60))
+      return distance_squared(before.position, p) < distance_squared(after.position, p) ? before : after;
     const std::uint32_t step = draw_.chance(75) ? 1 : 1 + draw_.below(count);
     return scene_.bodies[(draw_.half() ? body + step : body + count - step % count) % count];
   }

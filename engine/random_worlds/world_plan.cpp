@@ -161,6 +161,33 @@ std::uint64_t draw_tick_count(Draw& draw, const WorldPlan& plan, std::uint32_t c
   return count < least ? least : count < most ? count : most - draw.below(static_cast<std::uint32_t>(most / 4 + 1));
 }
 
+bool is_round(ShapeKind kind) {
+  return kind == ShapeKind::circle || kind == ShapeKind::capsule || kind == ShapeKind::polygon;
+}
+
+/// What disturbs bodies at rest goes most often; what pushes them comes.
+void draw_quiet(Draw& draw, WorldPlan& plan) {
+  plan.is_quiet = plan.collides && plan.body_count >= 8 && draw.chance(45);
+  if (!plan.is_quiet) return;
+  if (draw.chance(75)) plan.gravity = {};
+  if (draw.chance(75)) plan.forces.clear();
+  if (draw.chance(50)) plan.joints.clear();
+  bool some_round = false;
+  for (const ShapeKind kind : plan.shapes) some_round = some_round || is_round(kind);
+  if (!some_round) plan.shapes.push_back(ShapeKind::circle);
+  const InputKind push = draw.chance(70) ? InputKind::set_velocity : InputKind::impulse;
+  for (const InputKind kind : plan.inputs)
+    if (kind == push) return;
+  if (draw.chance(80)) plan.inputs.push_back(push);
+}
+
+/// Large islands under many substeps take seconds a tick, most of all with joints.
+void bound_automatic_substeps(WorldPlan& plan) {
+  if (!plan.settings.auto_substeps || plan.body_count <= 24) return;
+  plan.settings.auto_substeps->substeps_max = 16;
+  if (plan.body_count > 60) plan.joints.clear();
+}
+
 }  // namespace
 
 double Draw::power(int low, int high) {
@@ -177,6 +204,8 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   apply_features(draw, plan);
   draw_kinds(draw, plan);
   plan.body_count = draw_body_count(draw, options.body_count_max);
+  draw_quiet(draw, plan);
+  bound_automatic_substeps(plan);
   plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
   return plan;
 }

@@ -44,7 +44,8 @@ struct WorldPlan {
   std::vector<ForceKind> forces;
   std::vector<InputKind> inputs;  // without `end`
   bool has_end = false;
-  bool collides = true;  // false: no shape may meet another
+  bool collides = true;   // false: no shape may meet another
+  bool is_quiet = false;  // a few bodies rest near each other beside many that move in touch, and are pushed later
   std::uint32_t body_count = 2;
   std::uint64_t tick_count = 1;
 

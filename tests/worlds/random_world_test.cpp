@@ -170,7 +170,11 @@ void require_rows_of(const std::vector<std::string>& rows, const std::string& na
 }  // namespace
 
 TEST_CASE("a seed gives the same random world on every platform", "[worlds][determinism]") {
-  constexpr std::array<std::uint64_t, 20> expected{};
+  constexpr std::array<std::uint64_t, 20> expected{
+      0x74c02e51bf7b4e2b, 0x8268fcef6bd9a478, 0x3226ae93572c81f2, 0x78e4e72b51c77d9b, 0x41fca675fe1089ce,
+      0x91e4ad2f4a066857, 0x6077068839789bb2, 0x347cef2c55c867e1, 0x4119f51cf38946b3, 0xf365aeb124a354d7,
+      0x604f9e3570402fcf, 0x8bdd52490472fa42, 0x4b38d4f58b743678, 0x315a749fdb1f3312, 0xf9f1d0d0c8d549d6,
+      0xccf95d47166c4733, 0x1d0d1b703d48e65c, 0x939ab1c3bb96942d, 0xdbe2b51891caeffb, 0xc2c1ae2cd16ddadb};
   for (std::uint64_t seed = 1; seed <= expected.size(); ++seed) {
     CAPTURE(seed);
     CHECK(hex64(hash_of(random_world(seed))) == hex64(expected[seed - 1]));
@@ -218,8 +222,8 @@ TEST_CASE("of 2000 random worlds 100 have each row, one has each possible pair",
 
 TEST_CASE("2000 random worlds are legal, and fewer than one in 200 blows up", "[worlds][equivalence]") {
   RandomWorldOptions options;
-  options.body_count_max = 120;
-  options.tick_count_max = 60;
+  options.body_count_max = 40;
+  options.tick_count_max = 30;
   int blown_up = 0;
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     const RandomWorld world = random_world(seed, options);
