@@ -319,30 +319,4 @@ std::uint64_t hash_of_bodies(const StateView& state) {
   return hash64(ByteView(state.tables[*table].data, size));
 }
 
-std::optional<StatePlace> find_negative_zero(const StateView& state) {
-  for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableSchema& table = state.schema->tables[t];
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const Column& column = table.columns[c];
-      const ScalarInfo& scalar = *scalar_info(column.type);
-      if (!scalar.is_float) continue;
-      for (std::size_t row = 0; row < state.tables[t].row_count; ++row)
-        for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
-          const std::uint8_t* at =
-              state.tables[t].data + row * table.row_size + column.offset + lane * std::size_t{scalar.size};
-          std::uint64_t bits = 0;
-          if (scalar.size == 4) {
-            std::uint32_t narrow = 0;
-            std::memcpy(&narrow, at, sizeof narrow);
-            bits = std::uint64_t{narrow} << 32;
-          } else {
-            std::memcpy(&bits, at, sizeof bits);
-          }
-          if (bits == std::uint64_t{1} << 63) return StatePlace{t, row, c, lane};
-        }
-    }
-  }
-  return std::nullopt;
-}
-
 }  // namespace ticktrue::verifier::soak

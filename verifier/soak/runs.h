@@ -63,7 +63,4 @@ std::string difference_text(const engine::Engine& engine, const StateView& expec
 /// Hash of the rows of the table of bodies.
 std::uint64_t hash_of_bodies(const StateView& state);
 
-/// The first real that is -0.
-std::optional<StatePlace> find_negative_zero(const StateView& state);
-
 }  // namespace ticktrue::verifier::soak
