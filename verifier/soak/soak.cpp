@@ -32,6 +32,23 @@ struct WorldOutcome {
   SoakCounters counts;
 };
 
+/// A file that exists while a world is examined: what is left of it names the world that ended the process.
+class RunningMark {
+ public:
+  RunningMark(const SoakOptions& options, std::uint64_t index)
+      : path_(options.folder + "/running_" + std::to_string(index)) {
+    std::ofstream(path_) << "ticktrue soak --seed " << options.seed << " --world " << index << "\n";
+  }
+  RunningMark(const RunningMark&) = delete;
+  ~RunningMark() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+};
+
 class Soak {
  public:
   explicit Soak(const SoakOptions& options)
@@ -105,6 +122,7 @@ class Soak {
   }
 
   WorldOutcome run_world(std::uint64_t index, const std::vector<std::string>& wanted_rows) const {
+    const RunningMark mark(options_, index);
     const std::uint64_t seed = world_seed(options_.seed, index);
     WorldSource::World world = options_.worlds.make(seed);
     OracleOptions oracle = options_.oracle;

@@ -39,7 +39,7 @@ struct SoakOptions {
   bool resume = false;
   std::string folder;                   // for progress and failures; made where it is missing
   std::size_t failure_count_max = 8;    // worlds; then the soak ends
-  double shrink_time_s = 60;            // of one failure
+  double shrink_time_s = 30;            // of one failure
   std::uint64_t known_world_count = 0;  // count physics in so many first worlds
   std::string checks_text;              // part of the identity of the progress
   OracleOptions oracle;
