@@ -18,8 +18,10 @@ inline constexpr std::size_t chain_vertex_count_max = 16'384;    // the outline 
 inline constexpr std::size_t child_count_per_body_max = 65'536;  // its shapes, each edge of a chain counted
 inline constexpr std::size_t joint_count_max = 200'000;          // one per body
 inline constexpr std::size_t force_count_max = 4'096;            // each is evaluated at every stage of every substep
-inline constexpr std::size_t pair_count_max =
-    1u << 22;  // of shapes near each other in a tick: twenty for each of body_count_max bodies; in piles three to six
+// Of shapes near each other in a tick, each up to 900 bytes: in piles three to six a body, and 362 bodies in one place.
+constexpr std::size_t pair_count_max(std::size_t body_count) {
+  return 65'536 + 32 * body_count;
+}
 inline constexpr int iteration_count_max = 1'000;
 inline constexpr int ticks_per_frame_max = 1'000;
 inline constexpr std::size_t name_size_max = 256;     // bytes of UTF-8

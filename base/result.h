@@ -22,6 +22,7 @@ enum class ErrorCode : std::uint8_t {
   incompatible,   // valid, but of another physics version, schema, precision or format
   unsupported,    // valid, but this build or simulation cannot do it
   limit,          // a limit of base/limits.h would be exceeded
+  inconsistent,   // a check of our own fell short: the same work, done in two ways, gave two results
 };
 
 /// A failed operation: what kind, and one line `place: what is wrong: found, expected`, with an optional

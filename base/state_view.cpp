@@ -363,20 +363,43 @@ bool is_suspect(const TableSchema& table, const TableRows& rows) {
 
 }  // namespace
 
+namespace {
+
+/// The first lane of a table whose bits `is_sought`, in row, column order.
+template <typename Sought>
+std::optional<StatePlace> find_lane(const StateView& state, std::size_t t, Sought is_sought) {
+  const TableSchema& table = state.schema->tables[t];
+  const TableRows& rows = state.tables[t];
+  if (rows.row_count == 0) return std::nullopt;  // the data of an empty table may be null
+  Bytes buffer;
+  const ByteView bytes = canonical_rows(table, rows, buffer);
+  for (std::size_t row = 0; row < rows.row_count; ++row)
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
+        const StatePlace place{t, row, c, lane};
+        if (is_sought(table.columns[c].type, lane_bits(table, bytes, place))) return place;
+      }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<StatePlace> find_non_finite(const StateView& state) {
-  for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableSchema& table = state.schema->tables[t];
-    const TableRows& rows = state.tables[t];
-    if (rows.row_count == 0 || !is_suspect(table, rows)) continue;  // the data of an empty table may be null
-    Bytes buffer;
-    const ByteView bytes = canonical_rows(table, rows, buffer);
-    for (std::size_t row = 0; row < rows.row_count; ++row)
-      for (std::size_t c = 0; c < table.columns.size(); ++c)
-        for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
-          const StatePlace place{t, row, c, lane};
-          if (!is_finite_bits(table.columns[c].type, lane_bits(table, bytes, place))) return place;
-        }
-  }
+  for (std::size_t t = 0; t < state.tables.size(); ++t)
+    if (is_suspect(state.schema->tables[t], state.tables[t]))
+      if (const auto place =
+              find_lane(state, t, [](ScalarType type, std::uint64_t bits) { return !is_finite_bits(type, bits); }))
+        return place;
+  return std::nullopt;
+}
+
+std::optional<StatePlace> find_negative_zero(const StateView& state) {
+  const auto is_negative_zero = [](ScalarType type, std::uint64_t bits) {
+    const ScalarInfo& scalar = *scalar_info(type);
+    return scalar.is_float && bits == std::uint64_t{1} << (8 * scalar.size - 1);
+  };
+  for (std::size_t t = 0; t < state.tables.size(); ++t)
+    if (const auto place = find_lane(state, t, is_negative_zero)) return place;
   return std::nullopt;
 }
 

@@ -117,6 +117,8 @@ struct StatePlace {
 };
 /// The first NaN or infinity in table, row, column order.
 std::optional<StatePlace> find_non_finite(const StateView& state);
+/// The first -0 in the same order. Our own engine stores none (docs/determinism.md).
+std::optional<StatePlace> find_negative_zero(const StateView& state);
 
 /// One lane as canonical bits, widened to 64.
 std::uint64_t lane_bits(const TableSchema& table, ByteView canonical_rows, const StatePlace& place);

@@ -6,11 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "base/cells.h"
 #include "base/limits.h"
-#include "replay/payload.h"
 #include "verifier/locate.h"
-#include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
 
 namespace ticktrue::capi {
@@ -53,7 +50,7 @@ std::string ticks_text(std::uint64_t count) {
 }  // namespace
 
 Comparing::Comparing(replay::TraceReader reader, std::string file)
-    : reader_(std::move(reader)), last_dt_(reader_.setup().dt) {
+    : reader_(std::move(reader)), comparer_(reader_.setup().schema), last_dt_(reader_.setup().dt) {
   report_.file = std::move(file);
   report_.title = setup().title;
   report_.simulation = setup().simulation;
@@ -86,8 +83,9 @@ bool Comparing::check_identity(const Identity& identity) {
 }
 
 bool Comparing::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
-  if (const auto difference = verifier::first_schema_difference(setup().schema, *state.schema)) {
-    not_comparable("schema: " + difference->place + ": recorded " + difference->a + ", here " + difference->b,
+  if (const auto difference =
+          verifier::first_schema_difference(setup().schema, *state.schema, verifier::Ranges::inside)) {
+    not_comparable(verifier::schema_text(*difference),
                    "the program registers other columns than the one that recorded: record again");
     return false;
   }
@@ -99,15 +97,15 @@ bool Comparing::start(const StateView& state, const std::vector<std::string>& st
   first_root_ = root_hash(state);
   read_until(0);
   if (!initial_) return true;  // damaged: the end of the trace says so
-  if (initial_root_ == first_root_) return true;
+  if (initial_->root_hash == first_root_) return true;
   Divergence divergence;
   divergence.stage = std::string(verifier::stage_setup);
   divergence.stage_note = "the state before the first tick is not the recorded one";
-  divergence.expected_root = initial_root_;
+  divergence.expected_root = initial_->root_hash;
   divergence.got_root = first_root_;
   Bytes got;
   encode_image(state, got);
-  if (!verifier::locate_lanes(setup().schema, *initial_, got, row_name, lane_report_count_max, divergence))
+  if (!verifier::locate_lanes(setup().schema, initial_->image, got, row_name, lane_report_count_max, divergence))
     report_.warnings.push_back("the recorded initial state cannot be read");
   note_addresses(divergence);
   report_.divergence = std::move(divergence);
@@ -128,33 +126,26 @@ void Comparing::note_floats() {
                                (here.empty() ? std::string("IEEE 754's defaults") : here));
 }
 
+/// It follows its tick, which still waits to be compared.
+void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
+  ++report_.checkpoints_compared;
+  if (checkpoint.tick == 0)
+    initial_ = verifier::keep(checkpoint);
+  else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick)
+    ahead_.back().checkpoint = verifier::keep(checkpoint);
+}
+
 bool Comparing::read_until(std::uint64_t tick) {
   while (!at_end_ && (ahead_.empty() || ahead_.back().tick < tick)) {
     const replay::TraceReader::Item& item = reader_.next();
     if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
-      // It follows its tick: where that is still waiting, it is its image.
-      if (checkpoint->tick == 0) {
-        initial_ = Bytes(checkpoint->image.begin(), checkpoint->image.end());
-        initial_root_ = checkpoint->root_hash;
-      } else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint->tick && !ahead_.back().image)
-        ahead_.back().image = Bytes(checkpoint->image.begin(), checkpoint->image.end());
-      ++report_.checkpoints_compared;
+      take_checkpoint(*checkpoint);
       continue;
     }
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
-      RecordedTick kept{record->tick,
-                        record->dt,
-                        Bytes(record->inputs.begin(), record->inputs.end()),
-                        record->root_hash,
-                        record->stage_hashes,
-                        std::nullopt,
-                        {},
-                        false};
-      kept.cells = Bytes(record->cells.begin(), record->cells.end());
-      if (record->image) kept.image = Bytes(record->image->begin(), record->image->end());
       last_dt_ = record->dt;
-      ahead_.push_back(std::move(kept));
+      ahead_.push_back({verifier::keep(*record), std::nullopt, false});
       continue;
     }
     at_end_ = true;
@@ -185,47 +176,47 @@ bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
   TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
   const RecordedTick& recorded = ahead_.front();
   if (recorded.is_not_finite) return compare_non_finite(recorded, done, row_name);
-  const std::uint64_t got = root_hash(*done.state);
-  report_.root_hash = got;
+  read_until(done.tick + 1);  // a checkpoint may follow
+  verifier::TickSide here{root_hash(*done.state), done.stage_hashes};
+  here.state = done.state;
+  std::vector<verifier::TickSide> sides{side_of(recorded), here};
+  if (recorded.checkpoint) sides.push_back(side_of(*recorded.checkpoint));
+  const auto difference = comparer_.compare(sides);
+  report_.compared += comparer_.take_compared();
+  report_.root_hash = here.root_hash;
   ++report_.ticks_compared;
-  if (got != recorded.root_hash) {
-    diverge(recorded, done, got, row_name);
+  if (difference) {
+    const bool is_of_checkpoint = difference->b == 2;
+    if (!is_of_checkpoint && !sides[0].image && recorded.checkpoint)
+      sides[0].image = ByteView(recorded.checkpoint->image);
+    diverge(recorded, done, sides[is_of_checkpoint ? 2 : 0], here, row_name);
+    const std::string contradiction = verifier::contradiction_text(done.tick, difference->part);
+    if (is_of_checkpoint) {
+      report_.divergence->tick = recorded.checkpoint->tick;
+      report_.divergence->stage = "checkpoint";
+      report_.divergence->stage_note = "the hash of the tick before agrees, the checkpoint does not";
+    }
+    if (!contradiction.empty()) report_.notes.push_back(contradiction);
     return false;
   }
-  changed_ = changed_ || got != first_root_;
+  changed_ = changed_ || here.root_hash != first_root_;
   report_.time_s += done.dt;
   ahead_.pop_front();
   return true;
 }
 
-void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, std::uint64_t got,
-                        const RowNamer& row_name) {
+void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, const verifier::TickSide& expected,
+                        const verifier::TickSide& here, const RowNamer& row_name) {
   decided_ = true;
   report_.verdict = Verdict::diverged;
-  if (!recorded.image) read_until(done.tick + 1);  // a checkpoint may follow
   Divergence divergence;
   divergence.tick = done.tick;
   divergence.time_s = report_.time_s;
-  divergence.expected_root = recorded.root_hash;
-  divergence.got_root = got;
   divergence.inputs = inputs_json(done.tick, recorded.inputs);
-  if (recorded.stage_hashes.empty() || done.stage_hashes.empty())
-    divergence.stage_note = setup().stages.empty()
-                                ? "not known: the program names no stages"
-                                : "not known: the trace stores no hash after each stage of this tick";
-  else
-    verifier::locate_stage(setup().stages, recorded.stage_hashes, done.stage_hashes, divergence);
-  if (recorded.image) {
-    Bytes image;
-    encode_image(*done.state, image);
-    if (!verifier::locate_lanes(setup().schema, *recorded.image, image, row_name, lane_report_count_max, divergence))
-      report_.warnings.push_back("the stored state of tick " + std::to_string(done.tick) + " cannot be read");
-  } else if (!recorded.cells.empty()) {
-    const StateCells expected = replay::decode_cells(setup().schema, recorded.cells);
-    StateCells here;
-    CellHasher(setup().schema).hash(*done.state, expected.partition_cells, here);
-    verifier::locate_cells(setup().schema, expected, here, done.state, row_name, lane_report_count_max, divergence);
-  }
+  verifier::TickWords words{setup().schema, setup().stages, row_name, lane_report_count_max};
+  if (setup().stages.empty()) words.no_stages = "not known: the program names no stages";
+  if (!describe_tick(words, expected, here, divergence))
+    report_.warnings.push_back("the stored state of tick " + std::to_string(done.tick) + " cannot be read");
   if (const auto place = find_non_finite(*done.state))
     report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
   note_addresses(divergence);

@@ -15,20 +15,15 @@
 #include "base/result.h"
 #include "capi/tick.h"
 #include "replay/trace_reader.h"
+#include "verifier/compare_tick.h"
 #include "verifier/report.h"
 
 namespace ticktrue::capi {
 
 /// A recorded tick, kept until it is confirmed.
-struct RecordedTick {
-  std::uint64_t tick = 0;
-  double dt = 0;
-  Bytes inputs;
-  std::uint64_t root_hash = 0;
-  std::vector<std::uint64_t> stage_hashes;
-  std::optional<Bytes> image;
-  Bytes cells;                 // encoded; empty unless stored
-  bool is_not_finite = false;  // the recording ended because of this tick
+struct RecordedTick : verifier::StoredTick {
+  std::optional<verifier::StoredCheckpoint> checkpoint;  // behind it
+  bool is_not_finite = false;                            // the recording ended because of this tick
 };
 
 class Comparing {
@@ -58,18 +53,20 @@ class Comparing {
 
  private:
   bool read_until(std::uint64_t tick);
-  void diverge(const RecordedTick& recorded, const DoneTick& done, std::uint64_t got, const RowNamer& row_name);
+  void take_checkpoint(const replay::CheckpointRecord& checkpoint);
+  void diverge(const RecordedTick& recorded, const DoneTick& done, const verifier::TickSide& expected,
+               const verifier::TickSide& here, const RowNamer& row_name);
   void not_comparable(const std::string& reason, const std::string& hint);
   bool compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name);
   void note_addresses(const verifier::Divergence& divergence);
   void note_floats();
 
   replay::TraceReader reader_;
+  verifier::TickComparer comparer_;
   verifier::Report report_;
-  std::string build_;               // of the program, as it says
-  std::optional<Bytes> initial_;    // the recorded initial state, once it was read
-  std::uint64_t initial_root_ = 0;  // its hash
-  std::deque<RecordedTick> ahead_;  // read and not yet compared
+  std::string build_;                                  // of the program, as it says
+  std::optional<verifier::StoredCheckpoint> initial_;  // the recorded initial state, once it was read
+  std::deque<RecordedTick> ahead_;                     // read and not yet compared
   bool at_end_ = false;
   bool decided_ = false;
   bool changed_ = false;

@@ -1,17 +1,10 @@
-// Words for places and for the floating point settings.
+// Words for the floating point settings.
 // SPDX-License-Identifier: MIT
 #include "capi/tick.h"
 
 #include "base/float_behaviour.h"
 
 namespace ticktrue::capi {
-
-std::string place_text(const StateSchema& schema, const StatePlace& place, const RowNamer& row_name) {
-  const TableSchema& table = schema.tables[place.table];
-  const std::string name = row_name ? row_name(place.table, place.row) : "";
-  return table.name + " row " + std::to_string(place.row) + (name.empty() ? "" : " (" + name + ")") + ", column " +
-         table.columns[place.column].name + ", lane " + std::to_string(place.lane);
-}
 
 std::string float_deviation() {
   // Whether products and sums are fused depends on how the program was compiled, which the library cannot see.

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "base/row_names.h"
 #include "base/state_view.h"
 
 namespace ticktrue::capi {
@@ -22,18 +22,12 @@ struct DoneTick {
   const StateView* state = nullptr;         // after it
 };
 
-/// The name of a row, empty where it has none: table, row.
-using RowNamer = std::function<std::string(std::size_t table, std::size_t row)>;
-
 /// What a program says of itself.
 struct Identity {
   std::string name;
   std::uint32_t version = 0;
   std::string build;
 };
-
-/// "table balls, row 3 (player 2), column velocity, lane 1".
-std::string place_text(const StateSchema& schema, const StatePlace& place, const RowNamer& row_name);
 
 /// How the calling thread's floats deviate from IEEE 754's defaults, in words; empty if they do not.
 std::string float_deviation();

@@ -7,7 +7,8 @@ if(TICKTRUE_UNITY)
   # Of these the C interface's archive is made, without what knows the engine.
   file(GLOB shared_sources RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/verifier/report*.cpp
     ${PROJECT_SOURCE_DIR}/verifier/locate*.cpp)
-  foreach(source ${shared_sources} verifier/schema_difference.cpp verifier/exit_codes.cpp
+  foreach(source ${shared_sources} verifier/compare_tick.cpp verifier/schema_difference.cpp
+      verifier/exit_codes.cpp
       engine/clock/tick_clock.cpp engine/forces/forces.cpp engine/geometry/hull.cpp
       engine/integrators/integrator.cpp engine/scene_json.cpp engine/solvers/solver.cpp engine/stages/inputs.cpp
       engine/stages/islands.cpp replay/trace_chunks.cpp verifier/import_rube.cpp)

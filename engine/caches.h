@@ -60,4 +60,14 @@ struct CacheCounts {
 };
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 
+inline void count_use(CacheReport& report, CacheKind kind, bool was_hit) {
+  CacheCounts& counts = report[static_cast<std::size_t>(kind)];
+  ++(was_hit ? counts.hits : counts.invalidations);
+}
+inline void count_uses(CacheReport& report, CacheKind kind, CacheCounts more) {
+  CacheCounts& counts = report[static_cast<std::size_t>(kind)];
+  counts.hits += more.hits;
+  counts.invalidations += more.invalidations;
+}
+
 }  // namespace ticktrue::engine

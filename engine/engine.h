@@ -18,7 +18,7 @@
 namespace ticktrue::engine {
 
 /// Rises with every change that changes bits on purpose; CHANGELOG says so under *TRACE*.
-inline constexpr std::uint32_t physics_version = 8;
+inline constexpr std::uint32_t physics_version = 9;
 inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
 /// Choices that change no bit of what both sides have.
@@ -29,10 +29,10 @@ struct EngineOptions {
   unsigned thread_count = 1;                           // of a tick
   // For tests: instead of threads of its own, and chunks of this size. The runner must outlive the engine.
   Parallel parallel = {};
-  std::size_t pair_count_max = limits::pair_count_max;  // for tests: fewer
+  std::optional<std::size_t> pair_count_max = {};  // for tests: fewer than limits::pair_count_max
   // Does each tick a second time without any cached structure, on a copy of the state, and compares every column: where
-  // they differ, last_step() is an error (internal) with tick, table, column and row. A tick takes two to five times as
-  // long.
+  // they differ, last_step() is an error (inconsistent) with tick, stage, table, column and row. A tick takes two to
+  // five times as long.
   bool check_caches = false;
 };
 

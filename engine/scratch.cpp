@@ -142,4 +142,31 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.level_starts);
 }
 
+void forget(Scratch& scratch, CacheSet caches) {
+  Kept& kept = scratch.kept;
+  const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
+  if (caches == all_caches) kept.pairs.is_valid = false;  // with the proxies, which all of it is about
+  if (is_in(CacheKind::pair_list)) kept.pairs.has_pairs = false;
+  if (is_in(CacheKind::boxes)) kept.pairs.farthest = -1;  // no tick has this
+  if (is_in(CacheKind::present_pairs)) kept.pairs.has_present = false;
+  if (is_in(CacheKind::manifolds)) kept.has_touching = false;
+  if (is_in(CacheKind::contact_places)) kept.is_settled = false;
+  if (is_in(CacheKind::pair_blocks))
+    for (PairBlock& block : kept.pair_blocks) block.is_valid = false;
+  if (is_in(CacheKind::velocity_steps)) kept.velocity_steps.is_valid = false;
+  if (is_in(CacheKind::free_motion)) scratch.free_motion_step = 0;
+  if (is_in(CacheKind::joint_plan)) kept.joints.is_of_scene = false;
+  if (is_in(CacheKind::contact_colors)) {
+    kept.coloring.is_whole_set = false;
+    kept.coloring.ends.clear();
+    kept.coloring.blocks.clear();
+  }
+  if (is_in(CacheKind::contact_blocks)) {
+    kept.coloring.block_of.clear();
+    kept.coloring.group_rows.clear();
+    kept.coloring.ticks_unsplit = 0;
+  }
+  if (is_in(CacheKind::cell_side)) kept.pairs.common_side = 0;
+}
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

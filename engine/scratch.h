@@ -10,6 +10,7 @@
 #include "base/limits.h"
 #include "base/parallel.h"
 #include "engine/broad_phase/pair_rows.h"
+#include "engine/caches.h"
 #include "engine/constraints/body_rows.h"
 #include "engine/constraints/contact_batch.h"
 #include "engine/constraints/hinge_batch.h"
@@ -42,19 +43,13 @@ struct Kept {
   VelocitySteps velocity_steps;
   JointPlan joints;
   ContactColoring coloring;
+  CacheReport report{};
 };
-
-/// Makes the next tick build everything anew.
-inline void forget(Kept& kept) {
-  kept.pairs.is_valid = false;
-  kept.has_touching = false;
-  kept.joints.is_of_scene = false;
-}
 
 struct Scratch {
   Kept kept;
-  Parallel parallel;                                    // the engine's
-  std::size_t pair_count_max = limits::pair_count_max;  // likewise
+  Parallel parallel;                                                            // the engine's
+  std::size_t pair_count_max = limits::pair_count_max(limits::body_count_max);  // of this tick
 
   // Lists made in chunks are written where the chunk's part of the range begins, then put together.
   std::vector<std::uint32_t> part_counts;  // [chunk]
@@ -182,6 +177,9 @@ struct Scratch {
   std::vector<Real> body_torques;           // [body] the most that its joints' forces turn it with, N m
   std::vector<std::uint32_t> level_starts;  // [level and way] in the plan's places
 };
+
+/// Makes the next tick build these structures anew.
+void forget(Scratch& scratch, CacheSet caches);
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge
 /// indices). Builds with TICKTRUE_POISON call it before each tick.

@@ -338,7 +338,7 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
 State initial_state(const Model& model) {
   State state;
   const Scene& scene = model.scene;
-  state.world.gravity = {static_cast<Real>(scene.gravity.x), static_cast<Real>(scene.gravity.y)};
+  state.world.gravity = stored(Vec2{static_cast<Real>(scene.gravity.x), static_cast<Real>(scene.gravity.y)});
   state.world.next_id = static_cast<std::uint32_t>(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
@@ -348,12 +348,12 @@ State initial_state(const Model& model) {
     BodyRow row{};
     row.id = static_cast<std::uint32_t>(i);
     row.source = static_cast<std::uint32_t>(i);
-    row.position = {static_cast<Real>(body.position.x + turn.cos * center_x - turn.sin * center_y),
-                    static_cast<Real>(body.position.y + turn.sin * center_x + turn.cos * center_y)};
-    row.rotation = {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
+    row.position = stored(Vec2{static_cast<Real>(body.position.x + turn.cos * center_x - turn.sin * center_y),
+                               static_cast<Real>(body.position.y + turn.sin * center_x + turn.cos * center_y)});
+    row.rotation = stored(Rotation{static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)});
     if (body.type != BodyType::static_body) {
-      row.velocity = {static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)};
-      row.angular_velocity = static_cast<Real>(body.angular_velocity);
+      row.velocity = stored(Vec2{static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)});
+      row.angular_velocity = stored(static_cast<Real>(body.angular_velocity));
     }
     add_body_row(model, state, row);
   }
@@ -364,8 +364,8 @@ State initial_state(const Model& model) {
     row.kind = static_cast<std::uint32_t>(joint.kind);
     row.body_a = joint.body_a;
     row.body_b = joint.body_b;
-    row.motor_speed = joint.motor_speed;
-    row.motor_force_max = joint.motor_force_max;
+    row.motor_speed = stored(joint.motor_speed);
+    row.motor_force_max = stored(joint.motor_force_max);
     state.joints.push_back(row);
   }
   return state;

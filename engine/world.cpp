@@ -40,7 +40,8 @@ class World final : public Engine {
     for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
     scratch_.parallel = options.parallel;
     if (options.parallel.runner == nullptr) scratch_.parallel.runner = workers_.get();
-    scratch_.pair_count_max = options.pair_count_max;
+    pair_count_max_ = options.pair_count_max;
+    if (options.check_caches) check_ = std::make_unique<ColdTick>();
     view_.schema = &schema_;
     update_view(state_, pipeline_.tables, view_);
   }
@@ -83,12 +84,10 @@ class World final : public Engine {
 #endif
     const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
-    scratch_.force.clear();
-    scratch_.torque.clear();
     scratch_.planted = std::exchange(planted_, std::nullopt);
-    scratch_.has_too_many_pairs = false;
-    ++state_.world.tick;
-    state_.world.time += input.dt;
+    scratch_.pair_count_max = pair_count_max();
+    if (check_ != nullptr) begin_check(input);
+    begin_tick(state_, scratch_, input);
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
       pipeline_.stages[i].run(model_, state_, scratch_, dt);
@@ -96,6 +95,7 @@ class World final : public Engine {
         last_step_ = too_many_pairs();
         break;
       }
+      if (check_ != nullptr && last_step_) last_step_ = check_stage(i, dt);
       if (observer == nullptr) continue;
       update_view(state_, pipeline_.tables, view_);
       observer->after_stage(i, view_);
@@ -114,7 +114,7 @@ class World final : public Engine {
   Status load(ByteView image) override {
     const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
     if (status) {
-      forget(scratch_.kept);
+      forget(scratch_, all_caches);
       last_step_ = {};
     }
     update_view(state_, pipeline_.tables, view_);
@@ -189,10 +189,10 @@ class World final : public Engine {
   }
 
   void forget_caches(CacheSet caches) override {
-    if (caches != 0) forget(scratch_.kept);
+    forget(scratch_, caches);
   }
   CacheReport cache_report() const override {
-    return {};
+    return scratch_.kept.report;
   }
 
   std::vector<BodyReport> bodies() const override {
@@ -219,7 +219,7 @@ class World final : public Engine {
 
   std::vector<ContactReport> contacts() const override {
     Scratch found;
-    found.pair_count_max = scratch_.pair_count_max;
+    found.pair_count_max = pair_count_max();
     State poses = state_;
     broad_phase_function(BroadPhaseKind::sweep_and_prune)(model_, poses, found, Real(0));
     find_contacts(model_, poses, found, Real(0));
@@ -245,7 +245,7 @@ class World final : public Engine {
   BroadPhaseReport broad_phase() const override {
     const Real dt = static_cast<Real>(model_.scene.settings.dt);
     Scratch found;
-    found.pair_count_max = scratch_.pair_count_max;
+    found.pair_count_max = pair_count_max();
     State poses = state_;
     broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
     const Real fall = fall_of_a_tick(model_, state_);
@@ -262,6 +262,69 @@ class World final : public Engine {
   }
 
  private:
+  std::size_t pair_count_max() const {
+    return pair_count_max_.value_or(limits::pair_count_max(state_.bodies.size()));
+  }
+
+  /// A tick without any cached structure, beside the one that counts.
+  struct ColdTick {
+    State state;
+    std::optional<Scratch> scratch;
+  };
+
+  static void begin_tick(State& state, Scratch& scratch, const TickInput& input) {
+    scratch.force.clear();
+    scratch.torque.clear();
+    scratch.has_too_many_pairs = false;
+    ++state.world.tick;
+    state.world.time += input.dt;
+  }
+
+  /// Begins the same tick in `check_`.
+  void begin_check(const TickInput& input) {
+    check_->state = state_;
+    Scratch& cold = check_->scratch.emplace();
+    cold.parallel = scratch_.parallel;
+    cold.pair_count_max = scratch_.pair_count_max;
+    cold.inputs = scratch_.inputs;
+    cold.planted = scratch_.planted;
+    begin_tick(check_->state, cold, input);
+  }
+
+  /// Does a stage in `check_`, too. Errors: inconsistent.
+  Status check_stage(std::size_t stage, Real dt) {
+    pipeline_.stages[stage].run(model_, check_->state, *check_->scratch, dt);
+    StateView cold;
+    cold.schema = &schema_;
+    update_view(check_->state, pipeline_.tables, cold);
+    update_view(state_, pipeline_.tables, view_);
+    Bytes expected;
+    Bytes got;
+    encode_image(cold, expected);
+    encode_image(view_, got);
+    if (expected == got) return {};
+    return cached_otherwise(stage, expected, got);
+  }
+
+  Error cached_otherwise(std::size_t stage, const Bytes& expected, const Bytes& got) const {
+    const auto tables_expected = split_image(schema_, expected);
+    const auto tables_got = split_image(schema_, got);
+    TICKTRUE_ASSERT(tables_expected.has_value() && tables_got.has_value());
+    const std::vector<LaneDifference> found = diff_images(schema_, *tables_expected, *tables_got, 1);
+    TICKTRUE_ASSERT(!found.empty());
+    const LaneDifference& first = found[0];
+    const TableSchema& table = schema_.tables[first.place.table];
+    const Column& column = table.columns[first.place.column];
+    const auto text = [&](const std::optional<std::uint64_t>& bits) {
+      return bits ? lane_hex(column.type, *bits) + " (" + lane_text(column.type, *bits) + ")" : std::string("no row");
+    };
+    return {ErrorCode::inconsistent,
+            "tick " + std::to_string(state_.world.tick - 1) + ": stage " + stage_names_[stage] + ": " + table.name +
+                "." + column.name + " row " + std::to_string(first.place.row) + ": found " + text(first.got) +
+                " with cached structures, expected " + text(first.expected) + " without",
+            "this is a fault of the engine: report it with the scene, its inputs and this line"};
+  }
+
   Error too_many_pairs() const {
     const std::string most = std::to_string(scratch_.pair_count_max);
     return {ErrorCode::limit,
@@ -298,6 +361,8 @@ class World final : public Engine {
   StateSchema schema_;
   State state_;
   Scratch scratch_;
+  std::optional<std::size_t> pair_count_max_;
+  std::unique_ptr<ColdTick> check_;      // if every tick is to be done without cached structures, too
   std::optional<PlantedFault> planted_;  // for the next tick
   Status last_step_;
   StateView view_;

@@ -9,6 +9,7 @@
 #include "base/float_behaviour.h"
 #include "verifier/parallel.h"
 #include "verifier/playback.h"
+#include "verifier/schema_difference.h"
 #include "verifier/verify.h"
 
 namespace ticktrue::play {
@@ -64,7 +65,9 @@ Status Player::read_all() {
 }
 
 bool Player::load_checkpoint(std::uint64_t tick) {
-  if (reader_->setup().schema != *engine_->state().schema || !reader_->seek(tick)) return false;
+  if (verifier::first_schema_difference(reader_->setup().schema, *engine_->state().schema, verifier::Ranges::inside) ||
+      !reader_->seek(tick))
+    return false;
   const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader_->next());
   if (checkpoint == nullptr || checkpoint->tick != tick || !engine_->load(checkpoint->image)) return false;
   position_ = tick;

@@ -7,25 +7,15 @@
 #include <vector>
 
 #include "base/float_behaviour.h"
-#include "base/state_view.h"
+#include "base/row_names.h"
+#include "base/stage_hashes.h"
 
 namespace ticktrue::replay {
 namespace {
 
-/// Root hash after each stage of the ticks that are stored in full.
-class StageHasher : public StageObserver {
- public:
-  void after_stage(std::size_t, const StateView& state) override { hashes.push_back(root_hash(state)); }
-  std::vector<std::uint64_t> hashes;
-};
-
 std::string non_finite_text(const Simulation& simulation, std::uint64_t tick, const StatePlace& place) {
-  const StateView& state = simulation.state();
-  const TableSchema& table = state.schema->tables[place.table];
-  const Column& column = table.columns[place.column];
-  const std::string name = simulation.row_name(place.table, place.row);
-  return "tick " + std::to_string(tick) + ": " + table.name + " row " + std::to_string(place.row) +
-         (name.empty() ? "" : " (" + name + ")") + ", column " + column.name + ", lane " + std::to_string(place.lane) +
+  const RowNamer row_name = [&](std::size_t table, std::size_t row) { return simulation.row_name(table, row); };
+  return "tick " + std::to_string(tick) + ": " + place_text(*simulation.state().schema, place, row_name) +
          ": found a value that is not finite";
 }
 
@@ -57,7 +47,7 @@ class Recording {
       if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
         return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
       result_.root_hash = root_hash(simulation_.state());
-      if (const Status status = writer_.end_tick(result_.root_hash, stage_hasher_.hashes,
+      if (const Status status = writer_.end_tick(result_.root_hash, stage_hashes_.hashes(),
                                                  writer_.wants_state() ? &simulation_.state() : nullptr);
           !status)
         return status.error();
@@ -66,9 +56,9 @@ class Recording {
 
  private:
   void step(const TickInput& input, bool is_full) {
-    stage_hasher_.hashes.clear();
+    stage_hashes_.clear();
     const auto before = std::chrono::steady_clock::now();
-    simulation_.step(input, is_full ? &stage_hasher_ : nullptr);
+    simulation_.step(input, is_full ? &stage_hashes_ : nullptr);
     result_.simulate_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   }
 
@@ -109,7 +99,7 @@ class Recording {
   InputSource& source_;
   TraceWriter& writer_;
   const RecordOptions& options_;
-  StageHasher stage_hasher_;
+  StageHashes stage_hashes_;  // of the ticks that are stored in full
   RecordResult result_;
 };
 

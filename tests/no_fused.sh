@@ -1,5 +1,6 @@
 #!/bin/sh
-# Compiles engine sources for a machine that has fused multiply-add, with the project's flags, and looks for it.
+# Compiles engine sources for a machine that has fused multiply-add by AVX-512 and by FMA, with the project's flags, and
+# looks for it.
 # SPDX-License-Identifier: MIT
 # usage: no_fused.sh SOURCE_DIR COMPILER FLAGS...    Exits 0 if there is none, 1 if there is, 77 if it cannot tell.
 set -u
@@ -12,7 +13,7 @@ trap 'rm -f "$object"' EXIT
 status=0
 for source in engine/narrow_phase/collide_polygons.cpp engine/solvers/impulse.cpp engine/constraints/pointer.cpp \
   engine/constraints/contact_kernels.cpp engine/constraints/pin_kernels.cpp engine/integrators/motion_kernels.cpp; do
-  "$compiler" -std=c++20 -O3 -march=x86-64-v3 "$@" -DTICKTRUE_PRECISION=f64 -I"$source_dir" -c "$source_dir/$source" \
+  "$compiler" -std=c++20 -O3 -march=x86-64-v4 "$@" -DTICKTRUE_PRECISION=f64 -I"$source_dir" -c "$source_dir/$source" \
     -o "$object" || exit 1
   count=$(objdump -d "$object" | grep -cE 'vfn?m(add|sub)')
   [ "$count" = 0 ] || { echo "$source: found $count fused instructions, expected 0"; status=1; }

@@ -8,7 +8,7 @@
 
 #include "base/hash.h"
 #include "verifier/locate.h"
-#include "verifier/process.h"
+#include "verifier/runs/child.h"
 #include "verifier/stage_states.h"
 
 namespace ticktrue::verifier {
@@ -76,13 +76,14 @@ class BuildComparison {
     other.build.binary = options_.binary;
     std::vector<std::string> words{options_.binary, "verify", reader_.name(), "--json"};
     if (to) words.insert(words.end(), {"--to", std::to_string(*to)});  // behind our first difference nothing counts
-    const ProcessResult result = run_process(words, limits_);
-    other.failure = process_failure(result, limits_);
+    const ChildResult result = run(words);
+    other.failure = child_failure(result, limits_);
     if (!other.failure.empty()) return other;
     const auto json = nlohmann::json::parse(result.output, nullptr, false);
     if (!json.is_object() || json_at<std::string>(json, "schema", "") != "ticktrue.verify/1" ||
         !json.contains("verdict")) {
-      other.failure = "gave no report of schema ticktrue.verify/1: exit code " + std::to_string(result.code) +
+      other.failure = "gave no report of schema ticktrue.verify/1: exit code " +
+                      std::to_string(result.end.exit_status) +
                       (result.message.empty() ? "" : ", \"" + first_line(result.message) + "\"");
       return other;
     }
@@ -98,6 +99,17 @@ class BuildComparison {
       for (const auto& [name, value] : (*builds)["here"].items())
         if (value.is_string()) other.build.facts.emplace_back(name, value.get<std::string>());
     return other;
+  }
+
+  ChildResult run(std::vector<std::string> argv) {
+    ChildCommand command;
+    command.argv = std::move(argv);
+    command.limits = limits_;
+    const ChildResult result = run_child(command);
+    if (!result.end.escaped.empty())
+      report_.warnings.push_back(options_.binary +
+                                 " left running, outside of its process group: " + escaped_text(result.end.escaped));
+    return result;
   }
 
   Report failed(const std::string& what) {
@@ -165,11 +177,10 @@ class BuildComparison {
       divergence.stage_note = "not known: " + here.error().message;
       return;
     }
-    const ProcessResult result = run_process(
-        {options_.binary, "replay", reader_.name(), "--format", "stages", "--ticks", std::to_string(divergence.tick)},
-        limits_);
-    std::string failure = process_failure(result, limits_);
-    if (failure.empty() && result.code == exit_usage)
+    const ChildResult result = run(
+        {options_.binary, "replay", reader_.name(), "--format", "stages", "--ticks", std::to_string(divergence.tick)});
+    std::string failure = child_failure(result, limits_);
+    if (failure.empty() && result.end.exit_status == exit_usage)
       failure = "does not know `replay --format stages` (\"" + first_line(result.message) + "\"): an older version?";
     const auto there = parse_stage_states(result.output);
     if (failure.empty() && !there) failure = "replay --format stages: " + there.error().message;
@@ -228,7 +239,7 @@ class BuildComparison {
   replay::TraceReader& reader_;
   Report report_;
   const AgainstOptions& options_;
-  ProcessLimits limits_;
+  ChildLimits limits_;
 };
 
 }  // namespace

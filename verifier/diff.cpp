@@ -3,11 +3,11 @@
 #include "verifier/diff.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
 
 #include "base/hash.h"
 #include "replay/payload.h"
-#include "verifier/json_parts.h"
+#include "verifier/compare_tick.h"
 #include "verifier/locate.h"
 #include "verifier/locate_cells.h"
 #include "verifier/schema_difference.h"
@@ -15,7 +15,6 @@
 namespace ticktrue::verifier {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using replay::CheckpointRecord;
 using replay::TickRecord;
 using replay::TraceCondition;
@@ -40,39 +39,32 @@ class Side {
         ended_ = true;
         return nullptr;
       }
-      const auto& checkpoint = std::get<CheckpointRecord>(item);
-      checkpoint_ = Bytes(checkpoint.image.begin(), checkpoint.image.end());
-      checkpoint_tick_ = checkpoint.tick;
-      checkpoint_root_ = checkpoint.root_hash;
-      if (!keeps_last_) continue;
-      last_image_ = *checkpoint_;
-      last_image_tick_ = checkpoint_tick_;
+      checkpoint_ = keep(std::get<CheckpointRecord>(item));
+      if (keeps_last_) last_ = checkpoint_;
     }
   }
 
-  const std::optional<Bytes>& checkpoint() const { return checkpoint_; }
-  std::uint64_t checkpoint_tick() const { return checkpoint_tick_; }
-  std::uint64_t checkpoint_root() const { return checkpoint_root_; }
+  /// The one passed on the way to the present tick, if it holds the state with so many ticks done.
+  const StoredCheckpoint* checkpoint_at(std::uint64_t ticks_done) const {
+    return checkpoint_ && checkpoint_->tick == ticks_done ? &*checkpoint_ : nullptr;
+  }
   std::uint64_t ticks() const { return ticks_; }
-  /// The last state passed, until keep_last_image.
-  const std::optional<Bytes>& last_image() const { return last_image_; }
-  std::uint64_t last_image_tick() const { return last_image_tick_; }
-  void keep_last_image() { keeps_last_ = false; }
+  /// The last checkpoint passed, until keep_last.
+  const std::optional<StoredCheckpoint>& last() const { return last_; }
+  void keep_last() { keeps_last_ = false; }
   const replay::TraceTail& tail() const { return reader_.tail(); }
 
  private:
   replay::TraceReader& reader_;
-  std::optional<Bytes> checkpoint_;
-  std::uint64_t checkpoint_tick_ = 0;
-  std::uint64_t checkpoint_root_ = 0;
-  std::optional<Bytes> last_image_;
-  std::uint64_t last_image_tick_ = 0;
+  std::optional<StoredCheckpoint> checkpoint_;
+  std::optional<StoredCheckpoint> last_;
   bool keeps_last_ = true;
   std::uint64_t ticks_ = 0;
   bool ended_ = false;
 };
 
 constexpr std::uint64_t spread_ticks = 64;
+constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
 
 /// What to run, each with the build that recorded it, for the values behind a difference of two traces.
 std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
@@ -108,9 +100,11 @@ std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector
   if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
   if (a.physics_version != b.physics_version)
     out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
+  // Of one setup, another range is another build's; of two, it may be that of what they hold.
+  const Ranges ranges = a.setup == b.setup ? Ranges::any : Ranges::same;
   if (const auto precision = precision_difference(a.schema, b.schema))
     out.push_back({precision->place, precision->a, precision->b});
-  else if (const auto difference = first_schema_difference(a.schema, b.schema))
+  else if (const auto difference = first_schema_difference(a.schema, b.schema, ranges))
     out.push_back({"schema: " + difference->place, difference->a, difference->b});
   const std::size_t blocking = out.size();
   if (a.stages != b.stages) out.push_back({"stages", stages_summary(a.stages), stages_summary(b.stages)});
@@ -120,24 +114,18 @@ std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector
   return blocking;
 }
 
-/// What is stored of a tick, beyond the reader's next step.
-struct Stored {
-  std::uint64_t root_hash = 0;
-  std::vector<std::uint64_t> stage_hashes;
-  std::optional<Bytes> image;
-  Bytes cells;
-};
-
-Stored store(const TickRecord& record) {
-  Stored stored{record.root_hash, record.stage_hashes, std::nullopt, Bytes(record.cells.begin(), record.cells.end())};
-  if (record.image) stored.image = Bytes(record.image->begin(), record.image->end());
-  return stored;
+/// Ticks of which the parts are stored.
+void count_parts(const TickRecord& record, ComparedParts& counts) {
+  ++counts.ticks;
+  counts.stage_hashes += record.stage_hashes.empty() ? 0 : 1;
+  counts.images += record.image ? 1 : 0;
+  counts.cells += record.cells.empty() ? 0 : 1;
 }
 
 class Differ {
  public:
   Differ(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options)
-      : setup_a_(a.setup()), setup_b_(b.setup()), a_(a), b_(b), options_(options) {
+      : setup_a_(a.setup()), setup_b_(b.setup()), a_(a), b_(b), options_(options), comparer_(setup_a_.schema) {
     report_.a.file = a.name();
     report_.b.file = b.name();
     report_.a.build = a.facts();
@@ -162,47 +150,44 @@ class Differ {
   void walk() {
     const TickRecord* a = a_.advance();
     const TickRecord* b = b_.advance();
-    if (comparable_ && a_.checkpoint() && b_.checkpoint() && a_.checkpoint_tick() == 0 && b_.checkpoint_tick() == 0 &&
-        *a_.checkpoint() != *b_.checkpoint()) {
-      Divergence divergence;
-      divergence.stage = std::string(stage_setup);
-      divergence.stage_note = "they begin with different states";
-      divergence.expected_root = a_.checkpoint_root();
-      divergence.got_root = b_.checkpoint_root();
-      fill_lanes(*a_.checkpoint(), *b_.checkpoint(), divergence);
-      report_.divergence = std::move(divergence);
-    }
     double time_s = 0;
     std::uint64_t tick = 0;
+    if (comparable_) compare_checkpoints(0, time_s);
     while (a != nullptr && b != nullptr) {
       compare_inputs(tick, *a, *b);
       // Hashes of different schemas say nothing about each other.
-      const bool found = comparable_ && !report_.divergence && a->root_hash != b->root_hash;
+      const bool found = comparable_ && !report_.divergence && differ(*a, *b);
       if (found) {
         Divergence divergence;
         divergence.tick = tick;
         divergence.time_s = time_s;
-        divergence.expected_root = a->root_hash;
-        divergence.got_root = b->root_hash;
         divergence.inputs = inputs_text(tick, a->inputs);
         report_.divergence = std::move(divergence);
-        stored_a_ = store(*a);
-        stored_b_ = store(*b);
-        a_.keep_last_image();
-        b_.keep_last_image();
       } else if (report_.divergence && comparable_) {
         follow_spread(*a, *b);
       }
+      if (found || (comparable_ && a->root_hash != b->root_hash)) note_differing(tick);
       time_s += a->dt;
       ++tick;
       if (comparable_) ++report_.ticks_compared;
       if (options_.progress) options_.progress(tick);
       a = a_.advance();
       b = b_.advance();
-      if (found) locate(tick);
+      if (found)
+        locate(tick);
+      else if (comparable_ && !report_.divergence)
+        compare_checkpoints(tick, time_s);
     }
     while (a != nullptr) a = a_.advance();
     while (b != nullptr) b = b_.advance();
+  }
+
+  void note_differing(std::uint64_t tick) {
+    std::vector<TickRange>& ranges = report_.differing;
+    if (!ranges.empty() && (ranges.back().last + 1 >= tick || ranges.size() == differing_ranges_max))
+      ranges.back().last = tick;
+    else
+      ranges.push_back({tick, tick});
   }
 
   void compare_inputs(std::uint64_t tick, const TickRecord& a, const TickRecord& b) {
@@ -213,45 +198,104 @@ class Differ {
     report_.inputs = InputDifference{tick, a.dt, b.dt, inputs_text(tick, a.inputs), inputs_text(tick, b.inputs)};
   }
 
-  /// The sides stand behind the checkpoints, if any, that hold the states with `ticks_done` ticks done.
+  /// Hashes after the stages are compared where both have the same stages.
+  TickSide stored_side(const TickRecord& record) const {
+    TickSide side = side_of(record);
+    if (setup_a_.stages != setup_b_.stages) side.stage_hashes = {};
+    return side;
+  }
+
+  bool differ(const TickRecord& a, const TickRecord& b) {
+    count_parts(a, stored_[0]);
+    count_parts(b, stored_[1]);
+    const TickSide sides[] = {stored_side(a), stored_side(b)};
+    const auto difference = comparer_.compare(sides);
+    root_ = a.root_hash;
+    if (!difference) return false;
+    part_ = difference->part;
+    differing_[0] = keep(a);
+    differing_[1] = keep(b);
+    a_.keep_last();
+    b_.keep_last();
+    return true;
+  }
+
+  /// The checkpoints with so many ticks done, with each other and with the tick before.
+  void compare_checkpoints(std::uint64_t ticks_done, double time_s) {
+    const StoredCheckpoint* a = a_.checkpoint_at(ticks_done);
+    const StoredCheckpoint* b = b_.checkpoint_at(ticks_done);
+    if (a == nullptr && b == nullptr) return;
+    if (a != nullptr && b != nullptr) ++report_.checkpoints_compared;
+    const bool is_start = ticks_done == 0;
+    std::vector<TickSide> sides;
+    for (const StoredCheckpoint* checkpoint : {a, b})
+      if (checkpoint != nullptr) sides.push_back(side_of(*checkpoint));
+    const bool same = !TickComparer(setup_a_.schema).compare(sides);
+    const bool of_its_tick = is_start || ((a == nullptr || holds(*a, root_)) && (b == nullptr || holds(*b, root_)));
+    if (same && of_its_tick) return;
+    Divergence divergence;
+    divergence.tick = ticks_done;
+    divergence.time_s = time_s;
+    const TickSide tick_before{root_};
+    describe(a != nullptr ? side_of(*a) : tick_before, b != nullptr ? side_of(*b) : tick_before, plain_words(),
+             divergence);
+    divergence.stage = std::string(is_start ? stage_setup : std::string_view("checkpoint"));
+    divergence.stage_note = is_start ? "they begin with different states"
+                            : same   ? "the hash of the tick before is not that of the checkpoint"
+                                     : "the hashes of the tick before agree, the checkpoints do not";
+    report_.divergence = std::move(divergence);
+    if (!is_start) note_differing(ticks_done - 1);
+  }
+
+  /// Whether the checkpoint is a state with this hash.
+  bool holds(const StoredCheckpoint& checkpoint, std::uint64_t root) const {
+    const Result<ImageState> state = ImageState::of(setup_a_.schema, checkpoint.image);
+    return checkpoint.root_hash == root && state && root_hash(state->view()) == root;
+  }
+
+  void describe(const TickSide& a, const TickSide& b, const TickWords& words, Divergence& divergence) {
+    if (const Status described = describe_tick(words, a, b, divergence); !described)
+      report_.notes.push_back("a stored state cannot be read: " + described.error().message);
+  }
+
+  /// The sides stand behind the checkpoints, if any, that hold the states with `ticks_done` ticks done. Rows of cells
+  /// are tried among those of the last state both store before.
   void locate(std::uint64_t ticks_done) {
     Divergence& divergence = *report_.divergence;
-    if (!stored_a_.image && a_.checkpoint() && a_.checkpoint_tick() == ticks_done) stored_a_.image = a_.checkpoint();
-    if (!stored_b_.image && b_.checkpoint() && b_.checkpoint_tick() == ticks_done) stored_b_.image = b_.checkpoint();
-    if (stored_a_.image && stored_b_.image)
-      fill_lanes(*stored_a_.image, *stored_b_.image, divergence);
-    else if (!stored_a_.cells.empty() && !stored_b_.cells.empty())
-      fill_cells(divergence);
-    if (!stored_a_.stage_hashes.empty() && !stored_b_.stage_hashes.empty() && setup_a_.stages == setup_b_.stages)
-      locate_stage(setup_a_.stages, stored_a_.stage_hashes, stored_b_.stage_hashes, divergence);
-    else
-      divergence.stage_note = "not known: not both store a hash after each stage of this tick";
-    stored_a_ = {};
-    stored_b_ = {};
-  }
-
-  void fill_lanes(const Bytes& a, const Bytes& b, Divergence& divergence) {
-    if (const Status located = locate_lanes(setup_a_.schema, a, b, {}, options_.row_count_max, divergence); !located)
-      report_.notes.push_back("a stored state cannot be read: " + located.error().message);
-  }
-
-  /// Columns from the hashes of both; rows are tried among those of the last state both store before.
-  void fill_cells(Divergence& divergence) {
-    const StateSchema& schema = setup_a_.schema;
-    const StateCells a = replay::decode_cells(schema, stored_a_.cells);
-    const StateCells b = replay::decode_cells(schema, stored_b_.cells);
+    for (const auto& [side, stored] : {std::pair(&a_, &differing_[0]), std::pair(&b_, &differing_[1])})
+      if (const StoredCheckpoint* checkpoint = side->checkpoint_at(ticks_done); checkpoint != nullptr && !stored->image)
+        stored->image = checkpoint->image;
+    TickWords words = plain_words();
     std::optional<ImageState> rows;
-    RowNamer row_name;
-    if (a_.last_image()) {
-      if (Result<ImageState> state = ImageState::of(schema, *a_.last_image())) rows.emplace(std::move(*state));
-      if (words_ && words_->load(*a_.last_image()))
-        row_name = [this](std::size_t table, std::size_t row) { return words_->row_name(table, row); };
-      report_.notes.push_back("rows are those of the state stored before tick " + std::to_string(a_.last_image_tick()) +
+    const bool has_images = differing_[0].image && differing_[1].image;
+    const bool has_cells = !differing_[0].cells.empty() && !differing_[1].cells.empty();
+    if (!has_images && has_cells && a_.last()) {
+      if (Result<ImageState> state = ImageState::of(words.schema, a_.last()->image)) rows.emplace(std::move(*state));
+      if (rows) words.rows = &rows->view();
+      if (words_ && words_->load(a_.last()->image))
+        words.row_name = [this](std::size_t table, std::size_t row) { return words_->row_name(table, row); };
+      report_.notes.push_back("rows are those of the state stored before tick " + std::to_string(a_.last()->tick) +
                               ": later ones cannot be named");
     }
-    locate_cells(schema, a, b, rows ? &rows->view() : nullptr, row_name, options_.row_count_max, divergence);
-    if (a.partition_cells != b.partition_cells)
+    TickSide a = side_of(differing_[0]);
+    TickSide b = side_of(differing_[1]);
+    if (setup_a_.stages != setup_b_.stages) a.stage_hashes = b.stage_hashes = {};
+    describe(a, b, words, divergence);
+    if (const std::string contradiction = contradiction_text(divergence.tick, part_); !contradiction.empty())
+      report_.notes.push_back(contradiction);
+    if (!has_images && has_cells && cell_count(differing_[0]) != cell_count(differing_[1]))
       report_.notes.push_back("rows cannot be named: the traces have another number of cells for this tick");
+    differing_[0] = differing_[1] = {};
+  }
+
+  std::uint32_t cell_count(const StoredTick& stored) const {
+    return replay::decode_cells(setup_a_.schema, stored.cells).partition_cells;
+  }
+
+  TickWords plain_words() const {
+    TickWords words{setup_a_.schema, setup_a_.stages, {}, options_.row_count_max};
+    words.no_stages = "not known: not both store a hash after each stage of this tick";
+    return words;
   }
 
   /// At 1, 2, 4, 8, ... ticks behind the divergence.
@@ -270,7 +314,22 @@ class Differ {
     }
   }
 
+  /// What only one of the two stores is not compared, and the report says so.
+  void note_not_compared() {
+    const ComparedParts& done = report_.compared;
+    const auto note = [&](TickPart part, std::uint64_t a, std::uint64_t b, std::uint64_t compared) {
+      if (std::max(a, b) <= compared) return;
+      report_.notes.push_back(std::string(name_of(part)) + ": a stores them for " + std::to_string(a) +
+                              " ticks, b for " + std::to_string(b) + "; compared for " + std::to_string(compared));
+    };
+    note(TickPart::stage_hashes, stored_[0].stage_hashes, stored_[1].stage_hashes, done.stage_hashes);
+    note(TickPart::image, stored_[0].images, stored_[1].images, done.images);
+    note(TickPart::cells, stored_[0].cells, stored_[1].cells, done.cells);
+  }
+
   void finish() {
+    report_.compared = comparer_.take_compared();
+    if (comparable_ && !report_.divergence) note_not_compared();
     for (const auto& [side, out] : {std::pair<Side*, DiffSide*>{&a_, &report_.a}, {&b_, &report_.b}}) {
       out->ticks = side->ticks();
       out->end.tail = side->tail();
@@ -333,16 +392,12 @@ class Differ {
   std::unique_ptr<Simulation> words_;  // only to put inputs into words
   DiffReport report_;
   bool comparable_ = true;
-  Stored stored_a_;
-  Stored stored_b_;
+  TickComparer comparer_;
+  std::uint64_t root_ = 0;                    // of the tick before, on both sides
+  TickPart part_ = TickPart::root_hash;       // that differs
+  std::array<StoredTick, 2> differing_;       // the first tick that differs
+  std::array<ComparedParts, 2> stored_ = {};  // up to there
 };
-
-Json side_json(const DiffSide& side) {
-  return {{"file", side.file},
-          {"ticks", side.ticks ? Json(*side.ticks) : Json(nullptr)},
-          {"end", end_json(side.end)},
-          {"build", facts_json(side.build)}};
-}
 
 }  // namespace
 
@@ -360,67 +415,6 @@ int DiffReport::exit_code(bool allow_truncated) const {
 
 DiffReport diff(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options) {
   return Differ(a, b, options).run();
-}
-
-std::string diff_text(const DiffReport& report) {
-  std::string text(diff_verdict_info(report.verdict).name);
-  text += "  " + report.a.file + "  " + report.b.file + "  ";
-  if (report.divergence) {
-    char seconds[40];
-    std::snprintf(seconds, sizeof seconds, "%.3f s", report.divergence->time_s);
-    text += "tick " + std::to_string(report.divergence->tick) + " of " + std::to_string(report.ticks_compared) + " (" +
-            seconds + ")\n";
-  } else {
-    text += std::to_string(report.ticks_compared) + " ticks compared\n";
-  }
-  const auto line = [&](std::string label, const std::string& content) {
-    label.resize(7, ' ');
-    text += "  " + label + " " + content + "\n";
-  };
-  if (!report.reason.empty()) line("reason", report.reason);
-  for (const SetupDifference& difference : report.setup)
-    line("setup", difference.what + ": " + difference.a + ".  other: " + difference.b);
-  if (report.divergence) text += divergence_text(*report.divergence, "a", "b");
-  if (report.inputs) {
-    const InputDifference& inputs = *report.inputs;
-    line("inputs", "differ first at tick " + std::to_string(inputs.tick));
-    if (bits_of(inputs.dt_a) != bits_of(inputs.dt_b))
-      line("dt", "a " + number_text(inputs.dt_a) + " s.  b " + number_text(inputs.dt_b) + " s");
-    for (const auto& [label, lines] :
-         {std::pair<const char*, const std::string*>{"a", &inputs.inputs_a}, {"b", &inputs.inputs_b}})
-      for (const std::string& input : split_lines(*lines)) line(label, input);
-  }
-  for (const auto& [label, side] : {std::pair<const char*, const DiffSide*>{"a", &report.a}, {"b", &report.b}})
-    if (side->end.tail.condition != TraceCondition::complete)
-      line(label, side->end.tail.message + " (" + std::to_string(side->end.tail.ticks_intact) + " ticks are intact)");
-  for (const std::string& note : report.notes) line("note", note);
-  if (report.verdict != DiffVerdict::equal) {
-    line("builds", "a " + facts_line(report.a.build));
-    line("", "b " + facts_line(report.b.build));
-  }
-  for (const std::string& command : report.again) line("again", command);
-  return text;
-}
-
-std::string diff_json(const DiffReport& report) {
-  Json object = {{"schema", "ticktrue.diff/1"}, {"verdict", diff_verdict_info(report.verdict).name},
-                 {"reason", report.reason},     {"ticks_compared", report.ticks_compared},
-                 {"a", side_json(report.a)},    {"b", side_json(report.b)}};
-  Json setup = Json::array();
-  for (const SetupDifference& difference : report.setup)
-    setup.push_back({{"what", difference.what}, {"a", difference.a}, {"b", difference.b}});
-  object["setup"] = std::move(setup);
-  object["inputs"] = nullptr;
-  if (report.inputs)
-    object["inputs"] = {{"tick", report.inputs->tick},
-                        {"dt_a", hex64(bits_of(report.inputs->dt_a))},
-                        {"dt_b", hex64(bits_of(report.inputs->dt_b))},
-                        {"inputs_a", input_lines_json(report.inputs->inputs_a)},
-                        {"inputs_b", input_lines_json(report.inputs->inputs_b)}};
-  object["divergence"] = report.divergence ? divergence_json(*report.divergence) : Json(nullptr);
-  object["notes"] = report.notes;
-  object["again"] = report.again;
-  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace ticktrue::verifier

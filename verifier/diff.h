@@ -46,6 +46,12 @@ struct InputDifference {
   std::string inputs_b;
 };
 
+/// Ticks in a row, inclusive.
+struct TickRange {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
 struct DiffSide {
   std::string file;
   std::optional<std::uint64_t> ticks;  // readable
@@ -58,9 +64,12 @@ struct DiffReport {
   std::string reason;
   DiffSide a, b;
   std::uint64_t ticks_compared = 0;
+  std::uint64_t checkpoints_compared = 0;  // up to the first difference
+  ComparedParts compared;                  // the same
   std::vector<SetupDifference> setup;
   std::optional<InputDifference> inputs;
   std::optional<Divergence> divergence;  // expected: of a, got: of b
+  std::vector<TickRange> differing;      // ticks with other states; the last range may hold equal ones too
   std::vector<std::string> notes;
   std::vector<std::string> again;
 

@@ -14,6 +14,8 @@ int exit_code_of(ErrorCode code) {
     case ErrorCode::invalid_input:
     case ErrorCode::limit:
       return exit_usage;
+    case ErrorCode::inconsistent:
+      return exit_finding;
     case ErrorCode::corrupt:
       return exit_damaged;
     case ErrorCode::truncated:

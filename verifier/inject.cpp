@@ -509,6 +509,7 @@ class Injector {
     options.simulation = &simulation;
     options.from = flip.tick;
     options.spread_ticks = 0;
+    options.confirm_from_start = false;
     if (setup_.detail == replay::Detail::cells) options.row_count_max = every_candidate;
     options.to = to;
     options.wrap = [&flip](std::unique_ptr<Simulation> real, std::uint64_t ticks_done) {

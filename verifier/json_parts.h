@@ -13,6 +13,7 @@ namespace ticktrue::verifier {
 nlohmann::ordered_json facts_json(const replay::BuildFacts& facts);
 nlohmann::ordered_json build_json();
 nlohmann::ordered_json lane_json(const LaneReport& row);
+nlohmann::ordered_json compared_json(const ComparedParts& compared);
 nlohmann::ordered_json divergence_json(const Divergence& divergence);
 nlohmann::ordered_json non_finite_json(const NonFinite& found);
 nlohmann::ordered_json end_json(const TraceEnd& end);

@@ -24,11 +24,6 @@ std::optional<std::size_t> find_row(const TableSchema& schema, const ImageTable&
 
 }  // namespace
 
-void StageHashes::after_stage(std::size_t stage, const StateView& state) {
-  if (hashes_.size() <= stage) hashes_.resize(stage + 1);
-  hashes_[stage] = root_hash(state);
-}
-
 Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, const RowNamer& row_name,
                     std::size_t row_count_max, Divergence& divergence) {
   const Result<std::vector<ImageTable>> expected_tables = split_image(schema, expected);

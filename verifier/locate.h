@@ -3,31 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "base/simulation.h"
+#include "base/row_names.h"
 #include "base/state_view.h"
 #include "verifier/report.h"
 
 namespace ticktrue::verifier {
-
-/// Collects the root hash after each stage of one step.
-class StageHashes : public StageObserver {
- public:
-  void after_stage(std::size_t stage, const StateView& state) override;
-  /// By stage index; stages that did not report have 0.
-  const std::vector<std::uint64_t>& hashes() const { return hashes_; }
-
- private:
-  std::vector<std::uint64_t> hashes_;
-};
-
-/// The name of a row of the state here: table, row.
-using RowNamer = std::function<std::string(std::size_t table, std::size_t row)>;
 
 /// Fills tables, rows and lane_count of `divergence` from two images of one schema. At most `row_count_max` lanes are
 /// listed, all are counted (up to a million). `row_name` may be empty.

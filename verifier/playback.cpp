@@ -7,13 +7,15 @@
 
 #include "base/state_view.h"
 #include "engine/scene_binary.h"
+#include "verifier/schema_difference.h"
+#include "verifier/simulations.h"
 
 namespace ticktrue::verifier {
 namespace {
 
 /// Puts the engine at the last checkpoint at or before the tick; where that cannot be, at the start, as made.
 void go_to(replay::TraceReader& reader, engine::Engine& engine, std::uint64_t tick) {
-  const bool same_columns = reader.setup().schema == *engine.state().schema;
+  const bool same_columns = !first_schema_difference(reader.setup().schema, *engine.state().schema, Ranges::inside);
   if (tick > 0 && same_columns && reader.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader.next());
     if (checkpoint != nullptr && engine.load(checkpoint->image)) return;
@@ -34,7 +36,7 @@ Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t fir
                                   const std::function<bool(const engine::Engine& engine, std::uint64_t tick)>& show) {
   const Result<engine::Scene> scene = scene_of(reader.setup());
   if (!scene) return scene.error();
-  auto made = engine::make_engine(*scene);
+  auto made = engine::make_engine(*scene, engine_options_of_environment());
   if (!made) return made.error();
   engine::Engine& engine = **made;
 

@@ -2,22 +2,24 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/plugin_guard.h"
 
-#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
-#define TICKTRUE_CAN_FORK 1
+#include "verifier/runs/child_process.h"
+
+#ifdef TICKTRUE_HAS_FORK
+#include <fcntl.h>
 #include <sys/mman.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
-#include <ctime>
+#include <string_view>
+
+#include "verifier/runs/escaped.h"
+#include "verifier/runs/finished_mark.h"
 #endif
+
+#include <cstdlib>
 
 #include "verifier/exit_codes.h"
 
@@ -31,6 +33,7 @@ PluginWatch* watch = nullptr;
 WatchedCall::WatchedCall(PluginCall call, std::uint64_t tick) {
   if (watch == nullptr) return;
   watch->tick.store(tick, std::memory_order_relaxed);
+  watch->last.store(static_cast<std::uint32_t>(call), std::memory_order_relaxed);
   watch->call.store(static_cast<std::uint32_t>(call), std::memory_order_relaxed);
   watch->sequence.fetch_add(1, std::memory_order_release);
 }
@@ -41,10 +44,14 @@ WatchedCall::~WatchedCall() {
   watch->sequence.fetch_add(1, std::memory_order_release);
 }
 
-#ifdef TICKTRUE_CAN_FORK
+#ifdef TICKTRUE_HAS_FORK
 
 namespace {
 
+constexpr std::size_t plugin_output_size_max = 64u << 10;
+constexpr std::size_t part_result_size_max = std::size_t{1} << 30;
+
+/// With the word before it: "in step of tick 7".
 std::string call_text(std::uint32_t call, std::uint64_t tick) {
   switch (static_cast<PluginCall>(call)) {
     case PluginCall::none:
@@ -71,10 +78,11 @@ std::string call_text(std::uint32_t call, std::uint64_t tick) {
   return "";
 }
 
-volatile std::sig_atomic_t guarded_child = 0;
-
-void forward_signal(int signal) {
-  if (guarded_child > 0) kill(static_cast<pid_t>(guarded_child), signal);
+/// Where the plug-in is, or was last.
+std::string place_text(const PluginWatch& page) {
+  const std::uint32_t none = static_cast<std::uint32_t>(PluginCall::none);
+  if (page.call.load() != none || page.last.load() == none) return call_text(page.call.load(), page.tick.load());
+  return "outside its functions; it was last " + call_text(page.last.load(), page.tick.load());
 }
 
 std::string signal_text(int signal) {
@@ -88,17 +96,10 @@ std::string signal_text(int signal) {
   return name != nullptr ? std::string(name) : "signal " + std::to_string(signal);
 }
 
-}  // namespace
-
-bool can_guard_plugins() {
-  return true;
-}
-
-namespace {
-
 // Of run_guarded, for the parts of its child.
 std::string guarded_names;
 std::uint64_t guarded_timeout_s = 0;
+std::FILE* output_of_tool = nullptr;
 
 /// A page that this process and the child it is about to make both see; null where there is no memory.
 PluginWatch* make_watch() {
@@ -108,93 +109,176 @@ PluginWatch* make_watch() {
   return static_cast<PluginWatch*>(page);
 }
 
-/// Waits for the child; kills it when one call takes too long.
-GuardedEnd wait_for(pid_t child, const PluginWatch& page) {
-  using Clock = std::chrono::steady_clock;
-  std::uint64_t sequence = 0;
-  Clock::time_point since = Clock::now();
-  long pause_ns = 500'000;
-  for (;;) {
-    int status = 0;
-    const pid_t ended = waitpid(child, &status, WNOHANG);
-    const std::string where = call_text(page.call.load(), page.tick.load());
-    if (ended == child && WIFEXITED(status)) return GuardedEnd{WEXITSTATUS(status), ""};
-    if (ended == child)
-      return GuardedEnd{exit_finding,
-                        "plug-in " + guarded_names + ": crashed with " + signal_text(WTERMSIG(status)) + " " + where};
-    if (ended < 0 && errno != EINTR)
-      return GuardedEnd{exit_usage, "plug-in " + guarded_names + ": its process is lost"};
-    const std::uint64_t now = page.sequence.load(std::memory_order_acquire);
-    const bool is_busy = page.call.load() != static_cast<std::uint32_t>(PluginCall::none);
-    if (now != sequence || !is_busy) {
-      sequence = now;
-      since = Clock::now();
-    } else if (Clock::now() - since > std::chrono::seconds(guarded_timeout_s)) {
-      kill(child, SIGKILL);
-      waitpid(child, &status, 0);
-      return GuardedEnd{exit_finding, "plug-in " + guarded_names + ": hangs " + where + ": found no end after " +
-                                          std::to_string(guarded_timeout_s) + " s (--plugin-timeout)"};
+/// Tells a call that takes too long from one that goes on.
+class CallClock {
+ public:
+  CallClock(const PluginWatch& page, pid_t child) : page_(page), child_(child) {}
+
+  /// False once the child cannot be waited for any longer: text() says why.
+  bool goes_on() {
+    const std::uint64_t now = page_.sequence.load(std::memory_order_acquire);
+    if (now != sequence_) {
+      sequence_ = now;
+      since_ = Clock::now();
     }
-    const timespec pause{0, pause_ns};
-    nanosleep(&pause, nullptr);
-    if (pause_ns < 10'000'000) pause_ns *= 2;
+    const bool is_busy = page_.call.load() != static_cast<std::uint32_t>(PluginCall::none);
+    const bool is_over = page_.finished.load() != 0;
+    if (Clock::now() - since_ <= std::chrono::seconds(guarded_timeout_s)) return true;
+    if (is_busy || is_over) {
+      text_ = "hangs " + (is_over ? std::string("while it was unloaded") : place_text(page_)) +
+              ": found no end after " + std::to_string(guarded_timeout_s) + " s (--plugin-timeout)";
+      return false;
+    }
+    if (!main_thread_has_ended(child_)) return true;  // the tool's own work may take any time
+    text_ = "ended the main thread " + place_text(page_);
+    return false;
   }
+  const std::string& text() const { return text_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const PluginWatch& page_;
+  pid_t child_;
+  std::uint64_t sequence_ = 0;
+  Clock::time_point since_ = Clock::now();
+  std::string text_;
+};
+
+/// What the plug-in did to the process; empty where the tool ended it.
+std::string fault_text(const ChildEnd& end, const PluginWatch& page) {
+  const bool is_over = page.finished.load() != 0;
+  const std::string where = is_over ? "while it was unloaded" : place_text(page);
+  if (end.how == ChildEnd::How::killed_by_signal) return "crashed with " + signal_text(end.signal) + " " + where;
+  if (is_over && end.exit_status == page.exit_code.load()) return "";
+  return "ended the process with exit code " + std::to_string(end.exit_status) + " " + where;
 }
 
-/// In the child: does the part and writes what it gives to `out`.
-[[noreturn]] void do_part(const std::function<Bytes()>& part, std::FILE* out) {
-#ifdef __linux__
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-  const Bytes result = part();
-  const bool written = std::fwrite(result.data(), 1, result.size(), out) == result.size() && std::fflush(out) == 0;
+/// Waits for the child; kills it when one call takes too long.
+GuardedEnd wait_for(ChildProcess& child, const PluginWatch& page) {
+  CallClock clock(page, child.id());
+  const ChildEnd end = child.wait(std::nullopt, [&] { return clock.goes_on(); });
+  GuardedEnd result;
+  result.escaped = end.escaped;
+  if (end.how == ChildEnd::How::killed_by_signal && end.signal == end.stop_signal) {
+    result.exit_code = exit_finding;
+    result.stop_signal = end.stop_signal;
+    result.message = "plug-in " + guarded_names + ": stopped by " + signal_text(end.signal);
+    return result;
+  }
+  const std::string fault = end.how == ChildEnd::How::stopped ? clock.text() : fault_text(end, page);
+  if (!fault.empty()) result.message = "plug-in " + guarded_names + ": " + fault;
+  result.exit_code = fault.empty() ? end.exit_status : exit_finding;
+  return result;
+}
+
+/// In the child: what prints to standard output is the plug-in.
+void separate_output(const ChildStream& plugin_output) {
+  const int descriptor = ::fcntl(1, F_DUPFD_CLOEXEC, 3);
+  output_of_tool = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
+  ::dup2(plugin_output.write_end(), 1);
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that the lines before a crash are seen
+  // In a group of its own it may write to the terminal, and finds nothing to read there.
+  for (const int signal : {SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
+  drop_finished_mark();
+}
+
+bool write_whole(int descriptor, ByteView bytes) {
+  while (!bytes.empty()) {
+    const auto written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// In the child: does the part and hands over what it gives.
+[[noreturn]] void do_part(const std::function<Bytes()>& part, const ChildStream& out) {
+  const bool written = write_whole(out.write_end(), part());
   std::fflush(nullptr);
+  if (written) finish_guarded(exit_ok);
   _exit(written ? exit_ok : exit_usage);
 }
 
 }  // namespace
 
+bool can_guard_plugins() {
+  return true;
+}
+
+std::FILE* guarded_output() {
+  return output_of_tool;
+}
+
+void finish_guarded(int exit_code) {
+  if (watch == nullptr) return;
+  watch->exit_code.store(exit_code);
+  watch->finished.store(1);
+  watch->sequence.fetch_add(1, std::memory_order_release);
+}
+
+void end_by_signal(int signal) {
+  std::fflush(nullptr);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+  _exit(128 + signal);
+}
+
 std::optional<GuardedEnd> run_guarded(const std::string& plugin_names, std::uint64_t timeout_s) {
   guarded_names = plugin_names;
   guarded_timeout_s = timeout_s;
-  watch = make_watch();
-  if (watch == nullptr) return GuardedEnd{exit_usage, "plug-in " + plugin_names + ": no memory for its watch"};
+  GuardedEnd refused;
+  refused.exit_code = exit_usage;
+  PluginWatch* page = make_watch();
+  if (page == nullptr) {
+    refused.message = "plug-in " + plugin_names + ": no memory for its watch";
+    return refused;
+  }
+  ChildProcess process;
+  ChildStream& plugin_output = process.add_stream(plugin_output_size_max, ChildStream::Keep::first);
+  plugin_output.relay = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
   std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child < 0) return GuardedEnd{exit_usage, "plug-in " + plugin_names + ": the system gave no process for it"};
-  if (child == 0) return std::nullopt;
-  guarded_child = static_cast<std::sig_atomic_t>(child);
-  std::signal(SIGINT, SIG_IGN);  // a terminal sends it to the child as well
-  std::signal(SIGTERM, forward_signal);
-  return wait_for(child, *watch);
+  const ChildProcess::Side side = process.fork();
+  if (side == ChildProcess::Side::failed) {
+    refused.message = "plug-in " + plugin_names + ": the system gave no process for it: " + process.failure();
+    return refused;
+  }
+  if (side == ChildProcess::Side::child) {
+    watch = page;
+    separate_output(plugin_output);
+    return std::nullopt;
+  }
+  GuardedEnd end = wait_for(process, *page);
+  end.dropped_output_size = plugin_output.dropped_size();
+  return end;
 }
 
 GuardedPart run_part(const std::function<Bytes()>& part) {
   if (watch == nullptr) return {part(), ""};
+  GuardedPart done;
   PluginWatch* page = make_watch();
-  std::FILE* out = std::tmpfile();
+  if (page == nullptr) {
+    done.message = "plug-in " + guarded_names + ": no memory for its watch";
+    return done;
+  }
+  ChildProcess process;
+  ChildStream& out = process.add_stream(part_result_size_max, ChildStream::Keep::first);
   std::fflush(nullptr);
-  const pid_t child = page != nullptr && out != nullptr ? fork() : -1;
-  if (child == 0) {
+  const ChildProcess::Side side = process.fork();
+  if (side == ChildProcess::Side::child) {
     watch = page;
     do_part(part, out);
   }
-  GuardedPart done;
-  if (child < 0) {
-    done.message = "plug-in " + guarded_names + ": the system gave no process for it";
+  if (side == ChildProcess::Side::failed) {
+    done.message = "plug-in " + guarded_names + ": the system gave no process for it: " + process.failure();
   } else {
-    const GuardedEnd end = wait_for(child, *page);
-    std::rewind(out);
-    std::uint8_t block[4096];
-    for (std::size_t size = 0; (size = std::fread(block, 1, sizeof block, out)) > 0;)
-      done.result.insert(done.result.end(), block, block + size);
+    const GuardedEnd end = wait_for(process, *page);
+    if (end.stop_signal != 0) std::raise(end.stop_signal);
+    const std::string text = out.text();
+    done.result.assign(text.begin(), text.end());
     done.message = end.message;
-    if (end.message.empty() && (end.exit_code != exit_ok || done.result.empty()))
-      done.message =
-          "plug-in " + guarded_names + ": it ended the process, with exit code " + std::to_string(end.exit_code);
   }
-  if (out != nullptr) std::fclose(out);
-  if (page != nullptr) munmap(page, sizeof(PluginWatch));
+  munmap(page, sizeof(PluginWatch));
   return done;
 }
 
@@ -204,8 +288,21 @@ bool can_guard_plugins() {
   return false;
 }
 
+std::FILE* guarded_output() {
+  return stdout;
+}
+
+void finish_guarded(int) {}
+
+void end_by_signal(int) {
+  std::abort();
+}
+
 std::optional<GuardedEnd> run_guarded(const std::string&, std::uint64_t) {
-  return GuardedEnd{exit_usage, "plug-ins: this system has no child processes"};
+  GuardedEnd refused;
+  refused.exit_code = exit_usage;
+  refused.message = "plug-ins: this system has no child processes";
+  return refused;
 }
 
 GuardedPart run_part(const std::function<Bytes()>& part) {

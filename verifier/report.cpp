@@ -27,6 +27,7 @@ Verdict verdict_of_open_error(ErrorCode code) {
       return Verdict::not_comparable;
     case ErrorCode::io:
     case ErrorCode::usage:
+    case ErrorCode::inconsistent:
       return Verdict::error;
   }
   return Verdict::error;

@@ -18,7 +18,16 @@
 
 namespace ticktrue::verifier {
 
-enum class Verdict : std::uint8_t { match, diverged, not_reproducible, damaged, incomplete, not_comparable, error };
+enum class Verdict : std::uint8_t {
+  match,
+  diverged,
+  state_incomplete,
+  not_reproducible,
+  damaged,
+  incomplete,
+  not_comparable,
+  error
+};
 
 struct VerdictInfo {
   Verdict verdict;
@@ -26,9 +35,11 @@ struct VerdictInfo {
   int exit_code;
   std::string_view summary;
 };
-inline constexpr std::array<VerdictInfo, 7> verdicts{{
+inline constexpr std::array<VerdictInfo, 8> verdicts{{
     {Verdict::match, "match", exit_ok, "every tick compared is the same, bit for bit"},
     {Verdict::diverged, "diverged", exit_finding, "this build gives other bits than were recorded"},
+    {Verdict::state_incomplete, "state_incomplete", exit_finding,
+     "the run from the start matches, a run from a checkpoint does not"},
     {Verdict::not_reproducible, "not_reproducible", exit_not_reproducible, "two runs of this build differ"},
     {Verdict::damaged, "damaged", exit_damaged, "bytes are not what was written; what is proven is said"},
     {Verdict::incomplete, "incomplete", exit_incomplete, "the trace ends early, or nothing could be compared"},
@@ -113,6 +124,22 @@ struct Divergence {
   std::string inputs;  // of the tick, JSON Lines
 };
 
+/// Ticks of which each stored part was compared.
+struct ComparedParts {
+  std::uint64_t ticks = 0;  // their root hash
+  std::uint64_t stage_hashes = 0;
+  std::uint64_t images = 0;
+  std::uint64_t cells = 0;
+
+  ComparedParts& operator+=(const ComparedParts& more) {
+    ticks += more.ticks;
+    stage_hashes += more.stage_hashes;
+    images += more.images;
+    cells += more.cells;
+    return *this;
+  }
+};
+
 /// How the trace itself ends.
 struct TraceEnd {
   replay::TraceTail tail;
@@ -144,11 +171,13 @@ struct Report {
   double time_s = 0;             // simulated time at the end of the last tick compared
   std::uint64_t root_hash = 0;   // of the last state compared
   std::uint64_t checkpoints_compared = 0;
+  ComparedParts compared;       // of these ticks
   std::uint64_t stretches = 1;  // between checkpoints, walked apart from each other
   double wall_s = 0;            // how long it took; 0: not measured
   std::optional<Divergence> divergence;
-  std::optional<NonFinite> non_finite;  // where a value here is not finite, as recorded or not
-  std::optional<TraceEnd> end;          // absent: the trace was not read to its end
+  std::optional<std::uint64_t> checkpoint;  // state_incomplete: tick of the one from which the run differs
+  std::optional<NonFinite> non_finite;      // where a value here is not finite, as recorded or not
+  std::optional<TraceEnd> end;              // absent: the trace was not read to its end
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
   replay::BuildFacts recorded_build;

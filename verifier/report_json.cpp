@@ -104,6 +104,10 @@ Json non_finite_json(const NonFinite& found) {
           {"column", found.column}, {"lane", found.lane},   {"value", found.value}};
 }
 
+Json compared_json(const ComparedParts& compared) {
+  return {{"stage_hashes", compared.stage_hashes}, {"images", compared.images}, {"cells", compared.cells}};
+}
+
 Json input_lines_json(const std::string& lines) {
   return Json(split_lines(lines));
 }
@@ -168,7 +172,9 @@ Json row_json(const Report& report) {
   object["time_s"] = report.time_s;
   object["root_hash"] = hex64(report.root_hash);
   object["checkpoints_compared"] = report.checkpoints_compared;
+  object["compared"] = compared_json(report.compared);
   object["stretches"] = report.stretches;
+  object["checkpoint"] = report.checkpoint ? Json(*report.checkpoint) : Json(nullptr);
   object["non_finite"] = report.non_finite ? non_finite_json(*report.non_finite) : Json(nullptr);
   object["end"] = report.end ? end_json(*report.end) : Json(nullptr);
   object["intact_after"] = intact_json(report);

@@ -64,6 +64,10 @@ void fields(Io& io, Divergence& x) {
      x.candidate_count, x.owner_count, x.healed, x.unexplained_cells, x.spread, x.expected_root, x.got_root, x.inputs);
 }
 template <typename Io>
+void fields(Io& io, ComparedParts& x) {
+  io(x.ticks, x.stage_hashes, x.images, x.cells);
+}
+template <typename Io>
 void fields(Io& io, NonFinite& x) {
   io(x.tick, x.table, x.row, x.row_name, x.column, x.lane, x.value);
 }
@@ -95,8 +99,8 @@ void fields(Io& io, std::pair<First, Second>& x) {
 template <typename Io>
 void fields(Io& io, Report& x) {
   io(x.file, x.title, x.simulation, x.mode, x.verdict, x.reason, x.hint, x.ticks_recorded, x.ticks_compared,
-     x.first_tick, x.time_s, x.root_hash, x.checkpoints_compared, x.stretches, x.wall_s, x.divergence, x.non_finite,
-     x.end, x.warnings, x.notes, x.recorded_build, x.against, x.again);
+     x.first_tick, x.time_s, x.root_hash, x.checkpoints_compared, x.compared, x.stretches, x.wall_s, x.divergence,
+     x.checkpoint, x.non_finite, x.end, x.warnings, x.notes, x.recorded_build, x.against, x.again);
 }
 
 template <typename T>

@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/stage_hashes.h"
 #include "replay/payload.h"
 #include "verifier/locate.h"
 #include "verifier/locate_cells.h"
@@ -24,7 +25,7 @@ class SecondRun {
     if (simulation_ == nullptr) return std::move(rerun_);
     tick_ = start.tick;
     time_s_ = start.time_s;
-    const KeptTick& expected = mismatch_.expected;
+    const StoredTick& expected = mismatch_.expected;
     while (tick_ < expected.tick && !rerun_.differs_at) {
       const replay::TraceReader::Item& item = source_.next();
       if (std::holds_alternative<std::monostate>(item)) break;
@@ -48,13 +49,12 @@ class SecondRun {
       return;
     }
     simulation_->step(input, nullptr);
-    const std::uint64_t root = root_hash(simulation_->state());
-    if (root != record.root_hash) {
+    TickSide here{root_hash(simulation_->state())};
+    if (here.root_hash != record.root_hash) {
       // The first run agreed with the recorded hash here.
       rerun_.differs_at = tick_;
-      encode_image(simulation_->state(), rerun_.image);
-      rerun_.divergence =
-          describe_difference(context_, *simulation_, keep(record), time_s_, rerun_.image, root, findings_);
+      here.state = &simulation_->state();
+      rerun_.divergence = describe_mismatch(context_, *simulation_, keep(record), time_s_, here, findings_);
       return;
     }
     time_s_ += record.dt;
@@ -68,24 +68,21 @@ class SecondRun {
       return;
     }
     StageHashes stages;
+    const bool has_stages = !mismatch_.expected.stage_hashes.empty();
     const Divergence& found = mismatch_.divergence;
     std::optional<RowsBefore> before;
     if (found.from_cells && (found.healed || found.unexplained_cells > 0))
-      before = rows_before(simulation_->state(), namer());
-    simulation_->step(input, mismatch_.expected.stage_hashes.empty() ? nullptr : &stages);
-    rerun_.stage_hashes = stages.hashes();
-    encode_image(simulation_->state(), rerun_.image);
-    rerun_.same = rerun_.image == mismatch_.got;
+      before = rows_before(simulation_->state(), names_of(*simulation_));
+    simulation_->step(input, has_stages ? &stages : nullptr);
+    Bytes image;
+    encode_image(simulation_->state(), image);
+    rerun_.same = image == mismatch_.got && stages.hashes() == mismatch_.got_stages;
     rerun_.done = true;
     if (rerun_.same && before) locate_again(*before);
     if (rerun_.same) return;
     rerun_.differs_at = tick_;
     rerun_.between = mismatch_.divergence;
-    describe_lanes(context_, *simulation_, mismatch_.got, rerun_.image, *rerun_.between, findings_);
-  }
-
-  RowNamer namer() const {
-    return [this](std::size_t table, std::size_t row) { return simulation_->row_name(table, row); };
+    describe_lanes(context_, *simulation_, mismatch_.got, image, *rerun_.between, findings_);
   }
 
   void locate_again(const RowsBefore& before) {
@@ -94,7 +91,7 @@ class SecondRun {
     StateCells here;
     CellHasher(schema).hash(simulation_->state(), recorded.partition_cells, here);
     rerun_.located = mismatch_.divergence;
-    locate_cells(schema, recorded, here, &simulation_->state(), namer(), context_.options.row_count_max,
+    locate_cells(schema, recorded, here, &simulation_->state(), names_of(*simulation_), context_.options.row_count_max,
                  *rerun_.located, &before);
   }
 
@@ -116,11 +113,9 @@ Rerun run_again(const WalkContext& context, TraceSource& source, const Start& st
   return SecondRun(context, source, mismatch, findings, progress).run(start);
 }
 
-void judge_mismatch(const WalkContext& context, const Mismatch& mismatch, const Rerun& rerun, Findings& findings) {
+void judge_mismatch(const Mismatch& mismatch, const Rerun& rerun, Findings& findings) {
   findings.decide(Verdict::diverged, "");
   Divergence divergence = rerun.located ? *rerun.located : mismatch.divergence;
-  if (rerun.done && !rerun.stage_hashes.empty() && !mismatch.expected.stage_hashes.empty())
-    locate_stage(context.setup.stages, mismatch.expected.stage_hashes, rerun.stage_hashes, divergence);
   if (rerun.differs_at) {
     if (*rerun.differs_at < mismatch.expected.tick) {
       divergence = *rerun.divergence;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/simulation.h"
+#include "engine/engine.h"
 
 namespace ticktrue::verifier {
 
@@ -14,6 +15,11 @@ std::vector<const SimulationInfo*> simulations();
 
 /// The simulation with this name, or null.
 const SimulationInfo* find_simulation(std::string_view name);
+
+/// Where this environment variable is 1, every engine that the tool makes for a session or a trace checks its cached
+/// structures in every tick (EngineOptions::check_caches). Read once.
+inline constexpr const char* check_caches_variable = "TICKTRUE_CHECK_CACHES";
+engine::EngineOptions engine_options_of_environment();
 
 /// Whether simulations of it may run on several threads at once. Only what is part of this build is known to share
 /// nothing between them.

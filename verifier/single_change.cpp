@@ -91,4 +91,23 @@ Result<std::optional<Bytes>> find_single_bit(const StateSchema& schema, ByteView
   return std::optional<Bytes>();
 }
 
+void explain_by_single_bit(const WalkContext& context, const Mismatch& mismatch, Findings& findings) {
+  const bool is_open = findings.verdict == Verdict::diverged && findings.divergence->rows.empty();
+  if (!is_open || mismatch.part != TickPart::root_hash || mismatch.expected.image) return;
+  const auto recorded =
+      find_single_bit(context.setup.schema, mismatch.got, mismatch.expected.root_hash, context.options.thread_count);
+  if (!recorded || !*recorded) return;
+  const auto simulation = make_simulation(context, findings);
+  if (simulation == nullptr) return;
+  const bool has_names = simulation->load(mismatch.got).has_value();
+  Findings named;
+  describe_lanes(context, *simulation, **recorded, mismatch.got, *findings.divergence, named);
+  if (!has_names)
+    for (LaneReport& row : findings.divergence->rows) row.name.clear();
+  findings.divergence->stage_note = "after the last one, or in what no later stage of the tick reads";
+  findings.notes.push_back(
+      "one bit: of all states that differ from the one here in a single bit, this one has the recorded hash");
+  findings.hint = "a single bit is what failing memory and stray writes change: test the recording machine";
+}
+
 }  // namespace ticktrue::verifier

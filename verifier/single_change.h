@@ -12,6 +12,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "base/state_view.h"
+#include "verifier/walk.h"
 
 namespace ticktrue::verifier {
 
@@ -23,5 +24,9 @@ inline constexpr std::uint64_t single_changes_max = 20'000'000;
 /// fit).
 Result<std::optional<Bytes>> find_single_bit(const StateSchema& schema, ByteView image, std::uint64_t wanted,
                                              unsigned thread_count);
+
+/// Where the trace stores only a hash of the tick that differs and one bit explains it: that place in the divergence of
+/// `findings`, and what it means.
+void explain_by_single_bit(const WalkContext& context, const Mismatch& mismatch, Findings& findings);
 
 }  // namespace ticktrue::verifier

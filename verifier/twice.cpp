@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "verifier/schema_difference.h"
+
 namespace ticktrue::verifier {
 namespace {
 
@@ -60,7 +62,8 @@ class TwiceWalk {
     if (!same_states("", "not looked for: two runs here differ", input.inputs)) return false;
     watch_.look(first_->state());
     if (const auto place = find_non_finite(first_->state())) {
-      result_.findings.notes.push_back(tick + " is not finite in both runs: " + place_text(*first_, *place));
+      result_.findings.notes.push_back(
+          tick + " is not finite in both runs: " + place_text(*first_->state().schema, *place, names_of(*first_)));
       result_.findings.non_finite = find_non_finite_of(*first_, result_.tick);
       result_.findings.decide(Verdict::diverged, tick + ": a value is not finite: nothing behind it can be compared");
       return false;
@@ -89,7 +92,7 @@ class TwiceWalk {
     Bytes image_a, image_b;
     encode_image(first_->state(), image_a);
     encode_image(second_->state(), image_b);
-    if (context_.setup.schema == *first_->state().schema)
+    if (!first_schema_difference(context_.setup.schema, *first_->state().schema, Ranges::any))
       describe_lanes(context_, *second_, image_a, image_b, divergence, result_.findings);
     result_.findings.not_reproducible("two runs here differ from tick " + std::to_string(result_.tick) + " on");
     result_.findings.divergence = std::move(divergence);

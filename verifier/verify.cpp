@@ -7,10 +7,9 @@
 #include <variant>
 #include <vector>
 
-#include "base/float_behaviour.h"
+#include "verifier/comparable.h"
 #include "verifier/locate_cells.h"
 #include "verifier/rerun.h"
-#include "verifier/schema_difference.h"
 #include "verifier/segments.h"
 #include "verifier/single_change.h"
 #include "verifier/twice.h"
@@ -22,8 +21,9 @@ namespace {
 using replay::CheckpointRecord;
 using replay::TraceCondition;
 
-// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking.
-constexpr std::size_t stretches_per_thread = 32;
+// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking. It
+// does not depend on the number of threads, so that the same checkpoints are loaded whatever that is.
+constexpr std::size_t segment_count_max = 128;
 
 // For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
 constexpr unsigned compared_thread_counts[] = {2, 4, 8};
@@ -32,21 +32,15 @@ std::string count_text(std::uint64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// What differs between two schemas, in words; empty if nothing does.
-std::string schema_difference(const StateSchema& recorded, const StateSchema& here) {
-  const auto difference = first_schema_difference(recorded, here);
-  if (!difference) return "";
-  return "schema: " + difference->place + ": recorded " + difference->a + ", here " + difference->b;
-}
+/// What a run that began with a checkpoint found. A divergence only if a run from the setup has a finding as well.
+struct Suspicion {
+  Start start;
+  WalkResult found;
+};
 
-std::string stage_difference(std::span<const std::string> recorded, std::span<const std::string> here) {
-  if (std::equal(recorded.begin(), recorded.end(), here.begin(), here.end())) return "";
-  const auto list = [](std::span<const std::string> names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-  };
-  return "stages: recorded " + list(recorded) + "; here " + list(here);
+/// Of what the walk found: the tick whose end differs, or the ticks done.
+std::uint64_t tick_of(const WalkResult& result) {
+  return result.mismatch ? result.mismatch->expected.tick : result.tick;
 }
 
 class Verifier {
@@ -61,7 +55,7 @@ class Verifier {
       if (info.mode == options_.mode) report_.mode = info.name;
     report_.ticks_recorded = source_.tick_count_hint();
     report_.first_tick = options_.from;
-    if (is_available()) {
+    if (check_comparable(context_, findings_)) {
       switch (options_.mode) {
         case VerifyMode::replay:
           run_replay();
@@ -84,43 +78,6 @@ class Verifier {
  private:
   void not_comparable(const std::string& reason, const std::string& hint = "") {
     findings_.decide(Verdict::not_comparable, reason, hint);
-  }
-
-  bool is_available() {
-    if (const Status floats = check_float_behaviour(); !floats) {
-      not_comparable(floats.error().message, floats.error().hint);
-      return false;
-    }
-    const SimulationInfo* info = options_.simulation;
-    if (info == nullptr || info->name != setup_.simulation) {
-      not_comparable("simulation " + setup_.simulation + " is not available in this build");
-      return false;
-    }
-    if (options_.mode == VerifyMode::threads && !info->make_on_threads) {
-      not_comparable("threads: " + setup_.simulation + " of this build has one thread: there is nothing to compare",
-                     "--mode replay compares with the recording");
-      return false;
-    }
-    if (info->physics_version != setup_.physics_version &&
-        !tolerates("physics version: recorded with " + std::to_string(setup_.physics_version) + ", here " +
-                   std::to_string(info->physics_version)))
-      return false;
-    const auto simulation = make_simulation(context_, findings_);
-    if (!simulation) return false;
-    for (const std::string& text : {schema_difference(setup_.schema, *simulation->state().schema),
-                                    stage_difference(setup_.stages, simulation->stage_names())})
-      if (!text.empty() && !tolerates(text)) return false;
-    return true;
-  }
-
-  /// A build that is not the recorded one may be compared with itself, and with nothing else.
-  bool tolerates(const std::string& difference) {
-    if (options_.mode == VerifyMode::twice) {
-      report_.warnings.push_back(difference);
-      return true;
-    }
-    not_comparable(difference, "build the version that recorded it, or record again");
-    return false;
   }
 
   /// The last checkpoint at or before `tick`; else the setup's state.
@@ -148,6 +105,7 @@ class Verifier {
   void take(WalkResult result) {
     report_.ticks_compared += result.ticks_compared;
     report_.checkpoints_compared += result.checkpoints_compared;
+    report_.compared += result.compared;
     report_.time_s = result.last_tick_s;
     if (result.root_hash) report_.root_hash = *result.root_hash;
     changed_ = changed_ || result.changed;
@@ -174,25 +132,78 @@ class Verifier {
   void run_replay() {
     const Start first = find_start(options_.from);
     if (findings_.decided) return;
-    const bool in_parallel = options_.thread_count > 1 && options_.reopen && !options_.wrap;
-    if (in_parallel && can_load(context_, findings_) && replay_in_stretches(first)) return;
+    std::optional<Suspicion> suspicion;
+    if (walks_segments() && replay_segments(first, suspicion)) return;
     if (findings_.decided) return;
+    if (!first.loaded) return run_straight(std::move(suspicion));
+    WalkResult result = walk_from(first);
+    if (!is_clean(result, true)) suspicion = Suspicion{first, std::move(result)};
+    if (suspicion) return run_straight(std::move(suspicion));
+    take(std::move(result));
+  }
+
+  /// In order, from `start` to the end.
+  WalkResult walk_from(const Start& start) {
     Stretch whole;
-    whole.start = first;
+    whole.start = start;
     whole.count_from = options_.from;
     whole.progress = options_.progress;
     if (!go_to_start(source_, whole.start)) source_.rewind();
-    WalkResult result = walk(context_, source_, whole);
+    return walk(context_, source_, whole);
+  }
+
+  /// The run from the setup has the last word. What a run that began with a checkpoint found is a divergence only if
+  /// this one has a finding too.
+  void run_straight(std::optional<Suspicion> suspicion) {
+    if (suspicion && !options_.confirm_from_start) return conclude_walk(std::move(suspicion->found), suspicion->start);
+    WalkResult straight = walk_from(Start{});
+    if (!suspicion) return conclude_walk(std::move(straight), Start{});
+    report_.ticks_compared = report_.checkpoints_compared = 0;
+    report_.compared = {};
+    if (is_clean(straight, true)) {
+      take(std::move(straight));
+      return judge_suspicion(*suspicion);
+    }
+    const std::uint64_t tick = tick_of(straight);
+    if (tick >= options_.from) return conclude_walk(std::move(straight), Start{});
+    findings_.notes.push_back("the run from the start leaves the recording at tick " + std::to_string(tick) +
+                              ", before the first tick compared");
+    conclude_walk(std::move(suspicion->found), suspicion->start);
+  }
+
+  /// Everything in a run from the setup is as recorded.
+  void judge_suspicion(const Suspicion& suspicion) {
+    const Start& start = suspicion.start;
+    const WalkResult& found = suspicion.found;
+    if (found.mismatch) {
+      read_tail();
+      judge_mismatch(*found.mismatch, run_again(context_, source_, start, *found.mismatch, findings_, {}), findings_);
+    } else {
+      take(found.findings);
+    }
+    if (findings_.verdict == Verdict::not_reproducible) return;
+    report_.checkpoint = start.tick;
+    const std::string what = findings_.reason.empty() ? "" : ": " + findings_.reason;
+    findings_.decide(Verdict::state_incomplete,
+                     "the run from the start matches, the run from the checkpoint of tick " +
+                         std::to_string(start.tick) + " does not" + what,
+                     "something that a later tick reads is in no column, or load does not restore it: find what these "
+                     "values are computed from, and show and load all of it");
+    if (findings_.divergence) return;
+    Divergence divergence;
+    divergence.tick = tick_of(found);
+    divergence.time_s = found.time_s;
+    divergence.stage_note = "not known: the run from the checkpoint could not do this tick";
+    findings_.divergence = std::move(divergence);
+  }
+
+  void conclude_walk(WalkResult result, const Start& first) {
     const std::optional<Mismatch> mismatch = std::move(result.mismatch);
     const Start near{result.last_checkpoint, result.last_checkpoint_s, true, {}, 0};
     take(std::move(result));
-    if (mismatch) {
-      read_tail();
-      judge(*mismatch, first, near);
-    } else if (unconfirmed_ && !findings_.decided) {
-      findings_.warnings.push_back("a run begun at the checkpoint of tick " + std::to_string(*unconfirmed_) +
-                                   " does not match, the run from the start does: --mode restore tells where");
-    }
+    if (!mismatch) return;
+    read_tail();
+    judge(*mismatch, first, near);
   }
 
   /// Replays with one thread, then with each other number of them.
@@ -234,33 +245,18 @@ class Verifier {
       rerun = run_again(context_, source_, near, mismatch, of_shortcut, {});
     }
     if (!rerun.same) rerun = run_again(context_, source_, first, mismatch, findings_, options_.progress);
-    conclude_mismatch(mismatch, rerun);
+    judge_mismatch(mismatch, rerun, findings_);
+    if (options_.search_single_bit) explain_by_single_bit(context_, mismatch, findings_);
   }
 
-  void conclude_mismatch(const Mismatch& mismatch, const Rerun& rerun) {
-    judge_mismatch(context_, mismatch, rerun, findings_);
-    const bool is_open = findings_.verdict == Verdict::diverged && findings_.divergence->rows.empty();
-    if (!options_.search_single_bit || !is_open || mismatch.expected.image) return;
-    const auto recorded =
-        find_single_bit(setup_.schema, mismatch.got, mismatch.expected.root_hash, options_.thread_count);
-    if (!recorded || !*recorded) return;
-    const auto simulation = make_simulation(context_, findings_);
-    if (simulation == nullptr) return;
-    const bool has_names = simulation->load(mismatch.got).has_value();
-    Findings named;
-    describe_lanes(context_, *simulation, **recorded, mismatch.got, *findings_.divergence, named);
-    if (!has_names)
-      for (LaneReport& row : findings_.divergence->rows) row.name.clear();
-    findings_.divergence->stage_note = "after the last one, or in what no later stage of the tick reads";
-    findings_.notes.push_back(
-        "one bit: of all states that differ from the one here in a single bit, this one has the recorded hash");
-    findings_.hint = "a single bit is what failing memory and stray writes change: test the recording machine";
+  bool walks_segments() {
+    const bool wanted = (options_.thread_count > 1 && options_.reopen) || options_.in_segments;
+    return wanted && !options_.wrap && can_load(context_, findings_);
   }
 
-  /// False: nothing is decided, the trace has to be walked in order.
-  bool replay_in_stretches(const Start& first) {
-    const StretchPlan plan =
-        plan_stretches(context_, source_, first, stretches_per_thread * std::size_t{options_.thread_count});
+  /// False: something has to be walked in order. What was found behind a loaded checkpoint is a suspicion.
+  bool replay_segments(const Start& first, std::optional<Suspicion>& suspicion) {
+    const StretchPlan plan = plan_stretches(context_, source_, first, segment_count_max);
     if (plan.cuts.size() < 2) return false;
     auto results = walk_stretches(context_, source_, plan, {options_.thread_count});
     if (!results) {
@@ -270,33 +266,23 @@ class Verifier {
     std::size_t found = 0;
     while (found + 1 < results->size() && is_clean((*results)[found], false)) ++found;
     WalkResult& last = (*results)[found];
-    const bool clean = is_clean(last, found + 1 == results->size());
-    std::optional<Rerun> rerun;
-    if (!clean && found > 0) {
-      // What was found begins with a loaded state: it counts if a run that came over the seam finds the same.
-      if (last.mismatch) {
-        Findings of_shortcut;
-        rerun = run_again(context_, source_, plan.marks[plan.cuts[found] - 1], *last.mismatch, of_shortcut, {});
-      }
-      if (!rerun || !rerun->same) {
-        unconfirmed_ = plan.marks[plan.cuts[found]].tick;
-        return false;
-      }
+    const Start& start = plan.marks[plan.cuts[found]];
+    if (!is_clean(last, found + 1 == results->size()) && start.loaded) {
+      if (last.mismatch || last.findings.decided) suspicion = Suspicion{start, std::move(last)};
+      return false;
     }
-    const std::optional<Mismatch> mismatch = last.mismatch;
-    const Start near{last.last_checkpoint, last.last_checkpoint_s, true, {}, 0};
-    for (std::size_t i = 0; i <= found; ++i) take(std::move((*results)[i]));
-    if (plan.tail && !report_.end) report_.end = TraceEnd{*plan.tail, ""};
+    for (std::size_t i = 0; i < found; ++i) take(std::move((*results)[i]));
+    if (plan.tail && !last.trace_end) report_.end = TraceEnd{*plan.tail, ""};
     report_.stretches = found + 1;
-    if (!mismatch) return true;
-    if (rerun)
-      conclude_mismatch(*mismatch, *rerun);
-    else
-      judge(*mismatch, first, near);
+    conclude_walk(std::move(last), first);
     return true;
   }
 
   void run_restore() {
+    if (!can_load(context_, findings_)) {
+      if (!findings_.decided) refuse_loading(context_, findings_);
+      return;
+    }
     // The start of the whole is a checkpoint too: the one at tick 0 is loaded, not made.
     Start first = find_start(options_.from);
     if (findings_.decided) return;
@@ -310,15 +296,20 @@ class Verifier {
       first = start_at(*checkpoint, 0);
     }
     const StretchPlan plan = plan_stretches(context_, source_, first, std::numeric_limits<std::size_t>::max());
-    if (!restore_stretches(plan, {options_.thread_count, false, true, true}) || !options_.to_end) return;
-    // Each tick counts once: the runs to the end are only compared.
-    StretchPlan later = plan;
-    later.cuts.erase(later.cuts.begin());
-    if (!later.cuts.empty()) restore_stretches(later, {options_.thread_count, true, false, true});
+    std::optional<Suspicion> suspicion;
+    bool clean = restore_stretches(plan, {options_.thread_count, false, true, true}, suspicion);
+    if (clean && options_.to_end) {
+      // Each tick counts once: the runs to the end are only compared.
+      StretchPlan later = plan;
+      later.cuts.erase(later.cuts.begin());
+      if (!later.cuts.empty()) clean = restore_stretches(later, {options_.thread_count, true, false, true}, suspicion);
+    }
+    if (suspicion) run_straight(std::move(suspicion));
   }
 
-  /// False: something was found.
-  bool restore_stretches(const StretchPlan& plan, const StretchOptions& stretch_options) {
+  /// False: not all was walked and as recorded.
+  bool restore_stretches(const StretchPlan& plan, const StretchOptions& stretch_options,
+                         std::optional<Suspicion>& suspicion) {
     auto results = walk_stretches(context_, source_, plan, stretch_options);
     if (!results) {
       not_comparable(results.error().message, results.error().hint);
@@ -327,13 +318,12 @@ class Verifier {
     for (std::size_t i = 0; i < results->size(); ++i) {
       WalkResult& result = (*results)[i];
       const bool clean = is_clean(result, i + 1 == results->size() || stretch_options.to_end);
-      const std::optional<Mismatch> mismatch = std::move(result.mismatch);
+      if (!clean && (result.mismatch || result.findings.decided)) {
+        suspicion = Suspicion{plan.marks[plan.cuts[i]], std::move(result)};
+        return false;
+      }
       take(std::move(result));
       if (plan.tail && !report_.end) report_.end = TraceEnd{*plan.tail, ""};
-      if (mismatch) {
-        const Rerun rerun = run_again(context_, source_, plan.marks[plan.cuts[i]], *mismatch, findings_, {});
-        judge_mismatch(context_, *mismatch, rerun, findings_);
-      }
       if (!clean) return false;
     }
     return true;
@@ -390,8 +380,7 @@ class Verifier {
   Report report_;
   Findings findings_;
   bool changed_ = false;
-  std::uint64_t tick_ = 0;                    // ticks done
-  std::optional<std::uint64_t> unconfirmed_;  // a stretch begun here found what a run over the seam did not
+  std::uint64_t tick_ = 0;  // ticks done
 };
 
 /// The commands that would tell more.
@@ -403,12 +392,13 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   if (report.verdict == Verdict::incomplete && report.end &&
       report.end->tail.condition == replay::TraceCondition::truncated)
     report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
-  if (report.verdict != Verdict::diverged || !report.divergence) return;
+  const bool is_incomplete = report.verdict == Verdict::state_incomplete;
+  if ((report.verdict != Verdict::diverged && !is_incomplete) || !report.divergence) return;
   const std::uint64_t tick = report.divergence->tick;
   const std::uint64_t interval = setup.checkpoint_interval;
-  const std::uint64_t from = interval == 0 ? 0 : tick / interval * interval;
-  report.again.push_back(verify_words + " --mode " + report.mode + " --from " + std::to_string(from) + " --to " +
-                         std::to_string(tick));
+  const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
+  report.again.push_back(verify_words + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
+                         std::to_string(from) + " --to " + std::to_string(tick));
   if (report.divergence->rows.empty()) report.again.push_back(more_detail_command(report.file, tick, options.tool));
 }
 

@@ -1,11 +1,12 @@
 // Re-simulates a trace and compares every tick with what was recorded.
 // SPDX-License-Identifier: MIT
 //
-// Verified: the root hash of every tick, every checkpoint and every stored image; that the state made from the setup is
-// the recorded one; that a divergence shows again in a second run. With several threads each stretch between
-// checkpoints begins with the recorded state, and its end is compared with where the next one begins: a finding is
-// shown by a run carried over the seam before it, or else the whole is walked in order.
-// Not verified: the hashes after each stage of ticks whose end agrees (they only locate).
+// Verified: of every tick all that the trace stores of it: root hash, hash after each stage, state image, cells; every
+// checkpoint; that the state made from the setup is the recorded one; that a divergence shows again in a second run. In
+// segments each run begins with a recorded checkpoint, and its end is compared with the checkpoint where the next one
+// begins. What a run from a checkpoint finds is a divergence only if a run from the setup has a finding as well; else
+// the state is incomplete.
+// Not verified in order (one thread, from the start): that a run from a checkpoint goes the same way.
 #pragma once
 
 #include <array>
@@ -53,7 +54,12 @@ struct VerifyOptions {
 
   std::string tool = "ticktrue";  // how the commands in reports begin: with a plug-in also how it is loaded
 
-  unsigned thread_count = 1;  // replay, restore: stretches between checkpoints at once, where `reopen` is given
+  /// Replay: in segments between checkpoints, on one thread too. With several threads always, where `reopen` is given.
+  bool in_segments = false;
+  /// What a run from a checkpoint finds is shown by a run from the setup. Off for fault injection, which knows.
+  bool confirm_from_start = true;
+
+  unsigned thread_count = 1;  // segments at once, where `reopen` is given
   /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
   std::function<std::unique_ptr<TraceSource>()> reopen;
 

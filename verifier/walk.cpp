@@ -7,8 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "base/hash.h"
-#include "replay/payload.h"
+#include "base/stage_hashes.h"
 #include "verifier/locate.h"
 #include "verifier/locate_cells.h"
 
@@ -29,7 +28,11 @@ std::size_t table_size(const StateView& state, std::size_t table) {
 class StretchWalk {
  public:
   StretchWalk(const WalkContext& context, TraceSource& source, const Stretch& stretch)
-      : context_(context), source_(source), stretch_(stretch), last_dt_(context.setup.dt) {
+      : context_(context),
+        source_(source),
+        stretch_(stretch),
+        comparer_(context.setup.schema),
+        last_dt_(context.setup.dt) {
     result_.tick = result_.last_checkpoint = stretch.start.tick;
     result_.time_s = result_.last_checkpoint_s = stretch.start.time_s;
   }
@@ -63,7 +66,8 @@ class StretchWalk {
       }
       const TickRecord& record = std::get<TickRecord>(item);
       const TickInput input{record.dt, record.inputs};
-      if (!accepts(input) || !steps(input)) return WalkEnd::stopped;
+      stages_.clear();
+      if (!accepts(input) || !steps(input, record.stage_hashes.empty() ? nullptr : &stages_)) return WalkEnd::stopped;
       if (!compare_tick(record)) return WalkEnd::mismatch;
     }
   }
@@ -122,8 +126,8 @@ class StretchWalk {
   }
 
   /// False: it cannot be done here.
-  bool steps(const TickInput& input) {
-    simulation_->step(input, nullptr);
+  bool steps(const TickInput& input, StageObserver* observer) {
+    simulation_->step(input, observer);
     last_dt_ = input.dt;
     const Status did = simulation_->last_step();
     if (did) return true;
@@ -134,50 +138,61 @@ class StretchWalk {
 
   /// False: the result is not the recorded one.
   bool compare_tick(const TickRecord& record) {
-    const std::uint64_t got = root_hash(simulation_->state());
-    bool equal = got == record.root_hash;
-    if (equal && record.image) {
-      encode_image(simulation_->state(), image_);
-      equal = std::equal(record.image->begin(), record.image->end(), image_.begin(), image_.end());
-    }
-    if (!equal) {
-      count_tick();
-      keep_mismatch(record, got);
+    const TickSide sides[] = {side_of(record), side_here()};
+    const std::optional<TickDifference> difference = comparer_.compare(sides);
+    count_tick();
+    if (difference) {
+      keep_mismatch(record, difference->part);
       return false;
     }
-    result_.root_hash = got;
+    result_.root_hash = record.root_hash;
     watch_.look(simulation_->state());
     result_.time_s += record.dt;
-    count_tick();
+    if (context_.options.on_compared && stretch_.counts && result_.tick >= stretch_.count_from)
+      context_.options.on_compared(result_.time_s);
     ++result_.tick;
+    result_.last_tick_s = result_.time_s;
     if (stretch_.progress) stretch_.progress(result_.tick);
     return true;
   }
 
+  TickSide side_here() const {
+    TickSide side{root_hash(simulation_->state()), stages_.hashes()};
+    side.state = &simulation_->state();
+    return side;
+  }
+
   void count_tick() {
+    const ComparedParts compared = comparer_.take_compared();
     result_.last_tick_s = result_.time_s;
     if (!stretch_.counts || result_.tick < stretch_.count_from) return;
     ++result_.ticks_compared;
-    if (context_.options.on_compared) context_.options.on_compared(result_.last_tick_s);
+    result_.compared += compared;
   }
 
-  void keep_mismatch(const TickRecord& record, std::uint64_t got_root) {
+  void keep_mismatch(const TickRecord& record, TickPart part) {
     Mismatch found;
     found.expected = keep(record);
-    found.got_root = got_root;
+    found.part = part;
+    found.got_stages = stages_.hashes();
     encode_image(simulation_->state(), found.got);
     const replay::TraceReader::Item& item = source_.next();
     if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item);
         checkpoint != nullptr && checkpoint->tick == result_.tick + 1 && !found.expected.image)
       found.expected.image = Bytes(checkpoint->image.begin(), checkpoint->image.end());
-    found.divergence = describe_difference(context_, *simulation_, found.expected, result_.time_s, found.got, got_root,
-                                           result_.findings);
+    found.divergence =
+        describe_mismatch(context_, *simulation_, found.expected, result_.time_s, side_here(), result_.findings);
+    if (part != TickPart::root_hash) result_.findings.notes.push_back(contradiction_text(record.tick, part));
+    if (part == TickPart::image || part == TickPart::cells)
+      found.divergence.stage_note = "not known: the root hash of the tick agrees, its " + std::string(name_of(part)) +
+                                    (part == TickPart::image ? " does not" : " do not");
     if (const auto place = find_non_finite(simulation_->state())) {
-      result_.findings.notes.push_back("the state here is not finite: " + place_text(*simulation_, *place));
+      result_.findings.notes.push_back("the state here is not finite: " + text_of(*place));
       result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
     }
     // A state that no load would accept is not run on: nobody knows what a simulation makes of it.
-    const bool goes_on = context_.options.spread_ticks > 0 && ticktrue::check_image(context_.setup.schema, found.got);
+    const bool goes_on =
+        context_.options.spread_ticks > 0 && ticktrue::check_image(*simulation_->state().schema, found.got);
     if (!follow_spread(item, goes_on ? context_.options.spread_ticks : 0, found.divergence))
       result_.trace_end = TraceEnd{source_.tail(), ""};
     result_.mismatch = std::move(found);
@@ -223,10 +238,10 @@ class StretchWalk {
     // A tick without inputs and with the dt of the tick before leaves nothing behind.
     const TickInput input =
         tail.has_pending_inputs ? TickInput{tail.pending_dt, tail.pending_inputs} : TickInput{last_dt_, {}};
-    if (!accepts(input) || !steps(input)) return;
+    if (!accepts(input) || !steps(input, nullptr)) return;
     const auto place = find_non_finite(simulation_->state());
     result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
-    const std::string here = place ? place_text(*simulation_, *place) : "";
+    const std::string here = place ? text_of(*place) : "";
     const std::string tick = "tick " + std::to_string(result_.tick);
     // The recorder's note ends with the place it found.
     if (place && (tail.end->note.empty() || tail.end->note.find(here) != std::string::npos)) {
@@ -249,9 +264,15 @@ class StretchWalk {
     result_.findings.divergence = std::move(divergence);
   }
 
+  std::string text_of(const StatePlace& place) const {
+    return place_text(context_.setup.schema, place, names_of(*simulation_));
+  }
+
   const WalkContext& context_;
   TraceSource& source_;
   const Stretch& stretch_;
+  TickComparer comparer_;
+  StageHashes stages_;  // of the tick that ran last, where the trace stores them
   WalkResult result_;
   std::unique_ptr<Simulation> simulation_;
   double last_dt_;  // s, of the tick that ran last
@@ -265,15 +286,6 @@ Start start_at(const CheckpointRecord& checkpoint, double time_s) {
   return {checkpoint.tick, time_s, true, Bytes(checkpoint.image.begin(), checkpoint.image.end()), checkpoint.root_hash};
 }
 
-KeptTick keep(const TickRecord& record) {
-  KeptTick kept{
-      record.tick,  record.dt, Bytes(record.inputs.begin(), record.inputs.end()), record.root_hash, record.stage_hashes,
-      std::nullopt, {}};
-  if (record.image) kept.image = Bytes(record.image->begin(), record.image->end());
-  kept.cells = Bytes(record.cells.begin(), record.cells.end());
-  return kept;
-}
-
 void Findings::decide(Verdict found, std::string why, std::string next) {
   decided = true;
   verdict = found;
@@ -281,9 +293,17 @@ void Findings::decide(Verdict found, std::string why, std::string next) {
   hint = std::move(next);
 }
 
+void Findings::warn_unreadable(std::uint64_t tick, const Error& error) {
+  warnings.push_back("stored state of tick " + std::to_string(tick) + " cannot be read: " + error.message);
+}
+
 void Findings::not_reproducible(const std::string& why) {
   decide(Verdict::not_reproducible, why,
          "look for uninitialised memory, addresses, clocks, threads or random numbers in the simulation");
+}
+
+RowNamer names_of(const Simulation& simulation) {
+  return [&simulation](std::size_t table, std::size_t row) { return simulation.row_name(table, row); };
 }
 
 std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings) {
@@ -299,9 +319,7 @@ std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& st
   if (start.loaded) {
     if (const Status loaded = simulation->load(start.image); !loaded) {
       if (loaded.error().code == ErrorCode::unsupported) {
-        findings.decide(Verdict::not_comparable,
-                        "the state of " + context.setup.simulation + " can only be observed, not loaded",
-                        "use --mode replay without --from");
+        refuse_loading(context, findings);
         return nullptr;
       }
       findings.decide(Verdict::diverged,
@@ -320,6 +338,12 @@ std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& st
   return simulation;
 }
 
+void refuse_loading(const WalkContext& context, Findings& findings) {
+  findings.decide(Verdict::not_comparable,
+                  "the state of " + context.setup.simulation + " can only be observed, not loaded",
+                  "use --mode replay without --from");
+}
+
 bool can_load(const WalkContext& context, Findings& findings) {
   // A simulation that cannot load says so for any image; others refuse the empty one without effect.
   const std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
@@ -330,43 +354,21 @@ bool can_load(const WalkContext& context, Findings& findings) {
 
 void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
                     Divergence& divergence, Findings& findings) {
-  const Status located = locate_lanes(
-      context.setup.schema, expected, got,
-      [&](std::size_t table, std::size_t row) { return simulation.row_name(table, row); },
-      context.options.row_count_max, divergence);
-  if (!located)
-    findings.warnings.push_back("stored state of tick " + std::to_string(divergence.tick) +
-                                " cannot be read: " + located.error().message);
+  const Status located = locate_lanes(context.setup.schema, expected, got, names_of(simulation),
+                                      context.options.row_count_max, divergence);
+  if (!located) findings.warn_unreadable(divergence.tick, located.error());
 }
 
-namespace {
-
-/// Fills tables and candidates from the cells of the recorded tick.
-void describe_cells(const WalkContext& context, Simulation& simulation, ByteView expected, Divergence& divergence) {
-  const StateCells recorded = replay::decode_cells(context.setup.schema, expected);
-  StateCells here;
-  CellHasher(context.setup.schema).hash(simulation.state(), recorded.partition_cells, here);
-  locate_cells(
-      context.setup.schema, recorded, here, &simulation.state(),
-      [&](std::size_t table, std::size_t row) { return simulation.row_name(table, row); },
-      context.options.row_count_max, divergence);
-}
-
-}  // namespace
-
-Divergence describe_difference(const WalkContext& context, Simulation& simulation, const KeptTick& expected,
-                               double time_s, ByteView got, std::uint64_t got_root, Findings& findings) {
+Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
+                             double time_s, const TickSide& got, Findings& findings) {
   Divergence divergence;
   divergence.tick = expected.tick;
   divergence.time_s = time_s;
-  divergence.expected_root = expected.root_hash;
-  divergence.got_root = got_root;
   divergence.inputs = simulation.inputs_text(expected.tick, expected.inputs);
-  divergence.stage_note = "not known: the trace stores no hash after each stage of this tick";
-  if (expected.image)
-    describe_lanes(context, simulation, *expected.image, got, divergence, findings);
-  else if (!expected.cells.empty())
-    describe_cells(context, simulation, expected.cells, divergence);
+  const TickWords words{context.setup.schema, context.setup.stages, names_of(simulation),
+                        context.options.row_count_max};
+  if (const Status described = describe_tick(words, side_of(expected), got, divergence); !described)
+    findings.warn_unreadable(divergence.tick, described.error());
   return divergence;
 }
 
@@ -387,13 +389,6 @@ void ChangeWatch::look(const StateView& state) {
 
 WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch) {
   return StretchWalk(context, source, stretch).run();
-}
-
-std::string place_text(const Simulation& simulation, const StatePlace& place) {
-  const TableSchema& table = simulation.state().schema->tables[place.table];
-  const std::string name = simulation.row_name(place.table, place.row);
-  return table.name + " row " + std::to_string(place.row) + (name.empty() ? "" : " (" + name + ")") + ", column " +
-         table.columns[place.column].name + ", lane " + std::to_string(place.lane);
 }
 
 }  // namespace ticktrue::verifier

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/simulation.h"
+#include "verifier/compare_tick.h"
 #include "verifier/report.h"
 #include "verifier/trace_source.h"
 #include "verifier/verify.h"
@@ -26,18 +27,6 @@ struct Start {
   std::uint64_t root_hash = 0;
 };
 Start start_at(const replay::CheckpointRecord& checkpoint, double time_s);
-
-/// A tick as recorded, kept beyond the reader's next step.
-struct KeptTick {
-  std::uint64_t tick = 0;
-  double dt = 0;
-  Bytes inputs;
-  std::uint64_t root_hash = 0;
-  std::vector<std::uint64_t> stage_hashes;
-  std::optional<Bytes> image;
-  Bytes cells;
-};
-KeptTick keep(const replay::TickRecord& record);
 
 /// What all parts of one verification share; constant while they run.
 struct WalkContext {
@@ -58,7 +47,11 @@ struct Findings {
 
   void decide(Verdict found, std::string why, std::string next = "");
   void not_reproducible(const std::string& why);
+  void warn_unreadable(std::uint64_t tick, const Error& error);
 };
+
+/// The names of the rows of the state here. The simulation must outlive them.
+RowNamer names_of(const Simulation& simulation);
 
 /// A fresh simulation from the setup; null where the setup is refused (then `findings` says so).
 std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings);
@@ -66,11 +59,13 @@ std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings
 std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings);
 /// Whether states can be loaded at all.
 bool can_load(const WalkContext& context, Findings& findings);
+/// The verdict where they cannot and must be.
+void refuse_loading(const WalkContext& context, Findings& findings);
 
-/// The divergence of the tick `expected` from the state here, as far as what is stored of the tick goes. `got`: the
-/// image of the state here. May add to the warnings of `findings`.
-Divergence describe_difference(const WalkContext& context, Simulation& simulation, const KeptTick& expected,
-                               double time_s, ByteView got, std::uint64_t got_root, Findings& findings);
+/// The divergence of the tick `expected` from what was made of it here, as far as what is stored of the tick goes. May
+/// add to the warnings of `findings`.
+Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
+                             double time_s, const TickSide& got, Findings& findings);
 /// Fills tables, rows and lanes from two images; warns where the expected one cannot be read.
 void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
                     Divergence& divergence, Findings& findings);
@@ -97,9 +92,10 @@ enum class WalkEnd : std::uint8_t {
 
 /// A tick with another result than was recorded.
 struct Mismatch {
-  KeptTick expected;
-  Bytes got;  // image of the state here
-  std::uint64_t got_root = 0;
+  StoredTick expected;
+  TickPart part = TickPart::root_hash;    // that differs
+  Bytes got;                              // image of the state here
+  std::vector<std::uint64_t> got_stages;  // hashes after the stages here; empty unless stored of the tick
   Divergence divergence;
 };
 
@@ -113,6 +109,7 @@ struct WalkResult {
   double last_tick_s = 0;  // simulated at the end of the last tick compared, as reports give it
   std::uint64_t ticks_compared = 0;
   std::uint64_t checkpoints_compared = 0;
+  ComparedParts compared;                  // of these ticks
   std::optional<std::uint64_t> root_hash;  // of the last state that was as recorded
   bool changed = false;                    // some state beside the world table
   std::uint64_t last_checkpoint = 0;       // tick of the last one that was met, or of the start
@@ -133,8 +130,5 @@ struct Stretch {
 
 /// Walks the stretch. Requires: `source` stands just behind the checkpoint of the start, or at its beginning.
 WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch);
-
-/// A place in the words of the recorder's note on a value that is not finite.
-std::string place_text(const Simulation& simulation, const StatePlace& place);
 
 }  // namespace ticktrue::verifier

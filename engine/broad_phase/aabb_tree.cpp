@@ -323,6 +323,7 @@ bool list_present_pairs(const Model& model, const State& state, Scratch& scratch
   KeptPairs& kept = scratch.kept.pairs;
   kept.has_pairs = false;
   const bool has_side = kept.common_side > 0 && kept.restless_ticks % ticks_per_side != 0;
+  count_use(scratch.kept.report, CacheKind::cell_side, has_side);
   if (!has_side) kept.common_side = 0;
   CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
   if (listing == CellListing::unsuited && has_side) {
@@ -447,7 +448,10 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
   kept.fall = fall;
   kept.farthest = reach.farthest;
   kept.is_valid = true;
-  const bool all_hold = !follow(model, state, scratch, reach, !boxes_hold) && kept.has_present;
+  const bool made_boxes = follow(model, state, scratch, reach, !boxes_hold);
+  const bool all_hold = !made_boxes && kept.has_present;
+  CacheReport& report = scratch.kept.report;
+  count_uses(report, CacheKind::boxes, {boxes_hold ? 1u : 0u, made_boxes ? 1u : 0u});
   kept.has_present = kept.stay = false;
   scratch.proxies = kept.proxies;
   const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
@@ -464,6 +468,8 @@ void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
     builds = true;
   }
   kept.stay = all_hold && !builds;
+  count_use(report, CacheKind::pair_list, !builds);
+  count_use(report, CacheKind::present_pairs, kept.stay);
   if (builds || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
     build_everything(model, state, scratch, reach);
   if (scratch.has_too_many_pairs) return;

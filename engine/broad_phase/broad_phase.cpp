@@ -58,7 +58,8 @@ Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& s
 }
 
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  forget(scratch.kept);
+  scratch.kept.pairs.is_valid = false;  // of another broad phase
+  scratch.kept.has_touching = false;
   const Real fall = fall_of_a_tick(model, state);
   const TickReach reach = reach_of_tick(model, state, dt);
   scratch.proxy_rows.clear();
@@ -76,7 +77,7 @@ void make_proxies(const Model& model, const State& state, Scratch& scratch, Real
 bool are_too_many(Scratch& scratch, std::size_t pair_count) {
   if (pair_count <= scratch.pair_count_max) return false;
   scratch.has_too_many_pairs = true;
-  forget(scratch.kept);
+  forget(scratch, all_caches);
   scratch.pairs = {};
   return true;
 }

@@ -54,15 +54,15 @@ void store_bodies(const Scratch& scratch, State& state) {
       if (scratch.body_group[row] == no_group) continue;
       BodyRow& body = state.bodies[row];
       const MovingBody& moving = scratch.bodies[row];
-      body.position = body.position + moving.moved;
-      body.rotation = normalized(moving.turned * body.rotation);
-      body.velocity = moving.velocity;
-      body.angular_velocity = moving.angular_velocity;
+      body.position = stored(body.position + moving.moved);
+      body.rotation = stored(normalized(moving.turned * body.rotation));
+      body.velocity = stored(moving.velocity);
+      body.angular_velocity = stored(moving.angular_velocity);
     }
   });
   for (std::size_t row = 0; row < state.accelerations.size(); ++row)
-    state.accelerations[row] = {scratch.previous_accelerations[row].linear,
-                                scratch.previous_accelerations[row].angular};
+    state.accelerations[row] = {stored(scratch.previous_accelerations[row].linear),
+                                stored(scratch.previous_accelerations[row].angular)};
   const std::uint32_t room = no_reference - state.integrator.unconverged;
   state.integrator.unconverged += scratch.unconverged < room ? scratch.unconverged : room;
 }
@@ -70,8 +70,8 @@ void store_bodies(const Scratch& scratch, State& state) {
 void store_velocities(const Scratch& scratch, State& state) {
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
     if (scratch.body_group[row] == no_group) continue;
-    state.bodies[row].velocity = scratch.bodies[row].velocity;
-    state.bodies[row].angular_velocity = scratch.bodies[row].angular_velocity;
+    state.bodies[row].velocity = stored(scratch.bodies[row].velocity);
+    state.bodies[row].angular_velocity = stored(scratch.bodies[row].angular_velocity);
   }
 }
 

@@ -150,11 +150,13 @@ void fill_blocks(ContactColoring& coloring) {
 }
 
 /// Splits the contacts into blocks, if that is worth it.
-bool split(const Scratch& scratch, ContactColoring& coloring) {
+bool split(Scratch& scratch, ContactColoring& coloring) {
   const std::size_t forced = scratch.parallel.chunk_size_forced;
   if (coloring.ends.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
   const std::size_t body_count = scratch.masses.size();
-  if (coloring.block_of.size() != body_count || !holds(coloring)) {
+  const bool is_hit = coloring.block_of.size() == body_count && holds(coloring);
+  count_use(scratch.kept.report, CacheKind::contact_blocks, is_hit);
+  if (!is_hit) {
     if (forced == 0 && coloring.ticks_unsplit > 0) {
       --coloring.ticks_unsplit;
       return false;
@@ -295,11 +297,15 @@ void color_ahead(const State& state, Scratch& scratch) {
 void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
   ContactColoring& coloring = scratch.kept.coloring;
   const bool same_ends = find_ends_of_group(scratch, group, coloring) && !coloring.blocks.empty();
+  count_use(scratch.kept.report, CacheKind::contact_colors, same_ends);
   if (may_split) {
     const std::span<const std::uint32_t> rows(scratch.group_rows.data() + group.first_row,
                                               group.row_end - group.first_row);
     const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.group_rows.begin(), coloring.group_rows.end());
-    if (same_ends && same_rows && coloring.is_split) return;
+    if (same_ends && same_rows && coloring.is_split) {
+      count_use(scratch.kept.report, CacheKind::contact_blocks, true);
+      return;
+    }
     coloring.group_rows.assign(rows.begin(), rows.end());
     const bool was_split = coloring.is_split;
     coloring.is_split = split(scratch, coloring);

@@ -192,18 +192,19 @@ void store(const ContactBatch* batches, std::size_t count, Real* forces, std::si
     const ContactPointLanes(&points)[2] = batch.points;
     int lane = 0;
     for (; lane + wide_count <= batch.count; lane += wide_count) {
-      const Wide rate = spread(inv_h);
-      const Wide quads[4] = {
-          rate * load_wide(points[0].normal_impulse.at + lane), rate * load_wide(points[1].normal_impulse.at + lane),
-          rate * load_wide(points[0].tangent_impulse.at + lane), rate * load_wide(points[1].tangent_impulse.at + lane)};
+      const auto force = [&](const ContactLanes& impulse) {  // + 0: as `stored` has it
+        return spread(inv_h) * load_wide(impulse.at + lane) + Wide{};
+      };
+      const Wide quads[4] = {force(points[0].normal_impulse), force(points[1].normal_impulse),
+                             force(points[0].tangent_impulse), force(points[1].tangent_impulse)};
       Transposer<Real, wide_count>::scatter([&](int j) { return behind(forces, batch.contact[lane + j] * row_size); },
                                             quads);
     }
     for (; lane < batch.count; ++lane) {
       Real* row = behind(forces, batch.contact[lane] * row_size);
       for (int p = 0; p < 2; ++p) {
-        row[p] = inv_h * points[p].normal_impulse.at[lane];
-        row[2 + p] = inv_h * points[p].tangent_impulse.at[lane];
+        row[p] = inv_h * points[p].normal_impulse.at[lane] + Real(0);
+        row[2 + p] = inv_h * points[p].tangent_impulse.at[lane] + Real(0);
       }
     }
   }

@@ -409,9 +409,9 @@ TICKTRUE_INLINE bool bounce_group(const ContactWork& work, std::size_t i, const 
   // Velocities of what does not bounce keep the signs of their zeros, whoever is beside it.
   const Pair<V> before = load_pair(group, work.bodies);
   add_impulses(pair, pushed, zero);
-  for (int i = 0; i < 3; ++i) {
-    pair.a.at[i] = choose(bounced, pair.a.at[i], before.a.at[i]);
-    pair.b.at[i] = choose(bounced, pair.b.at[i], before.b.at[i]);
+  for (int axis = 0; axis < 3; ++axis) {
+    pair.a.at[axis] = choose(bounced, pair.a.at[axis], before.a.at[axis]);
+    pair.b.at[axis] = choose(bounced, pair.b.at[axis], before.b.at[axis]);
   }
   store_pair(group, pair, work.bodies);
   return true;

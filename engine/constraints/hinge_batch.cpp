@@ -93,12 +93,12 @@ void store_hinges(const Scratch& scratch, State& state, Real h) {
       for (std::int32_t lane = 0; lane < batch.pin.count; ++lane) {
         JointRow& row = state.joints[batch.pin.row[lane]];
         const Vec2 linear{batch.pin.impulse_x.at[lane], batch.pin.impulse_y.at[lane]};
-        row.linear_force = inv_h * linear;
-        row.torque = inv_h * (h * row.torque);  // none of a hinge's; as joints by themselves treat it
-        row.spring_force = inv_h * batch.spring_impulse.at[lane];
-        row.lower_force = inv_h * batch.lower_impulse.at[lane];
-        row.upper_force = inv_h * batch.upper_impulse.at[lane];
-        row.motor_force = inv_h * batch.motor_impulse.at[lane];
+        row.linear_force = stored(inv_h * linear);
+        row.torque = stored(inv_h * (h * row.torque));  // none of a hinge's; as joints by themselves treat it
+        row.spring_force = stored(inv_h * batch.spring_impulse.at[lane]);
+        row.lower_force = stored(inv_h * batch.lower_impulse.at[lane]);
+        row.upper_force = stored(inv_h * batch.upper_impulse.at[lane]);
+        row.motor_force = stored(inv_h * batch.motor_impulse.at[lane]);
       }
     }
   });

@@ -178,12 +178,12 @@ void store_joints(const Scratch& scratch, State& state, Real h) {
   for (const JointWork& joint : scratch.joints) {
     const JointImpulses& impulses = joint.impulses;
     JointRow& row = state.joints[joint.row];
-    row.linear_force = inv_h * impulses.linear;
-    row.torque = inv_h * impulses.angular;
-    row.spring_force = inv_h * impulses.spring;
-    row.lower_force = inv_h * impulses.lower;
-    row.upper_force = inv_h * impulses.upper;
-    row.motor_force = inv_h * impulses.motor;
+    row.linear_force = stored(inv_h * impulses.linear);
+    row.torque = stored(inv_h * impulses.angular);
+    row.spring_force = stored(inv_h * impulses.spring);
+    row.lower_force = stored(inv_h * impulses.lower);
+    row.upper_force = stored(inv_h * impulses.upper);
+    row.motor_force = stored(inv_h * impulses.motor);
   }
   if (!scratch.is_woven)
     for_pins(scratch, [&](std::size_t first, std::size_t last) { store_pins(scratch, state, first, last, h); });

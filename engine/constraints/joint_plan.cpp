@@ -62,7 +62,9 @@ void make_ranges(const Model& model, JointPlan& plan) {
 void plan_joints(const Model& model, const State& state, Scratch& scratch) {
   JointPlan& plan = scratch.kept.joints;
   const bool is_of_scene = follows_from_scene(model, state);
-  if (is_of_scene && plan.is_of_scene) return;
+  const bool is_hit = is_of_scene && plan.is_of_scene;
+  count_use(scratch.kept.report, CacheKind::joint_plan, is_hit);
+  if (is_hit) return;
   plan.is_of_scene = is_of_scene;
   order_joints(model, state, scratch, is_of_scene && allows_weaving(model));
   // Joints of one level may be solved side by side.

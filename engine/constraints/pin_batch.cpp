@@ -142,7 +142,8 @@ void store_pins(const Scratch& scratch, State& state, std::size_t first, std::si
   for (std::size_t i = first; i < last; ++i) {
     const PinBatch& batch = scratch.pins.batches[i];
     for (std::int32_t lane = 0; lane < batch.count; ++lane)
-      state.joints[batch.row[lane]].linear_force = inv_h * Vec2{batch.impulse_x.at[lane], batch.impulse_y.at[lane]};
+      state.joints[batch.row[lane]].linear_force =
+          stored(inv_h * Vec2{batch.impulse_x.at[lane], batch.impulse_y.at[lane]});
   }
 }
 

@@ -69,7 +69,7 @@ void solve_pulls(Scratch& scratch) {
 
 void store_pulls(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  for (const PointerPull& pull : scratch.pulls) state.pointers[pull.pointer].force = inv_h * pull.impulse;
+  for (const PointerPull& pull : scratch.pulls) state.pointers[pull.pointer].force = stored(inv_h * pull.impulse);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

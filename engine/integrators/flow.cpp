@@ -13,6 +13,7 @@ namespace {
 constexpr Real force_like = 4;
 
 void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
+  count_use(scratch.kept.report, CacheKind::free_motion, scratch.free_motion_step == h);
   if (scratch.free_motion_step == h) return;
   scratch.free_motion.clear();
   const double step = static_cast<double>(h < 0 ? -h : h);
@@ -55,9 +56,10 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
   const KeptPairs& pairs = scratch.kept.pairs;
   const Vec2 gravity = state.world.gravity;
   const bool may_keep = pairs.is_valid && scratch.force.empty();
-  if (may_keep && kept.is_valid && kept.body_set == pairs.body_set && kept.h == h && kept.gravity.x == gravity.x &&
-      kept.gravity.y == gravity.y)
-    return;
+  const bool is_hit = may_keep && kept.is_valid && kept.body_set == pairs.body_set && kept.h == h &&
+                      kept.gravity.x == gravity.x && kept.gravity.y == gravity.y;
+  count_use(scratch.kept.report, CacheKind::velocity_steps, is_hit);
+  if (is_hit) return;
   kept.is_valid = may_keep;
   kept.body_set = pairs.body_set;
   kept.h = h;

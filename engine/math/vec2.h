@@ -57,11 +57,23 @@ inline Real magnitude(Real a) {
   return larger(a, -a);
 }
 
+/// What a state stores of a value: -0 becomes 0, every other value keeps its bits (IEEE 754-2019, 6.3: -0 + 0 is 0).
+/// Which of the two zeros a sum ends in depends on the order of its terms, and so on batches and threads.
+inline Real stored(Real a) {
+  return a + Real(0);
+}
+inline Vec2 stored(Vec2 a) {
+  return {stored(a.x), stored(a.y)};
+}
+
 /// A rotation by its cosine and sine.
 struct Rotation {
   Real c = 1;
   Real s = 0;
 };
+inline Rotation stored(Rotation a) {
+  return {stored(a.c), stored(a.s)};
+}
 
 inline Vec2 rotate(Rotation q, Vec2 v) {
   return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y};

@@ -241,6 +241,7 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
   block.candidate_count = 0;
   block.box_count = 0;
   std::memcpy(block.pairs, pairs, count * sizeof(Pair));
+  bool leaves_out_still = false;
   for (std::size_t i = 0; i < count; ++i) {
     const Pair pair = pairs[i];
     const Proxy& a = proxies[pair.first];
@@ -248,7 +249,10 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
     const bool has_old = search.may_reuse && find_same(search.old_touching, pair, old);
     if (!has_old && !may_begin(search, a, b)) continue;
     const bool is_still = search.may_reuse && still[a.body] != 0 && still[b.body] != 0;
-    if (is_still && !has_old) continue;
+    if (is_still && !has_old) {
+      leaves_out_still = true;
+      continue;
+    }
     const std::uint32_t place = block.candidate_count++;
     out.touched |= std::uint64_t{has_old} << place;
     out.still |= std::uint64_t{is_still} << place;
@@ -258,7 +262,8 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
         is_still ? no_place : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall)};
   }
   complete_boxes(block);
-  block.is_valid = !search.is_sparse && out.still == 0;
+  // A block holds for later ticks only if what was left out of it follows from the pairs alone.
+  block.is_valid = !search.is_sparse && out.still == 0 && !leaves_out_still;
 }
 
 /// Where the contacts of some pairs are written: the first `limit` from `touching` and `rows` on, the others apart.
@@ -274,6 +279,8 @@ struct FoundContacts {
   std::size_t count;
   std::size_t in_place;  // the rest is apart
   bool any_new;          // that were not there a tick ago
+  CacheCounts blocks{};
+  std::uint64_t still_count = 0;  // of contacts whose manifolds are those of the tick before
 };
 
 /// What a pair is beside its manifold, from what it was a tick ago.
@@ -306,7 +313,7 @@ class ContactWriter {
         old_(old),
         is_in_place_(search.is_in_place) {}
 
-  FoundContacts found{0, 0, false};
+  FoundContacts found{0, 0, false, {}, 0};
 
   /// Chooses what may touch of the pairs of a block, unless it is what it was. True if it is.
   bool begin(const Pair* pairs, std::size_t count, PairBlock& block) {
@@ -316,6 +323,8 @@ class ContactWriter {
       find_old_of_block(search_, block, old_, before_);
     else
       choose_candidates(search_, pairs, count, old_, block, before_);
+    ++(is_same_block ? found.blocks.hits : found.blocks.invalidations);
+    found.still_count += static_cast<std::uint64_t>(__builtin_popcountll(before_.still));
     block.look = search_.look;
     block.found = 0;
     return is_same_block;
@@ -478,6 +487,9 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
     scratch.parts[chunk].first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
   std::atomic<bool> any_new{false};
+  std::atomic<std::uint64_t> held_count{0};
+  std::atomic<std::uint64_t> made_count{0};
+  std::atomic<std::uint64_t> still_count{0};
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     ListPart& part = scratch.parts[chunk.index];
     const std::size_t old_end = chunk.index + 1 < chunk_count ? scratch.parts[chunk.index + 1].first : search.old_count;
@@ -491,6 +503,9 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
     part.in_place = found.in_place;
     part.count = found.count;
     if (found.any_new) any_new.store(true, std::memory_order_relaxed);
+    held_count.fetch_add(found.blocks.hits, std::memory_order_relaxed);
+    made_count.fetch_add(found.blocks.invalidations, std::memory_order_relaxed);
+    still_count.fetch_add(found.still_count, std::memory_order_relaxed);
   });
   std::size_t total = 0;
   bool all_in_place = true;
@@ -500,7 +515,8 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
     part.place = total;
     total += part.count;
   }
-  if (all_in_place) return {total, total, any_new};
+  const CacheCounts blocks{held_count, made_count};
+  if (all_in_place) return {total, total, any_new, blocks, still_count};
   scratch.touching_moved.resize(total);
   scratch.contacts_moved.resize(total);
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
@@ -516,7 +532,7 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   });
   scratch.touching.swap(scratch.touching_moved);
   scratch.contacts.swap(scratch.contacts_moved);
-  return {total, total, any_new};
+  return {total, total, any_new, blocks, still_count};
 }
 
 /// In one go, to where there was nothing.
@@ -588,10 +604,13 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
                           may_reuse && !is_sparse && !kept.pairs.many_are_still,
                           kept.pairs.stay};
   FoundContacts found{};
+  count_use(kept.report, CacheKind::contact_places, is_in_place);
   if (chunk_size < pair_count)
     found = find_contacts_in_chunks(search, scratch, chunk_size);
   else
     found = is_in_place ? find_contacts_in_place(search, scratch) : find_all_contacts(search, scratch);
+  count_uses(kept.report, CacheKind::pair_blocks, found.blocks);
+  count_uses(kept.report, CacheKind::manifolds, {found.still_count, may_reuse ? 0u : 1u});
   scratch.touching.resize(found.count);
   scratch.contacts.resize(found.count);
   state.contacts.swap(scratch.contacts);

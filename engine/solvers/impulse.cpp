@@ -162,12 +162,12 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
   const Vec2 tangent = right_turn(hit.normal);
   const Vec2 impulse = impulse_along(hit.normal) * hit.normal + (mu * impulse_along(tangent)) * tangent;
   if (!is_static(constants_a)) {
-    a.velocity = a.velocity + inv_mass_a * impulse;
-    a.angular_velocity = a.angular_velocity + constants_a.impulse_inv_inertia * cross(arm_a, impulse);
+    a.velocity = stored(a.velocity + inv_mass_a * impulse);
+    a.angular_velocity = stored(a.angular_velocity + constants_a.impulse_inv_inertia * cross(arm_a, impulse));
   }
   if (!is_static(constants_b)) {
-    b.velocity = b.velocity - inv_mass_b * impulse;
-    b.angular_velocity = b.angular_velocity - constants_b.impulse_inv_inertia * cross(arm_b, impulse);
+    b.velocity = stored(b.velocity - inv_mass_b * impulse);
+    b.angular_velocity = stored(b.angular_velocity - constants_b.impulse_inv_inertia * cross(arm_b, impulse));
   }
 }
 

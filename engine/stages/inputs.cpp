@@ -7,8 +7,11 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+Real to_real(double value) {
+  return stored(static_cast<Real>(value));
+}
 Vec2 to_vec2(double x, double y) {
-  return {static_cast<Real>(x), static_cast<Real>(y)};
+  return {to_real(x), to_real(y)};
 }
 
 void wake_joint(State& state, const JointRow& joint) {
@@ -57,11 +60,11 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
   BodyRow row{};
   row.id = state.world.next_id++;
   row.source = source;
-  row.rotation = {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
-  row.position = to_vec2(pose.values[0], pose.values[1]) + rotate(row.rotation, constants.center);
+  row.rotation = {to_real(turn.cos), to_real(turn.sin)};
+  row.position = stored(to_vec2(pose.values[0], pose.values[1]) + rotate(row.rotation, constants.center));
   if (constants.type != BodyType::static_body) {
     row.velocity = to_vec2(pose.values[3], pose.values[4]);
-    row.angular_velocity = static_cast<Real>(pose.values[5]);
+    row.angular_velocity = to_real(pose.values[5]);
   }
   add_body_row(model, state, row);
   if (!scratch.force.empty()) {
@@ -90,8 +93,8 @@ void do_impulse(const Model& model, State& state, Scratch&, const Input& input) 
   const BodyModel& constants = model.bodies[body->source];
   const Vec2 impulse = to_vec2(input.values[0], input.values[1]);
   const Vec2 arm = rotate(body->rotation, to_vec2(input.values[2], input.values[3]));
-  body->velocity = body->velocity + constants.inv_mass * impulse;
-  body->angular_velocity = body->angular_velocity + constants.inv_inertia * cross(arm, impulse);
+  body->velocity = stored(body->velocity + constants.inv_mass * impulse);
+  body->angular_velocity = stored(body->angular_velocity + constants.inv_inertia * cross(arm, impulse));
 }
 
 void do_force(const Model&, State& state, Scratch& scratch, const Input& input) {
@@ -115,7 +118,7 @@ void do_set_velocity(const Model&, State& state, Scratch&, const Input& input) {
   BodyRow* body = find(state, input);
   if (body == nullptr) return;
   body->velocity = to_vec2(input.values[0], input.values[1]);
-  body->angular_velocity = static_cast<Real>(input.values[2]);
+  body->angular_velocity = to_real(input.values[2]);
 }
 
 void do_set_gravity(const Model&, State& state, Scratch&, const Input& input) {
@@ -143,7 +146,8 @@ void do_press(const Model& model, State& state, Scratch& scratch, const Input& i
     if (!hit) continue;
     occupied = true;
     if (constants.type != BodyType::dynamic_body) continue;
-    const PointerRow pointer{input.player, body.id, rotate_back(body.rotation, at - body.position), at, {0, 0}};
+    const Vec2 anchor = stored(rotate_back(body.rotation, at - body.position));
+    const PointerRow pointer{input.player, body.id, anchor, at, {0, 0}};
     std::size_t place = state.pointers.size();
     while (place > 0 && state.pointers[place - 1].player > pointer.player) --place;
     state.pointers.insert(state.pointers.begin() + static_cast<std::ptrdiff_t>(place), pointer);
@@ -166,8 +170,8 @@ void do_drag(const Model&, State& state, Scratch&, const Input& input) {
 void do_set_motor(const Model&, State& state, Scratch&, const Input& input) {
   for (JointRow& row : state.joints)
     if (row.joint == input.joint) {
-      row.motor_speed = static_cast<Real>(input.values[0]);
-      row.motor_force_max = static_cast<Real>(input.values[1]);
+      row.motor_speed = to_real(input.values[0]);
+      row.motor_force_max = to_real(input.values[1]);
       wake_joint(state, row);
       return;
     }

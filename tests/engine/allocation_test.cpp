@@ -8,9 +8,9 @@
 #include <new>
 
 #include "base/build_info.h"
+#include "base/chunk_order.h"
 #include "engine/builtin_scenes.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
 
 #ifndef __SANITIZE_ADDRESS__

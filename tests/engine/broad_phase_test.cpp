@@ -338,7 +338,7 @@ TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase]
     const f64::Model model = f64::make_model(scene);
     f64::State state = f64::initial_state(model);
     f64::aabb_tree(model, state, scratch, 0);
-    forget(scratch.kept);
+    forget(scratch, engine::all_caches);
     return scratch.proxies.size();
   };
   CHECK(proxy_count() == 0);

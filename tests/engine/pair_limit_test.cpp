@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/chunk_order.h"
 #include "base/limits.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 
@@ -145,7 +145,7 @@ TEST_CASE("5,000 shapes in one place end the run in its first tick", "[engine][h
       const Stop stop = run(scene, {}, 1);
       CHECK(stop.tick == 0);
       CHECK(stop.message ==
-            "tick 0: pairs of shapes near each other: found more than 4194304, expected at most 4194304");
+            "tick 0: pairs of shapes near each other: found more than 225568, expected at most 225568");
     }
   // Those that filters keep from meeting are no pairs, and neither are those of sensors.
   Scene scene = coincident_discs(5000, Precision::f32);

@@ -7,10 +7,10 @@
 #include <cstring>
 
 #include "base/build_info.h"
+#include "base/chunk_order.h"
 #include "base/workers.h"
 #include "engine/input.h"
 #include "tests/support/catch.h"
-#include "tests/support/chunk_order.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"
 #include "tests/support/scenes.h"

@@ -218,6 +218,22 @@ return count;
 '''
 
 
+# The share of red in the upper and the lower strip of two traces, between two ticks.
+red_strips = '''
+const canvas = document.getElementById('strip');
+const scale = canvas.width / canvas.clientWidth;
+const margin = 12;
+const [left, right] = [arguments[0], arguments[1]].map((tick) =>
+  Math.round((margin + ((canvas.clientWidth - 2 * margin) * tick) / ticktrue.data.film.tick_count) * scale));
+return [19, 27].map((y) => {
+  const image = canvas.getContext('2d').getImageData(left, Math.round(y * scale), right - left, 1).data;
+  let count = 0;
+  for (let i = 0; i < image.length; i += 4) if (image[i] > 180 && image[i + 1] < 110 && image[i + 2] < 110) ++count;
+  return count / (right - left);
+});
+'''
+
+
 def check_console(browser, where):
     messages = browser.errors()
     check(messages == [], '%s: console: %r' % (where, messages))
@@ -325,6 +341,19 @@ def use_other_pages(browser, bench):
     check(browser.run('return !document.getElementById("against").hidden'), 'against: not shown')
     check(browser.run('return !document.getElementById("ghosts-label").hidden'), 'against: no ghosts')
     check(browser.run('return ticktrue.data.against.diff.divergence.tick') == 137, 'against: another tick')
+    check(browser.run('const verdict = document.getElementById("verdict");'
+                      'return [verdict.dataset.tone, document.getElementById("verdict-name").textContent]') ==
+          ['bad', 'Different'], 'against: the headline is not that the traces differ')
+    before, behind = browser.run(red_strips, 10, 130), browser.run(red_strips, 140, 298)
+    # The lower strip is hatched: what was recorded there is known.
+    check(before == [0, 0] and behind[0] > 0.95 and behind[1] > 0.4,
+          'against: of the strips %r is red before the difference, %r behind it' % (before, behind))
+    bench.call('record', 'stack', '--ticks', '60', '-o', 'stack.ttr')
+    bench.call('record', 'stack?jitter=0.01', '--ticks', '60', '-o', 'jittered.ttr')
+    browser.open(bench.page('stack', '--against', 'jittered.ttr', code=1))
+    red = browser.run(red_strips, 5, 58)
+    check(red[0] > 0.95 and red[1] > 0.95, 'two traces that match and differ: of the strips %r is red' % red)
+    browser.open(bench.path('match.html'))
     for key in ['g', 'n', '+', '+', '-', '0', 'd']:
         browser.press(key)
     check(browser.state()['ticksDone'] == 138, 'd does not go to where they part')

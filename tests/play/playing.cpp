@@ -6,11 +6,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/stage_hashes.h"
 #include "engine/builtin_scenes.h"
 #include "play/script.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
-#include "verifier/locate.h"
 
 namespace ticktrue::test {
 
@@ -83,7 +83,7 @@ void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::u
     if (writer->wants_checkpoint()) REQUIRE(writer->checkpoint(engine.state(), root_hash(engine.state())));
     const TickInput input{scene.settings.dt, {}};
     REQUIRE(writer->begin_tick(input));
-    verifier::StageHashes stages;
+    StageHashes stages;
     engine.step(input, writer->wants_full() ? &stages : nullptr);
     if (tick == flip_tick) {
       const StateView& state = engine.state();

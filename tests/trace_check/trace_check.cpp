@@ -15,18 +15,13 @@
 
 #include "base/build_info.h"
 #include "base/hash.h"
+#include "base/stage_hashes.h"
 #include "base/state_view.h"
 #include "engine/engine.h"
 #include "replay/trace_reader.h"
 
 namespace ticktrue {
 namespace {
-
-class StageHashes : public StageObserver {
- public:
-  void after_stage(std::size_t, const StateView& state) override { hashes.push_back(root_hash(state)); }
-  std::vector<std::uint64_t> hashes;
-};
 
 bool complain(const std::string& file, const std::string& what) {
   std::fprintf(stderr, "trace_check: error: %s: %s\n", file.c_str(), what.c_str());
@@ -67,7 +62,7 @@ bool check_tick(const std::string& file, Simulation& simulation, const replay::T
   StageHashes observer;
   simulation.step(input, tick.stage_hashes.empty() ? nullptr : &observer);
   for (std::size_t i = 0; i < tick.stage_hashes.size(); ++i)
-    if (i >= observer.hashes.size() || observer.hashes[i] != tick.stage_hashes[i])
+    if (i >= observer.hashes().size() || observer.hashes()[i] != tick.stage_hashes[i])
       return complain(file, place + ": stage " + setup.stages[i] + ": hash differs" +
                                 (tick.image ? "; at the end of the tick " + place_of(simulation, *tick.image) : ""));
   const std::uint64_t found = root_hash(simulation.state());

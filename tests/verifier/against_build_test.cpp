@@ -1,15 +1,11 @@
-// One tick in full detail, as lines another build reads; and running another program.
+// One tick in full detail, as lines another build reads.
 // SPDX-License-Identifier: MIT
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/process.h"
 #include "verifier/stage_states.h"
 
 namespace ticktrue::test {
 namespace {
-
-using verifier::ProcessResult;
-using verifier::run_process;
 
 Result<verifier::StageStates> states_of(ByteView trace, const SimulationInfo& info, std::uint64_t tick) {
   replay::TraceReader reader = open_trace(trace);
@@ -73,38 +69,6 @@ TEST_CASE("stage_states: lines are read back as they were, and others are refuse
     CAPTURE(wrong);
     CHECK(!verifier::parse_stage_states(wrong));
   }
-}
-
-TEST_CASE("process: output, messages and exit code of a program are taken", "[verifier][process][analytic]") {
-  const verifier::ProcessLimits limits{20, 1u << 20};
-  const ProcessResult result = run_process({"sh", "-c", "cat; echo out; echo message >&2; exit 7"}, limits);
-  CHECK(result.end == ProcessResult::End::exited);
-  CHECK(result.code == 7);
-  CHECK(result.output == "out\n");
-  CHECK(result.message == "message\n");
-  CHECK(verifier::process_failure(result, limits).empty());
-  const ProcessResult large =
-      run_process({"sh", "-c", "head -c 300000 /dev/zero; head -c 300000 /dev/zero >&2"}, limits);
-  CHECK(large.output.size() == 300000);
-  CHECK(large.code == 0);
-}
-
-TEST_CASE("process: what cannot start, crashes, hangs or never stops printing is told",
-          "[verifier][process][corruption]") {
-  const verifier::ProcessLimits limits{0.3, 1u << 20};
-  const auto failure = [&](const std::vector<std::string>& words) {
-    return verifier::process_failure(run_process(words, limits), limits);
-  };
-  CHECK(contains(failure({"/nosuch/program"}), "cannot be started: No such file"));
-  CHECK(contains(failure({"/"}), "cannot be started: "));
-  CHECK(contains(failure({"sh", "-c", "kill -SEGV $$"}), "killed by signal 11"));
-  CHECK(contains(failure({"sh", "-c", "sleep 60"}), "did not end within 0 s"));
-  CHECK(contains(failure({"sh", "-c", "exec >&- 2>&-; sleep 60"}), "did not end within"));
-  CHECK(contains(failure({"sh", "-c", "sleep 60 & wait"}), "did not end within"));
-  CHECK(contains(run_process({"sh", "-c", "cat /dev/zero"}, {20, 100000}).end == ProcessResult::End::too_much_output
-                     ? "too much"
-                     : "something else",
-                 "too much"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
 #include "tests/support/faulty_engine.h"
+#include "tests/support/forging.h"
 #include "tests/support/scenes.h"
 #include "verifier/report_html/film.h"
 #include "verifier/report_html/frame_coding.h"
@@ -258,6 +259,12 @@ TEST_CASE("report page: against another trace both are shown as they were record
   CHECK(data["against"]["diff"]["verdict"] == "different");
   CHECK(data["against"]["diff"]["divergence"]["tick"] == 10);
   CHECK(data["focus"] == 11);
+  // A difference is on top of the page and in both strips, though each trace is as recorded by its own build.
+  CHECK(data["headline"]["verdict"] == "different");
+  CHECK(data["headline"]["sentence"] == "this trace and b.ttr differ from tick 10 on");
+  CHECK(data["against"]["differing"] == Json::array({Json::array({10, 59})}));
+  CHECK(occurrences_of(page.html, "<title>different: a.ttr - ticktrue</title>") == 1);
+  CHECK(occurrences_of(page.html, "\ndifferent  ") == 1);
   const Json& playback = data["film"]["playback"];
   // The flipped bit is in a velocity: positions differ from the tick behind it on.
   CHECK(playback["ghosts"]["ticks"].front() == 12);
@@ -270,6 +277,28 @@ TEST_CASE("report page: against another trace both are shown as they were record
   }());
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().code == ErrorCode::io);
+}
+
+TEST_CASE("report page: of two equal traces the headline is that of the trace", "[verifier][report_html][analytic]") {
+  const TemporaryFolder folder;
+  record_scene(falling_boxes(4), folder.file("a.ttr"), {30, 20});
+  record_scene(falling_boxes(4), folder.file("b.ttr"), {30, 10, std::nullopt, replay::Detail::full});
+  verifier::PageOptions options;
+  options.against = folder.file("b.ttr");
+  const Json data = data_of(page_of(folder.file("a.ttr"), options));
+  CHECK(data["headline"]["verdict"] == "match");
+  CHECK(data["against"]["differing"].empty());
+}
+
+TEST_CASE("report page: a tick with a forged record is red in the strip", "[verifier][report_html][corruption]") {
+  const TemporaryFolder folder;
+  record_scene(falling_boxes(4), folder.file("a.ttr"), {30, 20});
+  forge_trace(folder.file("a.ttr"), folder.file("b.ttr"), {[](verifier::StoredTick& tick) {
+                if (tick.tick == 12) tick.cells.back() ^= 1;
+              }});
+  const Json data = data_of(page_of(folder.file("b.ttr")));
+  CHECK(data["headline"]["verdict"] == "diverged");
+  CHECK(data["film"]["strip"] == Json::parse("[[0, 11, \"same\"], [12, 12, \"differs\"], [13, 29, \"same\"]]"));
 }
 
 TEST_CASE("report page: frames are left out until it fits, but for those around the divergence",

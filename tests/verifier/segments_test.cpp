@@ -130,42 +130,6 @@ TEST_CASE("segments: a recording that ended in a value that is not finite", "[ve
   CHECK(json_of(one) == json_of(verify_on(trace, verify_options(toy_info), 2)));
 }
 
-// What loading forgets shows in stretches that begin with it, and must not be blamed on the run from the start.
-class ForgetsOnLoad : public ToySimulation {
- public:
-  explicit ForgetsOnLoad(std::uint32_t body_count) : ToySimulation(body_count) {
-    disturb = [this](ToySimulation& self, std::size_t stage) {
-      if (stage == move_stage && ++steps_ % 20 == 0) self.bodies[0].hits += 1;
-    };
-  }
-
- private:
-  int steps_ = 0;  // influences later ticks and is not shown
-};
-
-TEST_CASE("segments: state that is not shown gives the verdict of the walk in order, and a warning",
-          "[verifier][segments][equivalence]") {
-  const SimulationInfo info{"ticktrue.toy", 1, &make_toy<ForgetsOnLoad>};
-  const TemporaryFolder folder;
-  ForgetsOnLoad simulation(6);
-  ScriptedInputs source(lively_script);
-  replay::RecordOptions record_options;
-  record_options.tick_count = 100;
-  record_options.writer = plain_writer();
-  replay::TraceSetup setup = toy_setup(6);
-  setup.checkpoint_interval = 30;
-  REQUIRE(replay::record(simulation, source, folder.file("toy.ttr"), setup, toy_facts, record_options));
-  const Bytes trace = read_file(folder.file("toy.ttr"));
-  const Report one = verify_on(trace, verify_options(info), 1);
-  CHECK(one.verdict == Verdict::match);
-  CHECK(one.warnings.empty());
-  const Report two = verify_on(trace, verify_options(info), 2);
-  CHECK(two.verdict == Verdict::match);
-  CHECK(two.ticks_compared == 100);
-  REQUIRE(two.warnings.size() == 1);
-  CHECK(contains(two.warnings[0], "begun at the checkpoint of tick 30"));
-}
-
 TEST_CASE("segments: two runs that differ are not reproducible on several threads too",
           "[verifier][segments][determinism]") {
   static std::atomic<std::uint32_t> made{0};

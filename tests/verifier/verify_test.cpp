@@ -416,8 +416,9 @@ TEST_CASE("verify: restore catches a load that forgets a column, which replay ca
   const Bytes trace = trace_of<LoadForgets>(100, 40);
   CHECK(verify_bytes(trace, info).verdict == Verdict::match);
   const Report report = verify_bytes(trace, info, VerifyMode::restore);
-  CHECK(report.verdict == Verdict::diverged);
+  CHECK(report.verdict == Verdict::state_incomplete);
   CHECK(report.exit_code() == 1);
+  CHECK(report.checkpoint == 80u);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 80);  // at 40 nothing has been hit yet
   CHECK(report.divergence->stage == "load");
@@ -430,7 +431,8 @@ TEST_CASE("verify: restore catches state that is not shown", "[verifier][verify]
   const Bytes trace = trace_of<HiddenState>(100, 30);
   CHECK(verify_bytes(trace, info).verdict == Verdict::match);
   const Report report = verify_bytes(trace, info, VerifyMode::restore);
-  CHECK(report.verdict == Verdict::diverged);
+  CHECK(report.verdict == Verdict::state_incomplete);
+  CHECK(report.checkpoint == 30u);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 39);
 
@@ -443,7 +445,7 @@ TEST_CASE("verify: restore catches state that is not shown", "[verifier][verify]
 TEST_CASE("verify: a load that refuses an intact checkpoint is a finding", "[verifier][verify][analytic]") {
   const SimulationInfo info{"ticktrue.toy", 1, &make_toy<RefusesLoad>};
   const Report report = verify_bytes(trace_of<RefusesLoad>(30, 10), info, VerifyMode::restore);
-  CHECK(report.verdict == Verdict::diverged);
+  CHECK(report.verdict == Verdict::state_incomplete);
   REQUIRE(report.divergence);
   CHECK(report.divergence->stage == "load");
   CHECK(contains(report.reason, "not today"));

@@ -19,7 +19,8 @@
 namespace ticktrue::cli {
 namespace {
 
-int output_error = 0;  // errno of the first write to stdout that failed
+std::FILE* data_output = stdout;
+int output_error = 0;  // errno of the first write of data that failed
 
 volatile std::sig_atomic_t stop_signal = 0;
 volatile std::time_t stop_time = 0;
@@ -36,7 +37,8 @@ void remember_stop(int signal) {
 }
 
 void print_message(const char* kind, std::string_view text) {
-  std::fflush(stdout);  // on a terminal, data printed before the message stands before it
+  if (data_output != nullptr)
+    std::fflush(data_output);  // on a terminal, data printed before the message stands before it
   std::fprintf(stderr, "ticktrue: %s: %.*s\n", kind, static_cast<int>(text.size()), text.data());
 }
 
@@ -131,7 +133,15 @@ int fail_usage(const Error& error) {
 
 void print(std::string_view text) {
   if (output_error != 0) return;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) output_error = errno != 0 ? errno : EIO;
+  if (data_output == nullptr) {
+    output_error = EBADF;
+    return;
+  }
+  if (std::fwrite(text.data(), 1, text.size(), data_output) != text.size()) output_error = errno != 0 ? errno : EIO;
+}
+
+void use_data_output(std::FILE* file) {
+  data_output = file;
 }
 
 bool output_is_open() {
@@ -139,7 +149,8 @@ bool output_is_open() {
 }
 
 Status flush_output() {
-  if (output_error == 0 && std::fflush(stdout) != 0) output_error = errno != 0 ? errno : EIO;
+  if (output_error == 0 && data_output != nullptr && std::fflush(data_output) != 0)
+    output_error = errno != 0 ? errno : EIO;
   if (output_error == 0 || output_error == EPIPE) return {};
   return Error{ErrorCode::io, "standard output: cannot write: " + verifier::system_message(output_error), ""};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -52,8 +53,12 @@ int fail(const Error& error);
 /// The same for commands that were given a scene or inputs, not a trace: always exit_usage.
 int fail_usage(const Error& error);
 
-// Data goes to stdout through these only. A reader that went away (`| head`) is no error: what follows is dropped.
+// Data goes to standard output through these only. A reader that went away (`| head`) is no error: what follows is
+// dropped.
 void print(std::string_view text);
+/// From here on data goes to this file instead of stdout; null: every write fails. For a process whose stdout others
+/// use.
+void use_data_output(std::FILE* file);
 /// False once nothing more can be written: long listings stop early.
 bool output_is_open();
 /// What the operating system refused (a full disk), found out at the latest here. Main calls it last.

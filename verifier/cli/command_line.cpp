@@ -20,6 +20,8 @@
 #include "verifier/cli/commands.h"
 #include "verifier/cli/plugins.h"
 #include "verifier/plugin.h"
+#include "verifier/plugin_guard.h"
+#include "verifier/runs/finished_mark.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -49,6 +51,7 @@ constexpr const char* footer =
   list the built-in scenes, print one as JSON                     scenes
   keep golden traces for continuous integration                   golden
   prove that verify finds a changed bit in a trace                inject
+  look for worlds in which something cached changes a bit         soak
   know what this build and this machine compute with              env
 
 Exit codes: 0 match, or done. 1 divergence, non-finite state or a failed check. 2 usage, input/output, bad scene or
@@ -150,6 +153,7 @@ int parse_and_run(int argc, char** argv) {
   add_scenes(app, context);
   add_golden(app, context);
   add_inject(app, context);
+  add_soak(app, context);
   add_env(app, context);
 
   drop_text_labels(app);
@@ -202,10 +206,7 @@ void prepare_standard_streams() {
 }
 #endif
 
-}  // namespace
-
-int run_command_line(int argc, char** argv) {
-  prepare_standard_streams();
+int run_to_exit_code(int argc, char** argv) {
   int exit_code = exit_usage;
   try {
     exit_code = parse_and_run(argc, argv);
@@ -218,6 +219,18 @@ int run_command_line(int argc, char** argv) {
     return fail_usage(Error{ErrorCode::usage, std::string("internal: ") + exception.what(), ""});
   }
   if (const Status flushed = flush_output(); !flushed) return fail_usage(flushed.error());
+  return exit_code;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  prepare_standard_streams();
+  verifier::take_finished_mark();
+  const int exit_code = run_to_exit_code(argc, argv);
+  // From here on an exit is the tool's own: in a child process with plug-ins, and for whoever runs the tool.
+  verifier::finish_guarded(exit_code);
+  verifier::write_finished_mark();
   return exit_code;
 }
 

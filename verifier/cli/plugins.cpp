@@ -31,12 +31,20 @@ std::optional<int> begin_plugins(const PluginOptions& options) {
   std::string names;
   for (const std::string& library : options.libraries) names += (names.empty() ? "" : ", ") + library;
   if (const auto end = verifier::run_guarded(names, options.timeout_s)) {
+    if (end->dropped_output_size > 0)
+      print_note("plug-in " + names + ": " + std::to_string(end->dropped_output_size) +
+                 " more bytes that it printed are not shown");
+    if (!end->escaped.empty())
+      print_warning("plug-in " + names + ": left running, outside of the process group of the command: " +
+                    verifier::escaped_text(end->escaped));
+    if (end->stop_signal != 0) verifier::end_by_signal(end->stop_signal);
     if (!end->message.empty())
       print_error(Error{ErrorCode::usage, end->message,
                         "run the same under a debugger: the command runs in a child process (gdb: set follow-fork-mode "
                         "child)"});
     return end->exit_code;
   }
+  use_data_output(verifier::guarded_output());
   for (const std::string& library : options.libraries)
     if (const Status loaded = verifier::load_plugin(library); !loaded) return fail_usage(loaded.error());
   return std::nullopt;

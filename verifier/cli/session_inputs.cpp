@@ -12,6 +12,7 @@
 #include "verifier/cli/plugin_session.h"
 #include "verifier/cli/progress.h"
 #include "verifier/playback.h"
+#include "verifier/simulations.h"
 #include "verifier/trace_inputs.h"
 
 namespace ticktrue::cli {
@@ -89,7 +90,7 @@ Status check_threads(std::uint64_t thread_count) {
 }
 
 engine::EngineOptions engine_options(std::uint64_t thread_count) {
-  engine::EngineOptions options;
+  engine::EngineOptions options = verifier::engine_options_of_environment();
   options.thread_count = static_cast<unsigned>(thread_count);
   return options;
 }

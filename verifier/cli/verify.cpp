@@ -96,6 +96,7 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
   if (options.simulation != nullptr) options.tool = verifier::tool_words(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
+  options.in_segments = on_threads && command.jobs != 1;
   SimulationInfo on_several;
   if (command.thread_count > 1 && options.simulation != nullptr && options.simulation->make_on_threads) {
     on_several = *options.simulation;
@@ -145,7 +146,7 @@ Report verify_scene(const std::string& word, const VerifyCommand& command, const
   if (const Status clock = use_clock(*inputs, {}, **made); !clock) return refused(clock.error());
   verifier::SceneSource source(**made, *inputs->source, command.tick_count);
   verifier::VerifyOptions options = walk_options(command);
-  options.simulation = &engine::engine_info();
+  options.simulation = verifier::find_simulation(engine::simulation_name);
   if (progress) options.progress = [&](std::uint64_t done) { progress(done, inputs->ticks_expected); };
   Report report = verifier::verify_source(source, options);
   if (source.error()) return refused(*source.error());
@@ -387,8 +388,8 @@ void add_verify(CLI::App& app, CliContext& context) {
   command->add_flag("--to-end", options->to_end,
                     "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
   add_number(*command, "-j,--jobs", options->jobs,
-             "Threads: for the files, and within one for the stretches between its checkpoints (default: every core; "
-             "1: in order from the start)",
+             "Threads: for the files, and within one for the segments between its checkpoints (default: every core; "
+             "1: in order from the start, without loading a checkpoint)",
              {1, 1024});
   add_threads_option(*command, options->thread_count);
   command

@@ -377,6 +377,19 @@ Film make_film(replay::TraceReader& reader, const FilmOptions& options) {
   return Filming(reader, options).run();
 }
 
+void mark_differing(Film& film, std::uint64_t tick) {
+  const auto part = std::find_if(film.strip.begin(), film.strip.end(), [&](const StripPart& one) {
+    return one.first <= tick && tick <= one.last && one.match == TickMatch::same;
+  });
+  if (part == film.strip.end()) return;
+  const StripPart whole = *part;
+  std::vector<StripPart> parts;
+  if (whole.first < tick) parts.push_back({whole.first, tick - 1, whole.match});
+  parts.push_back({tick, tick, TickMatch::differs});
+  if (tick < whole.last) parts.push_back({tick + 1, whole.last, whole.match});
+  film.strip.insert(film.strip.erase(part), parts.begin(), parts.end());
+}
+
 bool keeps_frame(const Film& film, std::uint64_t ticks_done) {
   const bool is_exact = ticks_done >= film.exact_first && ticks_done <= film.exact_last && film.exact_last > 0;
   return is_exact || ticks_done % film.stride == 0;

@@ -113,6 +113,9 @@ struct Film {
 /// Plays the trace from its start as far as it is intact.
 Film make_film(replay::TraceReader& reader, const FilmOptions& options);
 
+/// The tick differs, where the strip says that it is the same.
+void mark_differing(Film& film, std::uint64_t tick);
+
 /// Halves the frames, but for those around the focus. False: nothing is left to leave out.
 bool thin_out(Film& film);
 

@@ -5,6 +5,7 @@
 const verdictWords = {
   match: ['Match', 'good'],
   diverged: ['Diverged', 'bad'],
+  state_incomplete: ['State incomplete', 'bad'],
   not_reproducible: ['Not reproducible', 'bad'],
   damaged: ['Damaged', 'warn'],
   incomplete: ['Incomplete', 'warn'],
@@ -37,20 +38,24 @@ const mono = (text) => make('span', 'mono', text);
 const hex = (text, className) => make('span', 'hex ' + (className || ''), text);
 
 function showVerdict() {
-  const [word, tone] = verdictOf(report.verdict);
+  const { verdict, sentence, summary } = data.headline;
+  const [word, tone] = verdictOf(verdict);
   byId('file').textContent = report.file;
   const section = byId('verdict');
   section.dataset.tone = tone;
   section.hidden = false;
-  fact(byId('verdict-name'), 'verdict').dataset.value = report.verdict;
-  byId('verdict-name').textContent = word;
-  byId('sentence').textContent = capital(data.sentence);
-  byId('summary').textContent = data.sentence === data.summary ? '' : capital(data.summary) + '.';
+  const name = byId('verdict-name');
+  name.dataset.value = verdict;
+  name.textContent = word;
+  if (verdict === report.verdict) fact(name, 'verdict');
+  byId('sentence').textContent = capital(sentence);
+  byId('summary').textContent = sentence === summary ? '' : capital(summary) + '.';
   const facts = byId('facts');
   if (report.title) addFact(facts, 'Scene', report.title, 'title');
   const of = report.ticks_recorded === null ? '' : ' of ' + whole(report.ticks_recorded);
   addFact(facts, 'Ticks compared', whole(report.ticks_compared) + of, 'ticks_compared');
   addFact(facts, 'Simulated', seconds(report.time_s), 'time_s');
+  if (report.checkpoint !== null) addFact(facts, 'Differs from checkpoint', 'tick ' + whole(report.checkpoint));
   addFact(facts, 'Checkpoints compared', whole(report.checkpoints_compared), 'checkpoints_compared');
   if (report.ticks_compared > 0) addFact(facts, 'Last equal state', hex(report.root_hash), 'root_hash');
   showNotices();
@@ -61,7 +66,9 @@ function notice(text, isPlain) {
 }
 
 function showNotices() {
-  if (report.reason && !data.sentence.includes(report.reason)) notice(report.reason);
+  if (data.headline.verdict !== report.verdict)
+    notice('This trace alone: ' + verdictOf(report.verdict)[0].toLowerCase() + '.', true);
+  if (report.reason && !data.headline.sentence.includes(report.reason)) notice(report.reason);
   const end = report.end;
   if (end && end.condition !== 'complete') {
     const proven = end.ticks_intact > 0 ? 'Ticks 0 to ' + whole(end.ticks_intact - 1) + ' are intact.' : 'No tick is intact.';

@@ -7,6 +7,7 @@ const stripColors = {
   not_compared: 'strip-none',
   unread: 'strip-none',
   unread_intact: 'strip-warn',
+  differs_other: 'strip-differs',
 };
 const isHatched = (match) => match === 'differs_known' || match === 'unread';
 const margin = 12;
@@ -14,10 +15,11 @@ const margin = 12;
 const xOfTick = (width, ticksDone) => margin + ((width - 2 * margin) * ticksDone) / Math.max(1, tickCount);
 const tickOfX = (width, x) => clamp(Math.round(((x - margin) / Math.max(1, width - 2 * margin)) * tickCount), 0, tickCount);
 
-/** What differs is drawn last and never thinner than two pixels: a single tick is seen. */
+/** Ticks in which the two traces differ are in both strips. What differs is drawn last and never thinner than two pixels: a single tick is seen. */
 function drawStrip(context, strip, width, top, height) {
-  const differs = (part) => (part[2] === 'differs' || part[2] === 'differs_known' ? 1 : 0);
-  for (const [first, last, match] of [...strip].sort((a, b) => differs(a) - differs(b))) {
+  const differs = (part) => (part[2] === 'differs_other' ? 1 : part[2] === 'differs' || part[2] === 'differs_known' ? 2 : 0);
+  const others = data.against ? data.against.differing.map(([first, last]) => [first, last, 'differs_other']) : [];
+  for (const [first, last, match] of [...strip, ...others].sort((a, b) => differs(a) - differs(b))) {
     const left = xOfTick(width, first);
     const size = Math.max(2, xOfTick(width, Math.min(last + 1, tickCount)) - left);
     context.fillStyle = color(stripColors[match]);
@@ -101,6 +103,7 @@ function showLegend() {
   };
   const seen = new Set(film.strip.concat(data.against ? data.against.strip : []).map((part) => part[2]));
   if (seen.has('same')) key('', 'strip-same', 'tick as recorded');
+  if (data.against && data.against.differing.length > 0) key('', 'strip-differs', 'the two traces differ');
   if (seen.has('differs')) key('', 'strip-differs', 'tick differs');
   if (seen.has('differs_known')) key('hatched', 'strip-differs', 'differs, recorded state known');
   if (seen.has('not_compared')) key('', 'strip-none', 'not compared');

@@ -247,6 +247,12 @@ Json strip_json(const Film& film) {
 }
 
 /// [tick, count]; of many ticks, those that fall together on a screen as one.
+Json ranges_json(const std::vector<TickRange>& ranges) {
+  Json list = Json::array();
+  for (const TickRange& range : ranges) list.push_back({range.first, range.last});
+  return list;
+}
+
 Json input_ticks_json(const Film& film) {
   Json list = Json::array();
   const std::uint64_t width = film.input_ticks.size() <= input_marks_max ? 1 : film.tick_count / input_marks_max + 1;
@@ -332,8 +338,15 @@ std::string file_word(const std::string& path) {
   return slash == std::string::npos ? path : path.substr(slash + 1);
 }
 
-std::string page_title(const Report& report) {
-  return std::string(verdict_info(report.verdict).name) + ": " + file_word(report.file) + " - ticktrue";
+/// What differs between the trace of the page and the other one, in a sentence.
+std::string difference_sentence(const DiffReport& difference) {
+  const std::string both = "this trace and " + file_word(difference.b.file);
+  if (!difference.divergence) return both + ": " + difference.reason;
+  const Divergence& divergence = *difference.divergence;
+  std::string text = both + " differ from tick " + std::to_string(divergence.tick) + " on";
+  if (!divergence.tables.empty())
+    text += ": " + divergence.tables.front().table + "." + divergence.tables.front().columns.front();
+  return text;
 }
 
 /// Replaces each {{name}} of the page; what is put in is not looked at again.
@@ -360,19 +373,35 @@ class PageMaker {
     data_["schema"] = "ticktrue.page/1";
     data_["made_by"] = build_line();
     data_["verify"] = Json::parse(report_json({&report_, 1}, options_.allow_truncated));
-    data_["sentence"] = report_sentence(report_);
-    data_["summary"] = verdict_info(report_.verdict).summary;
     data_["command"] = options_.command;
     Page page;
     page.exit_code = report_.exit_code(options_.allow_truncated);
     if (const Status status = examine(page.exit_code); !status) return status.error();
     add_others();
     if (difference_) page.against = diff_verdict_info(difference_->verdict).name;
+    set_headline();
     page.html = fit();
     return page;
   }
 
  private:
+  /// The verdict on top of the page: that on the trace, or that of the comparison with the other one if it is worse.
+  void set_headline() {
+    title_ = verdict_info(report_.verdict).name;
+    std::string sentence = report_sentence(report_);
+    std::string_view summary = verdict_info(report_.verdict).summary;
+    const int of_trace = report_.exit_code(options_.allow_truncated);
+    const int of_both = difference_ ? difference_->exit_code(options_.allow_truncated) : exit_ok;
+    const int codes[] = {of_trace, of_both};
+    if (of_both != of_trace && worst_exit_code(codes) == of_both) {
+      title_ = diff_verdict_info(difference_->verdict).name;
+      summary = diff_verdict_info(difference_->verdict).summary;
+      sentence = difference_sentence(*difference_);
+    }
+    data_["headline"] = {{"verdict", title_}, {"sentence", std::move(sentence)}, {"summary", summary}};
+    title_ += ": " + file_word(report_.file) + " - ticktrue";
+  }
+
   Status examine(int& exit_code) {
     data_["trace"] = data_["against"] = data_["film"] = nullptr;
     data_["focus"] = report_.divergence ? Json(ticks_done_at(*report_.divergence)) : Json(nullptr);
@@ -391,6 +420,7 @@ class PageMaker {
     if (!reader) return {};
     data_["trace"] = trace_json(*reader);
     film_ = make_film(*reader, film_options(*reader, 0, 1));
+    mark_divergence();
     return {};
   }
 
@@ -423,14 +453,23 @@ class PageMaker {
   void film_both(replay::TraceReader& reader, replay::TraceReader& other) {
     data_["trace"] = trace_json(reader);
     film_ = make_film(reader, film_options(reader, 0, 2));
+    mark_divergence();
     other_ = make_film(other, film_options(other, 1, 2));
     prefer_recorded(*film_);
     prefer_recorded(*other_);
     Json against = {{"trace", trace_json(other)}, {"diff", Json::parse(diff_json(*difference_))}};
     against["strip"] = strip_json(*other_);
+    against["differing"] = ranges_json(difference_->differing);
     against["tick_count"] = other_->tick_count;
     against["no_poses"] = other_->no_poses;
     data_["against"] = std::move(against);
+  }
+
+  /// A tick whose hash agrees, and another part of its record does not, is no tick as recorded.
+  void mark_divergence() {
+    if (report_.verdict != Verdict::diverged || !report_.divergence) return;
+    const std::uint64_t ticks_done = ticks_done_at(*report_.divergence);
+    if (ticks_done > 0) mark_differing(*film_, ticks_done - 1);
   }
 
   void add_others() {
@@ -447,9 +486,9 @@ class PageMaker {
 
   std::string html() const {
     const std::pair<std::string_view, std::string> values[] = {
-        {"title", html_text(page_title(report_))},
+        {"title", html_text(title_)},
         {"css", std::string(page_css)},
-        {"text", html_text(report_text(report_))},
+        {"text", html_text(report_text(report_) + (difference_ ? "\n" + diff_text(*difference_) : ""))},
         {"data", script_json(data_.dump(-1, ' ', false, Json::error_handler_t::replace))},
         {"js", std::string(page_js)}};
     return fill_in(page_html, values);
@@ -490,6 +529,7 @@ class PageMaker {
   const Report& report_;
   const PageOptions& options_;
   Json data_;
+  std::string title_;
   std::optional<DiffReport> difference_;
   std::optional<Film> film_;
   std::optional<Film> other_;

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace ticktrue::test {
+namespace ticktrue {
 
 class ChunkOrder final : public ChunkRunner {
  public:
@@ -48,4 +48,4 @@ class ChunkOrder final : public ChunkRunner {
   unsigned width_;
 };
 
-}  // namespace ticktrue::test
+}  // namespace ticktrue

@@ -1,0 +1,38 @@
+# The compiler flags that keep the bits of a float, in one list: ticktrue's own build and ticktrue::determinism have it.
+# docs/determinism.md, "Compiler flags", has the reason of each flag; tests/examples/float_flags.sh measures them.
+
+# Sets `out` to whether the compilers of this project build for x86. The compiler is asked, not CMAKE_SYSTEM_PROCESSOR:
+# a cross compiler without a toolchain file leaves that at the host's.
+function(ticktrue_builds_for_x86 out)
+  get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+  set(CMAKE_REQUIRED_QUIET ON)
+  set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # whether it links is no matter here
+  if("CXX" IN_LIST languages)
+    include(CheckCXXCompilerFlag)
+    check_cxx_compiler_flag(-mno-avx512f TICKTRUE_CXX_TAKES_X86_FLAGS)
+    set(${out} "${TICKTRUE_CXX_TAKES_X86_FLAGS}" PARENT_SCOPE)
+  elseif("C" IN_LIST languages)
+    include(CheckCCompilerFlag)
+    check_c_compiler_flag(-mno-avx512f TICKTRUE_C_TAKES_X86_FLAGS)
+    set(${out} "${TICKTRUE_C_TAKES_X86_FLAGS}" PARENT_SCOPE)
+  else()
+    set(${out} OFF PARENT_SCOPE)
+  endif()
+endfunction()
+
+# Sets `out` to the flags for a compiler with this CMAKE_<LANG>_COMPILER_ID: an empty list where none were measured.
+function(ticktrue_float_flags out id)
+  set(flags "")
+  if(id MATCHES "^(GNU|Clang|AppleClang)$")
+    set(flags -ffp-contract=off -fno-math-errno)
+    if(id STREQUAL "GNU")
+      list(APPEND flags -fno-tree-slp-vectorize)
+    endif()
+    # GCC's vectorizer emits vfmaddsub whatever -ffp-contract says, and AVX-512F brings the instruction without FMA.
+    ticktrue_builds_for_x86(for_x86)
+    if(for_x86)
+      list(APPEND flags -mno-fma -mno-fma4 -mno-avx512f)
+    endif()
+  endif()
+  set(${out} "${flags}" PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,26 @@
+// Random worlds: a plan, bodies, joints, forces and inputs, in this order.
+// SPDX-License-Identifier: MIT
+#include "engine/random_worlds/random_world.h"
+
+#include "base/assert.h"
+#include "engine/random_worlds/world_builder.h"
+
+namespace ticktrue::engine {
+
+RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) {
+  Draw draw(seed);
+  const WorldPlan plan = draw_plan(draw, options);
+  WorldBuilder builder(draw, plan);
+  builder.build();
+  RandomWorld world;
+  world.scene = std::move(builder.scene);
+  world.scene.name = "random_" + std::to_string(seed);
+  add_joints(draw, plan, builder.size, world.scene);
+  add_forces(draw, plan, world.scene);
+  world.inputs = add_inputs(draw, plan, world.scene);
+  world.tick_count = plan.tick_count;
+  world.rows = rows_of_world(world);
+  return world;
+}
+
+}  // namespace ticktrue::engine

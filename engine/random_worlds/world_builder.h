@@ -1,0 +1,70 @@
+// Makes the bodies of a random world.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/random_worlds/world_plan.h"
+
+namespace ticktrue::engine {
+
+/// Where a body starts and how it moves.
+struct Placement {
+  Point position;
+  double angle = 0;
+  Point velocity;
+  double angular_velocity = 0;
+};
+
+class WorldBuilder {
+ public:
+  WorldBuilder(Draw& draw, const WorldPlan& plan);
+
+  /// All bodies and prototypes.
+  void build();
+
+  /// A dynamic body of about this size (width and height, m), with what the plan asks for.
+  void add(const Placement& placement, double size);
+  void add_kinematic(const Placement& placement, double size);
+  void add_static(Point position, Shape shape);
+
+  bool is_full() const { return scene.bodies.size() >= plan.body_count; }
+  bool has_gravity() const { return plan.gravity != Point{}; }
+
+  Draw& draw;
+  const WorldPlan& plan;
+  Scene scene;
+  double size = 1;     // m, of most bodies
+  Point lower, upper;  // around all positions so far, m, before the world is moved from the origin
+
+ private:
+  Shape draw_shape(double size);
+  Material draw_material();
+  Filter draw_filter();
+  Body draw_body(BodyType type, double size);
+  void decorate(Body& body);
+  void add_terrain();
+  void add_prototypes();
+  void finish();
+  void push(Body body, const Placement& placement);
+
+  bool all_alike_ = false;  // every body has the same shape and material
+  std::optional<Shape> shape_;
+};
+
+/// A few bodies at rest near each other, and `count` less those that glide or lie in touch: what rests is a minority,
+/// the case in which caches look at what moves alone. Gives the width taken, m.
+double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count);
+
+/// Adds up to `count` bodies in one of the arrangements, from `corner` on to the right and upwards; `count` >= 1.
+/// Gives the width taken, m.
+double add_arrangement(WorldBuilder& builder, Point corner, std::uint32_t count);
+
+/// A shape of a kind of about this size around the body's origin. Requires: a kind of the table.
+Shape make_shape(Draw& draw, ShapeKind kind, double size);
+
+/// `size`: of most bodies, m.
+void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene);
+void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene);
+/// Also declares their kinds and gives the scene a pointer if there is one.
+std::vector<Input> add_inputs(Draw& draw, const WorldPlan& plan, Scene& scene);
+
+}  // namespace ticktrue::engine

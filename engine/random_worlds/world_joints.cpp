@@ -1,0 +1,216 @@
+// Joints and force elements of random worlds. Which fields a kind has is read from engine/scene_fields.h.
+// SPDX-License-Identifier: MIT
+#include "engine/geometry/hull.h"
+#include "engine/math/trig.h"
+#include "engine/random_worlds/world_builder.h"
+#include "engine/scene_fields.h"
+
+namespace ticktrue::engine {
+namespace {
+
+bool is_dynamic(const Body& body) {
+  return body.type == BodyType::dynamic_body;
+}
+
+/// A point of the world in a body's frame.
+Point in_frame(const Body& body, Point p) {
+  const SinCos turn = turn_of(body.angle);
+  const Point d{p.x - body.position.x, p.y - body.position.y};
+  return {turn.cos * d.x + turn.sin * d.y, turn.cos * d.y - turn.sin * d.x};
+}
+
+/// The mass of the lightest dynamic body, kg.
+double least_mass(const Scene& scene) {
+  double least = 0;
+  for (const Body& body : scene.bodies) {
+    if (!is_dynamic(body)) continue;
+    const double mass = body_mass(body).mass;
+    if (mass > 0 && (least == 0 || mass < least)) least = mass;
+  }
+  return least > 0 ? least : 1;
+}
+
+std::vector<std::uint32_t> dynamic_bodies(const Scene& scene) {
+  std::vector<std::uint32_t> list;
+  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i)
+    if (is_dynamic(scene.bodies[i])) list.push_back(i);
+  return list;
+}
+
+class JointMaker {
+ public:
+  JointMaker(Draw& draw, const WorldPlan& plan, double size, Scene& scene)
+      : draw_(draw), plan_(plan), size_(size), scene_(scene) {}
+
+  /// Requires: `b` is dynamic, `a` another body. Rarely makes a second joint of a pair: two that contradict each other
+  /// only blow up.
+  void add(JointKind kind, std::uint32_t a, std::uint32_t b) {
+    if (is_joined(a, b) && !draw_.chance(5)) return;
+    kind_ = kind;
+    joint_ = Joint{};
+    joint_.kind = kind;
+    joint_.body_b = b;
+    const Body& body_a = scene_.bodies[a];
+    const Body& body_b = scene_.bodies[b];
+    mass_ = body_mass(body_b).mass;
+    // Long arms of light bodies only blow up.
+    const bool far = is_far(body_a.position, body_b.position);
+    if (far && is_dynamic(body_a) && !draw_.chance(5)) return;
+    const Point middle{(body_a.position.x + body_b.position.x) / 2, (body_a.position.y + body_b.position.y) / 2};
+    const Point between = far ? body_b.position : middle;
+    const bool apart = has(JointField::length) && draw_.half();
+    if (has(JointField::body_a)) joint_.body_a = a;
+    if (has(JointField::anchor_a)) joint_.anchor_a = apart ? Point{} : in_frame(body_a, between);
+    if (has(JointField::anchor_b) && !apart && has(JointField::body_a)) joint_.anchor_b = in_frame(body_b, between);
+    if (has(JointField::axis))
+      joint_.axis = draw_.half() ? Point{0, 1} : Point{draw_.part(1, 4, 1), draw_.part(-4, 4, 1)};
+    if (has(JointField::reference_angle) && draw_.chance(80)) joint_.reference_angle = body_b.angle - body_a.angle;
+    if (has(JointField::offset))
+      joint_.offset = has(JointField::body_a) ? in_frame(body_a, body_b.position) : body_b.position;
+    if (has(JointField::offset) && draw_.half()) joint_.offset.x += plan_.body_count % 2 == 0 ? 0.5 : -0.25;
+    if (has(JointField::force_max)) joint_.force_max = mass_ * draw_.one_of({0, 4, 32, 256});
+    if (has(JointField::torque_max)) joint_.torque_max = mass_ * draw_.one_of({0, 1, 8});
+    if (has(JointField::length)) add_length(apart, body_a, body_b);
+    add_options();
+    scene_.joints.push_back(joint_);
+  }
+
+ private:
+  bool has(JointField field) const { return !key_of(info_of(joint_fields, kind_), field).empty(); }
+  bool wants(JointField field, WorldFeature feature) { return has(field) && plan_.has(feature) && draw_.chance(60); }
+
+  bool is_joined(std::uint32_t a, std::uint32_t b) const {
+    for (const Joint& joint : scene_.joints)
+      if ((joint.body_a == a && joint.body_b == b) || (joint.body_a == b && joint.body_b == a)) return true;
+    return false;
+  }
+
+  bool is_far(Point a, Point b) const {
+    const double x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y > 9 * size_ * size_;
+  }
+
+  /// Between the bodies' origins, or anchors in one place that are to be apart a little.
+  void add_length(bool apart, const Body& a, const Body& b) {
+    const double x = b.position.x - a.position.x, y = b.position.y - a.position.y;
+    const double length = apart ? __builtin_sqrt(x * x + y * y) : 0.0625;
+    joint_.length = length >= 0.0625 ? length : 0.0625;
+  }
+
+  JointSpring draw_spring() {
+    JointSpring spring;
+    spring.absolute =
+        plan_.has(WorldFeature::absolute_springs) && (!plan_.has(WorldFeature::joint_springs) || draw_.half());
+    if (spring.absolute) {
+      spring.stiffness = mass_ * draw_.one_of({0, 16, 64, 256});
+      spring.damping = mass_ * draw_.one_of({0, 0.5, 4});
+    } else {
+      spring.hertz = draw_.one_of({0.5, 1, 2, 5, 10});
+      spring.damping_ratio = draw_.one_of({0, 0.125, 0.7, 1, 2});
+    }
+    return spring;
+  }
+
+  void add_options() {
+    if (wants(JointField::limits, WorldFeature::joint_limits)) {
+      const double width = draw_.one_of({0.0625, 0.25, 0.5, 1});
+      const double middle = has(JointField::length) ? joint_.length : 0;
+      joint_.limits = Range{middle > width ? middle - width : has(JointField::length) ? 0 : -width, middle + width};
+    }
+    if (wants(JointField::motor, WorldFeature::joint_motors))
+      joint_.motor = JointMotor{draw_.part(-16, 16, 4), mass_ * draw_.one_of({0, 2, 16, 128})};
+    const bool has_springs = plan_.has(WorldFeature::joint_springs) || plan_.has(WorldFeature::absolute_springs);
+    if (has(JointField::spring) && has_springs && draw_.chance(60)) joint_.spring = draw_spring();
+    if (wants(JointField::linear_spring, WorldFeature::linear_springs)) joint_.linear_spring = draw_spring();
+    // Contacts that push apart what limits hold together only blow up.
+    if (!joint_.limits && wants(JointField::collide_connected, WorldFeature::collide_connected))
+      joint_.collide_connected = true;
+  }
+
+  Draw& draw_;
+  const WorldPlan& plan_;
+  double size_;
+  Scene& scene_;
+  Joint joint_;
+  JointKind kind_ = JointKind::revolute;
+  double mass_ = 1;  // kg, of body B
+};
+
+/// r^p for a whole p.
+double whole_power(double r, int exponent) {
+  double value = 1;
+  for (; exponent > 0; --exponent) value *= r;
+  for (; exponent < 0; ++exponent) value /= r;
+  return value;
+}
+
+}  // namespace
+
+void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
+  const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
+  if (dynamic.empty() || scene.bodies.size() < 2 || plan.joints.empty()) return;
+  JointMaker maker(draw, plan, size, scene);
+  const auto count = static_cast<std::uint32_t>(scene.bodies.size());
+  // A body's neighbour in the list is most often its neighbour in the world.
+  const auto neighbour = [&](std::uint32_t b) {
+    if (draw.chance(15)) return (b + 1 + draw.below(count - 1)) % count;
+    return b == 0 ? 1 : b - 1;
+  };
+  for (const JointKind kind : plan.joints) {
+    const std::size_t wanted = scene.joints.size() + 1 + draw.below(3);
+    for (int tries = 0; tries < 12 && scene.joints.size() < wanted; ++tries) {
+      const std::uint32_t b = draw.any(dynamic);
+      maker.add(kind, neighbour(b), b);
+    }
+  }
+  if (draw.chance(70)) return;
+  // Chains of joints.
+  const std::uint32_t chained = 2 + draw.below(dynamic.size() < 40 ? static_cast<std::uint32_t>(dynamic.size()) : 40);
+  const std::uint32_t first = draw.below(static_cast<std::uint32_t>(dynamic.size()));
+  for (std::uint32_t i = first; i < first + chained && i < dynamic.size(); ++i) {
+    const std::uint32_t b = dynamic[i];
+    maker.add(draw.any(plan.joints), b == 0 ? 1 : b - 1, b);
+  }
+}
+
+void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
+  const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
+  if (dynamic.empty()) return;
+  const double lightest = least_mass(scene);
+  for (const ForceKind kind : plan.forces) {
+    const auto has = [&](ForceField field) { return !key_of(info_of(force_fields, kind), field).empty(); };
+    Force force;
+    force.kind = kind;
+    const std::uint32_t body = draw.any(dynamic);
+    double mass = lightest;
+    if (has(ForceField::stiffness) || (has(ForceField::body) && draw.half())) {
+      force.body = body;
+      mass = body_mass(scene.bodies[body]).mass;
+    }
+    const Point at = scene.bodies[body].position;
+    if (has(ForceField::other) && scene.bodies.size() > 1 && draw.half()) force.other = body == 0 ? 1 : body - 1;
+    // Far from every body: near its centre a central force is endless.
+    const double away = 64 + 4.0 * static_cast<double>(scene.bodies.size());
+    if (has(ForceField::exponent)) {
+      force.exponent = draw.between(-3, 3);
+      force.point = {at.x + (draw.half() ? away : -away), at.y};
+      force.coefficient = draw.one_of({-2, 1, 4}) / whole_power(away, static_cast<int>(force.exponent));
+    } else if (has(ForceField::point) && !force.other) {
+      force.point = {at.x + draw.part(-8, 8, 4), at.y + draw.part(0, 8, 4)};
+    }
+    if (has(ForceField::vector)) {
+      const double scale = has(ForceField::body) ? mass : 1;
+      force.vector = {scale * draw.part(-16, 16, 4), scale * draw.part(-16, 16, 4)};
+    }
+    if (has(ForceField::torque) && draw.half()) force.torque = mass * draw.part(-8, 8, 64);
+    if (has(ForceField::coefficient) && !has(ForceField::exponent))
+      force.coefficient = mass * draw.one_of({0.015625, 0.125, 1});
+    if (has(ForceField::angular_coefficient) && draw.half()) force.angular_coefficient = mass / 256;
+    if (has(ForceField::stiffness)) force.stiffness = mass * draw.one_of({1, 4, 16, 64});
+    if (has(ForceField::damping) && draw.half()) force.damping = mass * draw.one_of({0.0625, 0.5, 2});
+    if (has(ForceField::rest_length)) force.rest_length = draw.part(0, 8, 4);
+    scene.forces.push_back(force);
+  }
+}
+
+}  // namespace ticktrue::engine

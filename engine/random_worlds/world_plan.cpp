@@ -1,0 +1,184 @@
+// Draws what a random world is to have, and takes back what does not go together.
+// SPDX-License-Identifier: MIT
+#include "engine/random_worlds/world_plan.h"
+
+#include "engine/scene_fields.h"
+
+namespace ticktrue::engine {
+namespace {
+
+/// A row of a table, each with its weight.
+template <typename Table, typename Weight>
+auto draw_row(Draw& draw, const Table& table, Weight weight_of) {
+  std::uint32_t sum = 0;
+  for (const auto& row : table) sum += static_cast<std::uint32_t>(weight_of(row));
+  std::uint32_t at = draw.below(sum);
+  for (const auto& row : table) {
+    const auto weight = static_cast<std::uint32_t>(weight_of(row));
+    if (at < weight) return row.kind;
+    at -= weight;
+  }
+  return table[0].kind;
+}
+
+/// Each row with this chance.
+template <typename Kind, typename Table, typename Predicate>
+std::vector<Kind> draw_subset(Draw& draw, const Table& table, int percent, Predicate may_have) {
+  std::vector<Kind> kinds;
+  for (const auto& row : table)
+    if (draw.chance(percent) && may_have(row.kind)) kinds.push_back(row.kind);
+  return kinds;
+}
+
+void draw_choices(Draw& draw, WorldPlan& plan) {
+  Settings& settings = plan.settings;
+  const Settings defaults;
+  settings.precision = draw_row(draw, precisions, [](const auto&) { return 1; });
+  // The complete solver most often: the others leave out most of what can go wrong.
+  settings.solver = draw_row(draw, solvers, [](const SolverInfo& info) {
+    return 9 + (info.solves_joints ? 9 : 0) + (info.solves_joints && info.substeps ? 46 : 0);
+  });
+  settings.integrator = draw_row(draw, integrators, [&](const IntegratorInfo& info) {
+    if (!info.carries_constraints) return plan.is_plain() ? 0 : 6;  // nothing collides; is_plain: everything does
+    return info.kind == defaults.integrator ? 42 : 8;
+  });
+  settings.broad_phase =
+      draw_row(draw, broad_phases, [&](const auto& info) { return info.kind == defaults.broad_phase ? 40 : 15; });
+  settings.friction_mix = draw_row(draw, mix_rules, [](const auto&) { return 1; });
+  settings.restitution_mix = draw_row(draw, mix_rules, [](const auto&) { return 1; });
+  plan.collides = plan.carries_constraints();
+}
+
+void draw_clock(Draw& draw, ClockSettings& clock) {
+  clock.kind = draw_row(draw, clock_kinds, [](const auto& info) { return info.kind == ClockKind::fixed ? 50 : 17; });
+  const auto& fields = info_of(clock_fields, clock.kind);
+  const auto has = [&](ClockField field) { return !key_of(fields, field).empty(); };
+  if (has(ClockField::ticks_per_frame_max)) clock.ticks_per_frame_max = draw.between(1, 8);
+  if (has(ClockField::tolerance)) clock.tolerance = draw.power(-16, -8);
+  if (has(ClockField::dt_max)) clock.dt_max = draw.power(-6, -3);
+}
+
+void draw_features(Draw& draw, WorldPlan& plan) {
+  const auto infos = world_features();
+  for (std::size_t i = 0; i < infos.size(); ++i) plan.features[i] = draw.chance(infos[i].percent);
+  const auto take_back = [&](WorldFeature feature) { plan.features[static_cast<std::size_t>(feature)] = false; };
+  if (!plan.solver().solves_joints) take_back(WorldFeature::sleeping);
+  if (!plan.solver().substeps) take_back(WorldFeature::automatic_substeps);
+  if (!plan.solver().reads_contacts)
+    for (const WorldFeature feature : {WorldFeature::events, WorldFeature::sensors}) take_back(feature);
+  if (plan.is_plain())
+    for (const WorldFeature feature :
+         {WorldFeature::category_filters, WorldFeature::group_filters, WorldFeature::tangent_speed,
+          WorldFeature::rolling_resistance, WorldFeature::rounded_shapes})
+      take_back(feature);
+  if (plan.settings.integrator != IntegratorKind::semi_implicit_euler) take_back(WorldFeature::locate_impacts);
+}
+
+void apply_features(Draw& draw, WorldPlan& plan) {
+  Settings& settings = plan.settings;
+  settings.substeps = draw.chance(60) ? Settings{}.substeps : draw.between(2, 5);
+  if (plan.has(WorldFeature::many_substeps)) settings.substeps = 8 << draw.below(2);
+  if (plan.has(WorldFeature::one_substep) || !plan.solver().substeps) settings.substeps = 1;
+  if (plan.has(WorldFeature::automatic_substeps)) {
+    settings.auto_substeps.emplace();
+    settings.auto_substeps->substeps_max = 16 << draw.below(3);
+    if (plan.has(WorldFeature::tight_target_error))
+      settings.auto_substeps->target_error = draw.half() ? 0.001 : 0.002;
+    else if (plan.has(WorldFeature::loose_target_error))
+      settings.auto_substeps->target_error = draw.half() ? 0.02 : 0.1;
+  }
+  if (plan.has(WorldFeature::sleeping))
+    settings.sleep = SleepSettings{draw.part(0, 8, 16), draw.one_of({0.0, 0.015625, 0.05, 0.125, 0.5})};
+  settings.iterations = draw.between(1, 12);
+  settings.locate_impacts = plan.has(WorldFeature::locate_impacts);
+  settings.continuous = !plan.has(WorldFeature::continuous_off);
+  settings.events = plan.has(WorldFeature::events);
+  if (plan.has(WorldFeature::no_restitution_threshold)) settings.restitution_threshold = 0;
+  if (plan.has(WorldFeature::short_ticks))
+    settings.dt = draw.one_of({1.0 / 64, 1.0 / 120, 1.0 / 240});
+  else if (draw.chance(15))
+    settings.dt = draw.one_of({1.0 / 32, 1.0 / 50});
+  draw_clock(draw, settings.clock);
+  plan.gravity = {0, -draw.one_of({10, 10, 10, 9.81, 4, 1, 0.0625})};
+  if (plan.has(WorldFeature::zero_gravity))
+    plan.gravity = {};
+  else if (plan.has(WorldFeature::sideways_gravity))
+    plan.gravity = {draw.one_of({-10, -1, 0.5, 5, 10}), draw.half() ? 0 : plan.gravity.y};
+}
+
+bool is_solid(ShapeKind kind) {
+  return kind != ShapeKind::segment && kind != ShapeKind::chain;
+}
+
+void draw_kinds(Draw& draw, WorldPlan& plan) {
+  const auto knows_shape = [&](ShapeKind kind) {
+    return !plan.is_plain() || kind == ShapeKind::circle || kind == ShapeKind::box || kind == ShapeKind::polygon;
+  };
+  plan.shapes = draw_subset<ShapeKind>(draw, shape_kinds, 40, knows_shape);
+  bool some_solid = false;
+  for (const ShapeKind kind : plan.shapes) some_solid = some_solid || is_solid(kind);
+  if (!some_solid) plan.shapes.push_back(draw.half() ? ShapeKind::circle : ShapeKind::box);
+  const auto any = [](auto) { return true; };
+  if (plan.carries_joints() && draw.chance(60)) plan.joints = draw_subset<JointKind>(draw, joint_kinds, 32, any);
+  if (draw.chance(50)) plan.forces = draw_subset<ForceKind>(draw, force_kinds, 35, any);
+  const auto takes_input = [&](InputKind kind) {
+    const InputInfo& info = info_of(input_kinds, kind);
+    const bool is_pointer = kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
+    return kind != InputKind::end && (!info.has_joint || !plan.joints.empty()) &&
+           (!is_pointer || plan.carries_constraints());
+  };
+  plan.inputs = draw_subset<InputKind>(draw, input_kinds, 40, takes_input);
+  plan.has_end = draw.half();
+}
+
+/// How many bodies: most worlds are small, a few have hundreds, one in a hundred has thousands.
+std::uint32_t draw_body_count(Draw& draw, std::uint32_t count_max) {
+  const std::uint32_t kind = draw.below(1000);
+  const std::uint32_t count = kind < 8     ? 1000 + draw.below(2001)
+                              : kind < 40  ? 100 + draw.below(500)
+                              : kind < 280 ? 40 + draw.below(60)
+                              : kind < 700 ? 12 + draw.below(30)
+                                           : 2 + draw.below(12);
+  return count < count_max ? count : count_max < 2 ? 2 : count_max;
+}
+
+/// Ticks from a budget of work: what a tick costs grows with bodies, substeps, stages of the integrator.
+std::uint64_t draw_tick_count(Draw& draw, const WorldPlan& plan, std::uint32_t count_max) {
+  const Settings& settings = plan.settings;
+  int cost = 4 + settings.substeps;  // in units of a body, a tick
+  if (settings.auto_substeps) cost += settings.auto_substeps->substeps_max / 4;
+  if (settings.locate_impacts) cost += 4;
+  if (plan.integrator().order > 2) cost *= 2;
+  if (!plan.integrator().carries_constraints) cost *= plan.forces.empty() ? 2 : 8;
+  const bool is_quadratic =
+      settings.broad_phase == BroadPhaseKind::brute_force || settings.broad_phase == BroadPhaseKind::bounding_circle;
+  if (is_quadratic || plan.is_plain()) cost += static_cast<int>(plan.body_count / 32);
+  const std::uint64_t budget = std::uint64_t{2000} << draw.below(6);
+  const std::uint64_t work = std::uint64_t{plan.body_count + 6} * static_cast<std::uint64_t>(cost);
+  const std::uint64_t count = 4 * budget / work;
+  const std::uint64_t most = count_max < 1 ? 1 : count_max;
+  const std::uint64_t least = most < 16 ? most : 16;
+  return count < least ? least : count < most ? count : most - draw.below(static_cast<std::uint32_t>(most / 4 + 1));
+}
+
+}  // namespace
+
+double Draw::power(int low, int high) {
+  double value = 1;
+  for (int exponent = between(low, high); exponent != 0; exponent += exponent < 0 ? 1 : -1)
+    value = exponent < 0 ? value / 2 : value * 2;
+  return value;
+}
+
+WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
+  WorldPlan plan;
+  draw_choices(draw, plan);
+  draw_features(draw, plan);
+  apply_features(draw, plan);
+  draw_kinds(draw, plan);
+  plan.body_count = draw_body_count(draw, options.body_count_max);
+  plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
+  return plan;
+}
+
+}  // namespace ticktrue::engine

@@ -1,0 +1,63 @@
+// What a random world is to have, drawn before anything of it is made.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "engine/math/random.h"
+#include "engine/random_worlds/world_features.h"
+
+namespace ticktrue::engine {
+
+/// Draws of a seed. Every real number is made from whole ones by + - * /, so that it is the same on every platform.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : random_(seed) {}
+
+  std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(random_.below(count)); }
+  int between(int low, int high) { return low + static_cast<int>(below(static_cast<std::uint32_t>(high - low + 1))); }
+  bool chance(int percent) { return static_cast<int>(below(100)) < percent; }
+  bool half() { return below(2) == 0; }
+  /// A multiple of 1 / parts from low / parts to high / parts.
+  double part(int low, int high, int parts) { return static_cast<double>(between(low, high)) / parts; }
+  /// 2^low to 2^high.
+  double power(int low, int high);
+  template <std::size_t count>
+  double one_of(const double (&values)[count]) {
+    return values[below(count)];
+  }
+  template <typename List>
+  auto& any(List& list) {
+    return list[below(static_cast<std::uint32_t>(list.size()))];
+  }
+
+ private:
+  Random random_;
+};
+
+struct WorldPlan {
+  Settings settings;
+  Point gravity;
+  std::array<bool, world_feature_count> features{};
+  std::vector<ShapeKind> shapes;
+  std::vector<JointKind> joints;
+  std::vector<ForceKind> forces;
+  std::vector<InputKind> inputs;  // without `end`
+  bool has_end = false;
+  bool collides = true;  // false: no shape may meet another
+  std::uint32_t body_count = 2;
+  std::uint64_t tick_count = 1;
+
+  bool has(WorldFeature feature) const { return features[static_cast<std::size_t>(feature)]; }
+  const SolverInfo& solver() const { return info_of(solvers, settings.solver); }
+  const IntegratorInfo& integrator() const { return info_of(integrators, settings.integrator); }
+  /// Whether pointers and joints' impulses are carried.
+  bool carries_constraints() const { return solver().solves_constraints && integrator().carries_constraints; }
+  bool carries_joints() const { return solver().solves_joints && integrator().carries_constraints; }
+  /// Whether the solver knows only what the thesis knew: circles, sharp polygons, no filters.
+  bool is_plain() const { return solver().solves_constraints && !solver().reads_contacts; }
+};
+
+WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options);
+
+}  // namespace ticktrue::engine

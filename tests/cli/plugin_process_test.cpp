@@ -1,0 +1,210 @@
+// Plug-ins that end their process, print, hang and fork: never exit code 0 for what was not done, and whole output.
+// SPDX-License-Identifier: MIT
+//
+// tests/cli/rude_plugin.cpp is the plug-in.
+#ifdef TICKTRUE_RUDE_PLUGIN
+
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/replay/toy_traces.h"
+#include "tests/support/catch.h"
+#include "tests/support/text.h"
+#include "verifier/runs/child.h"
+
+namespace ticktrue::test {
+namespace {
+
+using verifier::ChildCommand;
+using verifier::ChildResult;
+
+struct RudeRun {
+  TemporaryFolder folder;
+  std::string trace = folder.file("x.ttr");
+  std::string child = folder.file("child");
+
+  ChildResult run(const std::string& act, const std::vector<std::string>& words) const {
+    ChildCommand command;
+    command.argv = {TICKTRUE_TOOL};
+    command.argv.insert(command.argv.end(), words.begin(), words.end());
+    for (const char* word : {"--plugin", TICKTRUE_RUDE_PLUGIN, "--plugin-timeout", "2"})
+      command.argv.emplace_back(word);
+    command.environment = {{"RUDE_PLUGIN", act}, {"RUDE_PLUGIN_CHILD", child}};
+    command.limits.time_s = 60;
+    return verifier::run_child(command);
+  }
+  ChildResult record(const std::string& act) const {
+    return run(act, {"record", "x", "--ticks", "5", "--json", "--force", "-o", trace});
+  }
+  std::string child_id() const {
+    const Bytes bytes = read_file(child);
+    const std::string text(bytes.begin(), bytes.end());
+    return text.substr(0, text.find('\n'));
+  }
+};
+
+bool is_running(const std::string& id) {
+  return !id.empty() && ::kill(static_cast<pid_t>(std::stol(id)), 0) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("a plug-in that ends the process is told with the place, and is never exit code 0",
+          "[cli][plugin_process][corruption]") {
+  struct Row {
+    const char* act;
+    const char* text;
+  };
+  const Row rows[] = {
+      {"load:exit", "ended the process with exit code 0 while it was loaded"},
+      {"load:_exit", "ended the process with exit code 0 while it was loaded"},
+      {"load:abort", "crashed with SIGABRT while it was loaded"},
+      {"create:exit", "ended the process with exit code 0 in create"},
+      {"create:_exit", "ended the process with exit code 0 in create"},
+      {"step:exit", "ended the process with exit code 0 in step of tick 2"},
+      {"step:exit3", "ended the process with exit code 3 in step of tick 2"},
+      {"step:_exit", "ended the process with exit code 0 in step of tick 2"},
+      {"step:quick_exit", "ended the process with exit code 0 in step of tick 2"},
+      {"step:abort", "crashed with SIGABRT in step of tick 2"},
+      {"step:crash", "crashed with SIGSEGV in step of tick 2"},
+      {"step:signal", "crashed with signal 10 in step of tick 2"},
+      {"step:thread_exit", "ended the process with exit code 0 "},
+      {"step:thread_stays", "ended the main thread "},
+      {"step:hang", "hangs in step of tick 2: found no end after 2 s (--plugin-timeout)"},
+      {"destroy:exit", "ended the process with exit code 0 in destroy"},
+  };
+  const RudeRun rude;
+  for (const Row& row : rows) {
+    CAPTURE(row.act);
+#ifndef __linux__
+    if (std::string(row.act) == "step:thread_stays" || std::string(row.act) == "step:signal") continue;
+#endif
+    std::filesystem::remove(rude.trace);
+    std::filesystem::remove(rude.trace + ".old");
+    const ChildResult result = rude.record(row.act);
+    INFO(result.message);
+    CHECK(result.end.how == verifier::ChildEnd::How::exited);
+    CHECK(result.end.exit_status == 1);
+    CHECK(contains(result.message, "ticktrue: error: plug-in "));
+    CHECK(contains(result.message, row.text));
+  }
+}
+
+TEST_CASE("a plug-in that ends the process while a trace is verified gives no match",
+          "[cli][plugin_process][corruption]") {
+  const RudeRun rude;
+  REQUIRE(rude.record("").end.exit_status == 0);
+  REQUIRE(rude.run("", {"verify", rude.trace}).end.exit_status == 0);
+  for (const std::string act : {"exit", "_exit", "quick_exit", "thread_exit"}) {
+    CAPTURE(act);
+    const ChildResult result = rude.run("step:" + act, {"verify", rude.trace, "--json"});
+    INFO(result.output + result.message);
+    CHECK(result.end.exit_status == 1);
+    const auto json = nlohmann::json::parse(result.output, nullptr, false);
+    REQUIRE(json.is_object());
+    CHECK(json["verdict"] == "diverged");
+    CHECK(contains(json["reason"].get<std::string>(), "ended the process with exit code 0"));
+  }
+}
+
+TEST_CASE("a plug-in that changes the exit code when it is unloaded is told", "[cli][plugin_process][corruption]") {
+  const RudeRun rude;
+  // The tool refuses with exit code 2, of which the plug-in makes 0.
+  const ChildResult result = rude.run("unload:_exit", {"record", "x", "-o", rude.trace});
+  INFO(result.message);
+  CHECK(result.end.exit_status == 1);
+  CHECK(contains(result.message, "--ticks: found none"));
+  CHECK(contains(result.message, "ended the process with exit code 0 while it was unloaded"));
+  const ChildResult hanging = rude.run("unload:hang", {"record", "x", "--ticks", "5", "-o", rude.trace});
+  CHECK(hanging.end.exit_status == 1);
+  CHECK(contains(hanging.message, "hangs while it was unloaded"));
+}
+
+TEST_CASE("what a plug-in prints is not in the tool's output", "[cli][plugin_process][analytic]") {
+  const RudeRun rude;
+  for (const std::string place : {"load", "create", "step", "destroy", "unload"}) {
+    CAPTURE(place);
+    const ChildResult result = rude.record(place + ":print");
+    INFO(result.output + result.message);
+    CHECK(result.end.exit_status == 0);
+    const auto json = nlohmann::json::parse(result.output, nullptr, false);
+    REQUIRE(json.is_object());
+    CHECK(json["ticks"] == 5);
+    CHECK(contains(result.message, "{\"not\": \"ours\"}"));
+  }
+  const ChildResult verified = rude.run("step:print", {"verify", rude.trace, "--json"});
+  CHECK(verified.end.exit_status == 0);
+  CHECK(nlohmann::json::parse(verified.output, nullptr, false).is_object());
+  CHECK(contains(verified.message, "{\"not\": \"ours\"}"));
+}
+
+TEST_CASE("a plug-in that prints a gigabyte is shown in part, and the rest is counted",
+          "[cli][plugin_process][analytic]") {
+  const RudeRun rude;
+  ChildCommand command;
+  command.argv = {TICKTRUE_TOOL,        "record",           "x", "--ticks", "5", "--json", "-o", rude.trace, "--plugin",
+                  TICKTRUE_RUDE_PLUGIN, "--plugin-timeout", "60"};
+  command.environment = {{"RUDE_PLUGIN", "step:flood"}};
+  command.limits.time_s = 120;
+  command.limits.message_size_max = 1u << 20;
+  const ChildResult result = verifier::run_child(command);
+  CHECK(result.end.exit_status == 0);
+  CHECK(nlohmann::json::parse(result.output, nullptr, false).is_object());
+  CHECK(result.message.size() + result.message_dropped_size < 66'000);
+  CHECK(contains(result.message, ": 1073676288 more bytes that it printed are not shown"));
+}
+
+TEST_CASE("processes that a plug-in forks are ended with the command, those that left its group are named",
+          "[cli][plugin_process][analytic]") {
+  const RudeRun rude;
+  const ChildResult forked = rude.record("step:fork");
+  INFO(forked.message);
+  CHECK(forked.end.exit_status == 0);
+  CHECK_FALSE(is_running(rude.child_id()));
+  CHECK_FALSE(contains(forked.message, "left running"));
+#ifdef __linux__
+  std::filesystem::remove(rude.child);
+  const ChildResult left = rude.record("step:setsid");
+  INFO(left.message);
+  CHECK(left.end.exit_status == 0);
+  CHECK(is_running(rude.child_id()));
+  CHECK(
+      contains(left.message, "left running, outside of the process group of the command: process " + rude.child_id()));
+  ::kill(static_cast<pid_t>(std::stol(rude.child_id())), SIGKILL);
+#endif
+}
+
+TEST_CASE("a signal that stops the tool stops the plug-in and what it forked", "[cli][plugin_process][analytic]") {
+  const RudeRun rude;
+  REQUIRE(rude.record("").end.exit_status == 0);
+  for (const std::string signal : {"INT", "TERM", "HUP"}) {
+    CAPTURE(signal);
+    std::filesystem::remove(rude.child);
+    ChildCommand command;
+    // The plug-in hangs in the process of one file, which is two processes below the tool.
+    command.argv = {
+        "sh",
+        "-c",
+        "(sleep 1; kill -" + signal + " $$) & exec \"$0\" verify \"$1\" --plugin \"$2\" --plugin-timeout 50",
+        TICKTRUE_TOOL,
+        rude.trace,
+        TICKTRUE_RUDE_PLUGIN};
+    command.environment = {{"RUDE_PLUGIN", "step:hang"}};
+    command.limits.time_s = 30;
+    const ChildResult result = verifier::run_child(command);
+    INFO(result.output + result.message);
+    CHECK(result.end.how == verifier::ChildEnd::How::killed_by_signal);
+    CHECK(result.end.signal == (signal == "INT" ? SIGINT : signal == "TERM" ? SIGTERM : SIGHUP));
+    CHECK(result.end.escaped.empty());
+    CHECK(result.end.wall_s < 10);
+  }
+}
+
+}  // namespace ticktrue::test
+
+#endif

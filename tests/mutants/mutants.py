@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+"""Mutants: changes single tokens of the source, one at a time, and runs a check that should notice.
+
+A line of code is drawn uniformly, then one of its tokens, then one of the token's replacements. The mutant is built in a
+copy of the tree. A mutant is killed if the check fails, crashes or does not end in time.
+"""
+# SPDX-License-Identifier: MIT
+import argparse
+import hashlib
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+# Files whose structures outlive a tick, or that put constraints into batches.
+CACHE_FILES = """
+engine/broad_phase/aabb_tree.cpp engine/broad_phase/box_tree.cpp engine/broad_phase/neighbour_cells.cpp
+engine/broad_phase/sort_pairs.cpp engine/broad_phase/pair_listing.h engine/broad_phase/box_tree.h
+engine/narrow_phase/narrow_phase.cpp engine/narrow_phase/box_pairs.cpp engine/narrow_phase/box_pairs.h
+engine/constraints/contact_batch.cpp engine/constraints/contact_blocks.cpp engine/constraints/contact_coloring.cpp
+engine/constraints/contact_filling.cpp engine/constraints/groups.cpp engine/constraints/hinge_batch.cpp
+engine/constraints/joint_order.cpp engine/constraints/joint_plan.cpp engine/constraints/near_levels.cpp
+engine/constraints/pin_batch.cpp engine/constraints/weave.cpp engine/constraints/bodies.cpp
+engine/integrators/flow.cpp engine/stages/reach.h engine/scratch.cpp
+""".split()
+
+REPLACEMENTS = {
+    '==': ['!='], '!=': ['=='], '<=': ['<', '>'], '>=': ['>', '<'], ' < ': [' <= ', ' > '], ' > ': [' >= ', ' < '],
+    '&&': ['||'], '||': ['&&'], ' + ': [' - '], ' - ': [' + '], ' * ': [' + '], ' / ': [' * '], ' % ': [' / '],
+    '+=': ['-='], '-=': ['+='], '|=': ['&=', '='], '&=': ['|=', '='], '++': ['--'], '--': ['++'],
+    ' & ': [' | '], ' | ': [' & '], ' >> ': [' << '], ' << ': [' >> '],
+    'true': ['false'], 'false': ['true'], 'continue': ['break'], '!': [''],
+    'first': ['second'], 'second': ['first'], 'begin': ['end'], 'end': ['begin'], 'lower': ['upper'],
+    'upper': ['lower'], 'smaller': ['larger'], 'larger': ['smaller'], 'body_a': ['body_b'], 'body_b': ['body_a'],
+    'touching': ['touching_moved'], 'row': ['row + 1'], 'count': ['count - 1'],
+}
+WORD = re.compile(r'[A-Za-z_]\w*|\d+')
+OPERATORS = sorted((o for o in REPLACEMENTS if not WORD.fullmatch(o)), key=len, reverse=True)
+SKIPPED = re.compile(r'^\s*(//|#|namespace|using|static_assert|template|TICKTRUE_ASSERT|\}|$)|\bfor_each_type\b|__builtin_prefetch')
+
+
+def tokens_of(line):
+    """(begin, end, replacement) of everything in a line that can be changed."""
+    code = line.split('//')[0]
+    code = re.sub(r'"[^"]*"', lambda m: '"' * len(m.group(0)), code)
+    found = []
+    for word in WORD.finditer(code):
+        text = word.group(0)
+        if text.isdigit():
+            found += [(word.start(), word.end(), str(int(text) + 1))]
+            if int(text) > 1:
+                found += [(word.start(), word.end(), str(int(text) - 1))]
+        else:
+            found += [(word.start(), word.end(), other) for other in REPLACEMENTS.get(text, [])]
+    at = 0
+    while at < len(code):
+        operator = next((o for o in OPERATORS if code.startswith(o, at)), None)
+        if operator is None or (operator == '!' and code.startswith('!=', at)):
+            at += 1
+            continue
+        found += [(at, at + len(operator), other) for other in REPLACEMENTS[operator]]
+        at += len(operator)
+    return found
+
+
+def candidates_of(root, files):
+    """(file, line number, line) of every line that has a token to change."""
+    lines = []
+    for name in files:
+        with open(os.path.join(root, name)) as source:
+            for number, line in enumerate(source.read().split('\n')):
+                if not SKIPPED.search(line) and tokens_of(line):
+                    lines.append((name, number, line))
+    return lines
+
+
+def run(command, seconds, cwd=None):
+    """(exit status or None after the time, output)"""
+    child = subprocess.Popen(command, shell=True, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                             start_new_session=True)
+    try:
+        output = child.communicate(timeout=seconds)[0]
+        return child.returncode, output.decode(errors='replace')
+    except subprocess.TimeoutExpired:
+        os.killpg(child.pid, signal.SIGKILL)
+        return None, child.communicate()[0].decode(errors='replace')
+
+
+def digest(path):
+    with open(path, 'rb') as data:
+        return hashlib.sha256(data.read()).hexdigest()
+
+
+class Mutants:
+    def __init__(self, options):
+        self.options = options
+        self.tree = os.path.join(options.out, 'tree')
+        self.build_dir = os.path.join(options.out, 'build')
+        self.results = os.path.join(options.out, 'results.tsv')
+
+    def prepare(self):
+        shutil.rmtree(self.tree, ignore_errors=True)
+        os.makedirs(self.tree)
+        root = self.options.root
+        subprocess.check_call(f"cd '{root}' && git ls-files -z | xargs -0 cp --parents -t '{self.tree}'", shell=True)
+        launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
+        configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
+                     f"-DCMAKE_CXX_FLAGS_RELEASE=-O3 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=ON "
+                     f"-DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF {launcher}")
+        for command in (configure, self.build_command()):
+            status, output = run(command, 3600)
+            if status != 0:
+                sys.exit(f'mutants: error: {command}: exit {status}\n{output[-2000:]}')
+        self.original = digest(self.program())
+
+    def build_command(self):
+        return f"cmake --build '{self.build_dir}' -j {os.cpu_count()} --target {self.options.target}"
+
+    def program(self):
+        return os.path.join(self.build_dir, self.options.target)
+
+    def judge(self, check_seed):
+        """killed, survived, same (the program has the same bytes) or unbuildable, and a word on it"""
+        status, output = run(self.build_command(), 1200)
+        if status != 0:
+            return 'unbuildable', ''
+        if digest(self.program()) == self.original:
+            return 'same', ''
+        command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
+                                            out=os.path.join(self.options.out, 'check'))
+        start = time.monotonic()
+        status, output = run(command, self.options.time + self.options.grace)
+        seconds = time.monotonic() - start
+        if status == 0:
+            return 'survived', f'{seconds:.0f} s'
+        how = 'no end' if status is None else f'exit {status}'
+        first = next((l.strip() for l in output.split('\n') if self.options.word in l), '')
+        return 'killed', f'{how} after {seconds:.0f} s {first}'[:160].replace('\t', ' ')
+
+    def done(self):
+        if not os.path.exists(self.results):
+            return {}
+        with open(self.results) as table:
+            rows = [line.rstrip('\n').split('\t') for line in table][1:]
+        return {int(row[0]): row for row in rows}
+
+    def run_all(self):
+        options = self.options
+        lines = candidates_of(options.root, options.files)
+        source = random.Random(options.seed)
+        os.makedirs(options.out, exist_ok=True)
+        done = self.done() if options.resume else {}
+        if not done:
+            with open(self.results, 'w') as table:
+                table.write('draw\tfile\tline\tbefore\tafter\tverdict\thow\n')
+        self.prepare()
+        counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0}
+        draw = 0
+        deadline = time.monotonic() + options.limit if options.limit else None
+        while counts['killed'] + counts['survived'] < options.count:
+            name, number, line = lines[source.randrange(len(lines))]
+            begin, end, other = source.choice(tokens_of(line))
+            check_seed = source.randrange(1 << 32)
+            draw += 1
+            if draw in done:
+                counts[done[draw][5]] += 1
+                continue
+            if deadline and time.monotonic() > deadline:
+                print('mutants: out of time: continue with --resume', file=sys.stderr)
+                break
+            path = os.path.join(self.tree, name)
+            with open(path) as original:
+                text = original.read()
+            changed = text.split('\n')
+            changed[number] = line[:begin] + other + line[end:]
+            with open(path, 'w') as mutant:
+                mutant.write('\n'.join(changed))
+            verdict, how = self.judge(check_seed)
+            with open(path, 'w') as original:
+                original.write(text)
+            counts[verdict] += 1
+            row = [str(draw), name, str(number + 1), line.strip(), changed[number].strip(), verdict, how]
+            with open(self.results, 'a') as table:
+                table.write('\t'.join(row) + '\n')
+            print(f"{sum(counts.values())}: {verdict} {how}: {name}:{number + 1}: {changed[number].strip()}", flush=True)
+        judged = counts['killed'] + counts['survived']
+        print(f"{judged} mutants: {counts['killed']} killed, {counts['survived']} survived; besides {counts['same']} with "
+              f"the same program, {counts['unbuildable']} that did not build; {self.results}")
+        return 0 if counts['survived'] == 0 else 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--root', default='.', help='the source tree')
+    parser.add_argument('--out', default='out/mutants', help='where the copy is built and results are written')
+    parser.add_argument('--files', nargs='*', default=CACHE_FILES, help='files to change (default: those that cache or batch)')
+    parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
+    parser.add_argument('--target', default='ticktrue', help='the program to build')
+    parser.add_argument('--check', default="'{program}' soak --seed {seed} --time {time} -j 2 --out '{out}'",
+                        help='a shell command; {program}, {seed}, {time}, {out} are filled in')
+    parser.add_argument('--word', default='found', help='a line of the output with this is kept as the reason')
+    parser.add_argument('--time', type=int, default=300, help='seconds that the check may take')
+    parser.add_argument('--grace', type=int, default=120, help='seconds more until it counts as one that does not end')
+    parser.add_argument('--limit', type=int, default=0, help='seconds after which no new mutant is begun')
+    parser.add_argument('--resume', action='store_true', help='go on where an earlier run with the same seed ended')
+    options = parser.parse_args()
+    options.out = os.path.abspath(options.out)
+    options.root = os.path.abspath(options.root)
+    return Mutants(options).run_all()
+
+
+if __name__ == '__main__':
+    sys.exit(main())

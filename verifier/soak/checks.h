@@ -1,0 +1,82 @@
+// The checks of `ticktrue soak`: ways to run a world that may not change a bit of it, and rules that every run keeps.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace ticktrue::verifier::soak {
+
+enum class CheckKind : std::uint8_t {
+  finite,
+  zeros,
+  cold,
+  forget,
+  broad_phase,
+  chunks,
+  threads,
+  instruction_set,
+  full_pipeline,
+  restore,
+  process,
+  trace,
+  momentum,
+};
+struct CheckInfo {
+  CheckKind kind;
+  std::string_view name;
+  std::string_view summary;
+  std::string_view value;  // what the number of a variant means; empty: it has none
+};
+inline constexpr std::array<CheckInfo, 13> check_table{{
+    {CheckKind::finite, "finite", "every stored real is finite, and every tick can be done", ""},
+    {CheckKind::zeros, "zeros", "no stored real is -0", ""},
+    {CheckKind::cold, "cold", "all cached structures are forgotten before every tick", ""},
+    {CheckKind::forget, "forget", "random cached structures are forgotten at random ticks",
+     "seed, its remainder by 6 the broad phase"},
+    {CheckKind::broad_phase, "broad_phase", "another broad phase finds the pairs", "index in the list of broad phases"},
+    {CheckKind::chunks, "chunks", "loops run in small chunks out of order", "10 * chunk size + order (0, 1)"},
+    {CheckKind::threads, "threads", "a tick runs on several threads", "10 * chunk size (0: as it pays) + threads"},
+    {CheckKind::instruction_set, "instruction_set", "kernels use other vector instructions", "index in their list"},
+    {CheckKind::full_pipeline, "full_pipeline", "no stage is left out; the tables that both runs have", ""},
+    {CheckKind::restore, "restore", "a fresh engine loads the state of a tick and runs on", "the tick"},
+    {CheckKind::process, "process", "a fresh process loads every checkpoint of a trace and runs on", "seed"},
+    {CheckKind::trace, "trace", "the world is recorded, and verify says match", "seed"},
+    {CheckKind::momentum, "momentum", "without anything from outside, momentum stays", ""},
+}};
+
+/// One way to examine a world.
+struct Variant {
+  CheckKind check = CheckKind::finite;
+  std::uint64_t value = 0;  // CheckInfo::value
+  bool operator==(const Variant&) const = default;
+};
+
+/// "restore=57".
+std::string variant_text(const Variant& variant);
+
+/// Which checks a soak makes. A variant that is given alone is the only one of its check.
+struct CheckSelection {
+  std::array<bool, check_table.size()> wanted{};
+  std::vector<Variant> only;
+  static CheckSelection all();
+  bool has(CheckKind kind) const { return wanted[static_cast<std::size_t>(kind)]; }
+};
+/// "cold,restore=57": names of checks, or variants. Errors: usage.
+Result<CheckSelection> parse_checks(const std::vector<std::string>& words);
+
+/// What a check found in a world.
+struct Finding {
+  Variant variant;
+  std::uint64_t tick = 0;   // the first one that is wrong
+  std::string what;         // "table contacts, column tangent_force, row 3 (box / box), lane 0: expected 0, got -0"
+  bool is_refused = false;  // the world itself was refused: a fault of who made it
+};
+
+}  // namespace ticktrue::verifier::soak

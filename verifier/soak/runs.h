@@ -1,0 +1,66 @@
+// Runs of one world that are compared tick by tick with its base run.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/state_view.h"
+#include "engine/caches.h"
+#include "verifier/soak/checks.h"
+#include "verifier/soak/soak_case.h"
+
+namespace ticktrue::verifier::soak {
+
+/// What all runs of one world share; must outlive them.
+struct RunContext {
+  const SoakCase& soak_case;
+  const CaseInputs& inputs;
+  const EngineMaker& make;
+};
+
+using CacheTally = std::array<std::uint64_t, engine::cache_kind_count>;
+
+/// The world as its scene says, on one thread, with every cached structure in use.
+struct BaseRun {
+  StateSchema schema;
+  std::uint64_t tick_count = 0;               // ticks done: all, or those before the work was used up or a tick failed
+  std::vector<std::uint64_t> hashes;          // [tick] root hash
+  std::vector<std::uint64_t> body_hashes;     // [tick] of the rows of the table of bodies
+  std::vector<engine::CacheSet> hit;          // [tick] structures that were used again
+  engine::CacheReport caches{};               // of the whole run
+  std::map<std::uint64_t, Bytes> images;      // state before these ticks
+  std::vector<Finding> findings;              // finite, zeros; a world that was refused
+  std::vector<std::string> tables_with_rows;  // at the end of some tick
+  std::uint64_t body_ticks = 0;
+  std::uint64_t work = 0;  // estimate, ns
+};
+struct BaseOptions {
+  std::uint64_t work_max = UINT64_MAX;     // ends the run; ns of estimated work
+  std::vector<std::uint64_t> image_ticks;  // keep the state before these ticks
+  CheckSelection checks = CheckSelection::all();
+};
+BaseRun run_base(const RunContext& context, const BaseOptions& options);
+
+/// Where a run of another kind differs from the base run, if anywhere. `while_hit` counts the ticks compared in which
+/// the base run used a structure again and this run made it anew. For every check but finite, zeros, process, trace and
+/// momentum.
+std::optional<Finding> run_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
+                                   CacheTally& while_hit);
+
+/// Runs the tick and keeps what went wrong: inputs refused, or a tick that could not be done.
+std::optional<Finding> step_tick(engine::Engine& engine, const TickInput& input, std::uint64_t tick,
+                                 const Variant& variant);
+
+/// The first difference of two states of one schema, for people. The names of rows are those of `engine`.
+std::string difference_text(const engine::Engine& engine, const StateView& expected, const StateView& got);
+
+/// Hash of the rows of the table of bodies.
+std::uint64_t hash_of_bodies(const StateView& state);
+
+}  // namespace ticktrue::verifier::soak
