@@ -46,7 +46,7 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
   static const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
   static const std::regex command(
       R"re(ticktrue (run|record|replay|play|verify|diff|report|show|recover|import|compare|accuracy|stress|crosscheck)re"
-      R"re(|describe|scenes|golden|inject|env|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
+      R"re(|describe|scenes|golden|inject|env|soak|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
   std::istringstream in(text_of(path));
   int number = 0;
   bool in_examples = false;
@@ -75,6 +75,9 @@ struct Elsewhere {
   const char* reason;
 };
 constexpr Elsewhere elsewhere[] = {
+    {"verifier/cli/scenes.cpp", "ticktrue record {0}", "hints.case runs it with names in place of {0}"},
+    {"verifier/soak/failure_files.cpp", "ticktrue soak", "written beside a failure, which needs a fault"},
+    {"verifier/soak/known_counts.cpp", "ticktrue soak", "runs random worlds for minutes"},
     {"verifier/report_ci.cpp", "ticktrue verify", "the name of a test suite and a headline"},
     {"verifier/cli/compare.cpp", "ticktrue run", "a name within a help text: docs/cli.md is compared with it"},
     {"verifier/cli/verify.cpp", "ticktrue report", "a name within a help text: docs/cli.md is compared with it"},

@@ -89,7 +89,7 @@ std::string with_values(std::string text) {
       {std::regex(R"(\.\.\.)"), ""},
       {std::regex(R"((\b|:)A\.\.B\b)"), "$011..2"},
       {std::regex(R"(\bI/N\b)"), "1/2"},
-      {std::regex(R"(\b(N|SEED)\b)"), "1"},
+      {std::regex(R"(\b(N|S|I|SEED)\b)"), "1"},
       {std::regex(R"(SCENE\|TRACE)"), "SCENE"},
   };
   for (const auto& [rule, value] : rules) text = std::regex_replace(text, rule, value);
