@@ -32,9 +32,11 @@ Twist zero_if_fixed(Twist value, const BodyModel* body) {
   return {value.linear, body->inv_inertia > 0 ? value.angular : Real(0)};
 }
 
-/// Model of the record's body; null for the records at rest.
-const BodyModel* body_of(const Model& model, const State& state, std::size_t record) {
-  return record < state.bodies.size() ? &model.bodies[state.bodies[record].source] : nullptr;
+/// Model of the record's body; null for the records at rest and for bodies of no group or another one: their equations
+/// are not solved here, and their rows of `stages` and `accelerations` are not of this tick.
+const BodyModel* body_of(const Model& model, const State& state, const Scratch& scratch, std::size_t record) {
+  const bool is_in = record < state.bodies.size() && scratch.body_group[record] == scratch.group_index;
+  return is_in ? &model.bodies[state.bodies[record].source] : nullptr;
 }
 
 /// Stiffness of central forces on a body, times h^2 / 4, in kg: the same in every direction, an upper bound.
@@ -106,7 +108,7 @@ void multiply(const Model& model, const State& state, Scratch& scratch, const st
     to_b = {to_b.linear + force, to_b.angular + cross(block.arm_b, force) + block.turn_b * b.angular};
   }
   for (std::size_t record = 0; record < out.size(); ++record)
-    out[record] = zero_if_fixed(out[record], body_of(model, state, record));
+    out[record] = zero_if_fixed(out[record], body_of(model, state, scratch, record));
 }
 
 Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::size_t count) {
@@ -163,8 +165,8 @@ void solve_linear(const Model& model, const State& state, Scratch& scratch) {
 }
 
 /// Poses of the middle of the substep for the present velocities, which are those of the middle.
-void move_to_middle(const State& state, Scratch& scratch, Real h) {
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+void move_to_middle(Scratch& scratch, Real h) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
     body.moved = start.moved + (Real(0.5) * h) * body.velocity;
@@ -187,9 +189,10 @@ Real size_of_system(const Model& model, const State& state, const Scratch& scrat
 
 /// One round of Newton's iteration; the largest change of a position, relative to what is allowed.
 Real newton_round(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
-  move_to_middle(state, scratch, h);
+  move_to_middle(scratch, h);
   total_accelerations(model, state, scratch);
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+  scratch.newton[residual].assign(scratch.newton[residual].size(), Twist{});
+  for (const std::uint32_t row : scratch.moving_rows) {
     const MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
     const BodyModel& constants = model.bodies[state.bodies[row].source];
@@ -203,7 +206,7 @@ Real newton_round(const Model& model, const State& state, Scratch& scratch, Real
   linearise(model, state, scratch, h);
   solve_linear(model, state, scratch);
   Real worst = 0;
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const Twist& change = scratch.newton[solution][row];
     body.velocity = body.velocity + change.linear;
@@ -233,7 +236,7 @@ void predict_implicit_midpoint(const Model& model, const State& state, Scratch& 
   for (int round = 0; round < newton_round_max && !converged; ++round)
     converged = newton_round(model, state, scratch, h, size) <= 1;
   if (!converged) ++scratch.unconverged;
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+  for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
     const Twist middle{body.velocity, body.angular_velocity};

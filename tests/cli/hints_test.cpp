@@ -77,6 +77,11 @@ struct Elsewhere {
 constexpr Elsewhere elsewhere[] = {
     {"verifier/cli/scenes.cpp", "ticktrue record {0}", "hints.case runs it with names in place of {0}"},
     {"verifier/soak/failure_files.cpp", "ticktrue soak", "written beside a failure, which needs a fault"},
+    {"verifier/soak/soak.cpp", "ticktrue soak", "what a file holds while a world is examined"},
+    {"verifier/verify.cpp", "ticktrue verify full.ttr --mode restore",
+     "needs a simulation that hides a variable: tests/verifier/state_incomplete_test.cpp"},
+    {"verifier/locate_cells.cpp", "ticktrue verify full.ttr",
+     "needs a build that computes otherwise: tests/verifier/against_build_test.cpp"},
     {"verifier/soak/known_counts.cpp", "ticktrue soak", "runs random worlds for minutes"},
     {"verifier/report_ci.cpp", "ticktrue verify", "the name of a test suite and a headline"},
     {"verifier/cli/compare.cpp", "ticktrue run", "a name within a help text: docs/cli.md is compared with it"},

@@ -150,7 +150,7 @@ TEST_CASE("report page: the same trace gives the same bytes", "[verifier][report
 }
 
 TEST_CASE("report page: text and JSON are escaped", "[verifier][report_html][analytic]") {
-  CHECK(verifier::html_text("<a href=\"x\">&'\x01\n") == "&lt;a href=&quot;x&quot;&gt;&amp;&#39; \n");
+  CHECK(verifier::html_text("<a href=\"x\">&'\x01\n") == "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u0001\n");
   const std::string safe = verifier::script_json(R"(["</script>","<!--","a&b"])");
   CHECK(safe.find_first_of("<>&") == std::string::npos);
   CHECK(Json::parse(safe) == Json::array({"</script>", "<!--", "a&b"}));

@@ -372,8 +372,8 @@ TEST_CASE("comparisons count while the base run uses a structure again", "[verif
   const SoakCase soak_case = small_case(2);
   const WorldResult result = examine(soak_case, 2, fixture.options);
   CHECK(result.base.caches[0].hits == soak_case.tick_count);
-  CHECK(result.while_hit[0] == soak_case.tick_count);  // of the cold run alone: the other one hits as well
-  CHECK(result.while_hit[1] == 0);
+  CHECK(result.tally.while_hit[0] == soak_case.tick_count);  // of the cold run alone: the other one hits as well
+  CHECK(result.tally.while_hit[1] == 0);
 }
 
 TEST_CASE("a planted fault is shrunk to few bodies and written with a command that shows it",

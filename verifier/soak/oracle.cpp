@@ -111,7 +111,7 @@ BaseOptions base_options(const SoakCase& soak_case, std::uint64_t seed, const Ch
 }
 
 std::optional<Finding> run_any(const RunContext& context, const BaseRun& base, const Variant& variant,
-                               const OracleOptions& options, CacheTally& while_hit) {
+                               const OracleOptions& options, RunTally& tally) {
   switch (variant.check) {
     case CheckKind::finite:
     case CheckKind::zeros:
@@ -124,7 +124,7 @@ std::optional<Finding> run_any(const RunContext& context, const BaseRun& base, c
     case CheckKind::momentum:
       return check_momentum(context, base);
     default:
-      return run_variant(context, base, variant, while_hit);
+      return run_variant(context, base, variant, tally);
   }
 }
 
@@ -171,7 +171,7 @@ WorldResult examine(const SoakCase& soak_case, std::uint64_t seed, const OracleO
     if (options.checks.has(finding.variant.check) || finding.is_refused) result.findings.push_back(finding);
   for (const Variant& variant : plan_variants(soak_case, result.base, seed, options.checks)) {
     ++result.run_counts[static_cast<std::size_t>(variant.check)];
-    auto found = run_any(context, result.base, variant, options, result.while_hit);
+    auto found = run_any(context, result.base, variant, options, result.tally);
     if (found && !found_already(*found)) result.findings.push_back(*std::move(found));
   }
   return result;
@@ -184,8 +184,8 @@ std::optional<Finding> examine_variant(const SoakCase& soak_case, const Variant&
   BaseOptions base_options;
   if (variant.check == CheckKind::restore) base_options.image_ticks.push_back(variant.value);
   const BaseRun base = run_base(context, base_options);
-  CacheTally while_hit{};
-  return run_any(context, base, variant, options, while_hit);
+  RunTally tally;
+  return run_any(context, base, variant, options, tally);
 }
 
 }  // namespace ticktrue::verifier::soak

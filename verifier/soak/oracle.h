@@ -34,7 +34,7 @@ inline constexpr std::size_t cold_body_count_max = 64;
 struct WorldResult {
   BaseRun base;
   std::vector<Finding> findings;  // at most one of each check
-  CacheTally while_hit{};         // ticks compared while the base run used the structure again
+  RunTally tally;
   std::array<std::uint64_t, check_table.size()> run_counts{};
 };
 

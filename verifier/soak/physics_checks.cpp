@@ -164,6 +164,7 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   PhysicsCounts counts;
   const Scene& scene = context.soak_case.scene;
   counts.cause = cause_of(scene, base);
+  counts.broken[3] = base.ran_away;
   const auto made = context.make(scene, {});
   if (!made) return counts;
   engine::Engine& engine = **made;

@@ -23,7 +23,7 @@ std::optional<SoakCase> in_free_space(const SoakCase& soak_case);
 std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& base);
 
 /// What is counted, not refused: docs/soak.md.
-inline constexpr std::array<std::string_view, 3> physics_checks{"energy", "joint_gap", "overlap"};
+inline constexpr std::array<std::string_view, 4> physics_checks{"energy", "joint_gap", "overlap", "ran_away"};
 struct PhysicsCounts {
   std::string cause;                                 // "tgs_soft rk4 with joints"
   std::array<bool, physics_checks.size()> broken{};  // [check]

@@ -3,12 +3,14 @@
 #include "verifier/soak/runs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <set>
 #include <utility>
 
 #include "base/chunk_order.h"
 #include "base/hash.h"
+#include "base/limits.h"
 #include "verifier/locate.h"
 #include "verifier/non_finite.h"
 
@@ -92,6 +94,19 @@ std::optional<StateView> shared_tables(const StateView& state, const StateSchema
   return shared;
 }
 
+/// Forces that grow with the distance, and sliders on what spins, drive bodies out of every bound. What follows is
+/// rounding and overflow.
+bool has_run_away(const Engine& engine) {
+  const auto is_beyond = [](const engine::Point& point, double most) {
+    return !(std::abs(point.x) <= most && std::abs(point.y) <= most);
+  };
+  for (const engine::BodyReport& body : engine.bodies())
+    if (is_beyond(body.center, limits::coordinate_max_m) || is_beyond(body.velocity, limits::speed_max) ||
+        !(std::abs(body.angular_velocity) <= limits::speed_max))
+      return true;
+  return false;
+}
+
 class BaseWalk {
  public:
   BaseWalk(const RunContext& context, const BaseOptions& options) : context_(context), options_(options) {}
@@ -126,6 +141,11 @@ class BaseWalk {
     }
     const StateView& state = engine_->state();
     if (!look_at_values(state, tick)) return false;
+    run_.ran_away = has_run_away(*engine_);
+    if (run_.ran_away) {
+      run_.images.erase(tick);
+      return false;
+    }
     run_.hashes.push_back(root_hash(state));
     run_.body_hashes.push_back(hash_of_bodies(state));
     run_.hit.push_back(hit_between(before, engine_->cache_report()));
@@ -163,8 +183,8 @@ class BaseWalk {
 /// A run in another way.
 class VariantWalk {
  public:
-  VariantWalk(const RunContext& context, const BaseRun& base, const Variant& variant, CacheTally& while_hit)
-      : context_(context), base_(base), variant_(variant), while_hit_(while_hit), order_(variant.value % 10 == 0) {}
+  VariantWalk(const RunContext& context, const BaseRun& base, const Variant& variant, RunTally& tally)
+      : context_(context), base_(base), variant_(variant), tally_(tally), order_(variant.value % 10 == 0) {}
 
   std::optional<Finding> run() {
     auto made = context_.make(context_.soak_case.scene, engine_options());
@@ -180,9 +200,11 @@ class VariantWalk {
       if (const Status loaded = engine_->load(image); !loaded)
         return make_failure(variant_, tick, "load: " + loaded.error().message, false);
     }
-    for (; tick < base_.tick_count; ++tick)
-      if (auto found = run_tick(tick)) return found;
-    return std::nullopt;
+    std::optional<Finding> found;
+    for (; tick < base_.tick_count && !found; ++tick) found = run_tick(tick);
+    for (const engine::CacheInfo& info : engine::cache_kinds)
+      engine::count_uses(tally_.caches, info.kind, engine_->cache_report()[static_cast<std::size_t>(info.kind)]);
+    return found;
   }
 
  private:
@@ -226,9 +248,9 @@ class VariantWalk {
     if (const CacheSet set = forgotten_at(tick); set != 0) engine_->forget_caches(set);
     const CacheReport before = engine_->cache_report();
     if (auto failed = step_tick(*engine_, context_.inputs.at(tick), tick, variant_)) return failed;
-    const CacheSet made_anew = base_.hit[tick] & ~hit_between(before, engine_->cache_report());
+    const CacheSet hit_once = base_.hit[tick] ^ hit_between(before, engine_->cache_report());
     for (const engine::CacheInfo& info : engine::cache_kinds)
-      if (made_anew & engine::cache_bit(info.kind)) ++while_hit_[static_cast<std::size_t>(info.kind)];
+      if (hit_once & engine::cache_bit(info.kind)) ++tally_.while_hit[static_cast<std::size_t>(info.kind)];
     if (variant_.check != CheckKind::full_pipeline) {
       if (root_hash(engine_->state()) == base_.hashes[tick]) return std::nullopt;
       return differs_at(tick, engine_->state());
@@ -268,7 +290,7 @@ class VariantWalk {
   const RunContext& context_;
   const BaseRun& base_;
   Variant variant_;
-  CacheTally& while_hit_;
+  RunTally& tally_;
   ChunkOrder order_;
   std::unique_ptr<Engine> engine_;
 };
@@ -280,8 +302,8 @@ BaseRun run_base(const RunContext& context, const BaseOptions& options) {
 }
 
 std::optional<Finding> run_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
-                                   CacheTally& while_hit) {
-  return VariantWalk(context, base, variant, while_hit).run();
+                                   RunTally& tally) {
+  return VariantWalk(context, base, variant, tally).run();
 }
 
 std::optional<Finding> step_tick(Engine& engine, const TickInput& input, std::uint64_t tick, const Variant& variant) {

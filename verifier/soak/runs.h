@@ -26,6 +26,13 @@ struct RunContext {
 
 using CacheTally = std::array<std::uint64_t, engine::cache_kind_count>;
 
+/// What the runs of a world did with cached structures.
+struct RunTally {
+  CacheTally while_hit{};  // ticks compared in which one run used the structure again and the base run did not, or
+                           // the other way round
+  engine::CacheReport caches{};  // of all runs but the base run
+};
+
 /// The world as its scene says, on one thread, with every cached structure in use.
 struct BaseRun {
   StateSchema schema;
@@ -39,6 +46,7 @@ struct BaseRun {
   std::vector<std::string> tables_with_rows;  // at the end of some tick
   std::uint64_t body_ticks = 0;
   std::uint64_t work = 0;  // estimate, ns
+  bool ran_away = false;   // a body is farther or faster than a scene may state: the run ends before that tick
 };
 struct BaseOptions {
   std::uint64_t work_max = UINT64_MAX;     // ends the run; ns of estimated work
@@ -47,11 +55,10 @@ struct BaseOptions {
 };
 BaseRun run_base(const RunContext& context, const BaseOptions& options);
 
-/// Where a run of another kind differs from the base run, if anywhere. `while_hit` counts the ticks compared in which
-/// the base run used a structure again and this run made it anew. For every check but finite, zeros, process, trace and
-/// momentum.
+/// Where a run of another kind differs from the base run, if anywhere; adds to `tally`. For every check but finite,
+/// zeros, process, trace and momentum.
 std::optional<Finding> run_variant(const RunContext& context, const BaseRun& base, const Variant& variant,
-                                   CacheTally& while_hit);
+                                   RunTally& tally);
 
 /// Runs the tick and keeps what went wrong: inputs refused, or a tick that could not be done.
 std::optional<Finding> step_tick(engine::Engine& engine, const TickInput& input, std::uint64_t tick,

@@ -135,7 +135,9 @@ class Soak {
     counts.body_ticks = result.base.body_ticks;
     counts.run_counts = result.run_counts;
     counts.caches = result.base.caches;
-    counts.while_hit = result.while_hit;
+    for (const engine::CacheInfo& info : engine::cache_kinds)
+      engine::count_uses(counts.caches, info.kind, result.tally.caches[static_cast<std::size_t>(info.kind)]);
+    counts.while_hit = result.tally.while_hit;
     count_rows(options_.worlds, world, seed, result.base, wanted_rows, options_.oracle.make, counts);
     if (index < options_.known_world_count) {
       const CaseInputs inputs(world.soak_case);
