@@ -39,12 +39,17 @@ struct Placed {
   }
 };
 
+/// Of what is `distance` long; upwards where that is nothing, as for discs in one place.
+Vec2 direction_of(Vec2 apart, Real distance) {
+  return distance > 0 ? (1 / distance) * apart : Vec2{0, 1};
+}
+
 Hit circle_circle(const Placed& a, const Placed& b) {
   const Vec2 apart = b.center() - a.center();
   const Real distance = length(apart);
   const Real depth = (a.shape.radius + b.shape.radius) - distance;
   if (depth <= 0) return {};
-  const Vec2 normal = (1 / distance) * apart;
+  const Vec2 normal = direction_of(apart, distance);
   return {true, normal, depth, b.center() - b.shape.radius * normal};
 }
 
@@ -76,7 +81,7 @@ Hit polygon_circle(const Model& model, const Placed& polygon, const Placed& circ
       const Vec2 apart = center - corner;
       const Real gap = length(apart);
       if (gap >= circle.shape.radius) return {};
-      return {true, (1 / gap) * apart, circle.shape.radius - gap, corner};
+      return {true, direction_of(apart, gap), circle.shape.radius - gap, corner};
     }
   }
   if (distance >= circle.shape.radius) return {};

@@ -50,6 +50,8 @@ SoakCounters parse_counters(const Json& json) {
   json.at("worlds").get_to(counters.world_count);
   json.at("ticks").get_to(counters.tick_count);
   json.at("body_ticks").get_to(counters.body_ticks);
+  json.at("ran_away").get_to(counters.ran_away_count);
+  json.at("joints_failed").get_to(counters.joints_failed_count);
   json.at("runs").get_to(counters.run_counts);
   json.at("while_hit").get_to(counters.while_hit);
   for (std::size_t i = 0; i < counters.caches.size(); ++i) {
@@ -76,6 +78,8 @@ std::string print_progress(const SoakIdentity& identity, const SoakCounters& cou
   json["worlds"] = counters.world_count;
   json["ticks"] = counters.tick_count;
   json["body_ticks"] = counters.body_ticks;
+  json["ran_away"] = counters.ran_away_count;
+  json["joints_failed"] = counters.joints_failed_count;
   json["runs"] = counters.run_counts;
   json["while_hit"] = counters.while_hit;
   json["hits"] = Json::array();

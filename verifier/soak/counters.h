@@ -48,6 +48,8 @@ struct SoakCounters {
   std::map<std::string, RowCoverage> rows;
   std::map<std::pair<std::string, std::string>, std::uint64_t> pairs;  // worlds that have both rows
   std::map<std::pair<std::string, std::string>, std::uint64_t> known;  // (cause, check): worlds
+  std::uint64_t ran_away_count = 0;       // worlds whose base run ended for BaseRun::ran_away
+  std::uint64_t joints_failed_count = 0;  // likewise
   std::vector<FailedWorld> failures;
 };
 

@@ -165,6 +165,7 @@ PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
   const Scene& scene = context.soak_case.scene;
   counts.cause = cause_of(scene, base);
   counts.broken[3] = base.ran_away;
+  counts.broken[4] = base.joints_failed;
   const auto made = context.make(scene, {});
   if (!made) return counts;
   engine::Engine& engine = **made;

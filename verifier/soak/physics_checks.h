@@ -23,7 +23,8 @@ std::optional<SoakCase> in_free_space(const SoakCase& soak_case);
 std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& base);
 
 /// What is counted, not refused: docs/soak.md.
-inline constexpr std::array<std::string_view, 4> physics_checks{"energy", "joint_gap", "overlap", "ran_away"};
+inline constexpr std::array<std::string_view, 5> physics_checks{"energy", "joint_gap", "overlap", "ran_away",
+                                                                "non_finite"};
 struct PhysicsCounts {
   std::string cause;                                 // "tgs_soft rk4 with joints"
   std::array<bool, physics_checks.size()> broken{};  // [check]

@@ -160,7 +160,10 @@ class BaseWalk {
   /// False: a value is not finite, and no later tick means anything.
   bool look_at_values(const StateView& state, std::uint64_t tick) {
     if (const auto found = find_non_finite_of(*engine_, tick)) {
-      run_.findings.push_back(make_failure({CheckKind::finite}, tick, non_finite_text(*found), false));
+      run_.joints_failed = !context_.soak_case.scene.joints.empty();
+      if (!run_.joints_failed)
+        run_.findings.push_back(make_failure({CheckKind::finite}, tick, non_finite_text(*found), false));
+      run_.images.erase(tick);
       return false;
     }
     if (!options_.checks.has(CheckKind::zeros) || saw_negative_zero_) return true;

@@ -46,7 +46,9 @@ struct BaseRun {
   std::vector<std::string> tables_with_rows;  // at the end of some tick
   std::uint64_t body_ticks = 0;
   std::uint64_t work = 0;  // estimate, ns
-  bool ran_away = false;   // a body is farther or faster than a scene may state: the run ends before that tick
+  // Why the run ended early, if so:
+  bool ran_away = false;       // a body is farther or faster than a scene may state
+  bool joints_failed = false;  // a value is not finite, in a world with joints
 };
 struct BaseOptions {
   std::uint64_t work_max = UINT64_MAX;     // ends the run; ns of estimated work

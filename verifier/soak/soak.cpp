@@ -133,6 +133,8 @@ class Soak {
     SoakCounters& counts = outcome.counts;
     counts.tick_count = result.base.tick_count;
     counts.body_ticks = result.base.body_ticks;
+    counts.ran_away_count = result.base.ran_away ? 1 : 0;
+    counts.joints_failed_count = result.base.joints_failed ? 1 : 0;
     counts.run_counts = result.run_counts;
     counts.caches = result.base.caches;
     for (const engine::CacheInfo& info : engine::cache_kinds)
@@ -162,6 +164,8 @@ class Soak {
   void add(const SoakCounters& counts) {
     counters_.tick_count += counts.tick_count;
     counters_.body_ticks += counts.body_ticks;
+    counters_.ran_away_count += counts.ran_away_count;
+    counters_.joints_failed_count += counts.joints_failed_count;
     for (std::size_t i = 0; i < check_table.size(); ++i) counters_.run_counts[i] += counts.run_counts[i];
     for (std::size_t i = 0; i < engine::cache_kind_count; ++i) {
       counters_.caches[i].hits += counts.caches[i].hits;

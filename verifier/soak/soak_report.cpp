@@ -148,6 +148,9 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
                         counters.world_count >= options.known_world_count ? "compared with what is known"
                                                                           : "not compared, too few worlds were run");
   text += fmt::format("  ticks   {}, body-ticks {}\n", counters.tick_count, counters.body_ticks);
+  text += fmt::format("  ended   {} worlds early: {} in which a body ran away, {} with joints that became non-finite\n",
+                      counters.ran_away_count + counters.joints_failed_count, counters.ran_away_count,
+                      counters.joints_failed_count);
   text += checks_text(counters) + caches_text(counters) + rows_text(options, counters);
   text += fmt::format("  time    {:.1f} s for {} worlds, {:.2f} worlds/s\n", report.seconds, report.new_worlds,
                       worlds_per_second(report));
@@ -164,6 +167,8 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
   json["found"] = counters.failures.size();
   json["ticks"] = counters.tick_count;
   json["body_ticks"] = counters.body_ticks;
+  json["ran_away"] = counters.ran_away_count;
+  json["joints_failed"] = counters.joints_failed_count;
   json["checks"] = Json::object();
   for (const CheckInfo& info : check_table)
     json["checks"][std::string(info.name)] = counters.run_counts[static_cast<std::size_t>(info.kind)];
