@@ -54,7 +54,7 @@ class TwiceWalk {
     first_->step(input, nullptr);
     second_->step(input, nullptr);
     if (const Status did = first_->last_step(); !did) {
-      result_.findings.decide(Verdict::not_comparable, "cannot be done here: " + did.error().message, did.error().hint);
+      result_.findings.undone(did.error());
       return false;
     }
     ++result_.ticks_compared;

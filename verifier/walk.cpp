@@ -131,8 +131,7 @@ class StretchWalk {
     last_dt_ = input.dt;
     const Status did = simulation_->last_step();
     if (did) return true;
-    result_.findings.decide(Verdict::not_comparable, "cannot be done here: " + did.error().message,
-                            "the bytes are intact: the build that recorded them allows more");
+    result_.findings.undone(did.error());
     return false;
   }
 
@@ -291,6 +290,12 @@ void Findings::decide(Verdict found, std::string why, std::string next) {
   verdict = found;
   reason = std::move(why);
   hint = std::move(next);
+}
+
+void Findings::undone(const Error& error) {
+  if (error.code == ErrorCode::inconsistent) return decide(Verdict::not_reproducible, error.message, error.hint);
+  decide(Verdict::not_comparable, "cannot be done here: " + error.message,
+         "the bytes are intact: the build that recorded them allows more");
 }
 
 void Findings::warn_unreadable(std::uint64_t tick, const Error& error) {

@@ -47,6 +47,8 @@ struct Findings {
 
   void decide(Verdict found, std::string why, std::string next = "");
   void not_reproducible(const std::string& why);
+  /// Of a tick that Simulation::last_step says was not done.
+  void undone(const Error& error);
   void warn_unreadable(std::uint64_t tick, const Error& error);
 };
 

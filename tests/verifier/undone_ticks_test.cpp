@@ -17,7 +17,8 @@ using verifier::Report;
 using verifier::Verdict;
 using verifier::VerifyMode;
 
-std::uint64_t ticks_possible = 0;  // of LimitedToy; set before one is made
+std::uint64_t ticks_possible = 0;          // of LimitedToy; set before one is made
+ErrorCode undone_code = ErrorCode::limit;  // likewise
 
 /// A toy that cannot do more than so many ticks.
 class LimitedToy : public ToySimulation {
@@ -28,7 +29,7 @@ class LimitedToy : public ToySimulation {
   }
   Status last_step() const override {
     if (world.tick_count <= ticks_possible) return {};
-    return Error{ErrorCode::limit, "tick " + std::to_string(ticks_possible) + ": toys: found more than expected",
+    return Error{undone_code, "tick " + std::to_string(ticks_possible) + ": toys: found more than expected",
                  "take fewer"};
   }
 };
@@ -90,9 +91,13 @@ TEST_CASE("where the first tick cannot be done nothing is left behind", "[verifi
   CHECK(read_file(path) == Bytes{1, 2, 3});
 }
 
-TEST_CASE("a recorded tick that cannot be done here is not comparable, in every mode", "[verifier][hostile]") {
+namespace {
+
+/// Verifies in every mode up to a tick that is not done for this reason.
+void check_undone(ErrorCode code, Verdict expected) {
   const Bytes trace = toy_trace_with(toy_setup(6), 60, 8);
   const SimulationInfo info{"ticktrue.toy", 1, &make_toy<LimitedToy>};
+  undone_code = code;
   for (const std::uint64_t possible : {0, 31, 40})
     for (const VerifyMode mode : modes)
       for (const unsigned thread_count : {1u, 4u}) {
@@ -106,10 +111,21 @@ TEST_CASE("a recorded tick that cannot be done here is not comparable, in every 
           return std::make_unique<verifier::OwnedReaderSource>(std::move(*reader));
         };
         const Report report = verify_bytes(trace, options);
-        CHECK(report.verdict == Verdict::not_comparable);
+        CHECK(report.verdict == expected);
         CHECK(contains(report.reason, "tick " + std::to_string(possible) + ": toys"));
         CHECK_FALSE(report.divergence.has_value());
       }
+  undone_code = ErrorCode::limit;
+}
+
+}  // namespace
+
+TEST_CASE("a recorded tick that cannot be done here is not comparable, in every mode", "[verifier][hostile]") {
+  check_undone(ErrorCode::limit, Verdict::not_comparable);
+}
+
+TEST_CASE("a tick that gives other bits when it is done again is not reproducible, in every mode", "[verifier][kept]") {
+  check_undone(ErrorCode::inconsistent, Verdict::not_reproducible);
 }
 
 TEST_CASE("a scene whose shapes come together records up to the tick that has too many pairs",
