@@ -17,7 +17,7 @@ inline constexpr int exit_not_comparable = 5;  // physics version, schema, preci
 inline constexpr int exit_not_reproducible = 6;  // two runs on this machine differ
 
 /// What the tool exits with when a command failed with this error. Commands that were given a scene, not a trace, exit
-/// with exit_usage whatever the error.
+/// with exit_usage, unless a check of their own fell short (inconsistent).
 int exit_code_of(ErrorCode code);
 
 /// The one that counts when several files were processed: the worst in the order 2, 1, 6, 4, 5, 3, 0.

@@ -131,7 +131,7 @@ class Mutants:
         if digest(self.program()) == self.original:
             return 'same', ''
         command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
-                                            out=os.path.join(self.options.out, 'check'))
+                                            out=os.path.join(self.options.out, 'check'), root=self.options.root)
         start = time.monotonic()
         status, output = run(command, self.options.time + self.options.grace)
         seconds = time.monotonic() - start
@@ -201,8 +201,8 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
     parser.add_argument('--target', default='ticktrue', help='the program to build')
-    parser.add_argument('--check', default="'{program}' soak --seed {seed} --time {time} -j 2 --out '{out}'",
-                        help='a shell command; {program}, {seed}, {time}, {out} are filled in')
+    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --hashes '{root}/tests/worlds/hashes.tsv' --out '{out}'",
+                        help='a shell command; {program}, {seed}, {time}, {out}, {root} are filled in')
     parser.add_argument('--word', default='found', help='a line of the output with this is kept as the reason')
     parser.add_argument('--time', type=int, default=300, help='seconds that the check may take')
     parser.add_argument('--grace', type=int, default=120, help='seconds more until it counts as one that does not end')

@@ -129,7 +129,7 @@ int fail(const Error& error) {
 
 int fail_usage(const Error& error) {
   print_error(error);
-  return exit_usage;
+  return error.code == ErrorCode::inconsistent ? exit_finding : exit_usage;
 }
 
 void print(std::string_view text) {

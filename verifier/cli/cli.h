@@ -50,7 +50,7 @@ void print_warning(std::string_view text);
 void print_note(std::string_view text);
 /// Prints the error and returns the exit code it means: `return fail(result.error());`
 int fail(const Error& error);
-/// The same for commands that were given a scene or inputs, not a trace: always exit_usage.
+/// The same for commands that were given a scene or inputs, not a trace: exit_usage, or exit_finding for inconsistent.
 int fail_usage(const Error& error);
 
 // Data goes to standard output through these only; base/plain_text.h says what of it is escaped. A reader that went away

@@ -10,6 +10,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
+#include "engine/random_worlds/world_hashes.h"
 #include "verifier/cli/commands.h"
 #include "verifier/cli/json_output.h"
 #include "verifier/cli/progress.h"
@@ -41,6 +42,8 @@ struct SoakCommand {
   std::vector<std::string> checks;
   std::string known;
   std::string write_known;
+  std::string hashes;
+  std::string write_hashes;
 };
 
 /// This program, for the check `process`.
@@ -142,9 +145,42 @@ int run_worlds(const SoakCommand& command, const soak::OracleOptions& oracle) {
   return is_clean ? exit_ok : exit_finding;
 }
 
+/// Each world of the file has the hash that stands there.
+Status compare_hashes(const std::string& path) {
+  const Result<std::string> text = read_text_file(path, std::size_t{1} << 20);
+  if (!text) return text.error();
+  const auto worlds = engine::parse_world_hashes(*text, path);
+  if (!worlds) return worlds.error();
+  for (const engine::WorldHash& expected : *worlds) {
+    const engine::WorldHash found = engine::hash_world(expected.seed);
+    if (found == expected) continue;
+    return Error{ErrorCode::inconsistent,
+                 path + ": world " + std::to_string(expected.seed) + ": found hash " + hex64(found.hash) + " after " +
+                     std::to_string(found.tick_count) + " ticks, expected " + hex64(expected.hash) + " after " +
+                     std::to_string(expected.tick_count),
+                 "the physics of this build gives other bits: `ticktrue golden check traces` names the traces"};
+  }
+  return {};
+}
+
+Status write_hashes(const std::string& path, std::uint64_t world_count) {
+  std::vector<engine::WorldHash> worlds;
+  for (std::uint64_t seed = 1; seed <= world_count; ++seed) worlds.push_back(engine::hash_world(seed));
+  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
+  if (!file) return file.error();
+  if (const Status written = file->write(engine::print_world_hashes(worlds)); !written) return written;
+  return file->close();
+}
+
 int run_soak_command(const SoakCommand& command) {
   const auto oracle = oracle_options(command);
   if (!oracle) return fail_usage(oracle.error());
+  if (!command.write_hashes.empty()) {
+    const Status written = write_hashes(command.write_hashes, command.world_count);
+    return written ? exit_ok : fail_usage(written.error());
+  }
+  if (!command.hashes.empty())
+    if (const Status same = compare_hashes(command.hashes); !same) return fail_usage(same.error());
   return command.scene.empty() ? run_worlds(command, *oracle) : run_on_scene(command, *oracle);
 }
 
@@ -171,6 +207,12 @@ void add_soak(CLI::App& app, CliContext& context) {
       ->type_name("DIR");
   command->add_option("--known", options->known, "Fail if a count of physics in this file rises")->type_name("FILE");
   command->add_option("--write-known", options->write_known, "Write these counts of the first 100 worlds")
+      ->type_name("FILE");
+  command->add_option("--hashes", options->hashes, "First compare the worlds of this file with their hashes there")
+      ->type_name("FILE");
+  command
+      ->add_option("--write-hashes", options->write_hashes,
+                   "Write the hashes of the worlds of seeds 1 to --worlds, no more")
       ->type_name("FILE");
   add_number(*command, "-j,--jobs", options->jobs, "Worlds at once; default: one a core", {1, 1024});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.soak/1)");
