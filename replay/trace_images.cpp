@@ -23,7 +23,7 @@ Status ImageShape::pass(const StateSchema& schema, ByteView image, std::uint64_t
   return {};
 }
 
-Status TraceReader::Impl::check_image_limits(const ImagePart& part, std::uint64_t end) const {
+Status TraceReader::Impl::check_image_limits(const ImagePart& part, std::uint64_t part_end) const {
   const auto over = [](const char* what, std::uint64_t found, std::uint64_t max) {
     return Error{ErrorCode::limit,
                  std::string("state image: ") + what + ": found " + std::to_string(found) + ", expected at most " +
@@ -31,10 +31,10 @@ Status TraceReader::Impl::check_image_limits(const ImagePart& part, std::uint64_
                  ""};
   };
   const std::uint64_t held = part.offset + part.size;
-  if (held > limits::image_held_max(end)) return over("bytes", held, limits::image_held_max(end));
+  if (held > limits::image_held_max(part_end)) return over("bytes", held, limits::image_held_max(part_end));
   const std::uint64_t unpacked = unpacked_size + part.size;
-  if (unpacked > limits::images_unpacked_max(end))
-    return over("bytes of all images", unpacked, limits::images_unpacked_max(end));
+  if (unpacked > limits::images_unpacked_max(part_end))
+    return over("bytes of all images", unpacked, limits::images_unpacked_max(part_end));
   return {};
 }
 

@@ -146,7 +146,7 @@ struct TraceReader::Impl {
   Step read_private(const ChunkHeader& header);
   Step read_image_part(const ChunkHeader& header);
   /// Whether the part, which ends at `end` in the file, keeps to what a file of that size may hold.
-  Status check_image_limits(const ImagePart& part, std::uint64_t end) const;
+  Status check_image_limits(const ImagePart& part, std::uint64_t part_end) const;
   /// Proves a ticks chunk record by record and keeps its records for walk(). At the end of a truncated file the
   /// records up to the cut are kept.
   Step read_ticks(const ChunkHeader& header);

@@ -69,7 +69,7 @@ struct ShapeMaker {
   ShapeKind kind;
   Shape (*make)(Draw& draw, double size);
 };
-constexpr std::array<ShapeMaker, shape_kinds.size()> makers{{
+constexpr std::array<ShapeMaker, shape_kinds.size()> shape_makers{{
     {ShapeKind::circle, make_circle},
     {ShapeKind::box, make_box},
     {ShapeKind::polygon, make_polygon},
@@ -77,12 +77,12 @@ constexpr std::array<ShapeMaker, shape_kinds.size()> makers{{
     {ShapeKind::segment, make_segment},
     {ShapeKind::chain, make_chain},
 }};
-static_assert(rows_are_in_order(makers), "a shape without its maker");
+static_assert(rows_are_in_order(shape_makers), "a shape without its maker");
 
 }  // namespace
 
 Shape make_shape(Draw& draw, ShapeKind kind, double size) {
-  return info_of(makers, kind).make(draw, size);
+  return info_of(shape_makers, kind).make(draw, size);
 }
 
 }  // namespace ticktrue::engine

@@ -77,6 +77,9 @@ struct Elsewhere {
 constexpr Elsewhere elsewhere[] = {
     {"verifier/cli/scenes.cpp", "ticktrue record {0}", "hints.case runs it with names in place of {0}"},
     {"verifier/soak/failure_files.cpp", "ticktrue soak", "written beside a failure, which needs a fault"},
+    {"engine/random_worlds/world_hashes.cpp", "ticktrue soak",
+     "what a file says of itself: ./dev golden update runs it"},
+    {"verifier/cli/soak.cpp", "ticktrue golden check traces", "needs a build that computes otherwise"},
     {"verifier/soak/soak.cpp", "ticktrue soak", "what a file holds while a world is examined"},
     {"verifier/verify.cpp", "ticktrue verify full.ttr --mode restore",
      "needs a simulation that hides a variable: tests/verifier/state_incomplete_test.cpp"},

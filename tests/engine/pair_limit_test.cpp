@@ -144,8 +144,7 @@ TEST_CASE("5,000 shapes in one place end the run in its first tick", "[engine][h
       scene.settings.broad_phase = info.kind;
       const Stop stop = run(scene, {}, 1);
       CHECK(stop.tick == 0);
-      CHECK(stop.message ==
-            "tick 0: pairs of shapes near each other: found more than 225568, expected at most 225568");
+      CHECK(stop.message == "tick 0: pairs of shapes near each other: found more than 225568, expected at most 225568");
     }
   // Those that filters keep from meeting are no pairs, and neither are those of sensors.
   Scene scene = coincident_discs(5000, Precision::f32);

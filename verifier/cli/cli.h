@@ -53,7 +53,8 @@ int fail(const Error& error);
 /// The same for commands that were given a scene or inputs, not a trace: exit_usage, or exit_finding for inconsistent.
 int fail_usage(const Error& error);
 
-// Data goes to standard output through these only; base/plain_text.h says what of it is escaped. A reader that went away
+// Data goes to standard output through these only; base/plain_text.h says what of it is escaped. A reader that went
+// away
 // (`| head`) is no error: what follows is dropped.
 void print(std::string_view text);
 /// From here on data goes to this file instead of stdout; null: every write fails. For a process whose stdout others
