@@ -137,7 +137,7 @@ class Verifier {
     if (findings_.decided) return;
     if (!first.loaded) return run_straight(std::move(suspicion));
     WalkResult result = walk_from(first);
-    if (!is_clean(result, true)) suspicion = Suspicion{first, std::move(result)};
+    if (!is_clean(result, true)) return run_straight(Suspicion{first, std::move(result)});
     if (suspicion) return run_straight(std::move(suspicion));
     take(std::move(result));
   }

@@ -205,10 +205,12 @@ double arrange_coincident(WorldBuilder& builder, Point corner, std::uint32_t cou
   const double offset = builder.draw.one_of({0, 0, 0.0009765625, 0.125});
   const std::uint32_t group = 2 + builder.draw.below(3);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const double x = builder.size * (0.5 + 2.0 * (i / group) + offset * (i % group));
+    const std::uint32_t place = i / group;
+    const double x = builder.size * (0.5 + 2.0 * place + offset * (i % group));
     builder.add({{corner.x + x, corner.y + builder.size / 2}, 0, {}, 0}, builder.size);
   }
-  return builder.size * 2 * (count / group + 1);
+  const std::uint32_t place_count = count / group + 1;
+  return builder.size * 2 * place_count;
 }
 
 /// Kinematic bodies that pass or meet a row of bodies at rest.
@@ -219,7 +221,8 @@ double arrange_movers(WorldBuilder& builder, Point corner, std::uint32_t count) 
   const bool is_moving = builder.plan.has(WorldFeature::kinematic_movers);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Motion base = draw_base(builder);
-    Placement placement{{corner.x + size * (pitch * (i / 2) + 0.5), corner.y + size / 2}, 0, {}, 0};
+    const std::uint32_t place = i / 2;
+    Placement placement{{corner.x + size * (pitch * place + 0.5), corner.y + size / 2}, 0, {}, 0};
     if (i % 2 != 0) {
       builder.add(placement, size);
       continue;
@@ -231,7 +234,8 @@ double arrange_movers(WorldBuilder& builder, Point corner, std::uint32_t count) 
     }
     builder.add_kinematic(placement, size);
   }
-  return size * pitch * (count / 2 + 1);
+  const std::uint32_t place_count = count / 2 + 1;
+  return size * pitch * place_count;
 }
 
 struct Arrangement {
@@ -256,7 +260,8 @@ double add_quiet_corner(WorldBuilder& builder, Point corner, std::uint32_t count
   const double rise = is_diagonal ? pitch : draw.half() ? 0 : 0.25;
   const bool is_exact = draw.chance(70);
   for (std::uint32_t i = 0; i < quiet; ++i) {
-    const Point shift{builder.size * (0.5 + 2.5 * (i / 2) + pitch * (i % 2)), builder.size * (0.5 + rise * (i % 2))};
+    const std::uint32_t place = i / 2;
+    const Point shift{builder.size * (0.5 + 2.5 * place + pitch * (i % 2)), builder.size * (0.5 + rise * (i % 2))};
     const Placement placement{{corner.x + shift.x, corner.y + shift.y}, 0, {}, 0};
     if (is_exact)
       builder.add_exact(placement, builder.size, ShapeKind::circle);
