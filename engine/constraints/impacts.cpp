@@ -19,6 +19,10 @@ constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and 
 // In a substep; after so many, bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
+// Likewise of searches for the next impact of a pair: each impact of a large body searches the pairs of all that touch
+// it.
+constexpr std::size_t search_count_least = 2048;
+constexpr std::size_t searches_per_pair = 64;
 
 const BodyModel& body_model(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source];
@@ -217,10 +221,24 @@ void resolve(const Model& model, const State& state, Scratch& scratch, const Imp
   };
   const Real closing = -dot(relative, pair.normal);
   const Real e = closing > static_cast<Real>(model.restitution_threshold) ? pair.restitution : Real(0);
-  const Real push = closing > 0 ? (1 + e) * closing * effective_mass(pair.normal) : Real(0);
+  const Real normal_mass = effective_mass(pair.normal);
+  const Real push = closing > 0 ? (1 + e) * closing * normal_mass : Real(0);
   const Vec2 tangent = right_turn(pair.normal);
+  const Real tangent_mass = effective_mass(tangent);
   const Real limit = pair.friction * push;
-  const Real rub = smaller(larger(-dot(relative, tangent) * effective_mass(tangent), -limit), limit);
+  const auto rub_against = [&](Real sliding) { return smaller(larger(-sliding * tangent_mass, -limit), limit); };
+  const Real sliding = dot(relative, tangent);
+  Real rub = rub_against(sliding);
+  // The push turns a body beside its middle. Where friction against the velocity before the push would make the impact
+  // gain energy, it acts against the velocity after the push, which never does.
+  const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
+                        model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
+  const Real sliding_after = sliding + push * coupling;
+  if (push > 0 && tangent_mass > 0) {
+    const Real by_push = push * ((Real(0.5) / normal_mass) * push - closing);
+    const Real by_friction = rub * (sliding_after + (Real(0.5) / tangent_mass) * rub);
+    if (by_push + by_friction > 0) rub = rub_against(sliding_after);
+  }
   const Vec2 impulse = push * pair.normal + rub * tangent;
   kick(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
   kick(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
@@ -397,13 +415,19 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
   }
 
   std::size_t left = impact_count_least + impacts_per_pair * active.size();
+  std::size_t searches_left = search_count_least + searches_per_pair * active.size();
   while (!scratch.impact_events.empty()) {
     const ImpactEvent event = pop_event(scratch.impact_events);
     ImpactPair& first = scratch.impacts[event.pair];
     if (first.time != event.time) continue;  // no longer so
     const ImpactPair hit = first;
+    // Paths of bodies that were stopped before do not change again.
+    const auto may_change = [&](std::uint32_t row) {
+      return is_dynamic(model, state, row) && !scratch.paths[row].is_stopped;
+    };
+    const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
     if (hit.is_settled) resolve(model, state, scratch, hit);
-    if (left > 0 && hit.is_settled) {
+    if (left > 0 && searches_left > 0 && hit.is_settled) {
       --left;
     } else {
       // Each round stops a body, or is the pair's last.
@@ -417,11 +441,14 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
       }
       first.is_done = !stopped;
     }
-    for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
-      if (!is_dynamic(model, state, row)) continue;
-      for (std::uint32_t k = scratch.impact_starts[row]; k < scratch.impact_starts[row + 1]; ++k)
+    const auto search_again = [&](std::uint32_t row) {
+      for (std::uint32_t k = scratch.impact_starts[row];
+           k<scratch.impact_starts[row + 1]; ++k, searches_left -= searches_left> 0)
         expect_impact(model, state, scratch, scratch.impacts_of_bodies[k], hit.time, h);
-    }
+    };
+    if (a_changes) search_again(hit.body_a);
+    if (b_changes) search_again(hit.body_b);
+    if (!a_changes && !b_changes) expect_impact(model, state, scratch, event.pair, hit.time, h);
   }
   for (const std::uint32_t i : active) {
     for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b}) {

@@ -68,6 +68,8 @@ void WorldBuilder::build() {
 Material WorldBuilder::draw_material() {
   Material material;
   if (draw.half()) material.friction = draw.one_of({0.125, 0.25, 0.5, 1, 4});
+  // The thesis' friction has no Coulomb bound: with more it gains energy without end.
+  if (plan.is_plain() && material.friction > 0.5) material.friction = 0.5;
   if (plan.has(WorldFeature::frictionless) && draw.half()) material.friction = 0;
   if (plan.has(WorldFeature::restitution) && draw.half()) material.restitution = draw.one_of({0.25, 0.5, 0.75, 1});
   if (plan.has(WorldFeature::tangent_speed) && draw.chance(40)) material.tangent_speed = draw.part(-16, 16, 8);
@@ -82,7 +84,8 @@ Filter WorldBuilder::draw_filter() {
     filter.category = 1u << draw.below(3);
     filter.mask = draw.half() ? 0xffffffff : 7u - (1u << draw.below(3));
   }
-  if (plan.has(WorldFeature::group_filters) && draw.chance(40)) filter.group = draw.between(-2, 2);
+  if (plan.has(WorldFeature::group_filters) && draw.chance(70))
+    filter.group = draw.chance(70) ? -1 : draw.between(-2, 2);
   return filter;
 }
 
@@ -152,7 +155,8 @@ void WorldBuilder::push(Body body, const Placement& placement) {
   body.position = placement.position;
   body.angle = placement.angle;
   if (body.type != BodyType::static_body) {
-    body.velocity = placement.velocity;
+    const double factor = body.bullet && draw.half() ? 16 : 1;  // what is slow passes nothing anyway
+    body.velocity = {factor * placement.velocity.x, factor * placement.velocity.y};
     body.angular_velocity = placement.angular_velocity;
   }
   if (plan.has(WorldFeature::quarter_turns) && body.angle == 0 && draw.chance(30))

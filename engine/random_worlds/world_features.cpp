@@ -79,6 +79,37 @@ bool is_far(const Body& body) {
   return p.x >= far_m || p.x <= -far_m || p.y >= far_m || p.y <= -far_m;
 }
 
+/// The larger ones shrink until the factor is 32.
+void take_size_ratio(RandomWorld& world) {
+  double least = limits::size_max_m;
+  for (const Body& body : world.scene.bodies)
+    if (body.type == BodyType::dynamic_body)
+      for (const Shape& shape : body.shapes) least = extent_of(shape) < least ? extent_of(shape) : least;
+  for (Body& body : world.scene.bodies)
+    for (Shape& shape : body.shapes) {
+      const double factor = 32 * least / extent_of(shape);
+      if (body.type != BodyType::dynamic_body || factor >= 1) continue;
+      shape.radius *= factor;
+      for (Point* p : {&shape.center, &shape.half_size}) *p = {p->x * factor, p->y * factor};
+      for (Point& p : shape.vertices) p = {p.x * factor, p.y * factor};
+    }
+}
+
+/// The whole world comes near the origin, with every place in it.
+void take_far(RandomWorld& world) {
+  Point by;  // from the origin to the first body far away
+  for (std::size_t i = world.scene.bodies.size(); i-- > 0;)
+    if (is_far(world.scene.bodies[i])) by = world.scene.bodies[i].position;
+  const auto move = [by](Point& p) { p = {p.x - by.x, p.y - by.y}; };
+  for (Body& body : world.scene.bodies) move(body.position);
+  if (world.scene.bounds) {
+    move(world.scene.bounds->lower);
+    move(world.scene.bounds->upper);
+  }
+  for (Joint& joint : world.scene.joints)
+    if (joint.kind == JointKind::target) move(joint.offset);
+}
+
 bool has_several_players(const RandomWorld& world) {
   for (const Input& input : world.inputs)
     if (input.kind != InputKind::end && input.player != world.inputs[0].player) return true;
@@ -123,18 +154,18 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      },
      [](World& w) { each_body(w.scene, [](Body& b) { b.can_sleep = true; }); }},
     {{F::automatic_substeps, "automatic_substeps", "substeps chosen per island"},
-     55,
+     68,
      [](const World& w) { return w.scene.settings.auto_substeps.has_value(); },
      [](World& w) { w.scene.settings.auto_substeps.reset(); }},
     {{F::tight_target_error, "tight_target_error", "automatic substeps with a target below the default"},
-     40,
+     50,
      [](const World& w) {
        const auto& automatic = w.scene.settings.auto_substeps;
        return automatic && automatic->target_error < AutoSubsteps{}.target_error;
      },
      [](World& w) { w.scene.settings.auto_substeps->target_error = AutoSubsteps{}.target_error; }},
     {{F::loose_target_error, "loose_target_error", "automatic substeps with a target above the default"},
-     60,
+     100,
      [](const World& w) {
        const auto& automatic = w.scene.settings.auto_substeps;
        return automatic && automatic->target_error > AutoSubsteps{}.target_error;
@@ -149,11 +180,11 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      [](const World& w) { return w.scene.settings.substeps >= 8; },
      [](World& w) { w.scene.settings.substeps = Settings{}.substeps; }},
     {{F::locate_impacts, "locate_impacts", "bounces happen at the moment of impact"},
-     40,
+     65,
      [](const World& w) { return w.scene.settings.locate_impacts; },
      [](World& w) { w.scene.settings.locate_impacts = false; }},
     {{F::continuous_off, "continuous_off", "fast bodies may pass walls"},
-     20,
+     30,
      [](const World& w) { return !w.scene.settings.continuous; },
      [](World& w) { w.scene.settings.continuous = true; }},
     {{F::events, "events", "begin and end of contacts are state"},
@@ -181,7 +212,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      [](const World& w) { return w.scene.spawned_max.has_value(); },
      [](World& w) { w.scene.spawned_max.reset(); }},
     {{F::bullets, "bullets", "bodies that pass no moving body"},
-     20,
+     35,
      [](const World& w) { return any_body(w.scene, [](const Body& b) { return b.bullet; }); },
      [](World& w) { each_body(w.scene, [](Body& b) { b.bullet = false; }); }},
     {{F::fixed_rotation, "fixed_rotation", "bodies that do not turn"},
@@ -234,7 +265,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
        });
      }},
     {{F::group_filters, "group_filters", "groups that always or never meet"},
-     20,
+     30,
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.filter.group != 0; }); },
      [](World& w) { each_shape(w.scene, [](Shape& s) { s.filter.group = 0; }); }},
     {{F::restitution, "restitution", "shapes that bounce"},
@@ -334,13 +365,13 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
        });
      }},
     {{F::size_ratio, "size_ratio", "sizes of dynamic bodies that differ by a factor of 50 or more"},
-     12,
+     22,
      has_size_ratio,
-     nullptr},
+     take_size_ratio},
     {{F::far_from_origin, "far_from_origin", "bodies 4 km from the origin or more"},
      12,
      [](const World& w) { return any_body(w.scene, is_far); },
-     nullptr},
+     take_far},
 }};
 
 }  // namespace

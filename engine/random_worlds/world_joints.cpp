@@ -19,13 +19,13 @@ Point in_frame(const Body& body, Point p) {
   return {turn.cos * d.x + turn.sin * d.y, turn.cos * d.y - turn.sin * d.x};
 }
 
-/// The mass of the lightest dynamic body, kg.
-double least_mass(const Scene& scene) {
+/// The least mass (kg) or inertia (kg m^2) above zero of the dynamic bodies.
+double least_of(const Scene& scene, double MassProperties::*property) {
   double least = 0;
   for (const Body& body : scene.bodies) {
     if (!is_dynamic(body)) continue;
-    const double mass = body_mass(body).mass;
-    if (mass > 0 && (least == 0 || mass < least)) least = mass;
+    const double value = body_mass(body).*property;
+    if (value > 0 && (least == 0 || value < least)) least = value;
   }
   return least > 0 ? least : 1;
 }
@@ -176,16 +176,18 @@ void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
 void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
   const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
   if (dynamic.empty()) return;
-  const double lightest = least_mass(scene);
+  const double least_mass = least_of(scene, &MassProperties::mass);
+  const double least_inertia = least_of(scene, &MassProperties::inertia);
   for (const ForceKind kind : plan.forces) {
     const auto has = [&](ForceField field) { return !key_of(info_of(force_fields, kind), field).empty(); };
     Force force;
     force.kind = kind;
     const std::uint32_t body = draw.any(dynamic);
-    double mass = lightest;
+    double mass = least_mass, inertia = least_inertia;
     if (has(ForceField::stiffness) || (has(ForceField::body) && draw.half())) {
       force.body = body;
       mass = body_mass(scene.bodies[body]).mass;
+      inertia = body_mass(scene.bodies[body]).inertia;
     }
     const Point at = scene.bodies[body].position;
     if (has(ForceField::other) && scene.bodies.size() > 1 && draw.half()) force.other = body == 0 ? 1 : body - 1;
@@ -202,10 +204,10 @@ void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
       const double scale = has(ForceField::body) ? mass : 1;
       force.vector = {scale * draw.part(-16, 16, 4), scale * draw.part(-16, 16, 4)};
     }
-    if (has(ForceField::torque) && draw.half()) force.torque = mass * draw.part(-8, 8, 64);
+    if (has(ForceField::torque) && draw.half()) force.torque = inertia * draw.part(-8, 8, 2);
     if (has(ForceField::coefficient) && !has(ForceField::exponent))
       force.coefficient = mass * draw.one_of({0.015625, 0.125, 1});
-    if (has(ForceField::angular_coefficient) && draw.half()) force.angular_coefficient = mass / 256;
+    if (has(ForceField::angular_coefficient) && draw.half()) force.angular_coefficient = inertia / 4;
     if (has(ForceField::stiffness)) force.stiffness = mass * draw.one_of({1, 4, 16, 64});
     if (has(ForceField::damping) && draw.half()) force.damping = mass * draw.one_of({0.0625, 0.5, 2});
     if (has(ForceField::rest_length)) force.rest_length = draw.part(0, 8, 4);

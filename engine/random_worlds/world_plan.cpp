@@ -39,8 +39,8 @@ void draw_choices(Draw& draw, WorldPlan& plan) {
     return 9 + (info.solves_joints ? 9 : 0) + (info.solves_joints && info.substeps ? 46 : 0);
   });
   settings.integrator = draw_row(draw, integrators, [&](const IntegratorInfo& info) {
-    if (!info.carries_constraints) return plan.is_plain() ? 0 : 6;  // nothing collides; is_plain: everything does
-    return info.kind == defaults.integrator ? 42 : 8;
+    if (!info.carries_constraints) return plan.is_plain() ? 0 : 8;  // nothing collides; is_plain: everything does
+    return info.kind == defaults.integrator ? 42 : 9;
   });
   settings.broad_phase =
       draw_row(draw, broad_phases, [&](const auto& info) { return info.kind == defaults.broad_phase ? 40 : 15; });
@@ -64,6 +64,8 @@ void draw_features(Draw& draw, WorldPlan& plan) {
   const auto take_back = [&](WorldFeature feature) { plan.features[static_cast<std::size_t>(feature)] = false; };
   if (!plan.solver().solves_joints) take_back(WorldFeature::sleeping);
   if (!plan.solver().substeps) take_back(WorldFeature::automatic_substeps);
+  // Without a load automatic substeps have nothing to choose.
+  if (plan.has(WorldFeature::automatic_substeps) && draw.chance(60)) take_back(WorldFeature::zero_gravity);
   if (!plan.solver().reads_contacts)
     for (const WorldFeature feature : {WorldFeature::events, WorldFeature::sensors}) take_back(feature);
   if (plan.is_plain())
@@ -83,9 +85,9 @@ void apply_features(Draw& draw, WorldPlan& plan) {
     settings.auto_substeps.emplace();
     settings.auto_substeps->substeps_max = 16 << draw.below(3);
     if (plan.has(WorldFeature::tight_target_error))
-      settings.auto_substeps->target_error = draw.half() ? 0.001 : 0.002;
+      settings.auto_substeps->target_error = draw.half() ? 0.0005 : 0.001;
     else if (plan.has(WorldFeature::loose_target_error))
-      settings.auto_substeps->target_error = draw.half() ? 0.02 : 0.1;
+      settings.auto_substeps->target_error = 0.1;
   }
   if (plan.has(WorldFeature::sleeping))
     settings.sleep = SleepSettings{draw.part(0, 8, 16), draw.one_of({0.0, 0.015625, 0.05, 0.125, 0.5})};
@@ -181,9 +183,14 @@ void draw_quiet(Draw& draw, WorldPlan& plan) {
   if (draw.chance(80)) plan.inputs.push_back(push);
 }
 
-/// Large islands under many substeps take seconds a tick, most of all with joints.
-void bound_automatic_substeps(WorldPlan& plan) {
-  if (!plan.settings.auto_substeps || plan.body_count <= 24) return;
+/// Small islands get a load, so that automatic substeps have something to choose. Large islands under many substeps
+/// take seconds a tick, most of all with joints.
+void fit_automatic_substeps(Draw& draw, WorldPlan& plan) {
+  if (!plan.settings.auto_substeps) return;
+  if (plan.body_count <= 24) {
+    if (draw.half()) plan.gravity = {4 * plan.gravity.x, 4 * plan.gravity.y};
+    return;
+  }
   plan.settings.auto_substeps->substeps_max = 16;
   if (plan.body_count > 60) plan.joints.clear();
 }
@@ -205,7 +212,9 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   draw_kinds(draw, plan);
   plan.body_count = draw_body_count(draw, options.body_count_max);
   draw_quiet(draw, plan);
-  bound_automatic_substeps(plan);
+  fit_automatic_substeps(draw, plan);
+  // One impact of the largest body looks at the pairs of all others again.
+  if (plan.has(WorldFeature::size_ratio) && plan.body_count > 60) plan.settings.locate_impacts = false;
   plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
   return plan;
 }

@@ -77,6 +77,14 @@ bool take_clock(World& world, std::size_t row) {
 
 // ---- Bodies and shapes ----
 
+template <typename List, typename Predicate>
+void erase_where(List& list, Predicate predicate) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!predicate(list[i])) list[kept++] = list[i];
+  list.resize(kept);
+}
+
 template <typename Action>
 void each_body(World& world, Action action) {
   for (std::vector<Body>* list : {&world.scene.bodies, &world.scene.prototypes})
@@ -90,11 +98,26 @@ bool has_body_type(const World& world, std::size_t row) {
   return false;
 }
 
+/// Dynamic bodies go on as kinematic ones, without joints.
+void take_dynamic(World& world) {
+  each_body(world, [](Body& body) {
+    if (body.type != BodyType::dynamic_body) return;
+    body.type = BodyType::kinematic_body;
+    body.mass.reset();
+  });
+  world.scene.joints.clear();
+  world.scene.forces.clear();
+  erase_where(world.inputs, [](const Input& input) { return info_of(input_kinds, input.kind).has_joint; });
+}
+
 /// Kinematic bodies stand still as static ones, static ones become kinematic ones that move; prototypes of either
-/// become dynamic. Without dynamic bodies nothing is left to simulate.
+/// become dynamic.
 bool take_body_type(World& world, std::size_t row) {
   const BodyType type = body_types[row].kind;
-  if (type == BodyType::dynamic_body) return false;
+  if (type == BodyType::dynamic_body) {
+    take_dynamic(world);
+    return true;
+  }
   for (Body& prototype : world.scene.prototypes)
     if (prototype.type == type) prototype.type = BodyType::dynamic_body;
   for (Body& body : world.scene.bodies) {
@@ -149,14 +172,6 @@ bool has_joint(const World& world, std::size_t row) {
   for (const Joint& joint : world.scene.joints)
     if (static_cast<std::size_t>(joint.kind) == row) return true;
   return false;
-}
-
-template <typename List, typename Predicate>
-void erase_where(List& list, Predicate predicate) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (!predicate(list[i])) list[kept++] = list[i];
-  list.resize(kept);
 }
 
 bool take_joint(World& world, std::size_t row) {

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
+#include "engine/math/random.h"
 #include "engine/math/trig.h"
+#include "engine/scene_rules.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
@@ -65,6 +67,14 @@ Scene bouncing_disc(Precision precision, double height, double restitution) {
   return scene;
 }
 
+/// Kinetic energy in J of one body.
+double energy_of(const Engine& engine, const Body& body) {
+  const BodyReport report = engine.bodies()[1];
+  const MassProperties mass = body_mass(body);
+  return 0.5 * mass.mass * (report.velocity.x * report.velocity.x + report.velocity.y * report.velocity.y) +
+         0.5 * mass.inertia * report.angular_velocity * report.angular_velocity;
+}
+
 }  // namespace
 
 TEST_CASE("bullets of 1 cm and more never pass walls of 1 mm or free plates of 1 cm", "[engine][impacts][analytic]") {
@@ -79,6 +89,38 @@ TEST_CASE("bullets of 1 cm and more never pass walls of 1 mm or free plates of 1
                 CAPTURE(size, shape.vertices.size(), speed, degrees, origin, at_plate);
                 CHECK_FALSE(passes({precision, shape, speed, degrees * pi / 180, origin, at_plate}));
               }
+}
+
+TEST_CASE("rough impacts beside the middle gain no energy", "[engine][impacts][property]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double friction : {0.25, 1.0, 4.0})
+      for (const double restitution : {0.5, 1.0})
+        for (std::uint64_t seed = 0; seed < 24; ++seed) {
+          CAPTURE(friction, restitution, seed);
+          Random random(seed);
+          const auto between = [&](double low, double high) {
+            return low + (high - low) * static_cast<double>(random.below(1025)) / 1024;
+          };
+          Scene scene = empty_scene(precision);
+          scene.gravity = {0, 0};
+          scene.settings.locate_impacts = true;
+          scene.settings.restitution_threshold = 0;
+          scene.bodies.push_back(ground());
+          Body box = body_of(box_shape(between(0.1, 1), between(0.1, 1)), {0, between(1.5, 2)});
+          box.angle = between(-3, 3);
+          box.velocity = {between(-20, 20), between(-20, -10)};
+          box.angular_velocity = between(-20, 20);
+          scene.bodies.push_back(box);
+          for (Body& body : scene.bodies) body.shapes[0].material = Material{friction, restitution, 0, 0};
+          const auto engine = make_engine_or_fail(scene);
+          double before = energy_of(*engine, box);
+          for (int i = 0; i < 30; ++i) {
+            engine->step(TickInput{tick, {}}, nullptr);
+            const double after = energy_of(*engine, box);
+            CHECK(after <= before * (1 + 1e-4));
+            before = after;
+          }
+        }
 }
 
 TEST_CASE("without continuous collision a bullet passes", "[engine][impacts][analytic]") {

@@ -9,7 +9,7 @@
 namespace ticktrue::verifier::soak {
 namespace {
 
-constexpr std::size_t measured_per_world = 8;
+constexpr std::size_t measured_per_world = 10;
 
 /// Tables that have a row for each body or one for the world: that they exist shows nothing.
 constexpr std::array<std::string_view, 5> tables_of_all{"world", "sleep", "substeps", "accelerations", "integrator"};
@@ -66,10 +66,12 @@ bool has_effect(const BaseRun& base, const SoakCase& without, const EngineMaker&
   if (!is_same_schema && only_base_has_rows(base, schema)) return true;
   const CaseInputs inputs(without);
   const std::uint64_t tick_count = std::min(base.tick_count, without.tick_count);
-  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+  std::uint64_t work = 0;
+  for (std::uint64_t tick = 0; tick < tick_count && work <= 2 * base.work; ++tick) {
     if (step_tick(engine, inputs.at(tick), tick, {})) return true;
     if (hash_of_bodies(engine.state()) != base.body_hashes[tick]) return true;
     if (is_same_schema && root_hash(engine.state()) != base.hashes[tick]) return true;
+    work += work_of_tick(without.scene, engine.state());
   }
   return false;
 }

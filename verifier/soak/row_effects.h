@@ -20,7 +20,8 @@ void count_rows(const WorldSource& source, const WorldSource::World& world, std:
                 SoakCounters& counts);
 
 /// Whether the run without a row differs: the hash of the state (where both have the same tables), the bodies, or
-/// tables with rows of their own that only the world with the row has.
+/// tables with rows of their own that only the world with the row has. It is run until it differs, or has taken twice
+/// the estimated work of the base run.
 bool has_effect(const BaseRun& base, const SoakCase& without, const EngineMaker& make);
 
 }  // namespace ticktrue::verifier::soak

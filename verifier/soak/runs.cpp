@@ -40,8 +40,8 @@ std::uint64_t body_substeps(const engine::Scene& scene, const StateView& state) 
   return sum;
 }
 
-/// About how long the tick took, in ns on a machine of 2023. It depends on the state alone, so that every machine
-/// makes the same runs.
+}  // namespace
+
 std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state) {
   const std::uint64_t bodies = rows_of(state, "bodies");
   const std::uint64_t contacts = rows_of(state, "contacts");
@@ -55,6 +55,8 @@ std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state) {
   return 4000 + 150 * bodies + 250 * contacts + substeps * stages * (20 + 20 * forces) + passes * 30 * contacts +
          passes * 60 * joints;
 }
+
+namespace {
 
 /// Structures that were used again between two reports.
 CacheSet hit_between(const CacheReport& before, const CacheReport& after) {

@@ -69,6 +69,10 @@ std::optional<Finding> step_tick(engine::Engine& engine, const TickInput& input,
 /// The first difference of two states of one schema, for people. The names of rows are those of `engine`.
 std::string difference_text(const engine::Engine& engine, const StateView& expected, const StateView& got);
 
+/// About how long a tick took that ended in `state`, in ns on a machine of 2023. It depends on the state alone, so that
+/// every machine makes the same runs.
+std::uint64_t work_of_tick(const engine::Scene& scene, const StateView& state);
+
 /// Hash of the rows of the table of bodies.
 std::uint64_t hash_of_bodies(const StateView& state);
 
