@@ -11,7 +11,7 @@
 
 namespace ticktrue {
 
-/// Why an operation failed. The tool maps each code to an exit code (verifier/exit_codes.h).
+/// Why an operation failed. The tool maps each code to an exit code (verifier/report/exit_codes.h).
 enum class ErrorCode : std::uint8_t {
   io,             // the operating system refused: missing file, disk full, no permission
   usage,          // the caller asked for something that does not exist

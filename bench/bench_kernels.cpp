@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "base/state_view.h"
+#include "base/random.h"
+#include "base/state/state_view.h"
 #include "engine/broad_phase/broad_phase.h"
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
-#include "engine/math/random.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue {
@@ -49,7 +49,7 @@ Shape shape_of(const std::string& kind) {
 /// Pairs of shapes at random angles, their middles 0.8 m to 1.1 m apart: most touch, some not quite.
 void collide_pairs(benchmark::State& bench, const std::string& kind_a, const std::string& kind_b) {
   constexpr int pair_count = 256;
-  engine::Random random(7);
+  Random random(7);
   Scene scene;
   for (int i = 0; i < pair_count; ++i)
     for (const std::string& kind : {kind_a, kind_b}) {

@@ -14,14 +14,14 @@
 #include <memory>
 #include <string>
 
-#include "base/state_view.h"
-#include "engine/builtin_scenes.h"
+#include "base/parallel/jobs.h"
+#include "base/state/state_view.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
 #include "replay/recorder.h"
-#include "verifier/parallel.h"
-#include "verifier/session.h"
-#include "verifier/simulations.h"
-#include "verifier/verify.h"
+#include "tool/session/session.h"
+#include "tool/session/simulations.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue {
 namespace {
@@ -132,7 +132,7 @@ int find(const std::string& path, unsigned thread_count) {
 }
 
 int run(int argc, char** argv) {
-  std::uint64_t tick_count = 0, flip_tick = 0, thread_count = verifier::core_count();
+  std::uint64_t tick_count = 0, flip_tick = 0, thread_count = core_count();
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "record" && argc == 7 && read_number(argv[3], tick_count) && read_number(argv[4], flip_tick))
     return record(argv[2], tick_count, flip_tick, argv[5], argv[6]);

@@ -22,11 +22,11 @@
 
 #include "base/build_info.h"
 #include "base/hash.h"
-#include "base/state_view.h"
-#include "base/workers.h"
-#include "engine/builtin_scenes.h"
+#include "base/parallel/workers.h"
+#include "base/state/state_view.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
-#include "verifier/box2d_peer.h"
+#include "tool/box2d/box2d_peer.h"
 
 namespace ticktrue {
 namespace {

@@ -17,12 +17,12 @@
 #include <vector>
 
 #include "base/hash.h"
-#include "base/state_view.h"
-#include "engine/builtin_scenes.h"
+#include "base/state/state_view.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
-#include "verifier/clocked_inputs.h"
-#include "verifier/study/measures.h"
-#include "verifier/study/table.h"
+#include "tool/session/clocked_inputs.h"
+#include "tool/study/measures.h"
+#include "tool/study/table.h"
 
 namespace ticktrue {
 namespace {

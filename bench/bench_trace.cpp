@@ -20,14 +20,14 @@
 #include <vector>
 
 #include "base/build_info.h"
-#include "base/cells.h"
-#include "base/state_view.h"
-#include "engine/builtin_scenes.h"
+#include "base/state/cells.h"
+#include "base/state/state_view.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
 #include "replay/recorder.h"
-#include "verifier/session.h"
-#include "verifier/trace_summary.h"
-#include "verifier/verify.h"
+#include "tool/session/session.h"
+#include "tool/session/trace_summary.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue {
 namespace {

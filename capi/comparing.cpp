@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "base/limits.h"
-#include "verifier/locate.h"
-#include "verifier/schema_difference.h"
+#include "verifier/locate/locate.h"
+#include "verifier/locate/schema_difference.h"
 
 namespace ticktrue::capi {
 namespace {

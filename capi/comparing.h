@@ -15,8 +15,8 @@
 #include "base/result.h"
 #include "capi/tick.h"
 #include "replay/trace_reader.h"
-#include "verifier/compare_tick.h"
-#include "verifier/report.h"
+#include "verifier/locate/compare_tick.h"
+#include "verifier/report/report.h"
 
 namespace ticktrue::capi {
 

@@ -9,7 +9,7 @@
 
 #include "base/limits.h"
 #include "replay/chunk.h"
-#include "verifier/exit_codes.h"
+#include "verifier/report/exit_codes.h"
 
 namespace ticktrue::capi {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/gathered_state.h"
 #include "base/result.h"
+#include "base/state/gathered_state.h"
 #include "capi/comparing.h"
 #include "capi/recording.h"
 #include "capi/tick.h"

@@ -8,8 +8,8 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "base/row_names.h"
-#include "base/state_view.h"
+#include "base/state/row_names.h"
+#include "base/state/state_view.h"
 
 namespace ticktrue::capi {
 

@@ -7,6 +7,7 @@ function(ticktrue_builds_for_x86 out)
   get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
   set(CMAKE_REQUIRED_QUIET ON)
   set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # whether it links is no matter here
+  set(CMAKE_REQUIRED_FLAGS -Werror)  # clang for other targets takes the flag with a warning
   if("CXX" IN_LIST languages)
     include(CheckCXXCompilerFlag)
     check_cxx_compiler_flag(-mno-avx512f TICKTRUE_CXX_TAKES_X86_FLAGS)

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/engine.h"
 
-#include "base/workers.h"
-#include "engine/scene_binary.h"
+#include "base/parallel/workers.h"
+#include "engine/scene/scene_binary.h"
 
 namespace ticktrue::engine {
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "base/limits.h"
-#include "base/parallel.h"
+#include "base/parallel/parallel.h"
 #include "base/result.h"
-#include "base/simulation.h"
+#include "base/state/simulation.h"
 #include "engine/caches.h"
-#include "engine/instruction_set.h"
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
+#include "engine/simd/instruction_set.h"
 
 namespace ticktrue::engine {
 
@@ -102,7 +102,7 @@ class Engine : public Simulation {
   virtual CacheReport cache_report() const = 0;
 };
 
-/// Errors: what check_scene refuses, incompatible, and what make_workers refuses (base/workers.h).
+/// Errors: what check_scene refuses, incompatible, and what make_workers refuses (base/parallel/workers.h).
 Result<std::unique_ptr<Engine>> make_engine(const Scene& scene, const EngineOptions& options = {});
 
 /// The engine as traces know it: its setup is encode_scene of the scene (scene_binary.h).

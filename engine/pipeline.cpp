@@ -3,7 +3,7 @@
 #include "engine/pipeline.h"
 
 #include "engine/broad_phase/broad_phase.h"
-#include "engine/constraints/choose_kernels.h"
+#include "engine/contacts/choose_kernels.h"
 #include "engine/narrow_phase/shape_pairs.h"
 #include "engine/solvers/solver.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/engine.h"
-#include "engine/scratch.h"
+#include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -8,12 +8,12 @@
 
 #include "base/limits.h"
 #include "engine/broad_phase/broad_phase.h"
-#include "engine/constraints/choose_kernels.h"
+#include "engine/contacts/choose_kernels.h"
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
+#include "engine/narrow_phase/reach.h"
 #include "engine/pipeline.h"
-#include "engine/scene_json.h"
-#include "engine/stages/reach.h"
+#include "engine/scene/scene_json.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

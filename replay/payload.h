@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "base/cells.h"
 #include "base/result.h"
+#include "base/state/cells.h"
 #include "replay/trace.h"
 
 namespace ticktrue::replay {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/float_behaviour.h"
-#include "base/row_names.h"
-#include "base/stage_hashes.h"
+#include "base/state/row_names.h"
+#include "base/state/stage_hashes.h"
 
 namespace ticktrue::replay {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "base/simulation.h"
+#include "base/state/simulation.h"
 #include "replay/trace.h"
 #include "replay/trace_writer.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "base/state_view.h"
+#include "base/state/state_view.h"
 
 namespace ticktrue::replay {
 

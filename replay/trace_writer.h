@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "base/simulation.h"
+#include "base/state/simulation.h"
 #include "replay/trace.h"
 
 namespace ticktrue::replay {

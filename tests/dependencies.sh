@@ -42,7 +42,7 @@ if grep -q -e '-Werror' "$commands"; then complain "-Werror: found it inside ano
 grep -q '"CMAKE_COMPILE_WARNING_AS_ERROR": "ON"' "$source/CMakePresets.json" || complain "CMakePresets.json: warnings are no errors"
 
 # Kernels are never compiled together: what -Wshadow says of them breaks a build without TICKTRUE_UNITY.
-for kernel in "$source"/engine/*/*_kernels.cpp; do
+for kernel in $(find "$source/engine" -name "*_kernels.cpp"); do
   c++ -std=c++20 -fsyntax-only -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Werror -DTICKTRUE_PRECISION=f64 \
     -DTICKTRUE_ISA=baseline -I"$source" "$kernel" || complain "$kernel: warnings"
 done

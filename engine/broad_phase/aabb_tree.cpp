@@ -17,9 +17,9 @@
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/broad_phase/neighbour_cells.h"
 #include "engine/broad_phase/pair_listing.h"
+#include "engine/model/selection.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/selection.h"
-#include "engine/stages/reach.h"
+#include "engine/narrow_phase/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 #include "engine/broad_phase/broad_phase.h"
 
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/stages/reach.h"
+#include "engine/narrow_phase/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

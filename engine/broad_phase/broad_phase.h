@@ -3,10 +3,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/math/four.h"
-#include "engine/model.h"
+#include "engine/model/model.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
+#include "engine/simd/four.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

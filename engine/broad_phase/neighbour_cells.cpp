@@ -14,7 +14,7 @@
 #include <algorithm>
 
 #include "engine/broad_phase/pair_listing.h"
-#include "engine/math/four.h"
+#include "engine/simd/four.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

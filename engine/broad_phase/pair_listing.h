@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstddef>
 
-#include "engine/scratch.h"
+#include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

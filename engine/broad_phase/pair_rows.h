@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/broad_phase/box_tree.h"
-#include "engine/state.h"
+#include "engine/model/state.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 
 namespace ticktrue::engine {
 

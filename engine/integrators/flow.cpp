@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/flow.h"
 
-#include "engine/constraints/bodies.h"
 #include "engine/math/exponential.h"
+#include "engine/model/bodies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 // Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section II.5 (splitting).
 #pragma once
 
-#include "engine/forces/forces.h"
+#include "engine/integrators/forces.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -9,9 +9,9 @@
 // spring's push aside, an attraction that weakens with distance); what is left out only slows the iteration. The linear
 // equations are solved by conjugate gradients to 1e-3, the iteration ends when positions change by less than
 // 64 epsilon of their size, after 60 rounds at the latest; the substep is then counted as unconverged.
-#include "engine/constraints/bodies.h"
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
+#include "engine/model/bodies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

@@ -6,7 +6,7 @@
 // the end; what constraints changed goes into it as a force would (flow.h).
 #pragma once
 
-#include "engine/scratch.h"
+#include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -1,7 +1,7 @@
 // How bodies advance by themselves under semi-implicit Euler, several at a time.
 // SPDX-License-Identifier: MIT
-#include "engine/constraints/solver_kernels.h"
-#include "engine/math/quads.h"
+#include "engine/contacts/solver_kernels.h"
+#include "engine/simd/quads.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "engine/constraints/body_rows.h"
+#include "engine/model/body_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "engine/choices.h"
+#include "engine/math/precision.h"
 #include "engine/math/scalar.h"
 
 namespace ticktrue::engine {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: as collide_polygons.cpp; each lane does what collide() does there for such a pair, in the same order, with
 // selections in the place of branches.
-#include "engine/constraints/solver_kernels.h"
-#include "engine/math/quads.h"
+#include "engine/contacts/solver_kernels.h"
+#include "engine/simd/quads.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {

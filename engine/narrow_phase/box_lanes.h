@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/constraints/lanes.h"
+#include "engine/simd/lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -4,8 +4,8 @@
 //
 // Two polygons of four corners take all axes of one at once; each lane does what the loop over edges does, in its
 // order.
-#include "engine/math/four.h"
 #include "engine/narrow_phase/convex_hulls.h"
+#include "engine/simd/four.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

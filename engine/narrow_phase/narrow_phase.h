@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/scratch.h"
+#include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/model.h"
+#include "engine/model/model.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_builder.h"
 
-#include "engine/geometry/hull.h"
+#include "engine/builtin_scenes/pieces.h"
 #include "engine/math/trig.h"
-#include "engine/scene_rules.h"
-#include "engine/scenes/pieces.h"
+#include "engine/scene/hull.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {

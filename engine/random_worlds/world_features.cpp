@@ -3,7 +3,7 @@
 #include "engine/random_worlds/world_features.h"
 
 #include "engine/math/trig.h"
-#include "engine/scene_rules.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {

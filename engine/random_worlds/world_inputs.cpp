@@ -1,9 +1,9 @@
 // Inputs of random worlds: what wakes, pushes, aims, teleports, spawns and removes.
 // SPDX-License-Identifier: MIT
-#include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
-#include "engine/scene_rules.h"
+#include "engine/scene/hull.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {

@@ -1,9 +1,9 @@
-// Joints and force elements of random worlds. Which fields a kind has is read from engine/scene_fields.h.
+// Joints and force elements of random worlds. Which fields a kind has is read from engine/scene/scene_fields.h.
 // SPDX-License-Identifier: MIT
-#include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
-#include "engine/scene_fields.h"
+#include "engine/scene/hull.h"
+#include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_plan.h"
 
-#include "engine/scene_fields.h"
+#include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "engine/random_worlds/world_features.h"
 
 namespace ticktrue::engine {

@@ -1,8 +1,8 @@
 // The rows of the tables of choices that a world has, and worlds without one of them.
 // SPDX-License-Identifier: MIT
-#include "engine/geometry/hull.h"
 #include "engine/random_worlds/world_features.h"
-#include "engine/scene_rules.h"
+#include "engine/scene/hull.h"
+#include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {

@@ -1,8 +1,8 @@
 // Shapes of random worlds: one maker for each kind.
 // SPDX-License-Identifier: MIT
+#include "engine/builtin_scenes/pieces.h"
 #include "engine/random_worlds/world_builder.h"
-#include "engine/scene_fields.h"
-#include "engine/scenes/pieces.h"
+#include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {

@@ -1,9 +1,9 @@
 // Bodies that meet nothing: the integrator alone.
 // SPDX-License-Identifier: MIT
-#include "engine/constraints/bodies.h"
-#include "engine/constraints/groups.h"
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
+#include "engine/islands/groups.h"
+#include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -7,9 +7,9 @@
 // - inertia as in BodyModel::impulse_inv_inertia; static polygons take part with theirs;
 // - a body of 2 000 kg or more is taken for static;
 // - the circle test stops at the first edge the circle is outside of; coincident circles give NaN.
-#include "engine/constraints/bodies.h"
-#include "engine/constraints/groups.h"
 #include "engine/integrators/integrator.h"
+#include "engine/islands/groups.h"
+#include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

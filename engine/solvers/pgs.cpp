@@ -3,9 +3,9 @@
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (projected Gauss-Seidel on accumulated
 // impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that takes overlap
 // back stays: the price of having no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
-#include "engine/constraints/bodies.h"
-#include "engine/constraints/groups.h"
 #include "engine/integrators/integrator.h"
+#include "engine/islands/groups.h"
+#include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: MIT
 // Source: Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps); Catto, "Solver2D", 2024 (soft step,
 // relax). Cost per tick: bodies 2 + 2n, contacts 2 + 3n, n = substep count.
-#include "engine/constraints/bodies.h"
-#include "engine/constraints/contact_blocks.h"
-#include "engine/constraints/groups.h"
-#include "engine/constraints/landings.h"
-#include "engine/constraints/weave.h"
+#include "engine/contacts/contact_blocks.h"
+#include "engine/impacts/landings.h"
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
+#include "engine/islands/groups.h"
+#include "engine/joints/batched/weave.h"
+#include "engine/model/bodies.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
 

@@ -1,6 +1,6 @@
 // Restitution: contacts that hit in this tick get their bounce, once, at its end.
 // SPDX-License-Identifier: MIT
-#include "engine/constraints/bodies.h"
+#include "engine/model/bodies.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "base/cells.h"
 #include "base/row_kernels.h"
+#include "base/state/cells.h"
 #include "tests/support/catch.h"
 #include "tests/support/toy_simulation.h"
 

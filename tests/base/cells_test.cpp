@@ -1,6 +1,6 @@
 // Cells: columns that differ are named, owners that differ are found, and the numbers are those of the documents.
 // SPDX-License-Identifier: MIT
-#include "base/cells.h"
+#include "base/state/cells.h"
 
 #include <set>
 

@@ -1,6 +1,6 @@
 // Columns scattered in memory, gathered into packed rows and written back.
 // SPDX-License-Identifier: MIT
-#include "base/gathered_state.h"
+#include "base/state/gathered_state.h"
 
 #include <algorithm>
 #include <cstring>

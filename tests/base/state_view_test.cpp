@@ -1,7 +1,7 @@
 // State as columns: every lane counts in the hash, images come back bit for bit, bad images are refused, differences
 // are named exactly.
 // SPDX-License-Identifier: MIT
-#include "base/state_view.h"
+#include "base/state/state_view.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // Workers do each chunk once, whatever the threads; ranges are cut as said; threads with other arithmetic are refused.
 // SPDX-License-Identifier: MIT
-#include "base/workers.h"
+#include "base/parallel/workers.h"
 
 #include <algorithm>
 #include <atomic>

@@ -11,13 +11,13 @@
 #include <variant>
 #include <vector>
 
-#include "engine/math/random.h"
-#include "engine/scene_binary.h"
+#include "base/random.h"
+#include "engine/scene/scene_binary.h"
 #include "replay/trace_reader.h"
 #include "replay/trace_writer.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
-#include "verifier/session.h"
+#include "tool/session/session.h"
 
 namespace fs = std::filesystem;
 
@@ -25,7 +25,7 @@ namespace ticktrue::test {
 namespace {
 
 /// Some of 0 .. end - 1, and always 0: a trace begins with a checkpoint.
-std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, engine::Random& random) {
+std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, Random& random) {
   std::set<std::uint64_t> ticks{0};
   while (ticks.size() < count && ticks.size() < end) ticks.insert(random.below(end));
   return ticks;
@@ -33,7 +33,7 @@ std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, engin
 
 /// Runs the session of the golden trace at `from` anew, saving its state at these ticks.
 void record_with_checkpoints(const std::string& from, const std::string& to, std::size_t checkpoint_count,
-                             engine::Random& random) {
+                             Random& random) {
   auto reader = replay::TraceReader::open(from);
   REQUIRE(reader.has_value());
   const auto scene = engine::decode_scene(reader->setup().setup);
@@ -79,7 +79,7 @@ void check_goldens(std::size_t stride, std::size_t checkpoint_count) {
   for (const auto& entry : fs::directory_iterator(std::string(TICKTRUE_SOURCE_DIR) + "/traces"))
     if (entry.path().extension() == ".ttr") goldens.insert(entry.path());
   REQUIRE(goldens.size() >= 49);
-  engine::Random random(stride);
+  Random random(stride);
   std::size_t index = 0;
   for (const fs::path& golden : goldens) {
     if (index++ % stride != 0) continue;

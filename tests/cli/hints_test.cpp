@@ -75,32 +75,33 @@ struct Elsewhere {
   const char* reason;
 };
 constexpr Elsewhere elsewhere[] = {
-    {"verifier/cli/scenes.cpp", "ticktrue record {0}", "hints.case runs it with names in place of {0}"},
-    {"verifier/soak/failure_files.cpp", "ticktrue soak", "written beside a failure, which needs a fault"},
+    {"tool/cli/study/scenes.cpp", "ticktrue record {0}", "hints.case runs it with names in place of {0}"},
+    {"tool/experiment/soak/failure_files.cpp", "ticktrue soak", "written beside a failure, which needs a fault"},
     {"engine/random_worlds/world_hashes.cpp", "ticktrue soak",
      "what a file says of itself: ./dev golden update runs it"},
-    {"verifier/cli/soak.cpp", "ticktrue golden check traces", "needs a build that computes otherwise"},
-    {"verifier/soak/soak.cpp", "ticktrue soak", "what a file holds while a world is examined"},
-    {"verifier/verify.cpp", "ticktrue verify full.ttr --mode restore",
+    {"tool/cli/upkeep/soak.cpp", "ticktrue golden check traces", "needs a build that computes otherwise"},
+    {"tool/experiment/soak/soak.cpp", "ticktrue soak", "what a file holds while a world is examined"},
+    {"verifier/verify/verify.cpp", "ticktrue verify full.ttr --mode restore",
      "needs a simulation that hides a variable: tests/verifier/state_incomplete_test.cpp"},
-    {"verifier/locate_cells.cpp", "ticktrue verify full.ttr",
+    {"verifier/locate/locate_cells.cpp", "ticktrue verify full.ttr",
      "needs a build that computes otherwise: tests/verifier/against_build_test.cpp"},
-    {"verifier/soak/known_counts.cpp", "ticktrue soak", "runs random worlds for minutes"},
-    {"verifier/report_ci.cpp", "ticktrue verify", "the name of a test suite and a headline"},
-    {"verifier/cli/compare.cpp", "ticktrue run", "a name within a help text: docs/cli.md is compared with it"},
-    {"verifier/cli/verify.cpp", "ticktrue report", "a name within a help text: docs/cli.md is compared with it"},
-    {"verifier/cli/import.cpp", "ticktrue import", "the end of a help text: printed_commands_test.cpp runs it"},
-    {"verifier/cli/import.cpp", "ticktrue record", "the end of a help text: printed_commands_test.cpp runs it"},
-    {"verifier/cli/accuracy_peer.cpp", "ticktrue accuracy --peer box2d",
+    {"tool/experiment/soak/known_counts.cpp", "ticktrue soak", "runs random worlds for minutes"},
+    {"verifier/report/report_ci.cpp", "ticktrue verify", "the name of a test suite and a headline"},
+    {"tool/cli/study/compare.cpp", "ticktrue run", "a name within a help text: docs/cli.md is compared with it"},
+    {"tool/cli/session/verify.cpp", "ticktrue report", "a name within a help text: docs/cli.md is compared with it"},
+    {"tool/cli/session/import.cpp", "ticktrue import", "the end of a help text: printed_commands_test.cpp runs it"},
+    {"tool/cli/session/import.cpp", "ticktrue record", "the end of a help text: printed_commands_test.cpp runs it"},
+    {"tool/cli/study/accuracy_peer.cpp", "ticktrue accuracy --peer box2d",
      "runs for minutes: parsed as an example of a help"},
     {"replay/trace.h", "ticktrue recover", "what the end of a trace says, no command"},
-    {"verifier/against_build.cpp", "ticktrue replay", "of another build: tests/verifier/against_build_test.cpp"},
-    {"play/player.cpp", "ticktrue replay", "needs a trace of 4,000,000 ticks; the command has no argument"},
-    {"play/command.cpp", "ticktrue play", "tests/cli/cases/play.case; ONE.ttr and OTHER.ttr stand for files"},
-    {"play/trace_mode.cpp", "ticktrue verify {}", "hints.case runs it with a name in place of {}"},
+    {"verifier/compare/against_build.cpp", "ticktrue replay",
+     "of another build: tests/verifier/against_build_test.cpp"},
+    {"tool/play/player.cpp", "ticktrue replay", "needs a trace of 4,000,000 ticks; the command has no argument"},
+    {"tool/play/command.cpp", "ticktrue play", "tests/cli/cases/play.case; ONE.ttr and OTHER.ttr stand for files"},
+    {"tool/play/trace_mode.cpp", "ticktrue verify {}", "hints.case runs it with a name in place of {}"},
     {"capi/comparing.cpp", "ticktrue diff A B", "A and B stand for files: traces of a session without full detail"},
     {"capi/comparing.cpp", "ticktrue recover", "tests/examples/run.sh"},
-    {"verifier/cli/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
+    {"tool/session/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
 };
 
 bool is_elsewhere(const SourceHint& hint) {
@@ -118,7 +119,7 @@ TEST_CASE("for every message that prints a command there is a case that runs it"
   for (std::string line; std::getline(cases, line);)
     if (line.compare(0, 3, "$^ ") == 0) commands.push_back(line.substr(3));
   std::vector<SourceHint> hints;
-  for (const char* folder : {"base", "engine", "replay", "verifier", "capi", "play"})
+  for (const char* folder : {"base", "engine", "replay", "verifier", "capi", "tool"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / folder)) {
       const fs::path extension = entry.path().extension();
       if (extension != ".cpp" && extension != ".h") continue;

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "base/plain_text.h"
-#include "engine/builtin_scenes.h"
-#include "engine/scene_json.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/scene_json.h"
 #include "tests/damage/forger.h"
 #include "tests/replay/toy_traces.h"
 #include "tests/support/text.h"

@@ -21,17 +21,17 @@
 #include <string>
 #include <vector>
 
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "tests/damage/run_tool.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using Bytes = std::vector<char>;
+using ticktrue::Random;
 using ticktrue::damage::fail;
 using ticktrue::damage::Outcome;
 using ticktrue::damage::run_tool;
-using ticktrue::engine::Random;
 
 struct Trace {
   std::string path;

@@ -16,7 +16,7 @@
 #include <fstream>
 #include <map>
 
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "tests/damage/forger.h"
 #include "tests/damage/run_tool.h"
 
@@ -168,7 +168,7 @@ int main(int argument_count, char** arguments) {
 
   Checker checker(options);
   std::map<std::string, Count> counts;
-  ticktrue::engine::Random random(options.seed);
+  ticktrue::Random random(options.seed);
   const auto& recipes = ticktrue::damage::recipes();
   for (std::uint64_t i = 0; i < options.files; ++i) {
     const std::uint64_t seed = random.bits();

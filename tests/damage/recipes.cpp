@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/cells.h"
 #include "base/limits.h"
-#include "engine/math/random.h"
+#include "base/random.h"
+#include "base/state/cells.h"
 #include "tests/damage/forger.h"
 
 namespace ticktrue::damage {
 namespace {
 
-using engine::Random;
 using replay::ChunkKind;
 using replay::RecordTag;
 

@@ -8,8 +8,8 @@
 #include <new>
 
 #include "base/build_info.h"
-#include "base/chunk_order.h"
-#include "engine/builtin_scenes.h"
+#include "base/parallel/chunk_order.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 

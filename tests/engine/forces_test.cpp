@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/input.h"
+#include "engine/scene/input.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/constraints/bodies.h"
-#include "engine/constraints/groups.h"
 #include "engine/engine.h"
 #include "engine/integrators/integrator.h"
+#include "engine/islands/groups.h"
 #include "engine/math/trig.h"
+#include "engine/model/bodies.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/hash.h"
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"

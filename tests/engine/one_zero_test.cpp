@@ -7,9 +7,9 @@
 #include <iterator>
 
 #include "base/build_info.h"
-#include "base/chunk_order.h"
-#include "engine/input.h"
-#include "engine/scene_json.h"
+#include "base/parallel/chunk_order.h"
+#include "engine/scene/input.h"
+#include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"

@@ -6,8 +6,8 @@
 // (that finds, with luck, what two threads write). Not verified: races that change no bit; -fsanitize=thread is run by
 // hand (docs/performance.md).
 #include "base/build_info.h"
-#include "base/chunk_order.h"
-#include "engine/builtin_scenes.h"
+#include "base/parallel/chunk_order.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 

@@ -13,7 +13,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "engine/engine.h"
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 
 namespace ticktrue::fuzz {
 

@@ -1,7 +1,7 @@
 // Fuzzes files of frame times: each one given out is a length of time.
 // SPDX-License-Identifier: MIT
 #include "tests/fuzz/fuzz.h"
-#include "verifier/host_frames.h"
+#include "tool/session/host_frames.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;

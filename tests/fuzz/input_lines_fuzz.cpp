@@ -1,9 +1,9 @@
 // Fuzzes files of inputs as JSON Lines: checked as a whole, then given out tick by tick, and printed.
 // SPDX-License-Identifier: MIT
-#include "engine/builtin_scenes.h"
-#include "engine/scene_json.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/scene_json.h"
 #include "tests/fuzz/fuzz.h"
-#include "verifier/input_source.h"
+#include "tool/session/input_source.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/builtin_scenes.h"
-#include "engine/input.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/input.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/worlds.h"
 

@@ -10,14 +10,14 @@
 #include <set>
 #include <string>
 
-#include "engine/builtin_scenes.h"
-#include "engine/scene_binary.h"
-#include "engine/scene_json.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/scene_binary.h"
+#include "engine/scene/scene_json.h"
 #include "replay/recorder.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/worlds.h"
 #include "tests/support/toy_simulation.h"
-#include "verifier/input_source.h"
+#include "tool/session/input_source.h"
 
 namespace {
 

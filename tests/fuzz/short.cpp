@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "tests/fuzz/fuzz.h"
 
 // Each harness is compiled under its own name (CMakeLists.txt, the list of all).
@@ -140,7 +140,7 @@ class Mutator {
   const std::vector<Bytes>& seeds_;
   const std::vector<Bytes>& words_;
   std::size_t longest_;
-  engine::Random random_;
+  Random random_;
 };
 
 /// What both processes see: the input that runs.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/worlds.h"
 

@@ -12,7 +12,7 @@
 #include "replay/trace_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/toy_simulation.h"
-#include "verifier/verify.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue::fuzz {
 namespace {

@@ -21,11 +21,11 @@ CACHE_FILES = """
 engine/broad_phase/aabb_tree.cpp engine/broad_phase/box_tree.cpp engine/broad_phase/neighbour_cells.cpp
 engine/broad_phase/sort_pairs.cpp engine/broad_phase/pair_listing.h engine/broad_phase/box_tree.h
 engine/narrow_phase/narrow_phase.cpp engine/narrow_phase/box_pairs.cpp engine/narrow_phase/box_pairs.h
-engine/constraints/contact_batch.cpp engine/constraints/contact_blocks.cpp engine/constraints/contact_coloring.cpp
-engine/constraints/contact_filling.cpp engine/constraints/groups.cpp engine/constraints/hinge_batch.cpp
-engine/constraints/joint_order.cpp engine/constraints/joint_plan.cpp engine/constraints/near_levels.cpp
-engine/constraints/pin_batch.cpp engine/constraints/weave.cpp engine/constraints/bodies.cpp
-engine/integrators/flow.cpp engine/stages/reach.h engine/scratch.cpp
+engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp engine/contacts/contact_coloring.cpp
+engine/contacts/contact_filling.cpp engine/islands/groups.cpp engine/joints/batched/hinge_batch.cpp
+engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/near_levels.cpp
+engine/joints/batched/pin_batch.cpp engine/joints/batched/weave.cpp engine/model/bodies.cpp
+engine/integrators/flow.cpp engine/narrow_phase/reach.h engine/model/scratch.cpp
 """.split()
 
 REPLACEMENTS = {

@@ -11,9 +11,9 @@
 #include "replay/recorder.h"
 #include "replay/trace_reader.h"
 #include "tests/support/faulty_engine.h"
-#include "verifier/playback.h"
-#include "verifier/session.h"
-#include "verifier/trace_inputs.h"
+#include "tool/session/playback.h"
+#include "tool/session/session.h"
+#include "verifier/verify/trace_inputs.h"
 
 namespace {
 

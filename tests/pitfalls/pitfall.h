@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "base/simulation.h"
-#include "verifier/report.h"
-#include "verifier/verify.h"
+#include "base/state/simulation.h"
+#include "verifier/report/report.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue::pitfalls {
 

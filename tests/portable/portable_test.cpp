@@ -5,7 +5,7 @@
 
 #include "base/float_behaviour.h"
 #include "base/hash.h"
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
 #include "replay/recorder.h"
 #include "tests/replay/toy_traces.h"

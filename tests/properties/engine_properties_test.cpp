@@ -7,7 +7,7 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 
@@ -36,7 +36,7 @@ void check_restores(const Session& session, std::uint64_t end) {
   constexpr std::uint64_t ticks_compared = 20;
   const std::vector<std::uint64_t> expected = tick_hashes(session, end);
   const auto original = make_engine_or_fail(session.scene);
-  engine::Random random(end);
+  Random random(end);
   bool is_first = true;
   for (std::uint64_t tick = 0; tick < end; ++tick) {
     if (tick == 0 || random.below(end) < 50) {

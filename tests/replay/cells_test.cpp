@@ -1,6 +1,6 @@
 // Detail cells in a trace: written, read back, recovered, and refused where it cannot be.
 // SPDX-License-Identifier: MIT
-#include "base/cells.h"
+#include "base/state/cells.h"
 
 #include <fstream>
 #include <sstream>

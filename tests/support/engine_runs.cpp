@@ -5,11 +5,11 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/builtin_scenes.h"
+#include "base/random.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/clock/step_control.h"
-#include "engine/math/random.h"
-#include "engine/scene_fields.h"
-#include "engine/scene_json.h"
+#include "engine/scene/scene_fields.h"
+#include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 
@@ -180,7 +180,7 @@ engine::Scene springs_alone(engine::Precision precision) {
   return scene;
 }
 
-Input random_event(const engine::Scene& scene, engine::Random& random, InputKind kind, std::uint8_t player) {
+Input random_event(const engine::Scene& scene, Random& random, InputKind kind, std::uint8_t player) {
   Input input;
   input.kind = kind;
   input.player = player;
@@ -207,7 +207,7 @@ Input random_event(const engine::Scene& scene, engine::Random& random, InputKind
 /// One event of any declared kind in `gap` ticks, so that what sleeps may do so in between.
 std::vector<Bytes> sparse_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count,
                                  std::uint64_t gap) {
-  engine::Random random(seed);
+  Random random(seed);
   std::vector<Bytes> encoded(tick_count);
   for (std::uint64_t tick = gap; tick < tick_count; tick += gap) {
     const InputKind kind = scene.inputs[random.below(scene.inputs.size())];
@@ -217,7 +217,7 @@ std::vector<Bytes> sparse_inputs(const engine::Scene& scene, std::uint64_t seed,
 }
 
 std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed, std::uint64_t tick_count) {
-  engine::Random random(seed);
+  Random random(seed);
   std::vector<Bytes> encoded;
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     std::vector<Input> inputs;
@@ -242,7 +242,7 @@ std::vector<Bytes> random_inputs(const engine::Scene& scene, std::uint64_t seed,
 /// Lengths of ticks as the scene's clock makes them of frames that are now steady, now far too long.
 std::vector<double> clocked_dts(const Session& session, std::uint64_t tick_count) {
   const auto engine = make_engine_or_fail(session.scene);
-  engine::Random random(17);
+  Random random(17);
   engine::TickClock clock(session.scene.settings.clock, session.scene.settings.dt);
   engine::StepControl control(*engine);
   const bool adapts = session.scene.settings.clock.kind == engine::ClockKind::adaptive;

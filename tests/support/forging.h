@@ -9,7 +9,7 @@
 #include "replay/trace_reader.h"
 #include "replay/trace_writer.h"
 #include "tests/support/catch.h"
-#include "verifier/compare_tick.h"
+#include "verifier/locate/compare_tick.h"
 
 namespace ticktrue::test {
 

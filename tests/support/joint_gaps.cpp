@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/hull.h"
 #include "engine/math/trig.h"
+#include "engine/scene/hull.h"
 
 namespace ticktrue::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "engine/engine.h"
-#include "engine/scene_fields.h"
+#include "engine/scene/scene_fields.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
 

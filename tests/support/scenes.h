@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 
 namespace ticktrue::test {
 

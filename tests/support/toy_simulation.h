@@ -18,8 +18,8 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "base/simulation.h"
-#include "base/state_view.h"
+#include "base/state/simulation.h"
+#include "base/state/state_view.h"
 
 namespace ticktrue::test {
 

@@ -15,8 +15,8 @@
 
 #include "base/build_info.h"
 #include "base/hash.h"
-#include "base/stage_hashes.h"
-#include "base/state_view.h"
+#include "base/state/stage_hashes.h"
+#include "base/state/state_view.h"
 #include "engine/engine.h"
 #include "replay/trace_reader.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/stage_states.h"
+#include "verifier/compare/stage_states.h"
 
 namespace ticktrue::test {
 namespace {

@@ -1,6 +1,6 @@
 // Two traces compared without running anything.
 // SPDX-License-Identifier: MIT
-#include "verifier/diff.h"
+#include "verifier/compare/diff.h"
 
 #include <nlohmann/json.hpp>
 

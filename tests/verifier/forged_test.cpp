@@ -3,7 +3,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/forging.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/diff.h"
+#include "verifier/compare/diff.h"
 
 namespace ticktrue::test {
 namespace {

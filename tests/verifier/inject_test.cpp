@@ -1,6 +1,6 @@
 // Every injected bit comes back with its exact place.
 // SPDX-License-Identifier: MIT
-#include "verifier/inject.h"
+#include "verifier/inject/inject.h"
 
 #include <nlohmann/json.hpp>
 #include <set>

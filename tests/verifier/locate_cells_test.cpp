@@ -1,16 +1,16 @@
 // What cells name: columns exactly, rows by a short list that never leaves out one that differs.
 // SPDX-License-Identifier: MIT
-#include "verifier/locate_cells.h"
+#include "verifier/locate/locate_cells.h"
 
 #include <nlohmann/json.hpp>
 
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/diff.h"
-#include "verifier/inject.h"
-#include "verifier/session.h"
+#include "tool/session/session.h"
+#include "verifier/compare/diff.h"
+#include "verifier/inject/inject.h"
 
 namespace ticktrue::test {
 namespace {

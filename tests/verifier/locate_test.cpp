@@ -1,6 +1,6 @@
 // Exactness of what a report names: every column and lane of the toy state.
 // SPDX-License-Identifier: MIT
-#include "verifier/locate.h"
+#include "verifier/locate/locate.h"
 
 #include <cstring>
 

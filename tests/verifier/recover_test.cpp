@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "engine/math/random.h"
+#include "base/random.h"
 #include "replay/chunk.h"
 #include "tests/verifier/toy_variants.h"
 
 namespace ticktrue::test {
 namespace {
 
-using engine::Random;
 using replay::TraceCondition;
 using verifier::Verdict;
 

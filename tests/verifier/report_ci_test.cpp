@@ -1,10 +1,10 @@
 // What continuous integration is told: JUnit, GitHub Actions; and the manifest of golden traces.
 // SPDX-License-Identifier: MIT
-#include "verifier/report_ci.h"
+#include "verifier/report/report_ci.h"
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/golden.h"
+#include "verifier/corpus/golden.h"
 
 namespace ticktrue::test {
 namespace {

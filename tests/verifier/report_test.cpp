@@ -1,6 +1,6 @@
 // What reports look like, and which exit codes they mean.
 // SPDX-License-Identifier: MIT
-#include "verifier/report.h"
+#include "verifier/report/report.h"
 
 #include <nlohmann/json.hpp>
 

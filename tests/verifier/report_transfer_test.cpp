@@ -1,10 +1,10 @@
 // A report comes out of a child process as it went in.
 // SPDX-License-Identifier: MIT
-#include "verifier/report_transfer.h"
+#include "verifier/report/report_transfer.h"
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/report_ci.h"
+#include "verifier/report/report_ci.h"
 
 namespace ticktrue::test {
 namespace {
@@ -57,7 +57,7 @@ Report full_report() {
   divergence.got_root = 15;
   divergence.inputs = "{\"tick\":8}\n";
   report.divergence = divergence;
-  report.non_finite = verifier::NonFinite{8, "bodies", 1, "n", "x", 2, "nan"};
+  report.non_finite = NonFinite{8, "bodies", 1, "n", "x", 2, "nan"};
   verifier::TraceEnd end;
   end.tail.condition = replay::TraceCondition::damaged;
   end.tail.ticks_intact = 16;

@@ -1,12 +1,12 @@
 // The range of a column may grow from build to build: old traces stay comparable.
 // SPDX-License-Identifier: MIT
-#include "engine/builtin_scenes.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/diff.h"
-#include "verifier/playback.h"
-#include "verifier/schema_difference.h"
-#include "verifier/session.h"
+#include "tool/session/playback.h"
+#include "tool/session/session.h"
+#include "verifier/compare/diff.h"
+#include "verifier/locate/schema_difference.h"
 
 namespace ticktrue::test {
 namespace {

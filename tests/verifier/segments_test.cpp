@@ -1,14 +1,14 @@
 // One trace on several threads gives the report of one thread.
 // SPDX-License-Identifier: MIT
-#include "verifier/segments.h"
+#include "verifier/verify/segments.h"
 
 #include <atomic>
 #include <set>
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/report.h"
-#include "verifier/trace_list.h"
+#include "verifier/corpus/trace_list.h"
+#include "verifier/report/report.h"
 
 namespace ticktrue::test {
 namespace {

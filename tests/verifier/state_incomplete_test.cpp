@@ -4,7 +4,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/report_ci.h"
+#include "verifier/report/report_ci.h"
 
 namespace ticktrue::test {
 namespace {

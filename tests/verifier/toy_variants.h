@@ -11,7 +11,7 @@
 #include "tests/replay/toy_traces.h"
 #include "tests/support/text.h"
 #include "tests/support/toy_simulation.h"
-#include "verifier/verify.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue::test {
 

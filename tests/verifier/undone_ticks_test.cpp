@@ -3,11 +3,11 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 
-#include "engine/scene_binary.h"
+#include "engine/scene/scene_binary.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 #include "tests/verifier/toy_variants.h"
-#include "verifier/session.h"
+#include "tool/session/session.h"
 
 namespace ticktrue::test {
 namespace {

@@ -1,6 +1,6 @@
 // Every verdict of verify, over toy simulations with planted faults.
 // SPDX-License-Identifier: MIT
-#include "verifier/verify.h"
+#include "verifier/verify/verify.h"
 
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"

@@ -15,8 +15,8 @@
 #include "base/hash.h"
 #include "engine/engine.h"
 #include "engine/random_worlds/world_features.h"
-#include "engine/scene_binary.h"
-#include "engine/scene_json.h"
+#include "engine/scene/scene_binary.h"
+#include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
 
 namespace ticktrue::test {

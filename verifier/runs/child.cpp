@@ -14,7 +14,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "verifier/data_file.h"
+#include "verifier/runs/data_file.h"
 
 extern "C" char** environ;
 #endif

@@ -17,7 +17,7 @@
 #include <csignal>
 #include <vector>
 
-#include "verifier/data_file.h"
+#include "verifier/runs/data_file.h"
 #include "verifier/runs/escaped.h"
 #include "verifier/runs/stop_signals.h"
 

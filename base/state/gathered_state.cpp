@@ -1,0 +1,275 @@
+// Gathering and scattering of columns, and the checks of what was registered.
+// SPDX-License-Identifier: MIT
+#include "base/state/gathered_state.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "base/limits.h"
+
+namespace ticktrue {
+namespace {
+
+Error refused(const std::string& message, const std::string& hint = "") {
+  return {ErrorCode::usage, message, hint};
+}
+
+std::string column_place(const TableSchema& table, const Column& column) {
+  return "table " + table.name + ": column " + column.name;
+}
+
+std::size_t values_size(ScalarType type, std::uint32_t lane_count) {
+  return static_cast<std::size_t>(scalar_info(type)->size) * lane_count;
+}
+
+std::size_t source_stride(const ColumnSource& source) {
+  return source.stride != 0 ? source.stride : values_size(source.type, source.lane_count);
+}
+
+template <std::size_t size>
+void copy_fixed(const std::uint8_t* from, std::size_t from_stride, std::uint8_t* to, std::size_t to_stride,
+                std::size_t count) {
+  for (std::size_t row = 0; row < count; ++row, from += from_stride, to += to_stride) std::memcpy(to, from, size);
+}
+
+/// `count` pieces of `size` bytes. Small sizes as single moves: a call of memcpy per value costs more than the value.
+void copy_strided(const std::uint8_t* from, std::size_t from_stride, std::uint8_t* to, std::size_t to_stride,
+                  std::size_t size, std::size_t count) {
+  if (size == from_stride && size == to_stride) {
+    if (count > 0) std::memcpy(to, from, size * count);
+    return;
+  }
+  if (size == 4) return copy_fixed<4>(from, from_stride, to, to_stride, count);
+  if (size == 8) return copy_fixed<8>(from, from_stride, to, to_stride, count);
+  if (size == 16) return copy_fixed<16>(from, from_stride, to, to_stride, count);
+  for (std::size_t row = 0; row < count; ++row, from += from_stride, to += to_stride) std::memcpy(to, from, size);
+}
+
+std::uint64_t key_value(const std::uint8_t* bytes, ScalarType type) {
+  std::uint8_t u8 = 0;
+  std::uint16_t u16 = 0;
+  std::uint32_t u32 = 0;
+  std::uint64_t u64 = 0;
+  switch (scalar_info(type)->size) {
+    case 1:
+      std::memcpy(&u8, bytes, 1);
+      return u8;
+    case 2:
+      std::memcpy(&u16, bytes, 2);
+      return u16;
+    case 4:
+      std::memcpy(&u32, bytes, 4);
+      return u32;
+    case 8:
+      std::memcpy(&u64, bytes, 8);
+      return u64;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Status check_name(const std::string& what, std::string_view name) {
+  if (name.empty() || name.size() > limits::name_size_max)
+    return refused(what + ": name: found " + std::to_string(name.size()) + " bytes, expected 1.." +
+                   std::to_string(limits::name_size_max));
+  for (const char c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      return refused(what + ": name: found a control character, expected printable text");
+  return {};
+}
+
+Status GatheredState::check_source(const std::string& place, const ColumnSource& source) const {
+  const std::size_t size = values_size(source.type, source.lane_count);
+  if (source.row_count > limits::row_count_max)
+    return Error{ErrorCode::limit,
+                 place + ": rows: found " + std::to_string(source.row_count) + ", expected at most " +
+                     std::to_string(limits::row_count_max),
+                 ""};
+  if (source.data == nullptr && source.row_count > 0)
+    return refused(place + ": pointer: found null, expected the first of " + std::to_string(source.row_count) + " rows",
+                   "a table that is empty now has 0 rows");
+  // One row may say anything: there is no second one.
+  if (source.stride != 0 && source.stride < size && source.row_count > 1)
+    return refused(place + ": stride: found " + std::to_string(source.stride) + " bytes, expected at least " +
+                       std::to_string(size) + " (" + std::to_string(source.lane_count) + " lanes of " +
+                       std::string(scalar_info(source.type)->name) + ")",
+                   "the stride is the distance from one row's value to the next row's: often the size of the struct");
+  return {};
+}
+
+Status GatheredState::column(std::string_view table_name, std::string_view name, const ColumnSource& source) {
+  if (const Status status = check_name("table", table_name); !status) return status;
+  if (const Status status = check_name("table " + std::string(table_name) + ": column", name); !status) return status;
+  const std::string place = "table " + std::string(table_name) + ": column " + std::string(name);
+  if (scalar_info(source.type) == nullptr)
+    return refused(place + ": type: found " + std::to_string(static_cast<unsigned>(source.type)) +
+                   ", expected one of 1..8 (u8 to f64)");
+  if (source.lane_count == 0 || source.lane_count > std::numeric_limits<std::uint8_t>::max())
+    return refused(place + ": lanes: found " + std::to_string(source.lane_count) + ", expected 1..255",
+                   "one value a row is one lane; longer arrays are rows of a table of their own");
+  if (const Status status = check_source(place, source); !status) return status;
+
+  std::size_t t = schema_.find_table(table_name).value_or(schema_.tables.size());
+  if (t < schema_.tables.size()) {
+    TableSchema& table = schema_.tables[t];
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      if (table.columns[c].name != name) continue;
+      if (table.columns[c].type != source.type || table.columns[c].lane_count != source.lane_count)
+        return refused(place + ": found another type or lane count than before, expected the same",
+                       "a column that is registered again says where its values lie now, nothing else");
+      sources_[t][c] = source;
+      return {};
+    }
+  }
+  if (frozen_)
+    return refused(place + ": found a new column after the first tick, expected one that is known",
+                   "register every table and column before the first tick; a table may have 0 rows then");
+  if (t == schema_.tables.size()) {
+    if (t >= limits::table_count_max)
+      return Error{ErrorCode::limit, place + ": tables: expected at most " + std::to_string(limits::table_count_max),
+                   ""};
+    schema_.tables.emplace_back();
+    schema_.tables[t].name = std::string(table_name);
+    sources_.emplace_back();
+  }
+  TableSchema& table = schema_.tables[t];
+  const std::size_t row_size = table.row_size + values_size(source.type, source.lane_count);
+  if (table.columns.size() >= limits::column_count_max || row_size > limits::row_size_max)
+    return Error{ErrorCode::limit,
+                 place + ": the row grows beyond " + std::to_string(limits::column_count_max) + " columns or " +
+                     std::to_string(limits::row_size_max) + " bytes",
+                 "make several tables of it"};
+  Column column;
+  column.name = std::string(name);
+  column.type = source.type;
+  column.lane_count = static_cast<std::uint8_t>(source.lane_count);
+  column.offset = static_cast<std::uint16_t>(table.row_size);
+  table.row_size = static_cast<std::uint32_t>(row_size);
+  table.columns.push_back(std::move(column));
+  sources_[t].push_back(source);
+  return {};
+}
+
+Status GatheredState::key(std::string_view table_name, std::uint32_t column_count) {
+  const auto t = schema_.find_table(table_name);
+  if (!t) return refused("key: table " + std::string(table_name) + ": found none of this name", "register its columns");
+  TableSchema& table = schema_.tables[*t];
+  if (frozen_ && table.key_column_count == column_count) return {};
+  if (frozen_) return refused("table " + table.name + ": key: found a change after the first tick");
+  if (column_count == 0 || column_count > table.columns.size())
+    return refused("table " + table.name + ": key columns: found " + std::to_string(column_count) + ", expected 1.." +
+                   std::to_string(table.columns.size()) + " (those registered so far)");
+  table.key_column_count = static_cast<std::uint8_t>(column_count);
+  return {};
+}
+
+Status GatheredState::reference(std::string_view table_name, std::string_view column_name, std::string_view target) {
+  const auto t = schema_.find_table(table_name);
+  const auto other = schema_.find_table(target);
+  if (!t || !other)
+    return refused("reference: table " + std::string(t ? target : table_name) + ": found none of this name",
+                   "register the columns of both tables first");
+  for (Column& column : schema_.tables[*t].columns) {
+    if (column.name != column_name) continue;
+    if (frozen_ && column.target == static_cast<std::int16_t>(*other)) return {};
+    if (frozen_)
+      return refused(column_place(schema_.tables[*t], column) + ": target: found a change after the first tick");
+    column.target = static_cast<std::int16_t>(*other);
+    column.optional = true;
+    return {};
+  }
+  return refused("reference: table " + schema_.tables[*t].name + ": column " + std::string(column_name) +
+                 ": found none of this name");
+}
+
+Status GatheredState::freeze() {
+  if (schema_.tables.empty())
+    return refused("state: found no column, expected at least one",
+                   "register everything that can influence a later tick, before the first tick");
+  if (const Status status = check_schema(schema_); !status)
+    return Error{ErrorCode::usage, status.error().message, status.error().hint};
+  rows_.resize(schema_.tables.size());
+  view_.schema = &schema_;
+  view_.tables.resize(schema_.tables.size());
+  frozen_ = true;
+  return {};
+}
+
+Status GatheredState::check_keys(std::size_t t) const {
+  const TableSchema& table = schema_.tables[t];
+  const std::uint8_t* row = rows_[t].data();
+  for (std::uint32_t r = 1; r < view_.tables[t].row_count; ++r, row += table.row_size) {
+    for (std::size_t c = 0; c < table.key_column_count; ++c) {
+      const Column& column = table.columns[c];
+      const std::uint64_t before = key_value(row + column.offset, column.type);
+      const std::uint64_t here = key_value(row + table.row_size + column.offset, column.type);
+      if (before < here) break;
+      if (before == here && c + 1 < table.key_column_count) continue;
+      return refused(column_place(table, column) + ", row " + std::to_string(r) + ": keys must ascend: found " +
+                         std::to_string(here) + " after " + std::to_string(before),
+                     "sort the rows by key, or register the table without a key: rows then compare by position");
+    }
+  }
+  return {};
+}
+
+Status GatheredState::gather() {
+  TICKTRUE_ASSERT(frozen_);
+  std::uint64_t image_size = 0;
+  for (std::size_t t = 0; t < schema_.tables.size(); ++t) {
+    const TableSchema& table = schema_.tables[t];
+    const std::vector<ColumnSource>& sources = sources_[t];
+    const std::uint32_t row_count = sources.front().row_count;
+    for (std::size_t c = 1; c < sources.size(); ++c)
+      if (sources[c].row_count != row_count)
+        return refused(
+            "table " + table.name + ": rows: column " + table.columns[c].name + " has " +
+                std::to_string(sources[c].row_count) + ", column " + table.columns[0].name + " has " +
+                std::to_string(row_count),
+            "all columns of a table have the same number of rows: register all of them again when it changes");
+    image_size += static_cast<std::uint64_t>(row_count) * table.row_size;
+    if (image_size > limits::state_image_size_max)
+      return Error{
+          ErrorCode::limit,
+          "table " + table.name + ": state: grows beyond " + std::to_string(limits::state_image_size_max) + " bytes",
+          ""};
+    rows_[t].resize(static_cast<std::size_t>(row_count) * table.row_size);
+    view_.tables[t] = {rows_[t].data(), row_count};
+    if (row_count == 0) continue;
+    for (std::size_t c = 0; c < sources.size();) {
+      // Neighbours in memory that are neighbours in the row are copied together.
+      const auto* from = static_cast<const std::uint8_t*>(sources[c].data);
+      const std::size_t stride = source_stride(sources[c]);
+      const std::size_t offset = table.columns[c].offset;
+      std::size_t size = 0;
+      do {
+        size += values_size(sources[c].type, sources[c].lane_count);
+        ++c;
+      } while (c < sources.size() && static_cast<const std::uint8_t*>(sources[c].data) == from + size &&
+               source_stride(sources[c]) == stride &&
+               size + values_size(sources[c].type, sources[c].lane_count) <= stride);
+      copy_strided(from, stride, rows_[t].data() + offset, table.row_size, size, row_count);
+    }
+    if (const Status status = check_keys(t); !status) return status;
+  }
+  return {};
+}
+
+void GatheredState::scatter(std::size_t t, const ImageTable& rows) {
+  const TableSchema& table = schema_.tables[t];
+  TICKTRUE_ASSERT(frozen_ && rows.row_count == row_count(t));
+  Bytes packed(rows.rows.size());
+  decode_rows(table, rows, packed.data());
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const ColumnSource& source = sources_[t][c];
+    auto* to = static_cast<std::uint8_t*>(source.writable);
+    if (rows.row_count == 0) continue;
+    TICKTRUE_ASSERT(to != nullptr);
+    copy_strided(packed.data() + table.columns[c].offset, table.row_size, to, source_stride(source),
+                 values_size(source.type, source.lane_count), rows.row_count);
+  }
+}
+
+}  // namespace ticktrue

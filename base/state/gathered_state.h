@@ -1,0 +1,73 @@
+// A state kept anywhere in memory, shown as packed rows: columns by pointer, stride and count, gathered after a tick.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "base/state/state_view.h"
+
+namespace ticktrue {
+
+/// Where the values of one column lie: those of row r begin at `data + r * stride`.
+struct ColumnSource {
+  const void* data = nullptr;  // may be null where there are no rows
+  ScalarType type = ScalarType::u8;
+  std::uint32_t lane_count = 1;
+  std::uint32_t row_count = 0;
+  std::size_t stride = 0;    // bytes; 0: the values of a row alone, packed
+  void* writable = nullptr;  // the same place, where scatter() may write
+};
+
+class GatheredState {
+ public:
+  /// Before freeze: adds a column, and its table at its first column. After it: says where a known column lies now.
+  /// Errors: usage (an empty or wrong name, no lanes, a stride below the size of a row's values, null with rows, after
+  /// freeze: an unknown column or another type or lane count), limit.
+  Status column(std::string_view table, std::string_view name, const ColumnSource& source);
+
+  /// The leading `column_count` columns of the table are its key: rows ascend by them, and are compared by key.
+  /// Errors: usage (unknown table, after freeze). Whether the columns may be keys, freeze says.
+  Status key(std::string_view table, std::uint32_t column_count);
+
+  /// The column holds keys of the rows of `target`, or no_reference. Errors: usage.
+  Status reference(std::string_view table, std::string_view column, std::string_view target);
+
+  /// Fixes tables and columns. Errors: usage (nothing registered), and what check_schema refuses.
+  Status freeze();
+  bool is_frozen() const { return frozen_; }
+
+  /// Copies every value into packed rows, which view() then shows.
+  /// Errors: usage (columns of a table with different row counts, keys that do not ascend), limit.
+  /// Requires: is_frozen().
+  Status gather();
+  const StateView& view() const { return view_; }
+  const StateSchema& schema() const { return schema_; }
+
+  /// Writes a table of an image back to where its columns lie; `rows` are little-endian rows of the schema.
+  /// Requires: the sources have `writable` and rows.row_count rows.
+  void scatter(std::size_t table, const ImageTable& rows);
+
+  std::uint32_t row_count(std::size_t table) const { return sources_[table].front().row_count; }
+
+ private:
+  Status check_source(const std::string& place, const ColumnSource& source) const;
+  Status check_keys(std::size_t table) const;
+
+  StateSchema schema_;
+  std::vector<std::vector<ColumnSource>> sources_;  // [table][column]
+  std::vector<Bytes> rows_;                         // [table], in the machine's byte order
+  StateView view_;
+  bool frozen_ = false;
+};
+
+/// Whether a name may stand in a schema and in a report: 1..name_size_max bytes, no control characters.
+/// Errors: usage. `what` begins the message.
+Status check_name(const std::string& what, std::string_view name);
+
+}  // namespace ticktrue

@@ -1,0 +1,92 @@
+// The interface through which any simulation is recorded and verified. The verifier knows no physics, the engine
+// knows no files: they meet here.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "base/state/state_view.h"
+
+namespace ticktrue {
+
+/// What drives one tick. The input bytes are the simulation's own canonical encoding of the tick's input events,
+/// in (player, sequence) order; empty when there are none.
+struct TickInput {
+  double dt = 0;    // s, recorded as bits
+  ByteView inputs;  // must outlive the step
+};
+
+/// Called by step() after each stage of its pipeline.
+class StageObserver {
+ public:
+  virtual ~StageObserver() = default;
+  /// `stage` indexes Simulation::stage_names().
+  virtual void after_stage(std::size_t stage, const StateView& state) = 0;
+};
+
+/// A bit to flip in the middle of a step: to test what verification makes of it.
+struct InnerFault {
+  std::uint32_t substep = 0;  // after this one
+  StatePlace place;
+  std::uint32_t bit = 0;  // 0: the lowest
+};
+
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  /// Whether step() may be given this input in the present state. Changes nothing.
+  /// Errors: invalid_input, with the reason.
+  virtual Status accept(const TickInput& input) const = 0;
+
+  /// Advances exactly one tick. `observer` may be null.
+  /// Requires: accept(input).
+  virtual void step(const TickInput& input, StageObserver* observer) = 0;
+
+  /// Whether the last step did its tick. Where not, the state is that of no tick, and nothing is accepted until a state
+  /// has been loaded. What wraps a simulation passes this on.
+  /// Errors: limit (the tick needs more than base/limits.h allows), with the tick.
+  virtual Status last_step() const { return {}; }
+
+  /// Every column that can influence a later tick. Valid until the next step or load.
+  virtual const StateView& state() const = 0;
+
+  /// Replaces the state by an image made by encode_image. On error the state is unchanged.
+  /// Errors: corrupt (a value out of its range), unsupported (the state can only be observed).
+  virtual Status load(ByteView image) = 0;
+
+  /// Flips a bit in the middle of the next step, that one alone. Errors: unsupported, also for places without a value
+  /// inside a step.
+  virtual Status plant(const InnerFault&) {
+    return Error{ErrorCode::unsupported, "nothing can be planted inside a step", ""};
+  }
+
+  virtual std::span<const std::string> stage_names() const = 0;
+
+  /// What a person would call this row, such as "crate_7"; empty where it has no name.
+  virtual std::string row_name(std::size_t table, std::size_t row) const = 0;
+
+  /// The inputs of `tick` as JSON Lines, the form in which they are written by hand; empty if they cannot be read.
+  virtual std::string inputs_text(std::uint64_t tick, ByteView inputs) const = 0;
+};
+
+/// What a trace must say so that a simulation can be made again from its setup.
+struct SimulationInfo {
+  std::string_view name;          // e.g. "ticktrue.engine"
+  std::uint32_t physics_version;  // rises with every change that changes bits on purpose
+  /// Errors: corrupt, invalid_scene, limit.
+  std::function<Result<std::unique_ptr<Simulation>>(ByteView setup)> make;
+  /// The same, each tick on so many threads, with the same results; empty: its ticks have one thread. Errors: also
+  /// limit and unsupported (base/parallel/workers.h).
+  std::function<Result<std::unique_ptr<Simulation>>(ByteView setup, unsigned thread_count)> make_on_threads = {};
+};
+
+}  // namespace ticktrue

@@ -1,0 +1,503 @@
+// Hash, image, validation and comparison of states, over their columns.
+// SPDX-License-Identifier: MIT
+#include "base/state/state_view.h"
+
+#include <algorithm>
+#include <array>
+#include <compare>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/hash.h"
+#include "base/limits.h"
+#include "base/row_kernels.h"
+
+namespace ticktrue {
+namespace {
+
+constexpr std::array<ScalarInfo, 8> scalars{{
+    {ScalarType::u8, "u8", 1, false},
+    {ScalarType::u16, "u16", 2, false},
+    {ScalarType::u32, "u32", 4, false},
+    {ScalarType::u64, "u64", 8, false},
+    {ScalarType::i32, "i32", 4, false},
+    {ScalarType::i64, "i64", 8, false},
+    {ScalarType::f32, "f32", 4, true},
+    {ScalarType::f64, "f64", 8, true},
+}};
+
+constexpr std::size_t hash_block_size = 16 * 1024;
+
+std::size_t scalar_size(ScalarType type) {
+  return scalar_info(type)->size;
+}
+
+std::uint64_t read_scalar(const std::uint8_t* bytes, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+  return value;
+}
+
+bool is_finite_bits(ScalarType type, std::uint64_t bits) {
+  if (type == ScalarType::f32) return (bits & 0x7f800000u) != 0x7f800000u;
+  if (type == ScalarType::f64) return (bits & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+  return true;
+}
+
+/// The value of a lane for range checks. Integers beyond 2^53 lose low bits, which no range of ours looks at.
+double lane_value(ScalarType type, std::uint64_t bits) {
+  switch (type) {
+    case ScalarType::f32:
+      return float_of_bits(static_cast<std::uint32_t>(bits));
+    case ScalarType::f64:
+      return double_of_bits(bits);
+    case ScalarType::i32:
+      return static_cast<std::int32_t>(static_cast<std::uint32_t>(bits));
+    case ScalarType::i64:
+      return static_cast<double>(static_cast<std::int64_t>(bits));
+    default:
+      return static_cast<double>(bits);
+  }
+}
+
+/// Rows in canonical byte order: the machine's own where that is little-endian, else a swapped copy in `buffer`.
+ByteView canonical_rows(const TableSchema& table, const TableRows& rows, Bytes& buffer) {
+  const std::size_t size = static_cast<std::size_t>(rows.row_count) * table.row_size;
+  if constexpr (machine_is_little_endian) return {rows.data, size};
+  buffer.assign(rows.data, rows.data + size);
+  for (std::size_t row = 0; row < rows.row_count; ++row)
+    for (const Column& column : table.columns)
+      reverse_scalar_bytes(buffer.data() + row * table.row_size + column.offset, scalar_size(column.type),
+                           column.lane_count);
+  return buffer;
+}
+
+std::strong_ordering compare_keys(const TableSchema& table, const std::uint8_t* a, const std::uint8_t* b) {
+  for (std::size_t i = 0; i < table.key_column_count; ++i) {
+    const Column& column = table.columns[i];
+    const std::size_t size = scalar_size(column.type);
+    const std::uint64_t value_a = read_scalar(a + column.offset, size);
+    const std::uint64_t value_b = read_scalar(b + column.offset, size);
+    if (value_a != value_b) return value_a <=> value_b;
+  }
+  return std::strong_ordering::equal;
+}
+
+Error schema_error(const std::string& what) {
+  return {ErrorCode::corrupt, "schema: " + what, ""};
+}
+
+std::string place_text(const TableSchema& table, std::size_t row, const Column& column, std::size_t lane) {
+  std::string text = table.name + "[" + std::to_string(row) + "]." + column.name;
+  if (column.lane_count > 1) text += "[" + std::to_string(lane) + "]";
+  return text;
+}
+
+}  // namespace
+
+const ScalarInfo* scalar_info(ScalarType type) {
+  for (const ScalarInfo& info : scalars)
+    if (info.type == type) return &info;
+  return nullptr;
+}
+
+std::optional<std::size_t> StateSchema::find_table(std::string_view name) const {
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    if (tables[i].name == name) return i;
+  return std::nullopt;
+}
+
+bool owns_rows(const StateSchema& schema, std::size_t table) {
+  return std::none_of(
+      schema.tables[table].columns.begin(), schema.tables[table].columns.end(),
+      [&](const Column& column) { return column.target >= 0 && column.target != static_cast<int>(table); });
+}
+
+Status check_schema(const StateSchema& schema) {
+  if (schema.tables.empty() || schema.tables.size() > limits::table_count_max)
+    return schema_error("table count: found " + std::to_string(schema.tables.size()) + ", expected 1.." +
+                        std::to_string(limits::table_count_max));
+  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+    const TableSchema& table = schema.tables[t];
+    if (table.name.empty() || table.name.size() > limits::name_size_max)
+      return schema_error("table " + std::to_string(t) + ": name is empty or too long");
+    if (schema.find_table(table.name) != t) return schema_error("table " + table.name + ": stands twice");
+    if (table.columns.empty() || table.columns.size() > limits::column_count_max)
+      return schema_error("table " + table.name + ": column count: found " + std::to_string(table.columns.size()) +
+                          ", expected 1.." + std::to_string(limits::column_count_max));
+    if (table.row_size == 0 || table.row_size > limits::row_size_max)
+      return schema_error("table " + table.name + ": row size: found " + std::to_string(table.row_size) +
+                          ", expected 1.." + std::to_string(limits::row_size_max));
+    if (table.key_column_count > table.columns.size())
+      return schema_error("table " + table.name + ": more key columns than columns");
+    std::size_t end = 0;
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const Column& column = table.columns[c];
+      const std::string place = "table " + table.name + ": column " + column.name;
+      if (column.name.empty() || column.name.size() > limits::name_size_max)
+        return schema_error("table " + table.name + ": column " + std::to_string(c) + ": name is empty or too long");
+      for (std::size_t other = 0; other < c; ++other)
+        if (table.columns[other].name == column.name) return schema_error(place + ": stands twice");
+      const ScalarInfo* info = scalar_info(column.type);
+      if (info == nullptr) return schema_error(place + ": unknown scalar type");
+      if (column.lane_count == 0) return schema_error(place + ": no lanes");
+      if (column.offset != end)
+        return schema_error(place + ": offset: found " + std::to_string(column.offset) + ", expected " +
+                            std::to_string(end) + " (columns must cover the row without gaps)");
+      end += static_cast<std::size_t>(info->size) * column.lane_count;
+      if (c < table.key_column_count && (info->is_float || column.lane_count != 1 || column.type == ScalarType::i32 ||
+                                         column.type == ScalarType::i64))
+        return schema_error(place + ": a key column must be one unsigned integer");
+      if (column.target < -1 || column.target >= static_cast<int>(schema.tables.size()))
+        return schema_error(place + ": refers to no table");
+      if (column.target >= 0 &&
+          (column.type != ScalarType::u32 ||
+           schema.tables[static_cast<std::size_t>(column.target)].key_column_count != 1 ||
+           schema.tables[static_cast<std::size_t>(column.target)].columns.empty() ||
+           schema.tables[static_cast<std::size_t>(column.target)].columns[0].type != ScalarType::u32))
+        return schema_error(place + ": a reference must be u32, to a table with one u32 key");
+      if (!(column.min <= column.max)) return schema_error(place + ": empty range");
+    }
+    if (end != table.row_size)
+      return schema_error("table " + table.name + ": row size: found " + std::to_string(table.row_size) +
+                          ", columns cover " + std::to_string(end));
+  }
+  return {};
+}
+
+void encode_schema(const StateSchema& schema, ByteWriter& out) {
+  out.u16(static_cast<std::uint16_t>(schema.tables.size()));
+  for (const TableSchema& table : schema.tables) {
+    out.text(table.name);
+    out.u32(table.row_size);
+    out.u8(table.key_column_count);
+    out.u16(static_cast<std::uint16_t>(table.columns.size()));
+    for (const Column& column : table.columns) {
+      out.text(column.name);
+      out.u8(static_cast<std::uint8_t>(column.type));
+      out.u8(column.lane_count);
+      out.u16(column.offset);
+      out.f64(column.min);
+      out.f64(column.max);
+      out.u16(static_cast<std::uint16_t>(column.target + 1));
+      out.u8(column.optional ? 1 : 0);
+    }
+  }
+}
+
+Result<StateSchema> decode_schema(ByteReader& in) {
+  StateSchema schema;
+  const std::size_t table_count = in.u16();
+  if (table_count > limits::table_count_max) return schema_error("too many tables");
+  for (std::size_t t = 0; t < table_count && in.ok(); ++t) {
+    TableSchema table;
+    table.name = in.text(limits::name_size_max);
+    table.row_size = in.u32();
+    table.key_column_count = in.u8();
+    const std::size_t column_count = in.u16();
+    if (column_count > limits::column_count_max) return schema_error("too many columns");
+    for (std::size_t c = 0; c < column_count && in.ok(); ++c) {
+      Column column;
+      column.name = in.text(limits::name_size_max);
+      column.type = static_cast<ScalarType>(in.u8());
+      column.lane_count = in.u8();
+      column.offset = in.u16();
+      column.min = in.f64();
+      column.max = in.f64();
+      const std::uint16_t target = in.u16();
+      if (target > limits::table_count_max) return schema_error("a column refers to no table");
+      column.target = static_cast<std::int16_t>(target - 1);
+      const std::uint8_t optional = in.u8();
+      if (optional > 1) return schema_error("a flag is neither 0 nor 1");
+      column.optional = optional == 1;
+      table.columns.push_back(std::move(column));
+    }
+    schema.tables.push_back(std::move(table));
+  }
+  if (!in.ok()) return schema_error("ends early");
+  if (const Status status = check_schema(schema); !status) return status.error();
+  return schema;
+}
+
+std::uint64_t root_hash(const StateView& state) {
+  ByteWriter digest;
+  Bytes buffer;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) {
+    const TableSchema& table = state.schema->tables[t];
+    const ByteView rows = canonical_rows(table, state.tables[t], buffer);
+    digest.u64(hash64({reinterpret_cast<const std::uint8_t*>(table.name.data()), table.name.size()}));
+    digest.u64(state.tables[t].row_count);
+    for (std::size_t offset = 0; offset < rows.size(); offset += hash_block_size)
+      digest.u64(hash64(rows.subspan(offset, std::min(hash_block_size, rows.size() - offset))));
+  }
+  return hash64(digest.view());
+}
+
+void encode_image(const StateView& state, Bytes& out) {
+  out.clear();
+  Bytes buffer;
+  for (std::size_t t = 0; t < state.tables.size(); ++t) {
+    const ByteView rows = canonical_rows(state.schema->tables[t], state.tables[t], buffer);
+    const std::uint32_t row_count = state.tables[t].row_count;
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::uint8_t>(row_count >> (8 * i)));
+    out.insert(out.end(), rows.begin(), rows.end());
+  }
+}
+
+Result<std::vector<ImageTable>> split_image(const StateSchema& schema, ByteView image) {
+  if (image.size() > limits::state_image_size_max)
+    return Error{ErrorCode::corrupt,
+                 "state image: size: found " + std::to_string(image.size()) + ", expected at most " +
+                     std::to_string(limits::state_image_size_max),
+                 ""};
+  ByteReader in(image);
+  std::vector<ImageTable> tables;
+  for (const TableSchema& table : schema.tables) {
+    ImageTable part;
+    part.row_count = in.u32();
+    const std::uint64_t size = static_cast<std::uint64_t>(part.row_count) * table.row_size;
+    if (!in.ok() || size > in.remaining())
+      return Error{ErrorCode::corrupt,
+                   "state image: table " + table.name + ": ends early: " + std::to_string(part.row_count) +
+                       " rows of " + std::to_string(table.row_size) + " bytes do not fit",
+                   ""};
+    part.rows = in.bytes(static_cast<std::size_t>(size));
+    tables.push_back(part);
+  }
+  if (!in.at_end())
+    return Error{ErrorCode::corrupt, "state image: " + std::to_string(in.remaining()) + " bytes left over", ""};
+  return tables;
+}
+
+Result<std::vector<ImageTable>> check_image(const StateSchema& schema, ByteView image) {
+  Result<std::vector<ImageTable>> tables = split_image(schema, image);
+  if (!tables) return tables;
+  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+    const TableSchema& table = schema.tables[t];
+    const ImageTable& part = (*tables)[t];
+    for (std::size_t row = 0; row < part.row_count; ++row) {
+      const std::uint8_t* bytes = part.rows.data() + row * table.row_size;
+      if (row > 0 && table.key_column_count > 0 && compare_keys(table, bytes - table.row_size, bytes) >= 0)
+        return Error{ErrorCode::corrupt,
+                     "state image: " + place_text(table, row, table.columns[0], 0) + ": rows must ascend by key", ""};
+      for (const Column& column : table.columns) {
+        const std::size_t size = scalar_size(column.type);
+        for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
+          const std::uint64_t bits = read_scalar(bytes + column.offset + lane * size, size);
+          const double value = lane_value(column.type, bits);
+          if (column.optional && bits == no_reference) continue;
+          if (!is_finite_bits(column.type, bits) || value < column.min || value > column.max)
+            return Error{ErrorCode::corrupt,
+                         "state image: " + place_text(table, row, column, lane) + ": out of range: found " +
+                             lane_text(column.type, bits) + ", expected " +
+                             lane_text(ScalarType::f64, bits_of(column.min)) + ".." +
+                             lane_text(ScalarType::f64, bits_of(column.max)),
+                         ""};
+          if (column.target < 0) continue;
+          const auto target = static_cast<std::size_t>(column.target);
+          const TableSchema& other = schema.tables[target];
+          std::size_t low = 0, high = (*tables)[target].row_count;
+          while (low < high) {
+            const std::size_t middle = low + (high - low) / 2;
+            if (read_scalar((*tables)[target].rows.data() + middle * other.row_size, 4) < bits)
+              low = middle + 1;
+            else
+              high = middle;
+          }
+          if (low == (*tables)[target].row_count ||
+              read_scalar((*tables)[target].rows.data() + low * other.row_size, 4) != bits)
+            return Error{ErrorCode::corrupt,
+                         "state image: " + place_text(table, row, column, lane) + ": refers to no row of " +
+                             other.name + ": found id " + std::to_string(bits),
+                         ""};
+        }
+      }
+    }
+  }
+  return tables;
+}
+
+void decode_rows(const TableSchema& table, const ImageTable& rows, std::uint8_t* out) {
+  std::copy(rows.rows.begin(), rows.rows.end(), out);
+  if constexpr (!machine_is_little_endian)
+    for (std::size_t row = 0; row < rows.row_count; ++row)
+      for (const Column& column : table.columns)
+        reverse_scalar_bytes(out + row * table.row_size + column.offset, scalar_size(column.type), column.lane_count);
+}
+
+namespace {
+
+/// What the 32-bit words of a row are tested with: not finite if (word & mask) == want. Words without an exponent never
+/// are.
+struct ExponentTests {
+  std::vector<std::uint32_t> mask;  // [word]; empty if floats do not lie on words
+  std::vector<std::uint32_t> want;
+};
+
+ExponentTests exponent_tests(const TableSchema& table) {
+  if (table.row_size % 4 != 0) return {};
+  ExponentTests tests{std::vector<std::uint32_t>(table.row_size / 4, 0),
+                      std::vector<std::uint32_t>(table.row_size / 4, 1)};
+  for (const Column& column : table.columns) {
+    const ScalarInfo& info = *scalar_info(column.type);
+    if (!info.is_float) continue;
+    if (column.offset % 4 != 0) return {};
+    const std::size_t high_word = info.size == 8 && machine_is_little_endian ? 1 : 0;
+    for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
+      const std::size_t word = (column.offset + lane * info.size) / 4 + high_word;
+      tests.mask[word] = tests.want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
+    }
+  }
+  return tests;
+}
+
+/// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
+bool is_suspect(const TableSchema& table, const TableRows& rows) {
+  const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
+  if (std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
+  const ExponentTests tests = exponent_tests(table);
+  if (tests.mask.size() < 4) return true;
+  return row_kernels().any_match(rows.data, tests.mask.size(), rows.row_count, tests.mask.data(), tests.want.data());
+}
+
+}  // namespace
+
+namespace {
+
+/// The first lane of a table whose bits `is_sought`, in row, column order.
+template <typename Sought>
+std::optional<StatePlace> find_lane(const StateView& state, std::size_t t, Sought is_sought) {
+  const TableSchema& table = state.schema->tables[t];
+  const TableRows& rows = state.tables[t];
+  if (rows.row_count == 0) return std::nullopt;  // the data of an empty table may be null
+  Bytes buffer;
+  const ByteView bytes = canonical_rows(table, rows, buffer);
+  for (std::size_t row = 0; row < rows.row_count; ++row)
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      for (std::size_t lane = 0; lane < table.columns[c].lane_count; ++lane) {
+        const StatePlace place{t, row, c, lane};
+        if (is_sought(table.columns[c].type, lane_bits(table, bytes, place))) return place;
+      }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<StatePlace> find_non_finite(const StateView& state) {
+  for (std::size_t t = 0; t < state.tables.size(); ++t)
+    if (is_suspect(state.schema->tables[t], state.tables[t]))
+      if (const auto place =
+              find_lane(state, t, [](ScalarType type, std::uint64_t bits) { return !is_finite_bits(type, bits); }))
+        return place;
+  return std::nullopt;
+}
+
+std::optional<StatePlace> find_negative_zero(const StateView& state) {
+  const auto is_negative_zero = [](ScalarType type, std::uint64_t bits) {
+    const ScalarInfo& scalar = *scalar_info(type);
+    return scalar.is_float && bits == std::uint64_t{1} << (8 * scalar.size - 1);
+  };
+  for (std::size_t t = 0; t < state.tables.size(); ++t)
+    if (const auto place = find_lane(state, t, is_negative_zero)) return place;
+  return std::nullopt;
+}
+
+std::uint64_t lane_bits(const TableSchema& table, ByteView canonical, const StatePlace& place) {
+  const Column& column = table.columns[place.column];
+  const std::size_t size = scalar_size(column.type);
+  const std::size_t offset = place.row * table.row_size + column.offset + place.lane * size;
+  TICKTRUE_ASSERT(offset + size <= canonical.size());
+  return read_scalar(canonical.data() + offset, size);
+}
+
+std::string lane_text(ScalarType type, std::uint64_t bits) {
+  char text[40];
+  if (type == ScalarType::f32) {
+    const float value = float_of_bits(static_cast<std::uint32_t>(bits));
+    for (int digits = 6; digits <= 9; ++digits) {
+      std::snprintf(text, sizeof text, "%.*g", digits, static_cast<double>(value));
+      if (std::strtof(text, nullptr) == value) break;
+    }
+  } else if (type == ScalarType::f64) {
+    const double value = double_of_bits(bits);
+    for (int digits = 15; digits <= 17; ++digits) {
+      std::snprintf(text, sizeof text, "%.*g", digits, value);
+      if (std::strtod(text, nullptr) == value) break;
+    }
+  } else if (type == ScalarType::i32) {
+    return std::to_string(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits)));
+  } else if (type == ScalarType::i64) {
+    return std::to_string(static_cast<std::int64_t>(bits));
+  } else {
+    return std::to_string(bits);
+  }
+  return text;
+}
+
+std::string lane_hex(ScalarType type, std::uint64_t bits) {
+  return hex64(bits).substr(16 - 2 * scalar_size(type));
+}
+
+std::optional<std::uint64_t> ulp_distance(ScalarType type, std::uint64_t a, std::uint64_t b) {
+  if (type != ScalarType::f32 && type != ScalarType::f64) return std::nullopt;
+  const bool is_f32 = type == ScalarType::f32;
+  const std::uint64_t sign = is_f32 ? 0x80000000u : 0x8000000000000000u;
+  const std::uint64_t infinity = is_f32 ? 0x7f800000u : 0x7ff0000000000000u;
+  if ((a & ~sign) > infinity || (b & ~sign) > infinity) return std::nullopt;
+  const bool same_sign = (a & sign) == (b & sign);
+  const std::uint64_t magnitude_a = a & ~sign;
+  const std::uint64_t magnitude_b = b & ~sign;
+  if (same_sign) return magnitude_a > magnitude_b ? magnitude_a - magnitude_b : magnitude_b - magnitude_a;
+  return magnitude_a + magnitude_b;
+}
+
+std::vector<LaneDifference> diff_images(const StateSchema& schema, const std::vector<ImageTable>& expected,
+                                        const std::vector<ImageTable>& got, std::size_t count_max) {
+  std::vector<LaneDifference> differences;
+  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+    const TableSchema& table = schema.tables[t];
+    const ImageTable& a = expected[t];
+    const ImageTable& b = got[t];
+    std::size_t row_a = 0, row_b = 0;
+    while (row_a < a.row_count || row_b < b.row_count) {
+      if (differences.size() >= count_max) return differences;
+      const std::uint8_t* bytes_a = row_a < a.row_count ? a.rows.data() + row_a * table.row_size : nullptr;
+      const std::uint8_t* bytes_b = row_b < b.row_count ? b.rows.data() + row_b * table.row_size : nullptr;
+      if (bytes_a && bytes_b && std::memcmp(bytes_a, bytes_b, table.row_size) == 0) {
+        ++row_a, ++row_b;
+        continue;
+      }
+      // A changed key looks like one row gone and one row new. Where both neighbours still fit, it is one changed row.
+      bool take_a = bytes_a != nullptr, take_b = bytes_b != nullptr;
+      if (take_a && take_b && table.key_column_count > 0 && a.row_count != b.row_count) {
+        const auto order = compare_keys(table, bytes_a, bytes_b);
+        if (order < 0) take_b = false;
+        if (order > 0) take_a = false;
+      }
+      const std::size_t column_count =
+          take_a && take_b ? table.columns.size() : std::max<std::size_t>(table.key_column_count, 1);
+      const std::uint8_t* key_row = take_a ? bytes_a : bytes_b;
+      for (std::size_t c = 0; c < column_count; ++c) {
+        const Column& column = table.columns[c];
+        const std::size_t size = scalar_size(column.type);
+        for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
+          LaneDifference difference;
+          difference.place = {t, take_a ? row_a : row_b, c, lane};
+          if (table.key_column_count > 0)
+            difference.id = read_scalar(key_row + table.columns[0].offset, scalar_size(table.columns[0].type));
+          const std::size_t offset = column.offset + lane * size;
+          if (take_a) difference.expected = read_scalar(bytes_a + offset, size);
+          if (take_b) difference.got = read_scalar(bytes_b + offset, size);
+          if (difference.expected != difference.got && differences.size() < count_max)
+            differences.push_back(difference);
+        }
+      }
+      if (take_a) ++row_a;
+      if (take_b) ++row_b;
+    }
+  }
+  return differences;
+}
+
+}  // namespace ticktrue

@@ -1,0 +1,52 @@
+// Kernels by instruction set and by what the scene's contacts may have.
+// SPDX-License-Identifier: MIT
+#include "engine/contacts/choose_kernels.h"
+
+#include "engine/model/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+unsigned contact_features(const Model& model) {
+  unsigned features = 0;
+  for (const BodyModel& body : model.bodies)
+    for (std::uint32_t child = 0; child < body.shape_count; ++child) {
+      const ShapeModel& shape = model.shape(body, child);
+      if (shape.is_sensor || model.is_lonely[body.first_shape + child] != 0) continue;
+      if (shape.friction > 0) features |= contact_feature::friction;
+      if (shape.radius > 0) features |= contact_feature::radius;
+      // Circles meet everything in one point. Two shapes of which neither is one meet in two, if one of them moves.
+      const bool moves = body.type == BodyType::dynamic_body;
+      if (moves && shape.family != ShapeFamily::circle) features |= contact_feature::second_point;
+    }
+  if (model.bounces) features |= contact_feature::bounce;
+  if (model.has_surfaces) features |= contact_feature::surface;
+  return features;
+}
+
+std::string left_out(unsigned features) {
+  std::string text;
+  const auto add = [&text](bool is_out, std::string_view what) {
+    if (is_out) text += (text.empty() ? "" : ", ") + std::string(what);
+  };
+  if ((features & contact_feature::surface) != 0) return text;
+  add((features & contact_feature::friction) == 0, "no friction");
+  add((features & contact_feature::second_point) == 0, "one point");
+  add((features & contact_feature::radius) == 0, "no round shape");
+  add((features & contact_feature::bounce) == 0, "no restitution");
+  return text;
+}
+
+void set_kernels(Model& model, InstructionSet set, unsigned features) {
+  if ((features & contact_feature::surface) != 0) features = contact_feature::all;  // one kernel has them all
+  model.contact_features = features;
+  model.kernels = {baseline::filling_kernels(), baseline::contact_kernels(features), baseline::pin_kernels(),
+                   baseline::hinge_kernels(),   baseline::motion_kernels(),          baseline::box_kernels()};
+#if defined(TICKTRUE_HAS_AVX2_KERNELS)
+  if (set == InstructionSet::avx2)
+    model.kernels = {avx2::filling_kernels(), avx2::contact_kernels(features), avx2::pin_kernels(),
+                     avx2::hinge_kernels(),   avx2::motion_kernels(),          avx2::box_kernels()};
+#endif
+  static_cast<void>(set);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

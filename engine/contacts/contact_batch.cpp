@@ -1,0 +1,288 @@
+// Colouring and packing of contacts, and the impulses carried from tick to tick.
+// SPDX-License-Identifier: MIT
+#include "engine/contacts/contact_batch.h"
+
+#include <atomic>
+#include <cstddef>
+
+#include "engine/model/bodies.h"
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
+constexpr Real hertz_per_rate = Real(0.125);
+constexpr Real contact_damping_ratio = 10;
+
+/// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
+constexpr Real baumgarte = Real(0.2);
+
+/// So many batches are worth another thread's while.
+constexpr std::size_t batches_per_chunk_least = 8;
+
+/// Adds the batches of a colour to the runs: to the last one, if neither is for several threads.
+void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_first, std::uint32_t first,
+             std::uint32_t end) {
+  const std::size_t count = end - first;
+  if (count == 0) return;
+  const std::size_t size = parallel.chunk_size(count, batches_per_chunk_least, 1);
+  const bool is_alone = size >= count;
+  if (is_alone && !is_first && runs.back().chunk_size >= runs.back().end - runs.back().first) {
+    runs.back().end = end;
+    runs.back().chunk_size = end - runs.back().first;
+    return;
+  }
+  runs.push_back({first, end, is_alone ? count : size});
+}
+
+/// Makes room for batches.
+void make_room(ContactBatches& out, unsigned features) {
+  const std::size_t end = out.batch_count;
+  if (out.batches.size() < end) out.batches.resize(end);
+  if ((features & contact_feature::bounce) != 0 && out.bounces.size() < end) out.bounces.resize(end);
+  if ((features & contact_feature::surface) != 0 && out.surfaces.size() < end) out.surfaces.resize(end);
+}
+
+/// The contacts in the slots of a block.
+const std::uint32_t* slots_of(const Scratch& scratch, const SolveGroup& group, const ContactBlock& block,
+                              ContactBatches& out) {
+  const ContactColoring& coloring = scratch.kept.coloring;
+  const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
+  if (coloring.is_whole_set) return slots;  // those of the group are all
+  const std::size_t count = block.slot_end - block.first_slot;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  out.slots.resize(count);
+  for (std::size_t i = 0; i < count; ++i) out.slots[i] = slots[i] != no_contact ? contacts[slots[i]] : no_contact;
+  return out.slots.data();
+}
+
+void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
+                  const TouchingPair& pair) {
+  const ShapeModel& a = model.shapes[scratch.proxies[pair.proxy_a].shape];
+  const ShapeModel& b = model.shapes[scratch.proxies[pair.proxy_b].shape];
+  const Real inv_inertia = scratch.masses[pair.body_a].inv_inertia + scratch.masses[pair.body_b].inv_inertia;
+  out.tangent_speed.at[lane] = a.tangent_speed + b.tangent_speed;
+  out.rolling_resistance.at[lane] = larger(a.rolling_resistance, b.rolling_resistance);
+  out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
+}
+
+/// What a kernel needs for the batches first..end-1.
+ContactWork work_of(Scratch& scratch, const SolveGroup& group, ContactBatches& all, std::size_t first,
+                    std::size_t end) {
+  return {all.batches.data() + first,
+          end - first,
+          all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
+          all.bounces.empty() ? nullptr : all.bounces.data() + first,
+          &scratch.bodies.data()->velocity.x,
+          group.h,
+          group.stiffness.moving,
+          group.stiffness.immovable};
+}
+
+/// Runs a kernel over the batches of a group, colour by colour.
+template <typename Kernel>
+void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
+  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+    const BatchRun& run = scratch.contact_batches.runs[i];
+    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      kernel(work_of(scratch, group, scratch.contact_batches, run.first + chunk.begin, run.first + chunk.end));
+    });
+  }
+}
+
+// What kernels read.
+static_assert(offsetof(TouchingPair, body_b) == offsetof(TouchingPair, body_a) + sizeof(std::uint32_t));
+static_assert(offsetof(TouchingPair, size) == offsetof(TouchingPair, friction) + 3 * sizeof(Real));
+static_assert(offsetof(Manifold, point_count) == 2 * sizeof(Real));
+static_assert(offsetof(TouchingPair, restitution) - offsetof(TouchingPair, manifold.points[1].separation) >=
+              4 * sizeof(Real));
+static_assert(offsetof(ManifoldPoint, anchor_b) == offsetof(ManifoldPoint, anchor_a) + sizeof(Vec2));
+static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal_force) + 2 * sizeof(Real));
+static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass) == 4 * sizeof(Real));
+static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
+
+/// What a kernel fills the batches from `first` on from.
+ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const std::uint32_t* slots,
+                        const std::uint8_t* in_turn, std::uint32_t unread) {
+  const TouchingPair& pair = scratch.touching[0];
+  const ManifoldPoint(&points)[2] = pair.manifold.points;
+  return {slots,
+          in_turn,
+          sizeof(TouchingPair),
+          &pair.body_a,
+          &pair.friction,
+          &pair.manifold.normal.x,
+          {&points[0].anchor_a.x, &points[1].anchor_a.x},
+          {&points[0].separation, &points[1].separation},
+          &pair.manifold.point_count,
+          sizeof(ContactRow),
+          state.contacts[0].normal_force,
+          sizeof(BodyMass),
+          &scratch.masses[0].inv_mass,
+          &scratch.masses[0].read,
+          unread_record(scratch),
+          unread,
+          resting_record(scratch),
+          group.stiffness.slop};
+}
+
+/// Fills what scenes with restitution or surfaces have beside.
+void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out, std::size_t i) {
+  const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
+  const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
+  ContactBatch& batch = out.batches[i];
+  if (bounces) out.bounces[i] = {};
+  if (has_surfaces) out.surfaces[i] = {};
+  for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
+    const TouchingPair& pair = scratch.touching[batch.contact[lane]];
+    if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
+    batch.bounces |= pair.restitution > 0 ? 1 : 0;
+    if (has_surfaces) fill_surface(model, scratch, out.surfaces[i], lane, pair);
+  }
+}
+
+/// Fills the batches first..end-1 from the contacts in `slots`, of which some are `in_turn`.
+void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group,
+                  const std::uint32_t* slots, const std::uint8_t* in_turn, ContactBatches& out, std::size_t first,
+                  std::size_t end, std::uint32_t unread) {
+  if (first == end) return;
+  scratch.kernels->filling.fill(source_of(state, scratch, group, slots, in_turn, unread), out.batches.data() + first,
+                                end - first);
+  if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
+    for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
+}
+
+/// Impulses of the batches first..end-1 back to the contacts, as forces.
+void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolveGroup& group, std::size_t first,
+                   std::size_t end, State& state) {
+  if (first == end) return;
+  scratch.kernels->filling.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
+                                 sizeof(ContactRow), 1 / group.h);
+}
+
+}  // namespace
+
+Real soft_contact_stiffness(Real h) {
+  const Real omega = Real(2 * pi) * hertz_per_rate / h;
+  return omega * omega;
+}
+
+ContactStiffness soft_contacts(Real h) {
+  const Real hertz = hertz_per_rate / h;
+  return {make_soft(hertz, contact_damping_ratio, h), make_soft(2 * hertz, contact_damping_ratio, h), 0};
+}
+
+ContactStiffness baumgarte_contacts(Real h) {
+  const Softness rigid{baumgarte / h, 1, 0};
+  return {rigid, rigid, Real(0.005)};
+}
+
+void clear_contacts(Scratch& scratch) {
+  scratch.contact_batches.batch_count = 0;
+  scratch.contact_batches.runs.clear();
+}
+
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  const ContactColoring& coloring = scratch.kept.coloring;
+  group.first_batch = static_cast<std::uint32_t>(out.batch_count);
+  group.first_run = static_cast<std::uint32_t>(out.runs.size());
+  for (const BatchRange& color : coloring.color_batches)
+    add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, group.first_batch + color.first,
+            group.first_batch + color.end);
+  group.run_end = static_cast<std::uint32_t>(out.runs.size());
+  out.batch_count += coloring.slots.size() / contact_lane_count;
+  group.batch_end = static_cast<std::uint32_t>(out.batch_count);
+  make_room(out, model.contact_features);
+  const std::uint32_t* slots = slots_of(scratch, group, coloring.blocks[0], out);
+  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+    const BatchRun& run = out.runs[i];
+    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      const std::size_t first = run.first + chunk.begin;
+      const std::size_t end = run.first + chunk.end;
+      const std::size_t of_group = first - group.first_batch;
+      fill_batches(model, state, scratch, group, slots + of_group * contact_lane_count,
+                   coloring.in_turn.data() + of_group, out, first, end, unread_record(scratch, chunk.index));
+      scratch.kernels->contacts.prepare(work_of(scratch, group, out, first, end));
+    });
+  }
+}
+
+void warm_start_contacts(Scratch& scratch, const SolveGroup& group) {
+  for_colors(scratch, group, scratch.kernels->contacts.warm_start);
+}
+
+void solve_contacts(Scratch& scratch, const SolveGroup& group, Poses poses) {
+  const ContactKernels& kernels = scratch.kernels->contacts;
+  for_colors(scratch, group, poses == Poses::moved ? kernels.solve : kernels.solve_again);
+}
+
+void relax_contacts(Scratch& scratch, const SolveGroup& group) {
+  for_colors(scratch, group, scratch.kernels->contacts.relax);
+}
+
+bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
+  std::atomic<bool> any{false};
+  for_colors(scratch, group, [&](const ContactWork& work) {
+    if (scratch.kernels->contacts.bounce(work, threshold)) any.store(true, std::memory_order_relaxed);
+  });
+  return any.load(std::memory_order_relaxed);
+}
+
+void save_impulses(Scratch& scratch, const SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  out.saved.clear();
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+    for (const ContactPointLanes& point : out.batches[i].points) out.saved.push_back(point.normal_impulse);
+}
+
+void limit_impulses(Scratch& scratch, const SolveGroup& group) {
+  ContactBatches& out = scratch.contact_batches;
+  std::size_t next = 0;
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+    for (ContactPointLanes& point : out.batches[i].points) {
+      const ContactLanes& saved = out.saved[next++];
+      for (int lane = 0; lane < contact_lane_count; ++lane) {
+        point.normal_impulse.at[lane] = smaller(point.normal_impulse.at[lane], saved.at[lane]);
+        const Real limit = out.batches[i].friction.at[lane] * point.normal_impulse.at[lane];
+        point.tangent_impulse.at[lane] = larger(smaller(point.tangent_impulse.at[lane], limit), -limit);
+      }
+    }
+}
+
+void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
+  const std::size_t count = group.batch_end - group.first_batch;
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1),
+                              [&](const Chunk& chunk) {
+                                store_batches(scratch, scratch.contact_batches, group, group.first_batch + chunk.begin,
+                                              group.first_batch + chunk.end, state);
+                              });
+}
+
+void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
+                   const ContactBlock& block, std::uint32_t unread, ContactBatches& out) {
+  const ContactColoring& coloring = scratch.kept.coloring;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
+    const std::uint32_t contact = contacts[coloring.contacts[i]];
+    __builtin_prefetch(&scratch.touching[contact]);
+    __builtin_prefetch(&scratch.touching[contact].friction);
+    __builtin_prefetch(&state.contacts[contact]);
+  }
+  out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
+  make_room(out, model.contact_features);
+  fill_batches(model, state, scratch, group, slots_of(scratch, group, block, out),
+               coloring.in_turn.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, unread);
+  scratch.kernels->contacts.prepare(work_of_block(scratch, group, out));
+}
+
+ContactWork work_of_block(Scratch& scratch, const SolveGroup& group, ContactBatches& batches) {
+  return work_of(scratch, group, batches, 0, batches.batch_count);
+}
+
+void store_block(const Scratch& scratch, const SolveGroup& group, const ContactBatches& batches, State& state) {
+  store_batches(scratch, batches, group, 0, batches.batch_count, state);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,54 @@
+// Blocks of contacts through a tick.
+// SPDX-License-Identifier: MIT
+#include "engine/contacts/contact_blocks.h"
+
+#include "engine/integrators/flow.h"
+#include "engine/model/bodies.h"
+#include "engine/model/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group) {
+  if (!bodies_step_alone(model) || (model.contact_features & contact_feature::bounce) != 0 || scratch.planted ||
+      !state.joints.empty() || !scratch.pulls.empty() || !scratch.impacts.empty() || group.has_landings ||
+      scratch.groups.size() != 1)
+    return false;
+  // What is kinematic moves with each substep, for all blocks.
+  const std::uint32_t unread = unread_record(scratch);
+  for (std::uint32_t i = group.first_row; i < group.row_end; ++i)
+    if (scratch.masses[scratch.group_rows[i]].write == unread) return false;
+  return true;
+}
+
+void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolveGroup& group) {
+  const ContactColoring& coloring = scratch.kept.coloring;
+  const ContactKernels& contacts = scratch.kernels->contacts;
+  const MotionKernels& motion = scratch.kernels->motion;
+  Real* bodies = &scratch.bodies.data()->velocity.x;
+  const std::size_t count = coloring.blocks.size();
+  const std::size_t chunk_size = scratch.parallel.chunk_size(count, 1, 1);
+  scratch.block_batches.resize(Parallel::chunk_count(count, chunk_size));
+  scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
+    ContactBatches& batches = scratch.block_batches[chunk.index];
+    const std::uint32_t unread = unread_record(scratch, chunk.index);
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const ContactBlock& block = coloring.blocks[i];
+      const std::uint32_t* rows = coloring.rows.data() + block.first_row;
+      const std::size_t row_count = block.row_end - block.first_row;
+      prepare_block(model, state, scratch, group, block, unread, batches);
+      const ContactWork work = work_of_block(scratch, group, batches);
+      for (int substep = 0; substep < group.substeps; ++substep) {
+        motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, row_count);
+        contacts.warm_start(work);
+        contacts.solve_again(work);
+        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, group.h);
+        contacts.relax(work);
+      }
+      store_block(scratch, group, batches, state);
+    }
+  });
+  scratch.moving_rows = coloring.free_rows;
+  fly(scratch, group.h, group.substeps);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

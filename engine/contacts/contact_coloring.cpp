@@ -1,0 +1,321 @@
+// Colouring of contacts, and blocks of islands.
+// SPDX-License-Identifier: MIT
+#include "engine/contacts/contact_coloring.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "engine/islands/islands.h"
+#include "engine/model/bodies.h"
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// So many contacts are worth another thread's while.
+constexpr std::size_t ends_per_chunk_least = 256;
+constexpr std::size_t slots_per_chunk_least = 1024;
+
+/// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
+constexpr std::size_t contacts_per_block = 1024;
+/// Fewer are there all along, whatever the order.
+constexpr std::size_t contacts_to_split_least = 2 * contacts_per_block;
+/// Looking for islands costs as much as some ticks can save.
+constexpr std::uint32_t ticks_between_splits = 16;
+
+/// Fills coloring.ends: the i-th is ends_at(i). True if they are those that were there.
+template <typename EndsAt>
+bool find_ends(const Parallel& parallel, std::size_t count, EndsAt ends_at, ContactColoring& coloring) {
+  std::atomic<bool> changed{coloring.ends.size() != count};
+  coloring.ends.resize(count);
+  parallel.for_chunks(count, parallel.chunk_size(count, ends_per_chunk_least), [&](const Chunk& chunk) {
+    bool same = true;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const ContactEnds ends = ends_at(i);
+      same &= ends == coloring.ends[i];
+      coloring.ends[i] = ends;
+    }
+    if (!same) changed.store(true, std::memory_order_relaxed);
+  });
+  return !changed.load(std::memory_order_relaxed);
+}
+
+/// Whether the colours are those of all present contacts.
+bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
+  return coloring.is_whole_set && coloring.contact_set == scratch.kept.contact_set;
+}
+
+/// True if the ends of the group's contacts are those that were there.
+bool find_ends_of_group(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
+  const std::size_t count = group.contact_end - group.first_contact;
+  const bool is_whole_set = count == scratch.touching.size();
+  if (is_whole_set && are_colored(scratch, coloring)) return true;
+  coloring.is_whole_set = is_whole_set;
+  coloring.contact_set = scratch.kept.contact_set;
+  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::uint32_t unread = unread_record(scratch);
+  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
+  const auto ends_at = [&](std::size_t i) {
+    const TouchingPair& pair = scratch.touching[contacts[i]];
+    return ContactEnds{mover(pair.body_a), mover(pair.body_b)};
+  };
+  return find_ends(scratch.parallel, count, ends_at, coloring);
+}
+
+// ---- Blocks ----
+
+bool is_tie(const ContactEnds& ends) {
+  return ends.a != no_body && ends.b != no_body;
+}
+std::uint32_t mover_of(const ContactEnds& ends) {
+  return ends.a != no_body ? ends.a : ends.b;
+}
+
+/// Whether every contact is within a block still.
+bool holds(const ContactColoring& coloring) {
+  return !coloring.blocks.empty() && std::all_of(coloring.ends.begin(), coloring.ends.end(), [&](const auto& ends) {
+    const std::uint32_t block = coloring.block_of[mover_of(ends)];
+    return block != no_block && (!is_tie(ends) || coloring.block_of[ends.b] == block);
+  });
+}
+
+/// Some islands to a block, in the order of their first rows. `forced`: so many contacts to a block, or 0 for as many
+/// as pay. False: most contacts are of one island.
+bool find_blocks(ContactColoring& coloring, std::size_t body_count, std::size_t forced) {
+  std::vector<std::uint32_t>& parent = coloring.island_parent;
+  parent.resize(body_count);
+  for (std::uint32_t row = 0; row < body_count; ++row) parent[row] = row;
+  for (const ContactEnds& ends : coloring.ends)
+    if (is_tie(ends)) unite(parent, ends.a, ends.b);
+  std::vector<std::uint32_t>& counts = coloring.block_starts;  // [body] contacts of the island, at its first row
+  counts.assign(body_count, 0);
+  std::uint32_t most = 0;
+  for (const ContactEnds& ends : coloring.ends) most = std::max(most, ++counts[find_root(parent, mover_of(ends))]);
+  if (forced == 0 && most > coloring.ends.size() / 2) return false;
+  const std::size_t wanted = forced > 0 ? forced : contacts_per_block;
+  coloring.block_of.assign(body_count, no_block);
+  std::uint32_t block = 0;
+  std::uint32_t in_block = 0;
+  for (std::uint32_t row = 0; row < body_count; ++row) {
+    const std::uint32_t root = find_root(parent, row);
+    if (root == row && counts[row] > 0) {
+      if (in_block > 0 && in_block + counts[row] > wanted) {
+        ++block;
+        in_block = 0;
+      }
+      in_block += counts[row];
+      coloring.block_of[row] = block;
+    }
+    coloring.block_of[row] = coloring.block_of[root];  // the root comes first
+  }
+  coloring.blocks.assign(block + 1, {});
+  return true;
+}
+
+/// Sorts what is `count` long into `out` by block, each in its order. block_at(i): of the i-th, or no_block.
+/// set_range(block, first, end).
+template <typename BlockAt, typename SetRange>
+void sort_by_block(ContactColoring& coloring, std::size_t count, BlockAt block_at, std::vector<std::uint32_t>& out,
+                   SetRange set_range) {
+  std::vector<std::uint32_t>& starts = coloring.block_starts;
+  starts.assign(coloring.blocks.size() + 2, 0);
+  const auto no_block_place = static_cast<std::uint32_t>(coloring.blocks.size());
+  const auto place_of = [&](std::size_t i) { return std::min(block_at(i), no_block_place); };
+  for (std::size_t i = 0; i < count; ++i) ++starts[place_of(i) + 1];
+  for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
+  for (std::size_t i = 0; i < coloring.blocks.size(); ++i) set_range(coloring.blocks[i], starts[i], starts[i + 1]);
+  out.resize(count);
+  for (std::size_t i = 0; i < count; ++i) out[starts[place_of(i)]++] = static_cast<std::uint32_t>(i);
+}
+
+/// Puts contacts and bodies into the blocks.
+void fill_blocks(ContactColoring& coloring) {
+  sort_by_block(
+      coloring, coloring.ends.size(), [&](std::size_t i) { return coloring.block_of[mover_of(coloring.ends[i])]; },
+      coloring.contacts,
+      [](ContactBlock& block, std::uint32_t first, std::uint32_t end) {
+        block.first = first;
+        block.end = end;
+      });
+  const std::vector<std::uint32_t>& rows = coloring.group_rows;
+  std::uint32_t in_blocks = 0;
+  sort_by_block(
+      coloring, rows.size(), [&](std::size_t i) { return coloring.block_of[rows[i]]; }, coloring.rows,
+      [&](ContactBlock& block, std::uint32_t first, std::uint32_t end) {
+        block.first_row = first;
+        block.row_end = in_blocks = end;
+      });
+  for (std::uint32_t& row : coloring.rows) row = rows[row];
+  coloring.free_rows.assign(coloring.rows.begin() + in_blocks, coloring.rows.end());
+}
+
+/// Splits the contacts into blocks, if that is worth it.
+bool split(Scratch& scratch, ContactColoring& coloring) {
+  const std::size_t forced = scratch.parallel.chunk_size_forced;
+  if (coloring.ends.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
+  const std::size_t body_count = scratch.masses.size();
+  const bool is_hit = coloring.block_of.size() == body_count && holds(coloring);
+  count_use(scratch.kept.report, CacheKind::contact_blocks, is_hit);
+  if (!is_hit) {
+    if (forced == 0 && coloring.ticks_unsplit > 0) {
+      --coloring.ticks_unsplit;
+      return false;
+    }
+    coloring.ticks_unsplit = ticks_between_splits;
+    if (!find_blocks(coloring, body_count, forced)) return false;
+  }
+  fill_blocks(coloring);
+  return true;
+}
+
+void make_one_block(ContactColoring& coloring) {
+  const auto count = static_cast<std::uint32_t>(coloring.ends.size());
+  coloring.block_of.clear();
+  coloring.blocks.assign(1, {});
+  coloring.blocks[0].end = count;
+  coloring.contacts.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) coloring.contacts[i] = i;
+}
+
+// ---- Colours ----
+
+/// Colours `count` contacts, at place_at(0), .. in the block; those of bodies that have no colour left wait for the
+/// next round, in `left`. How many do.
+template <typename PlaceAt>
+std::size_t color_round(ContactColoring& out, std::size_t count, PlaceAt place_at, std::uint32_t round) {
+  std::size_t left_count = 0;
+  const std::uint32_t first_color = round * round_color_count;
+  out.places.resize(first_color + round_color_count, {0, 0});
+  ColorPlace* places = out.places.data() + first_color;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t place = place_at(i);
+    const ContactEnds ends = out.ends[out.contacts[place]];
+    const bool both_move = is_tie(ends);
+    std::uint32_t used;
+    if (both_move) {
+      BodyColors& a = out.body_colors[ends.a];
+      BodyColors& b = out.body_colors[ends.b];
+      used = a.moving | b.moving;
+      const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
+      a.moving |= bit;
+      b.moving |= bit;
+    } else {
+      BodyColors& mover = out.body_colors[mover_of(ends)];
+      used = mover.immovable;
+      mover.immovable |= ~used & (used + 1);
+    }
+    if (used == 0xffffffffu) {
+      out.left[left_count++] = place;
+      continue;
+    }
+    const std::uint32_t color = static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
+    out.colors[place] = {first_color + color, places[color].count++};
+  }
+  return left_count;
+}
+
+/// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin
+/// on. Colours of one contact, as a body that touches everything has, follow each other in a batch.
+void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
+  block.first_slot = static_cast<std::uint32_t>(out.slots.size());
+  std::uint32_t next = block.first_slot;
+  for (const std::uint32_t first : {0u, class_color_count}) {
+    std::uint32_t in_turn = 0;  // contacts of the last batch, if it takes colours of one
+    for (std::uint32_t round = 0; round < round_count; ++round)
+      for (std::uint32_t color = 0; color < class_color_count; ++color) {
+        ColorPlace& place = out.places[round * round_color_count + first + color];
+        if (place.count == 0) continue;
+        if (place.count == 1 && in_turn % contact_lane_count != 0) {
+          place.first_slot = next - contact_lane_count + in_turn++;
+          continue;
+        }
+        in_turn = place.count == 1 ? 1 : 0;
+        const std::uint32_t batch_count = (place.count + contact_lane_count - 1) / contact_lane_count;
+        place.first_slot = next;
+        next += batch_count * contact_lane_count;
+        out.in_turn.insert(out.in_turn.end(), batch_count, static_cast<std::uint8_t>(in_turn));
+        if (!out.is_split)
+          out.color_batches.push_back({place.first_slot / contact_lane_count, next / contact_lane_count});
+      }
+  }
+  block.slot_end = next;
+  out.slots.resize(next, no_contact);
+  const std::size_t count = block.end - block.first;
+  parallel.for_chunks(count, parallel.chunk_size(count, slots_per_chunk_least), [&](const Chunk& chunk) {
+    for (std::size_t i = block.first + chunk.begin; i < block.first + chunk.end; ++i)
+      out.slots[out.places[out.colors[i].color].first_slot + out.colors[i].rank] = out.contacts[i];
+  });
+}
+
+void color_block(const Parallel& parallel, ContactColoring& out, ContactBlock& block) {
+  out.places.clear();
+  out.left.resize(out.colors.size());
+  std::uint32_t round_count = 1;
+  std::size_t left_count = color_round(
+      out, block.end - block.first, [&](std::size_t i) { return block.first + static_cast<std::uint32_t>(i); }, 0);
+  while (left_count > 0) {
+    for (std::size_t i = 0; i < left_count; ++i) {
+      const ContactEnds ends = out.ends[out.contacts[out.left[i]]];
+      for (const std::uint32_t row : {ends.a, ends.b})
+        if (row != no_body) out.body_colors[row] = {0, 0};
+    }
+    left_count = color_round(
+        out, left_count, [&](std::size_t i) { return out.left[i]; }, round_count++);
+  }
+  fill_slots(parallel, out, block, round_count);
+}
+
+void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColoring& coloring) {
+  coloring.colors.resize(coloring.ends.size());
+  coloring.slots.clear();
+  coloring.in_turn.clear();
+  coloring.color_batches.clear();
+  coloring.body_colors.assign(body_count, {0, 0});
+  for (ContactBlock& block : coloring.blocks) color_block(parallel, coloring, block);
+}
+
+}  // namespace
+
+void color_ahead(const State& state, Scratch& scratch) {
+  ContactColoring& coloring = scratch.kept.coloring;
+  if (!coloring.is_whole_set || coloring.is_split || are_colored(scratch, coloring)) return;
+  const auto mover = [&](std::uint32_t proxy, std::uint32_t row) {
+    return scratch.proxies[proxy].is_dynamic ? row : no_body;
+  };
+  const auto ends_at = [&](std::size_t i) {
+    const TouchingPair& pair = scratch.touching[i];
+    return ContactEnds{mover(pair.proxy_a, pair.body_a), mover(pair.proxy_b, pair.body_b)};
+  };
+  const Parallel alone;
+  const bool same_ends = find_ends(alone, scratch.touching.size(), ends_at, coloring);
+  coloring.contact_set = scratch.kept.contact_set;
+  if (same_ends && !coloring.blocks.empty()) return;
+  make_one_block(coloring);
+  color_blocks(alone, state.bodies.size(), coloring);
+}
+
+void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
+  ContactColoring& coloring = scratch.kept.coloring;
+  const bool same_ends = find_ends_of_group(scratch, group, coloring) && !coloring.blocks.empty();
+  count_use(scratch.kept.report, CacheKind::contact_colors, same_ends);
+  if (may_split) {
+    const std::span<const std::uint32_t> rows(scratch.group_rows.data() + group.first_row,
+                                              group.row_end - group.first_row);
+    const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.group_rows.begin(), coloring.group_rows.end());
+    if (same_ends && same_rows && coloring.is_split) {
+      count_use(scratch.kept.report, CacheKind::contact_blocks, true);
+      return;
+    }
+    coloring.group_rows.assign(rows.begin(), rows.end());
+    const bool was_split = coloring.is_split;
+    coloring.is_split = split(scratch, coloring);
+    if (!coloring.is_split && same_ends && !was_split) return;
+  } else {
+    if (same_ends && !coloring.is_split) return;
+    coloring.is_split = false;
+  }
+  if (!coloring.is_split) make_one_block(coloring);
+  color_blocks(scratch.parallel, scratch.masses.size(), coloring);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

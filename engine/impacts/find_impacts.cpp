@@ -1,0 +1,143 @@
+// Selects the pairs whose impacts are located in time.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <atomic>
+#include <tuple>
+
+#include "engine/broad_phase/broad_phase.h"
+#include "engine/contacts/contact_coloring.h"
+#include "engine/impacts/impacts.h"
+#include "engine/joints/joint_model.h"
+#include "engine/narrow_phase/distance.h"
+#include "engine/narrow_phase/reach.h"
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// The contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference; pairs are asked for
+/// in order.
+std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
+  const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
+  const auto key_of = [](const ContactRow& row) {
+    return std::tuple(row.body_a, row.child_a, row.body_b, row.child_b);
+  };
+  const auto count = static_cast<std::uint32_t>(state.contacts.size());
+  if (first == no_reference)
+    first =
+        static_cast<std::uint32_t>(std::partition_point(state.contacts.begin(), state.contacts.end(),
+                                                        [&](const ContactRow& row) { return key_of(row) < wanted; }) -
+                                   state.contacts.begin());
+  while (first < count && key_of(state.contacts[first]) < wanted) ++first;
+  return first < count && key_of(state.contacts[first]) == wanted ? first : count;
+}
+
+const BodyModel& constants_of(const Model& model, const BodyRow& body) {
+  return model.bodies[body.source];
+}
+
+/// Notes which bodies are fast. False: none is.
+bool find_fast(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
+  std::atomic<bool> any{false};
+  const std::size_t count = state.bodies.size();
+  scratch.is_fast.resize(count);
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+    bool found = false;
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      const bool fast = is_fast(reach, constants_of(model, state.bodies[row]), state.bodies[row]);
+      scratch.is_fast[row] = fast ? 1 : 0;
+      found |= fast;
+    }
+    if (found) any.store(true, std::memory_order_relaxed);
+  });
+  return any.load(std::memory_order_relaxed);
+}
+
+/// Appends those of the candidate pairs begin..end-1 whose impacts are located.
+void add_impacts(const Model& model, const State& state, const Scratch& scratch, const TickReach& reach,
+                 std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
+  const Settings& settings = model.scene.settings;
+  const Real fall = fall_of_a_tick(model, state);
+  std::uint32_t next_contact = no_reference;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair& candidate = scratch.pairs[i];
+    const Proxy& a = scratch.proxies[candidate.first];
+    const Proxy& b = scratch.proxies[candidate.second];
+    const bool one_is_fast = (scratch.is_fast[a.body] | scratch.is_fast[b.body]) != 0;
+    if (!one_is_fast && !settings.locate_impacts) continue;
+    if (a.is_sensor || b.is_sensor) continue;
+    const ShapeModel& shape_a = model.shapes[a.shape];
+    const ShapeModel& shape_b = model.shapes[b.shape];
+    const Real restitution = mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution);
+    const bool bounces = settings.locate_impacts && restitution > 0;
+    const bool between_moving = a.is_dynamic && b.is_dynamic;
+    const bool guarded = !between_moving || model.bodies[state.bodies[a.body].source].is_bullet ||
+                         model.bodies[state.bodies[b.body].source].is_bullet;
+    const BodyRow& body_a = state.bodies[a.body];
+    const BodyRow& body_b = state.bodies[b.body];
+    const bool fast = settings.continuous && guarded && one_is_fast;
+    if (!bounces && !fast) continue;
+    const Real sweep_a = sweep_of(reach, constants_of(model, body_a), body_a);
+    const Real sweep_b = sweep_of(reach, constants_of(model, body_b), body_b);
+    const Circle circle_a = circle_around(body_a, shape_a, fall, sweep_a);
+    const Circle circle_b = circle_around(body_b, shape_b, fall, sweep_b);
+    const Real near = circle_a.radius + circle_b.radius;
+    if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near)) continue;
+    if (are_separated(model, body_a.id, body_b.id)) continue;
+    const Distance gap =
+        distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
+    if (gap.separation > sweep_a + sweep_b) continue;
+    // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
+    if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
+    ImpactPair pair{};
+    pair.body_a = a.body;
+    pair.body_b = b.body;
+    pair.shape_a = a.shape;
+    pair.shape_b = b.shape;
+    pair.friction = mix(settings.friction_mix, shape_a.friction, shape_b.friction);
+    pair.restitution = restitution;
+    pair.is_fast = fast;
+    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), reach.dt);
+    impacts.push_back(pair);
+  }
+}
+
+}  // namespace
+
+TickReach reach_of_tick(const Model& model, const State& state, Real dt) {
+  const Settings& settings = model.scene.settings;
+  TickReach reach{
+      dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
+      0};
+  if (!settings.locate_impacts) return reach;
+  for (const BodyRow& body : state.bodies)
+    reach.farthest = larger(reach.farthest, reach_in(reach, constants_of(model, body), body));
+  return reach;
+}
+
+void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const Settings& settings = model.scene.settings;
+  scratch.impacts.clear();
+  scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
+  if (scratch.pairs.empty()) return;
+  const TickReach reach = reach_of_tick(model, state, dt);
+  // Broad phases that follow bodies know whether any is fast.
+  if (reach.guards && !reach.locates && scratch.kept.pairs.is_valid && !scratch.kept.pairs.any_sweeps) return;
+  if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
+  const std::size_t count = scratch.pairs.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, 256);
+  if (size >= count) return add_impacts(model, state, scratch, reach, 0, count, scratch.impacts);
+  const std::size_t chunk_count = Parallel::chunk_count(count, size);
+  if (scratch.impact_parts.size() < chunk_count) scratch.impact_parts.resize(chunk_count);
+  scratch.parallel.for_chunks_beside(
+      count, size,
+      [&](const Chunk& chunk) {
+        scratch.impact_parts[chunk.index].clear();
+        add_impacts(model, state, scratch, reach, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
+      },
+      [&] { color_ahead(state, scratch); });
+  for (std::size_t i = 0; i < chunk_count; ++i)
+    scratch.impacts.insert(scratch.impacts.end(), scratch.impact_parts[i].begin(), scratch.impact_parts[i].end());
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

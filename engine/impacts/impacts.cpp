@@ -1,0 +1,461 @@
+// Time of impact by conservative advancement; impulses by Newton's law of restitution and Coulomb's of friction.
+// SPDX-License-Identifier: MIT
+// Source: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, chapters 2 and 3 (conservative
+// advancement: no pair can close its gap sooner than gap / greatest closing speed; impacts in order of time).
+#include "engine/impacts/impacts.h"
+
+#include "engine/model/bodies.h"
+#include "engine/model/scratch.h"
+#include "engine/narrow_phase/distance.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real no_impact = Real(1e30);
+constexpr int advance_count_max = 48;
+constexpr Real slow_share = Real(0.05);   // of the smaller shape in a tick: a pair so slow is left to its contact
+constexpr Real turn_max = Real(0.25);     // rad in a tick, likewise: a contact has one normal for all of it
+constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and slow, a pair is left to its contact
+// In a substep; after so many, bodies stop where they are hit.
+constexpr std::size_t impact_count_least = 32;
+constexpr std::size_t impacts_per_pair = 2;
+// Likewise of searches for the next impact of a pair: each impact of a large body searches the pairs of all that touch
+// it.
+constexpr std::size_t search_count_least = 2048;
+constexpr std::size_t searches_per_pair = 64;
+
+const BodyModel& body_model(const Model& model, const State& state, std::uint32_t row) {
+  return model.bodies[state.bodies[row].source];
+}
+
+Vec2 velocity_at(const ImpactPath& path, Real time) {
+  return path.velocity + (time - path.time) * path.acceleration;
+}
+
+Vec2 moved_at(const ImpactPath& path, Real time) {
+  const Real t = time - path.time;
+  return path.moved + t * (path.velocity + (Real(0.5) * t) * path.acceleration);
+}
+
+Rotation turned_at(const ImpactPath& path, Real time) {
+  return rotation_by((time - path.time) * path.angular_velocity) * path.turned;
+}
+
+Placement pose_at(const State& state, const ImpactPath& path, std::uint32_t row, Real time) {
+  return {state.bodies[row].position + moved_at(path, time), turned_at(path, time) * state.bodies[row].rotation};
+}
+
+/// Velocity of B's surface against A's at a point.
+Vec2 relative_velocity(const Placement& a, const Placement& b, const ImpactPath& path_a, const ImpactPath& path_b,
+                       Vec2 point, Real time) {
+  return (velocity_at(path_b, time) + cross(path_b.angular_velocity, point - b.position)) -
+         (velocity_at(path_a, time) + cross(path_a.angular_velocity, point - a.position));
+}
+
+/// What counts as touching: the rounding of coordinates, and a little of the shapes' size.
+Real touch_tolerance(Real size, Vec2 a, Vec2 b) {
+  const Real far = larger(larger(absolute(a.x), absolute(a.y)), larger(absolute(b.x), absolute(b.y)));
+  return larger(Real(1e-6) * size, 8 * epsilon * far);
+}
+
+/// How fast turning may bring a point of a shape nearer to something, m/s. Turning a disc about its middle does not.
+Real turning_speed(const BodyModel& body, const ShapeModel& shape, const ImpactPath& path) {
+  const Real arm = shape.family == ShapeFamily::circle ? length(shape.center) : body.reach;
+  return absolute(path.angular_velocity) * arm;
+}
+
+/// Whether the circles around two shapes stay apart until h, so that nothing exact is needed.
+bool stay_apart(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
+                Real closing_max, Real time_left) {
+  const Vec2 apart =
+      (b.position + rotate(b.rotation, shape_b.center)) - (a.position + rotate(a.rotation, shape_a.center));
+  const Real reach = (shape_a.bounding_radius + shape_b.bounding_radius) + closing_max * time_left;
+  return length_squared(apart) > Real(1.01) * (reach * reach);
+}
+
+/// Along which normal, from A to B, an edge of a chain may push the other shape of a pair; others along any.
+EdgePush push_of_pair(const Model& model, const ShapeModel& shape_a, const Placement& a, const ShapeModel& shape_b,
+                      const Placement& b, const Distance& gap) {
+  const auto push_of = [&](const ShapeModel& edge, const Placement& at, const ShapeModel& other,
+                           const Placement& other_at, Vec2 normal) {
+    const Vec2 center = (other_at.position - at.position) + rotate(other_at.rotation, other.center);
+    EdgePush push = edge_push(model, edge, rotate_back(at.rotation, normal), rotate_back(at.rotation, center));
+    push.normal = rotate(at.rotation, push.normal);
+    return push;
+  };
+  if (shape_a.family == ShapeFamily::chain_edge) return push_of(shape_a, a, shape_b, b, gap.normal);
+  if (shape_b.family != ShapeFamily::chain_edge) return {true, true, gap.normal};
+  EdgePush push = push_of(shape_b, b, shape_a, a, -gap.normal);
+  push.normal = -push.normal;
+  return push;
+}
+
+/// Sets the pair's next impact at or after `start`.
+void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
+  pair.time = no_impact;
+  if (pair.is_done) return;
+  const ImpactPath& path_a = scratch.paths[pair.body_a];
+  const ImpactPath& path_b = scratch.paths[pair.body_b];
+  const ShapeModel& shape_a = model.shapes[pair.shape_a];
+  const ShapeModel& shape_b = model.shapes[pair.shape_b];
+  const BodyModel& model_a = body_model(model, state, pair.body_a);
+  const BodyModel& model_b = body_model(model, state, pair.body_b);
+  const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
+  const Real quickening = length(path_b.acceleration - path_a.acceleration);
+  const Real threshold = static_cast<Real>(model.restitution_threshold);
+  const Real size = pair_size(shape_a, shape_b);
+  // slow = slow_share size / dt, which tells dt.
+  const Real turning = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
+  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= turn_max * pair.slow;
+  Real time = start;
+  for (int i = 0; i < advance_count_max; ++i) {
+    const Placement a = pose_at(state, path_a, pair.body_a, time);
+    const Placement b = pose_at(state, path_b, pair.body_b, time);
+    if (i == 0) {
+      const Vec2 relative = velocity_at(path_b, time) - velocity_at(path_a, time);
+      if (stay_apart(a, b, shape_a, shape_b, (length(relative) + quickening * (h - time)) + spin, h - time)) return;
+    }
+    Distance gap = distance(model, shape_a, a, shape_b, b);
+    const EdgePush push = push_of_pair(model, shape_a, a, shape_b, b, gap);
+    const Real tolerance = touch_tolerance(size, a.position, b.position);
+    // What an edge of a chain does not push along may come nearer until it touches; then the edge's own normal counts.
+    if (!push.is_allowed && gap.separation <= tolerance) {
+      if (!push.in_front) return;
+      gap.normal = push.normal;
+    }
+    const Real near = has_contact && push.is_allowed ? larger(tolerance, near_share * size) : tolerance;
+    if (gap.separation <= near) {
+      const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
+      const bool bounces = pair.restitution > 0 && closing > threshold;
+      // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
+      // and a wall would push each other without end.
+      // At a joint of a chain the edge that the shape is over has it, with friction: this one stops only what falls.
+      if (!push.is_allowed && !bounces && closing * h <= slow_share * size) return;
+      const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
+      const bool touches = gap.separation <= tolerance;
+      // Nor is there an impact where what is left of the substep is too short to get anywhere.
+      if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
+        // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
+        // Not needed where it could not get to the middle of the thinner shape anyway.
+        if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.1) * size)) return;
+        time += Real(0.05) * size / (spin + quickening * (h - time));
+        if (!(time < h)) return;
+        if (i + 1 == advance_count_max) {
+          pair.time = time;
+          pair.normal = gap.normal;
+          pair.point = gap.point;
+          pair.is_settled = false;
+        }
+        continue;
+      }
+      if (touches) {
+        pair.time = time;
+        pair.normal = gap.normal;
+        pair.point = gap.point;
+        pair.is_settled = true;
+        return;
+      }
+    }
+    const Real along = -dot(velocity_at(path_b, time) - velocity_at(path_a, time), gap.normal);
+    const Real closing_max = (along + quickening * (h - time)) + spin;
+    if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
+    time += gap.separation / closing_max;
+    if (i + 1 < advance_count_max || !pair.is_fast || !push.is_allowed) continue;
+    // A grazing or spinning pair that is not settled: rather stopped than passed.
+    pair.time = time;
+    pair.normal = gap.normal;
+    pair.point = gap.point;
+    pair.is_settled = false;
+  }
+}
+
+/// Moves a body's reference to `time` and changes its velocity there.
+void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
+  path.is_hit = true;
+  if (path.is_stopped) {
+    path.kept_velocity = path.kept_velocity + change;
+    path.kept_spin += spin_change;
+    return;
+  }
+  path.moved = moved_at(path, time);
+  path.velocity = velocity_at(path, time) + change;
+  path.turned = turned_at(path, time);
+  path.angle += (time - path.time) * path.angular_velocity;
+  path.angular_velocity += spin_change;
+  path.time = time;
+}
+
+/// Keeps a body where it is at `time` for the rest of the substep: in the world, or on the kinematic body `carrier`.
+void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
+          std::uint32_t carrier_row) {
+  if (path.is_stopped) return;
+  kick(path, time, {0, 0}, 0);
+  path.kept_velocity = path.velocity;
+  path.kept_spin = path.angular_velocity;
+  path.kept_acceleration = path.acceleration;
+  path.velocity = path.acceleration = {0, 0};
+  path.angular_velocity = 0;
+  path.is_stopped = true;
+  if (carrier == nullptr) return;
+  const Vec2 arm = pose_at(state, path, row, time).position - pose_at(state, *carrier, carrier_row, time).position;
+  path.velocity = velocity_at(*carrier, time) + cross(carrier->angular_velocity, arm);
+  path.angular_velocity = carrier->angular_velocity;
+}
+
+void resolve(const Model& model, const State& state, Scratch& scratch, const ImpactPair& pair) {
+  ImpactPath& path_a = scratch.paths[pair.body_a];
+  ImpactPath& path_b = scratch.paths[pair.body_b];
+  const BodyModel& model_a = body_model(model, state, pair.body_a);
+  const BodyModel& model_b = body_model(model, state, pair.body_b);
+  const Placement a = pose_at(state, path_a, pair.body_a, pair.time);
+  const Placement b = pose_at(state, path_b, pair.body_b, pair.time);
+  const Vec2 arm_a = pair.point - a.position;
+  const Vec2 arm_b = pair.point - b.position;
+  const Vec2 relative = relative_velocity(a, b, path_a, path_b, pair.point, pair.time);
+  const auto effective_mass = [&](Vec2 direction) {
+    const Real turn_a = cross(arm_a, direction);
+    const Real turn_b = cross(arm_b, direction);
+    const Real k = ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * turn_a * turn_a) +
+                   model_b.inv_inertia * turn_b * turn_b;
+    return k > 0 ? 1 / k : Real(0);
+  };
+  const Real closing = -dot(relative, pair.normal);
+  const Real e = closing > static_cast<Real>(model.restitution_threshold) ? pair.restitution : Real(0);
+  const Real normal_mass = effective_mass(pair.normal);
+  const Real push = closing > 0 ? (1 + e) * closing * normal_mass : Real(0);
+  const Vec2 tangent = right_turn(pair.normal);
+  const Real tangent_mass = effective_mass(tangent);
+  const Real limit = pair.friction * push;
+  const auto rub_against = [&](Real sliding) { return smaller(larger(-sliding * tangent_mass, -limit), limit); };
+  const Real sliding = dot(relative, tangent);
+  Real rub = rub_against(sliding);
+  // The push turns a body beside its middle. Where friction against the velocity before the push would make the impact
+  // gain energy, it acts against the velocity after the push, which never does.
+  const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
+                        model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
+  const Real sliding_after = sliding + push * coupling;
+  if (push > 0 && tangent_mass > 0) {
+    const Real by_push = push * ((Real(0.5) / normal_mass) * push - closing);
+    const Real by_friction = rub * (sliding_after + (Real(0.5) / tangent_mass) * rub);
+    if (by_push + by_friction > 0) rub = rub_against(sliding_after);
+  }
+  const Vec2 impulse = push * pair.normal + rub * tangent;
+  kick(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
+  kick(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
+}
+
+/// The way of a body without impacts, from the integrator's prediction.
+void begin_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
+  ImpactPath& path = scratch.paths[row];
+  const MovingBody& body = scratch.bodies[row];
+  const bool is_static = model.bodies[state.bodies[row].source].type == BodyType::static_body;
+  path.moved = body.moved;
+  path.turned = body.turned;
+  path.time = 0;
+  path.angle = 0;
+  path.is_hit = false;
+  path.is_stopped = false;
+  if (is_static) {
+    path.velocity = path.acceleration = {0, 0};
+    path.angular_velocity = 0;
+    return;
+  }
+  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
+  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  path.acceleration = (1 / h) * (body.velocity - path.start_velocity);
+  path.velocity = (body.velocity - offset) - (Real(0.5) * h) * path.acceleration;
+  path.angular_velocity = body.angular_velocity - spin_offset;
+}
+
+/// Gives a body that was hit what the integrator's drift needs to bring it to the end of its way.
+void end_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
+  ImpactPath& path = scratch.paths[row];
+  if (!path.is_hit) return;
+  MovingBody& body = scratch.bodies[row];
+  if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) return;
+  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
+  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  const Vec2 moved = moved_at(path, h);
+  const Real angle = path.angle + (h - path.time) * path.angular_velocity;
+  // Schemes keep a velocity that differs from the true one by `offset - h a / 2` at the end of a substep.
+  const Vec2 true_end = path.is_stopped ? path.kept_velocity : velocity_at(path, h);
+  const Vec2 acceleration = path.is_stopped ? path.kept_acceleration : path.acceleration;
+  const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
+  const Real spin = (path.is_stopped ? path.kept_spin : path.angular_velocity) + spin_offset;
+  if (scratch.offsets_in_use && model.position_forces == nullptr && !model.has_velocity_forces) {
+    scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
+    scratch.predicted[row].angular += spin - body.angular_velocity;
+  }
+  path.correction = (moved - body.moved) - h * (velocity - offset);
+  path.turn_correction = angle - h * (spin - spin_offset);
+  scratch.hit_rows.push_back(row);
+  body.velocity = velocity;
+  body.angular_velocity = spin;
+}
+
+// ---- The order of impacts: a heap, earliest first, equal times by the order of the pairs ----
+
+bool comes_before(const ImpactEvent& a, const ImpactEvent& b) {
+  return a.time != b.time ? a.time < b.time : a.pair < b.pair;
+}
+
+void push_event(std::vector<ImpactEvent>& heap, const ImpactEvent& event) {
+  std::size_t at = heap.size();
+  heap.push_back(event);
+  for (; at > 0 && comes_before(event, heap[(at - 1) / 2]); at = (at - 1) / 2) heap[at] = heap[(at - 1) / 2];
+  heap[at] = event;
+}
+
+ImpactEvent pop_event(std::vector<ImpactEvent>& heap) {
+  const ImpactEvent first = heap[0];
+  const ImpactEvent last = heap.back();
+  heap.pop_back();
+  if (heap.empty()) return first;
+  std::size_t at = 0;
+  for (;;) {
+    std::size_t child = 2 * at + 1;
+    if (child >= heap.size()) break;
+    if (child + 1 < heap.size() && comes_before(heap[child + 1], heap[child])) ++child;
+    if (!comes_before(heap[child], last)) break;
+    heap[at] = heap[child];
+    at = child;
+  }
+  heap[at] = last;
+  return first;
+}
+
+bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
+  return body_model(model, state, row).type == BodyType::dynamic_body;
+}
+
+/// Finds the pair's next impact and puts it on the heap.
+void expect_impact(const Model& model, const State& state, Scratch& scratch, std::uint32_t index, Real start, Real h) {
+  ImpactPair& pair = scratch.impacts[index];
+  find_impact(model, state, scratch, pair, start, h);
+  if (pair.time < h) push_event(scratch.impact_events, {pair.time, index});
+}
+
+/// Lists the active pairs of each body that impacts move.
+void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scratch) {
+  std::vector<std::uint32_t>& start = scratch.impact_starts;
+  start.assign(state.bodies.size() + 2, 0);
+  const auto for_each = [&](auto use) {
+    for (const std::uint32_t i : scratch.active_impacts)
+      for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b})
+        if (is_dynamic(model, state, row)) use(row, i);
+  };
+  for_each([&](std::uint32_t row, std::uint32_t) { ++start[row + 2]; });
+  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.impacts_of_bodies.resize(start.back());
+  for_each([&](std::uint32_t row, std::uint32_t i) { scratch.impacts_of_bodies[start[row + 1]++] = i; });
+}
+
+}  // namespace
+
+Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
+                  std::uint32_t contact, Real dt) {
+  if (contact == state.contacts.size() || is_left_to_impacts(model, state, scratch, contact)) return -1;
+  return pair.is_fast ? slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
+}
+
+bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact) {
+  const TouchingPair& pair = scratch.touching[contact];
+  const ContactRow& row = state.contacts[contact];
+  if (!model.scene.settings.locate_impacts || !(pair.restitution > 0)) return false;
+  if (row.normal_force[0] > 0 || row.normal_force[1] > 0) return false;
+  const BodyRow& a = state.bodies[pair.body_a];
+  const BodyRow& b = state.bodies[pair.body_b];
+  const Real threshold = static_cast<Real>(model.restitution_threshold);
+  const Real tolerance = touch_tolerance(pair.size, a.position, b.position);
+  for (int i = 0; i < pair.manifold.point_count; ++i) {
+    const ManifoldPoint& point = pair.manifold.points[i];
+    if (point.separation > tolerance) continue;  // whatever closes that gap, in this tick, is an impact
+    const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
+                          (a.velocity + cross(a.angular_velocity, point.anchor_a));
+    const Real closing = -dot(velocity, pair.manifold.normal);
+    if (closing >= 0 && closing <= threshold) return false;
+  }
+  return true;
+}
+
+void note_impact_velocities(const State& state, Scratch& scratch) {
+  scratch.paths.resize(state.bodies.size());
+  for (const ImpactPair& pair : scratch.impacts) {
+    scratch.paths[pair.body_a].start_velocity = scratch.bodies[pair.body_a].velocity;
+    scratch.paths[pair.body_b].start_velocity = scratch.bodies[pair.body_b].velocity;
+  }
+}
+
+void finish_impacts(Scratch& scratch) {
+  for (const std::uint32_t row : scratch.hit_rows) {
+    MovingBody& body = scratch.bodies[row];
+    body.moved = body.moved + scratch.paths[row].correction;
+    body.turned = rotation_by(scratch.paths[row].turn_correction) * body.turned;
+  }
+}
+
+void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h) {
+  scratch.hit_rows.clear();
+  std::vector<std::uint32_t>& active = scratch.active_impacts;
+  active.clear();
+  for (std::uint32_t i = 0; i < scratch.impacts.size(); ++i) {
+    const ImpactPair& pair = scratch.impacts[i];
+    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
+    if (scratch.body_group[a_moves ? pair.body_a : pair.body_b] == scratch.group_index) active.push_back(i);
+  }
+  for (const std::uint32_t i : active) {
+    begin_path(model, state, scratch, scratch.impacts[i].body_a, h);
+    begin_path(model, state, scratch, scratch.impacts[i].body_b, h);
+  }
+  list_pairs_of_bodies(model, state, scratch);
+  scratch.impact_events.clear();
+  for (const std::uint32_t i : active) {
+    scratch.impacts[i].is_done = false;
+    expect_impact(model, state, scratch, i, 0, h);
+  }
+
+  std::size_t left = impact_count_least + impacts_per_pair * active.size();
+  std::size_t searches_left = search_count_least + searches_per_pair * active.size();
+  while (!scratch.impact_events.empty()) {
+    const ImpactEvent event = pop_event(scratch.impact_events);
+    ImpactPair& first = scratch.impacts[event.pair];
+    if (first.time != event.time) continue;  // no longer so
+    const ImpactPair hit = first;
+    // Paths of bodies that were stopped before do not change again.
+    const auto may_change = [&](std::uint32_t row) {
+      return is_dynamic(model, state, row) && !scratch.paths[row].is_stopped;
+    };
+    const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
+    if (hit.is_settled) resolve(model, state, scratch, hit);
+    if (left > 0 && searches_left > 0 && hit.is_settled) {
+      --left;
+    } else {
+      // Each round stops a body, or is the pair's last.
+      bool stopped = false;
+      for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
+        if (!is_dynamic(model, state, row)) continue;
+        const std::uint32_t other = row == hit.body_a ? hit.body_b : hit.body_a;
+        const bool is_carried = body_model(model, state, other).type == BodyType::kinematic_body;
+        stopped |= !scratch.paths[row].is_stopped;
+        stop(state, row, scratch.paths[row], hit.time, is_carried ? &scratch.paths[other] : nullptr, other);
+      }
+      first.is_done = !stopped;
+    }
+    const auto search_again = [&](std::uint32_t row) {
+      for (std::uint32_t k = scratch.impact_starts[row];
+           k<scratch.impact_starts[row + 1]; ++k, searches_left -= searches_left> 0)
+        expect_impact(model, state, scratch, scratch.impacts_of_bodies[k], hit.time, h);
+    };
+    if (a_changes) search_again(hit.body_a);
+    if (b_changes) search_again(hit.body_b);
+    if (!a_changes && !b_changes) expect_impact(model, state, scratch, event.pair, hit.time, h);
+  }
+  for (const std::uint32_t i : active) {
+    for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b}) {
+      end_path(model, state, scratch, row, h);
+      scratch.paths[row].is_hit = false;  // a body is in several pairs
+    }
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

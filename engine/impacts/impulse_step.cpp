@@ -1,0 +1,368 @@
+// The step of an active set: a sparse system in the velocities of the bodies, factored along its envelope.
+// SPDX-License-Identifier: MIT
+// Source: Silcowitz, Niebe, Erleben, "Projected Gauss-Seidel Subspace Minimization Method for Interactive Rigid Body
+// Dynamics", 2010 (passes find which contacts push, a direct solution then gives how much); George and Liu, "Computer
+// Solution of Large Sparse Positive Definite Systems", 1981 (envelope). Rockafellar, "Monotone Operators and the
+// Proximal Point Algorithm", 1976.
+//
+// With J the rows of the contacts that push, l their impulses, v the velocities and r = J v - wanted: J M^-1 J^T is
+// singular (two points hold a box that four rows describe), so each row gives way by a little E, and what is left is
+// solved again: (M + J^T E^-1 J) dv = -J^T E^-1 r, dl = -E^-1 (r + J dv). In doubles: E is far below what a float
+// knows.
+#include "engine/impacts/impulse_step.h"
+
+#include <algorithm>
+
+#include "engine/model/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr double give_share = 1e-9;  // of a row's own mobility
+constexpr int proximal_count = 3;
+constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
+
+/// Present separation of a point, as the kernels have it.
+double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
+                     const MovingBody& b) {
+  const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
+  const Vec2 way = b.moved - a.moved;
+  const double along =
+      static_cast<double>(way.x) * at(batch.normal_x) + static_cast<double>(way.y) * at(batch.normal_y);
+  const double back_a = at(point.tangent_arm_a) + at(batch.radius_a);
+  const double back_b = at(point.tangent_arm_b) - at(batch.radius_b);
+  const double lost = (static_cast<double>(a.turned.c) - 1) * back_a - (static_cast<double>(b.turned.c) - 1) * back_b;
+  const double turned = static_cast<double>(b.turned.s) * at(point.normal_arm_b) -
+                        static_cast<double>(a.turned.s) * at(point.normal_arm_a);
+  return at(point.separation) + (along + (lost + turned));
+}
+
+double speed_along(const double (&row)[3], const double* velocity) {
+  return (row[0] * velocity[0] + row[1] * velocity[1]) + row[2] * velocity[2];
+}
+
+/// J v of a row; `velocity`: three of each place.
+double speed_along(const PushingRow& row, const std::vector<double>& velocity) {
+  double sum = 0;
+  if (row.place_a != no_body) sum += speed_along(row.along_a, &velocity[3 * row.place_a]);
+  if (row.place_b != no_body) sum += speed_along(row.along_b, &velocity[3 * row.place_b]);
+  return sum;
+}
+
+/// v += J^T impulse of a row.
+void add(const PushingRow& row, double impulse, std::vector<double>& velocity) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (row.place_a != no_body) velocity[3 * row.place_a + i] += row.along_a[i] * impulse;
+    if (row.place_b != no_body) velocity[3 * row.place_b + i] += row.along_b[i] * impulse;
+  }
+}
+
+double speed_of(const PushingRow& row, const Scratch& scratch) {
+  const auto part = [&](std::uint32_t body, const double(&along)[3]) {
+    const MovingBody& moving = scratch.bodies[body];
+    const double velocity[3] = {static_cast<double>(moving.velocity.x), static_cast<double>(moving.velocity.y),
+                                static_cast<double>(moving.angular_velocity)};
+    return speed_along(along, velocity);
+  };
+  return part(row.read_a, row.along_a) + part(row.read_b, row.along_b);
+}
+
+double mobility_of(const BodyMass& mass, const double (&along)[3]) {
+  return static_cast<double>(mass.inv_mass) * (along[0] * along[0] + along[1] * along[1]) +
+         static_cast<double>(mass.inv_inertia) * along[2] * along[2];
+}
+
+void set_along(PushingRow& row, const double (&arms)[3][2]) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    row.along_a[i] = arms[i][0];
+    row.along_b[i] = arms[i][1];
+  }
+}
+
+/// The rows of the points that push; of those that also hold, a row of friction after that of the normal.
+void find_rows(Scratch& scratch, const SolveGroup& group) {
+  ImpulseStep& out = scratch.impulse_step;
+  out.rows.clear();
+  const ContactBatches& all = scratch.contact_batches;
+  const double inv_h = 1 / static_cast<double>(group.h);
+  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i) {
+    const ContactBatch& batch = all.batches[i];
+    for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
+      const TouchingPair& pair = scratch.touching[batch.contact[lane]];
+      const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
+      const double nx = at(batch.normal_x);
+      const double ny = at(batch.normal_y);
+      for (std::uint32_t p = 0; p < 2; ++p) {
+        const ContactPointLanes& point = batch.points[p];
+        if (!(point.normal_mass.at[lane] > 0) || !(point.normal_impulse.at[lane] > 0)) continue;
+        PushingRow row{};
+        row.batch = i;
+        row.lane = lane;
+        row.point = p;
+        row.body_a = pair.body_a;
+        row.body_b = pair.body_b;
+        const BodyMass& mass_a = scratch.masses[pair.body_a];
+        const BodyMass& mass_b = scratch.masses[pair.body_b];
+        row.read_a = mass_a.read;
+        row.read_b = mass_b.read;
+        const double arms[3][2] = {{-nx, nx}, {-ny, ny}, {-at(point.normal_arm_a), at(point.normal_arm_b)}};
+        set_along(row, arms);
+        const double separation =
+            separation_of(batch, point, lane, scratch.bodies[row.read_a], scratch.bodies[row.read_b]);
+        row.off = speed_of(row, scratch) + (separation > 0 ? separation * inv_h : 0);
+        row.stiffness = 1 / (give_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
+        row.impulse = at(point.normal_impulse);
+        out.rows.push_back(row);
+        const double limit = at(batch.friction) * row.impulse;
+        const double rubs = at(point.tangent_impulse);
+        if (!(point.tangent_mass.at[lane] > 0) || !((rubs < 0 ? -rubs : rubs) < limit)) continue;
+        row.is_friction = true;
+        const double rubbing[3][2] = {{-ny, ny}, {nx, -nx}, {-at(point.tangent_arm_a), at(point.tangent_arm_b)}};
+        set_along(row, rubbing);
+        row.off = speed_of(row, scratch) +
+                  (all.surfaces.empty() ? 0.0 : static_cast<double>(all.surfaces[i].tangent_speed.at[lane]));
+        row.stiffness = 1 / (give_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
+        row.impulse = rubs;
+        row.friction = at(batch.friction);
+        out.rows.push_back(row);
+      }
+    }
+  }
+}
+
+/// Places for the bodies that rows move: breadth first from what touches the ground, so that neighbours are close.
+void find_places(Scratch& scratch) {
+  ImpulseStep& out = scratch.impulse_step;
+  const std::uint32_t unread = unread_record(scratch);
+  const auto moves = [&](std::uint32_t body) { return scratch.masses[body].write != unread; };
+  out.start.assign(scratch.masses.size() + 2, 0);
+  out.is_start.assign(scratch.masses.size(), 0);
+  for (const PushingRow& row : out.rows) {
+    if (moves(row.body_a) && moves(row.body_b)) {
+      ++out.start[row.body_a + 2];
+      ++out.start[row.body_b + 2];
+    } else {
+      out.is_start[moves(row.body_a) ? row.body_a : row.body_b] = 1;
+    }
+  }
+  for (std::size_t i = 2; i < out.start.size(); ++i) out.start[i] += out.start[i - 1];
+  out.neighbours.resize(out.start.back());
+  for (const PushingRow& row : out.rows) {
+    if (!moves(row.body_a) || !moves(row.body_b)) continue;
+    out.neighbours[out.start[row.body_a + 1]++] = row.body_b;
+    out.neighbours[out.start[row.body_b + 1]++] = row.body_a;
+  }
+  out.place.assign(scratch.masses.size(), no_body);
+  out.bodies.clear();
+  const auto put = [&](std::uint32_t body) {
+    if (!moves(body) || out.place[body] != no_body) return;
+    out.place[body] = static_cast<std::uint32_t>(out.bodies.size());
+    out.bodies.push_back(body);
+  };
+  std::size_t next = 0;
+  const auto spread_out = [&] {
+    for (; next < out.bodies.size(); ++next) {
+      const std::uint32_t body = out.bodies[next];
+      for (std::uint32_t i = out.start[body]; i < out.start[body + 1]; ++i) put(out.neighbours[i]);
+    }
+  };
+  for (std::uint32_t body = 0; body < out.is_start.size(); ++body)
+    if (out.is_start[body] != 0) put(body);
+  spread_out();
+  for (const PushingRow& row : out.rows) {  // what nothing immovable holds
+    put(row.body_a);
+    put(row.body_b);
+    spread_out();
+  }
+  for (PushingRow& row : out.rows) {
+    row.place_a = out.place[row.body_a];
+    row.place_b = out.place[row.body_b];
+  }
+}
+
+/// M + J^T E^-1 J, row by row from its first entry that is not zero. False: too wide.
+bool make_system(Scratch& scratch) {
+  ImpulseStep& out = scratch.impulse_step;
+  const std::size_t size = 3 * out.bodies.size();
+  out.first.resize(size);
+  for (std::size_t i = 0; i < size; ++i) out.first[i] = static_cast<std::uint32_t>(i - i % 3);
+  for (const PushingRow& row : out.rows) {
+    if (row.place_a == no_body || row.place_b == no_body) continue;
+    const std::uint32_t low = row.place_a < row.place_b ? row.place_a : row.place_b;
+    const std::uint32_t high = row.place_a < row.place_b ? row.place_b : row.place_a;
+    for (std::uint32_t i = 3 * high; i < 3 * high + 3; ++i) out.first[i] = std::min(out.first[i], 3 * low);
+  }
+  out.row_start.resize(size + 1);
+  std::size_t total = 0;
+  double work = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t width = i - out.first[i] + 1;
+    out.row_start[i] = total;
+    total += width;
+    work += static_cast<double>(width) * static_cast<double>(width);
+    if (work > envelope_work_max) return false;
+  }
+  out.row_start[size] = total;
+  out.matrix.assign(total, 0);
+  const auto at = [&](std::size_t i, std::size_t j) -> double& {
+    return out.matrix[out.row_start[i] + (j - out.first[i])];
+  };
+  for (std::size_t place = 0; place < out.bodies.size(); ++place) {
+    const BodyMass& mass = scratch.masses[out.bodies[place]];
+    const double inertia = mass.inv_inertia > 0 ? 1 / static_cast<double>(mass.inv_inertia) : 1e30;
+    at(3 * place, 3 * place) = at(3 * place + 1, 3 * place + 1) = 1 / static_cast<double>(mass.inv_mass);
+    at(3 * place + 2, 3 * place + 2) = inertia;
+  }
+  const auto add_block = [&](std::uint32_t p, std::uint32_t q, const double(&u)[3], const double(&w)[3],
+                             double factor) {
+    if (p == no_body || q == no_body || q > p) return;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        if (3 * q + j <= 3 * p + i) at(3 * p + i, 3 * q + j) += factor * u[i] * w[j];
+  };
+  for (const PushingRow& row : out.rows) {
+    add_block(row.place_a, row.place_a, row.along_a, row.along_a, row.stiffness);
+    add_block(row.place_b, row.place_b, row.along_b, row.along_b, row.stiffness);
+    add_block(row.place_a, row.place_b, row.along_a, row.along_b, row.stiffness);
+    add_block(row.place_b, row.place_a, row.along_b, row.along_a, row.stiffness);
+  }
+  return true;
+}
+
+/// L L^T in place of the matrix.
+void factor(ImpulseStep& out) {
+  const std::size_t size = out.first.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    double* row = out.matrix.data() + out.row_start[i];
+    for (std::size_t j = out.first[i]; j <= i; ++j) {
+      const double* other = out.matrix.data() + out.row_start[j];
+      const std::size_t begin = std::max(out.first[i], out.first[j]);
+      double sum = row[j - out.first[i]];
+      for (std::size_t k = begin; k < j; ++k) sum -= row[k - out.first[i]] * other[k - out.first[j]];
+      row[j - out.first[i]] = j < i ? sum / other[j - out.first[j]] : __builtin_sqrt(sum > 0 ? sum : 1e-300);
+    }
+  }
+}
+
+void solve_factored(const ImpulseStep& out, std::vector<double>& x) {
+  const std::size_t size = out.first.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const double* row = out.matrix.data() + out.row_start[i];
+    for (std::size_t k = out.first[i]; k < i; ++k) x[i] -= row[k - out.first[i]] * x[k];
+    x[i] /= row[i - out.first[i]];
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    const double* row = out.matrix.data() + out.row_start[i];
+    x[i] /= row[i - out.first[i]];
+    for (std::size_t k = out.first[i]; k < i; ++k) x[k] -= row[k - out.first[i]] * x[i];
+  }
+}
+
+/// What the impulses of all rows would have to change by.
+void find_changes(ImpulseStep& out) {
+  for (PushingRow& row : out.rows) row.change = 0;
+  out.total.assign(out.first.size(), 0);
+  for (int i = 0; i < proximal_count; ++i) {
+    out.velocity.assign(out.first.size(), 0);
+    for (const PushingRow& row : out.rows)
+      add(row, -row.stiffness * (row.off + speed_along(row, out.total)), out.velocity);
+    solve_factored(out, out.velocity);
+    for (PushingRow& row : out.rows)
+      row.change -= row.stiffness * ((row.off + speed_along(row, out.total)) + speed_along(row, out.velocity));
+    for (std::size_t k = 0; k < out.total.size(); ++k) out.total[k] += out.velocity[k];
+  }
+}
+
+/// How far along the changes every point still pushes and holds.
+double longest_step(const ImpulseStep& out) {
+  double step = 1;
+  double normal = 0, normal_change = 0;
+  const auto bound = [&step](double room, double rate) {  // room + step rate >= 0
+    if (rate < 0 && room < -rate * step) step = room / -rate;
+  };
+  for (const PushingRow& row : out.rows) {
+    if (!row.is_friction) {
+      normal = row.impulse;
+      normal_change = row.change;
+      bound(normal, normal_change);
+    } else {
+      bound(row.friction * normal - row.impulse, row.friction * normal_change - row.change);
+      bound(row.friction * normal + row.impulse, row.friction * normal_change + row.change);
+    }
+  }
+  return step > 0 ? step : 0;
+}
+
+/// Velocities that the changes of all rows make.
+void find_velocities(const Scratch& scratch, ImpulseStep& out) {
+  out.velocity.assign(out.first.size(), 0);
+  for (const PushingRow& row : out.rows) add(row, row.change, out.velocity);
+  for (std::size_t place = 0; place < out.bodies.size(); ++place) {
+    const BodyMass& mass = scratch.masses[out.bodies[place]];
+    out.velocity[3 * place] *= static_cast<double>(mass.inv_mass);
+    out.velocity[3 * place + 1] *= static_cast<double>(mass.inv_mass);
+    out.velocity[3 * place + 2] *= static_cast<double>(mass.inv_inertia);
+  }
+}
+
+/// Cuts each change to where its point still pushes and holds.
+void cut_changes(ImpulseStep& out) {
+  double normal = 0;
+  for (PushingRow& row : out.rows) {
+    const double wanted = row.impulse + row.change;
+    const double low = row.is_friction ? -row.friction * normal : 0;
+    const double cut = wanted < low ? low : row.is_friction && wanted > -low ? -low : wanted;
+    if (!row.is_friction) normal = cut;
+    row.change = cut - row.impulse;
+  }
+}
+
+/// What the changes add to the energy that passes minimize.
+double added_energy(const ImpulseStep& out) {
+  double sum = 0;
+  for (const PushingRow& row : out.rows) sum += row.change * (row.off + 0.5 * speed_along(row, out.velocity));
+  return sum;
+}
+
+void apply(Scratch& scratch) {
+  const ImpulseStep& out = scratch.impulse_step;
+  for (const PushingRow& row : out.rows) {
+    ContactPointLanes& point = scratch.contact_batches.batches[row.batch].points[row.point];
+    ContactLanes& impulse = row.is_friction ? point.tangent_impulse : point.normal_impulse;
+    impulse.at[row.lane] = static_cast<Real>(row.impulse + row.change);
+  }
+  for (std::size_t place = 0; place < out.bodies.size(); ++place) {
+    MovingBody& body = scratch.bodies[out.bodies[place]];
+    const double* change = &out.velocity[3 * place];
+    body.velocity.x = static_cast<Real>(static_cast<double>(body.velocity.x) + change[0]);
+    body.velocity.y = static_cast<Real>(static_cast<double>(body.velocity.y) + change[1]);
+    body.angular_velocity = static_cast<Real>(static_cast<double>(body.angular_velocity) + change[2]);
+  }
+}
+
+}  // namespace
+
+void step_pushing_contacts(Scratch& scratch, const SolveGroup& group) {
+  ImpulseStep& out = scratch.impulse_step;
+  find_rows(scratch, group);
+  find_places(scratch);
+  if (out.bodies.empty() || !make_system(scratch)) return;
+  factor(out);
+  find_changes(out);
+  const double step = longest_step(out);
+  out.whole.resize(out.rows.size());
+  for (std::size_t i = 0; i < out.rows.size(); ++i) out.whole[i] = out.rows[i].change;
+  cut_changes(out);
+  find_velocities(scratch, out);
+  if (!(added_energy(out) < 0)) {
+    for (std::size_t i = 0; i < out.rows.size(); ++i) {
+      PushingRow& row = out.rows[i];
+      row.change = step * out.whole[i];
+      if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by a rounding error
+    }
+    find_velocities(scratch, out);
+  }
+  apply(scratch);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

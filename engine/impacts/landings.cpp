@@ -1,0 +1,127 @@
+// Detection of impacts on bodies at rest; rigid passes, and steps of all that push, until they have gone through.
+// SPDX-License-Identifier: MIT
+// Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (an impact is solved for
+// velocities alone, positions held).
+#include "engine/impacts/landings.h"
+
+#include <algorithm>
+
+#include "engine/impacts/impulse_step.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr Real least_share = Real(0.05);    // of the allowed way: what moves less in a substep is no impact
+constexpr Real settled_share = Real(1e-5);  // likewise, of a change of speed
+constexpr int passes_per_look = 8;
+// Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
+constexpr std::uint32_t look_count_max = 2048;
+constexpr std::uint32_t contacts_solved_max = 1u << 18;
+// In a tick, with as much for each look as it takes beside the contacts; then substeps get one look: so that even what
+// never settles takes hundredths of a second and not tenths.
+constexpr std::uint32_t work_in_tick_max = 1u << 21;
+constexpr std::uint32_t work_beside = 64;
+
+/// How fast a pair closes, m/s: the faster of its points.
+template <typename Velocities>
+Real closing_speed(const TouchingPair& pair, const Velocities& a, const Velocities& b) {
+  Real closing = 0;
+  for (int i = 0; i < pair.manifold.point_count; ++i) {
+    const ManifoldPoint& point = pair.manifold.points[i];
+    const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
+                          (a.velocity + cross(a.angular_velocity, point.anchor_a));
+    closing = larger(closing, -dot(velocity, pair.manifold.normal));
+  }
+  return closing;
+}
+
+Real closing_now(const Scratch& scratch, const Landing& landing) {
+  const TouchingPair& pair = scratch.touching[landing.contact];
+  return closing_speed(pair, scratch.bodies[pair.body_a], scratch.bodies[pair.body_b]);
+}
+
+bool is_in(const Scratch& scratch, const Landing& landing) {
+  return scratch.body_group[scratch.touching[landing.contact].body_a] == scratch.group_index;
+}
+
+std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
+  while (scratch.island_parent[row] != row) row = scratch.island_parent[row];
+  return row;
+}
+
+/// Joints would take the impulses of a landing along as forces, which throw what they join: islands with joints are
+/// left to the passes of each substep.
+void leave_out_joined(const State& state, Scratch& scratch) {
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference)
+      for (const std::uint32_t id : {joint.body_a, joint.body_b})
+        scratch.island_lands[island_of(scratch, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
+}
+
+}  // namespace
+
+void find_landings(const Model& model, const State& state, Scratch& scratch, Real dt) {
+  scratch.landing_work_left = work_in_tick_max;
+  const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
+  for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
+    const TouchingPair& pair = scratch.touching[contact];
+    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
+    const bool b_moves = model.bodies[state.bodies[pair.body_b].source].type == BodyType::dynamic_body;
+    if (!a_moves || !b_moves || !(scratch.load[pair.body_a] > 0 || scratch.load[pair.body_b] > 0)) continue;
+    const std::uint32_t root = island_of(scratch, pair.body_a);
+    const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
+    const Real h = dt / static_cast<Real>(scratch.island_level[root]);
+    const Real allowed = target * pair.size;
+    if (!(closing * h > least_share * allowed)) continue;
+    scratch.landings.push_back({contact, closing, allowed});
+    scratch.island_lands[root] = 1;
+  }
+  leave_out_joined(state, scratch);
+}
+
+void begin_landings(Scratch& scratch, const SolveGroup& group) {
+  for (Landing& landing : scratch.landings)
+    if (is_in(scratch, landing)) landing.closing = closing_now(scratch, landing);
+  save_impulses(scratch, group);
+}
+
+Real settled_speed(const State& state, const Scratch& scratch, const SolveGroup& group) {
+  bool any = false;
+  Real settled = 0;  // m/s
+  const Real own = 4 * group.h * length(state.world.gravity);
+  for (const Landing& landing : scratch.landings) {
+    if (!is_in(scratch, landing)) continue;
+    const Real stopped = landing.closing - closing_now(scratch, landing);
+    if (!(stopped > own) || !(stopped * group.h > least_share * landing.allowed)) continue;
+    const Real small = settled_share * landing.allowed / group.h;
+    settled = any ? smaller(settled, small) : small;
+    any = true;
+  }
+  return settled;
+}
+
+void pass_on_landings(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group, Real settled) {
+  std::vector<Twist>& before = scratch.landing_velocities;
+  before.resize(scratch.bodies.size());
+  const std::uint32_t contact_count = group.contact_end - group.first_contact;
+  const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_look * (contact_count + 1));
+  const std::uint32_t work_of_look = passes_per_look * (contact_count + work_beside);
+  const std::uint32_t look_count = std::min({bounded, look_count_max, 1 + scratch.landing_work_left / work_of_look});
+  for (std::uint32_t look = 0; look < look_count; ++look) {
+    scratch.landing_work_left -= std::min(scratch.landing_work_left, work_of_look);
+    for (const std::uint32_t row : scratch.moving_rows)
+      before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
+    for (int pass = 0; pass < passes_per_look; ++pass) relax_contacts(scratch, group);
+    step_pushing_contacts(scratch, group);
+    Real most = 0;
+    for (const std::uint32_t row : scratch.moving_rows) {
+      const MovingBody& body = scratch.bodies[row];
+      const Real reach = model.bodies[state.bodies[row].source].reach;
+      most = larger(most, length(body.velocity - before[row].linear) +
+                              absolute(body.angular_velocity - before[row].angular) * reach);
+    }
+    if (!(most > settled)) break;
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,284 @@
+// Force elements: model, accelerations, exact flows.
+// SPDX-License-Identifier: MIT
+// Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section II.5 (splitting into exact flows).
+//
+// Quadratic drag: u' = -k |u| u has the solution u(t) = u / (1 + k |u| t). A damper takes the relative velocity along
+// its line down by exp(-d t / m), m the effective mass of that velocity.
+#include "engine/integrators/forces.h"
+
+#include "engine/math/exponential.h"
+#include "engine/model/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+Vec2 to_vec2(Point p) {
+  return {static_cast<Real>(p.x), static_cast<Real>(p.y)};
+}
+
+void add_to_body(Model& model, std::size_t source, const Force& force, Point wind) {
+  BodyModel& body = model.bodies[source];
+  if (body.type != BodyType::dynamic_body) return;
+  BodyForces& out = model.body_forces[source];
+  const Real coefficient = static_cast<Real>(force.coefficient);
+  const Real angular_coefficient = static_cast<Real>(force.angular_coefficient);
+  switch (force.kind) {
+    case ForceKind::constant:
+      out.acceleration = out.acceleration + body.inv_mass * to_vec2(force.vector);
+      out.angular_acceleration += body.inv_inertia * static_cast<Real>(force.torque);
+      break;
+    case ForceKind::linear_drag:
+      body.linear_damping += coefficient * body.inv_mass;
+      body.angular_damping += angular_coefficient * body.inv_inertia;
+      out.acceleration = out.acceleration + (coefficient * body.inv_mass) * to_vec2(wind);
+      break;
+    case ForceKind::quadratic_drag:
+      out.quadratic_drag += coefficient * body.inv_mass;
+      out.angular_quadratic_drag += angular_coefficient * body.inv_inertia;
+      model.has_velocity_forces = true;
+      break;
+    case ForceKind::central:
+    case ForceKind::spring:
+    case ForceKind::wind:
+      break;
+  }
+}
+
+void add_spring(Model& model, const Force& force) {
+  SpringForce spring;
+  spring.body = *force.body;
+  spring.other = force.other.value_or(no_reference);
+  spring.anchor = to_vec2(force.anchor) - model.bodies[spring.body].center;
+  spring.point = to_vec2(force.point);
+  if (force.other) spring.point = spring.point - model.bodies[spring.other].center;
+  spring.stiffness = static_cast<Real>(force.stiffness);
+  spring.damping = static_cast<Real>(force.damping);
+  spring.rest_length = static_cast<Real>(force.rest_length);
+  model.springs.push_back(spring);
+  model.has_velocity_forces = model.has_velocity_forces || spring.damping > 0;
+}
+
+void add_central(Model& model, const Force& force) {
+  CentralForce central;
+  central.every = !force.body.has_value();
+  central.body = force.body.value_or(0);
+  central.center = to_vec2(force.point);
+  central.strength = static_cast<Real>(force.coefficient);
+  central.exponent = static_cast<int>(force.exponent);
+  model.centrals.push_back(central);
+}
+
+void add_central_accelerations(const Model& model, const State& state, Scratch& scratch) {
+  for (std::size_t i = 0; i < model.centrals.size(); ++i) {
+    const CentralForce& central = model.centrals[i];
+    const auto attract = [&](std::size_t row) {
+      const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].moved;
+      const Real distance = length(r);
+      if (!(distance > 0)) return;
+      Vec2& acceleration = scratch.accelerations[row].linear;
+      acceleration = acceleration - (central.strength * power(distance, central.exponent - 1)) * r;
+    };
+    if (!central.every) {
+      if (scratch.central_rows[i] != no_reference) attract(scratch.central_rows[i]);
+      continue;
+    }
+    for (std::size_t row = 0; row < state.bodies.size(); ++row)
+      if (model.bodies[state.bodies[row].source].type == BodyType::dynamic_body) attract(row);
+  }
+}
+
+/// Adds the accelerations of `force` on A's anchor and its opposite on B's.
+void accelerate(Scratch& scratch, const SpringRow& spring, const SpringLine& line, Vec2 force) {
+  Twist& a = scratch.accelerations[spring.body_a];
+  a.linear = a.linear + spring.inv_mass_a * force;
+  a.angular += spring.inv_inertia_a * cross(line.arm_a, force);
+  Twist& b = scratch.accelerations[spring.write_b];
+  b.linear = b.linear - spring.inv_mass_b * force;
+  b.angular -= spring.inv_inertia_b * cross(line.arm_b, force);
+}
+
+void add_element_accelerations(const Model& model, const State& state, Scratch& scratch) {
+  add_central_accelerations(model, state, scratch);
+  for (const SpringRow& spring : scratch.springs) {
+    const SpringLine line = line_of(spring, scratch);
+    if (line.exists) accelerate(scratch, spring, line, line.tension * line.along);
+  }
+}
+
+/// exp(-x) and its mean over 0..1, also for x < 0.
+Decay signed_decay(double x) {
+  if (x >= 0) return decay_over(x);
+  const Decay forward = decay_over(-x);
+  return {1 / forward.factor, forward.mean / forward.factor};
+}
+
+void flow_drags(const Model& model, const State& state, Scratch& scratch, Real h) {
+  for (const std::uint32_t row : scratch.moving_rows) {
+    const BodyForces& forces = model.body_forces[state.bodies[row].source];
+    MovingBody& body = scratch.bodies[row];
+    const Vec2 through_air = body.velocity - model.wind;
+    const Real linear_loss = forces.quadratic_drag * length(through_air) * h;
+    const Real angular_loss = forces.angular_quadratic_drag * absolute(body.angular_velocity) * h;
+    if (linear_loss != 0) body.velocity = model.wind + (1 / (1 + linear_loss)) * through_air;
+    if (angular_loss != 0) body.angular_velocity = body.angular_velocity / (1 + angular_loss);
+  }
+}
+
+void flow_damper(const SpringRow& spring, Scratch& scratch, Real h) {
+  if (!(spring.damping > 0)) return;
+  const SpringLine line = line_of(spring, scratch);
+  if (!line.exists || !(line.inv_mass > 0)) return;
+  const double strength = static_cast<double>(spring.damping) * static_cast<double>(h);
+  const Decay decay = signed_decay(strength * static_cast<double>(line.inv_mass));
+  const Vec2 impulse =
+      (static_cast<Real>(strength * decay.mean) * speed_along(spring, line, scratch)) * line.along;  // on A
+  MovingBody& a = scratch.bodies[spring.body_a];
+  a.velocity = a.velocity + spring.inv_mass_a * impulse;
+  a.angular_velocity += spring.inv_inertia_a * cross(line.arm_a, impulse);
+  MovingBody& b = scratch.bodies[spring.write_b];
+  b.velocity = b.velocity - spring.inv_mass_b * impulse;
+  b.angular_velocity -= spring.inv_inertia_b * cross(line.arm_b, impulse);
+}
+
+}  // namespace
+
+Real power(Real r, int exponent) {
+  const int count = exponent < 0 ? -exponent : exponent;
+  Real product = 1;
+  for (int i = 0; i < count; ++i) product = product * r;
+  return exponent < 0 ? 1 / product : product;
+}
+
+SpringLine line_of(const SpringRow& spring, const Scratch& scratch) {
+  const MovingBody& a = scratch.bodies[spring.body_a];
+  const MovingBody& b = scratch.bodies[spring.body_b];
+  SpringLine line;
+  line.arm_a = rotate(a.turned, spring.arm_a);
+  line.arm_b = rotate(b.turned, spring.arm_b);
+  const Vec2 apart = (spring.offset + (b.moved - a.moved)) + (line.arm_b - line.arm_a);
+  line.length = length(apart);
+  line.exists = line.length > 0;
+  if (!line.exists) return line;
+  line.along = (1 / line.length) * apart;
+  line.tension = spring.stiffness * (line.length - spring.rest_length);
+  const Real turn_a = cross(line.arm_a, line.along);
+  const Real turn_b = cross(line.arm_b, line.along);
+  line.inv_mass = (spring.inv_mass_a + spring.inv_mass_b) +
+                  (spring.inv_inertia_a * turn_a * turn_a + spring.inv_inertia_b * turn_b * turn_b);
+  return line;
+}
+
+Real speed_along(const SpringRow& spring, const SpringLine& line, const Scratch& scratch) {
+  const MovingBody& a = scratch.bodies[spring.body_a];
+  const MovingBody& b = scratch.bodies[spring.body_b];
+  const Vec2 relative =
+      (b.velocity + cross(b.angular_velocity, line.arm_b)) - (a.velocity + cross(a.angular_velocity, line.arm_a));
+  return dot(relative, line.along);
+}
+
+void add_forces(Model& model) {
+  const std::vector<Force>& forces = model.scene.forces;
+  if (forces.empty()) return;
+  model.body_forces.resize(model.bodies.size());
+  Point wind;
+  for (const Force& force : forces)
+    if (force.kind == ForceKind::wind) wind = {wind.x + force.vector.x, wind.y + force.vector.y};
+  model.wind = to_vec2(wind);
+  for (const Force& force : forces) {
+    if (force.kind == ForceKind::spring) {
+      add_spring(model, force);
+    } else if (force.kind == ForceKind::central) {
+      add_central(model, force);
+    } else if (force.body) {
+      add_to_body(model, *force.body, force, wind);
+    } else {
+      for (std::size_t source = 0; source < model.bodies.size(); ++source) add_to_body(model, source, force, wind);
+    }
+  }
+  if (!model.centrals.empty() || !model.springs.empty()) model.position_forces = add_element_accelerations;
+}
+
+namespace {
+
+/// Whether a spring pulls at bodies of the group that is being solved; both ends are of one island.
+bool is_in_group(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
+  if (scratch.body_group[row_a] == scratch.group_index) return true;
+  if (spring.other == no_reference) return false;
+  const std::size_t row_b = state.find_body(spring.other);
+  return row_b < state.bodies.size() && scratch.body_group[row_b] == scratch.group_index;
+}
+
+}  // namespace
+
+void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
+  scratch.accelerations.resize(scratch.bodies.size());
+  scratch.central_rows.clear();
+  for (const CentralForce& central : model.centrals) {
+    const std::size_t row = central.every ? state.bodies.size() : state.find_body(central.body);
+    scratch.central_rows.push_back(row < state.bodies.size() ? static_cast<std::uint32_t>(row) : no_reference);
+  }
+  scratch.springs.clear();
+  for (const SpringForce& spring : model.springs) {
+    const std::size_t row_a = state.find_body(spring.body);
+    if (row_a == state.bodies.size()) continue;
+    if (!is_in_group(scratch, spring, row_a, state)) continue;
+    const BodyRow& a = state.bodies[row_a];
+    const BodyModel& constants_a = model.bodies[a.source];
+    SpringRow out{};
+    out.body_a = static_cast<std::uint32_t>(row_a);
+    out.arm_a = rotate(a.rotation, spring.anchor);
+    out.inv_mass_a = constants_a.inv_mass;
+    out.inv_inertia_a = constants_a.inv_inertia;
+    if (spring.other == no_reference) {
+      out.body_b = resting_record(scratch);
+      out.write_b = unread_record(scratch);
+      out.offset = spring.point - a.position;
+    } else {
+      const std::size_t row_b = state.find_body(spring.other);
+      if (row_b == state.bodies.size()) continue;
+      const BodyRow& b = state.bodies[row_b];
+      const BodyModel& constants_b = model.bodies[b.source];
+      out.body_b = static_cast<std::uint32_t>(row_b);
+      out.write_b = out.body_b;
+      out.offset = b.position - a.position;
+      out.arm_b = rotate(b.rotation, spring.point);
+      out.inv_mass_b = constants_b.inv_mass;
+      out.inv_inertia_b = constants_b.inv_inertia;
+    }
+    out.stiffness = spring.stiffness;
+    out.damping = spring.damping;
+    out.rest_length = spring.rest_length;
+    scratch.springs.push_back(out);
+  }
+}
+
+void add_velocity_forces(const Model& model, const State& state, Scratch& scratch) {
+  if (!model.has_velocity_forces) return;
+  for (const std::uint32_t row : scratch.moving_rows) {
+    const BodyForces& forces = model.body_forces[state.bodies[row].source];
+    const MovingBody& body = scratch.bodies[row];
+    const Vec2 through_air = body.velocity - model.wind;
+    Twist& acceleration = scratch.accelerations[row];
+    acceleration.linear = acceleration.linear - (forces.quadratic_drag * length(through_air)) * through_air;
+    acceleration.angular -= (forces.angular_quadratic_drag * absolute(body.angular_velocity)) * body.angular_velocity;
+  }
+  for (const SpringRow& spring : scratch.springs) {
+    if (!(spring.damping > 0)) continue;
+    const SpringLine line = line_of(spring, scratch);
+    if (line.exists)
+      accelerate(scratch, spring, line, (spring.damping * speed_along(spring, line, scratch)) * line.along);
+  }
+}
+
+void flow_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real h, FlowOrder order) {
+  if (!model.has_velocity_forces) return;
+  if (order == FlowOrder::forward) {
+    flow_drags(model, state, scratch, h);
+    for (const SpringRow& spring : scratch.springs) flow_damper(spring, scratch, h);
+  } else {
+    for (std::size_t i = scratch.springs.size(); i-- > 0;) flow_damper(scratch.springs[i], scratch, h);
+    flow_drags(model, state, scratch, h);
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,47 @@
+// Force elements: what they add to a body's constants, and the accelerations and exact flows of those that depend on
+// positions and velocities.
+// SPDX-License-Identifier: MIT
+//
+// Constant forces and linear drags are constants of a body (Model::body_forces, BodyModel::linear_damping), so every
+// scheme that takes damping exactly takes them exactly. Central forces and springs depend on positions, quadratic drags
+// and dampers on velocities; schemes ask for these at each of their stages.
+#pragma once
+
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Fills what the model knows of force elements. Requires: model.scene and model.bodies.
+void add_forces(Model& model);
+
+/// Finds the rows of bodies that elements act on; called when a tick begins. Elements whose bodies are gone are left
+/// out. Requires: scratch.bodies.
+void prepare_forces(const Model& model, const State& state, Scratch& scratch);
+
+/// Adds the accelerations of quadratic drags and dampers at the velocities of scratch.bodies to scratch.accelerations.
+void add_velocity_forces(const Model& model, const State& state, Scratch& scratch);
+
+enum class FlowOrder : std::uint8_t { forward, backward };
+
+/// Velocities after time h under quadratic drags and dampers alone, one after the other, each exactly: nothing ever
+/// turns around, however large the coefficient. Backward order makes the mirror image, which symmetric schemes need.
+void flow_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real h, FlowOrder order);
+
+/// r^exponent, -3 <= exponent <= 3.
+Real power(Real r, int exponent);
+
+/// A spring as it stands now: its line and its tension.
+struct SpringLine {
+  bool exists = false;  // false: the two points coincide and there is no line
+  Vec2 along;           // from A to B
+  Vec2 arm_a, arm_b;    // m
+  Real length = 0;      // m
+  Real tension = 0;     // N, > 0 pulls
+  Real inv_mass = 0;    // 1/kg, of the relative velocity along the line
+};
+SpringLine line_of(const SpringRow& spring, const Scratch& scratch);
+
+/// Velocity of B's anchor relative to A's along the line, m/s.
+Real speed_along(const SpringRow& spring, const SpringLine& line, const Scratch& scratch);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

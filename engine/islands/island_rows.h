@@ -1,0 +1,57 @@
+// Islands, what carries them and what lands on them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "engine/contacts/contact_batch.h"
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// How far an island is from what its scene allows.
+struct Shortfall {
+  Real sag;    // at the most substeps, of what is allowed
+  Real depth;  // steps from what cannot move to what is farthest from it
+};
+
+/// A contact or joint by which a body may be carried.
+struct Support {
+  std::uint32_t other;  // row
+  Real softness;        // m/N at four substeps
+  Real arm, other_arm;  // of a joint, from the two centres of mass, m; of a contact 0
+  Vec2 middle;          // of a contact, or a joint's anchor, from the body's centre of mass, m
+  Real half_width2;     // of a contact with two points, m^2; else 0
+  Real turn_softness;   // of what holds the angle, rad/(N m) at four substeps; else 0
+};
+
+/// How far a body leans with what carries it.
+struct Lean {
+  Vec2 way;   // m
+  Real turn;  // rad
+};
+
+inline constexpr std::uint32_t no_group = 0xffffffff;
+
+/// Islands solved together, with the same number of substeps. Ranges of Scratch::group_rows, group_contacts and
+/// ContactBatches::batches and ::runs.
+struct SolveGroup {
+  int substeps = 1;
+  bool has_landings = false;
+  std::uint32_t joint_sweeps = 1;  // over its joints before bodies move
+  Real h = 0;                      // s, of a substep
+  ContactStiffness stiffness;
+  std::uint32_t first_row = 0, row_end = 0;
+  std::uint32_t first_contact = 0, contact_end = 0;
+  std::uint32_t first_batch = 0, batch_end = 0;
+  std::uint32_t first_run = 0, run_end = 0;
+};
+
+/// A contact that hits a body at rest in this tick.
+struct Landing {
+  std::uint32_t contact;  // in `touching`
+  Real closing;           // m/s, before the pass
+  Real allowed;           // m, how far the bodies may move meanwhile
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,276 @@
+// Islands: bodies that hang together by contacts and joints. Decides which sleep and what is solved together.
+// SPDX-License-Identifier: MIT
+// Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find); Anderson, Woll,
+// "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
+#include "engine/islands/islands.h"
+
+#include <atomic>
+
+#include "base/limits.h"
+#include "engine/islands/groups.h"
+#include "engine/model/selection.h"
+#include "engine/pipeline.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// find_root while others unite: what it leads to may no longer be a root. Shortening a way never undoes what others
+/// do: the parent of what is no root only ever moves towards the root.
+std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {
+  for (;;) {
+    const std::uint32_t next = __atomic_load_n(&parent[row], __ATOMIC_RELAXED);
+    if (next == row) return row;
+    const std::uint32_t after = __atomic_load_n(&parent[next], __ATOMIC_RELAXED);
+    if (after != next) __atomic_store_n(&parent[row], after, __ATOMIC_RELAXED);
+    row = after;
+  }
+}
+
+/// unite while others do: the roots are the same in any order.
+void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  for (;;) {
+    const std::uint32_t root_a = find_root_shared(parent, a);
+    const std::uint32_t root_b = find_root_shared(parent, b);
+    if (root_a == root_b) return;
+    const std::uint32_t first = root_a < root_b ? root_a : root_b;
+    const std::uint32_t last = root_a < root_b ? root_b : root_a;
+    std::uint32_t still_root = last;
+    if (__atomic_compare_exchange_n(&parent[last], &still_root, first, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+      return;
+  }
+}
+
+bool is_moving(const BodyRow& body) {
+  return body.velocity.x != 0 || body.velocity.y != 0 || body.angular_velocity != 0;
+}
+
+constexpr std::size_t contacts_per_chunk_least = 512;
+
+void unite_by_contacts(Scratch& scratch) {
+  const std::size_t count = scratch.touching.size();
+  const std::size_t size = scratch.parallel.chunk_size(count, contacts_per_chunk_least);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const std::uint32_t a = scratch.touching[i].body_a;
+      const std::uint32_t b = scratch.touching[i].body_b;
+      if (scratch.body_types[a] != BodyType::dynamic_body || scratch.body_types[b] != BodyType::dynamic_body) continue;
+      if (size < count)
+        unite_shared(scratch.island_parent, a, b);
+      else
+        unite(scratch.island_parent, a, b);
+    }
+  });
+}
+
+/// Unites what hangs together.
+void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  scratch.island_parent.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) scratch.island_parent[row] = row;
+  const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+    if (scratch.body_types[a] == BodyType::dynamic_body && scratch.body_types[b] == BodyType::dynamic_body)
+      unite(scratch.island_parent, a, b);
+  };
+  unite_by_contacts(scratch);
+  for (const ImpactPair& pair : scratch.impacts) meet(pair.body_a, pair.body_b);
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for (const SpringForce& spring : model.springs) {
+    if (spring.other == no_reference) continue;
+    const std::uint32_t a = row_of(state, spring.body);
+    const std::uint32_t b = row_of(state, spring.other);
+    if (a < count && b < count) meet(a, b);
+  }
+}
+
+// ---- Sleep ----
+
+constexpr std::size_t bodies_per_chunk_least = 512;
+
+/// Calls look(row), a bool, for each body. True if it was for any.
+template <typename Look>
+bool any_body(const Scratch& scratch, std::size_t count, Look look) {
+  std::atomic<bool> any{false};
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, bodies_per_chunk_least, 64),
+                              [&](const Chunk& chunk) {
+                                bool found = false;
+                                for (std::size_t row = chunk.begin; row < chunk.end; ++row)
+                                  found |= look(static_cast<std::uint32_t>(row));
+                                if (found) any.store(true, std::memory_order_relaxed);
+                              });
+  return any.load(std::memory_order_relaxed);
+}
+
+bool disturbs(const State& state, const Scratch& scratch, std::uint32_t row) {
+  return scratch.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
+}
+
+/// Fills scratch.body_types. True if something kinematic moves.
+bool find_types(const Model& model, const State& state, Scratch& scratch) {
+  scratch.body_types.resize(state.bodies.size());
+  return any_body(scratch, state.bodies.size(), [&](std::uint32_t row) {
+    scratch.body_types[row] = type_of(model, state, row);
+    return disturbs(state, scratch, row);
+  });
+}
+
+/// Keeps awake what something kinematic that moves touches or holds.
+void disturb(const Model& model, State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+    Real none = 0;  // by several contacts of a body at once
+    if (disturbs(state, scratch, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, scratch, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
+  };
+  const std::size_t contact_count = scratch.touching.size();
+  scratch.parallel.for_chunks(contact_count, scratch.parallel.chunk_size(contact_count, contacts_per_chunk_least),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                                  meet(scratch.touching[i].body_a, scratch.touching[i].body_b);
+                              });
+  for (const JointRow& joint : state.joints)
+    if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
+  for (const SpringForce& spring : model.springs) {
+    if (spring.other == no_reference) continue;
+    const std::uint32_t a = row_of(state, spring.body);
+    const std::uint32_t b = row_of(state, spring.other);
+    if (a < count && b < count) meet(a, b);
+  }
+}
+
+bool is_dynamic(const Scratch& scratch, std::uint32_t row) {
+  return scratch.body_types[row] == BodyType::dynamic_body;
+}
+
+/// Has been calm for long enough to sleep, if all of its island have.
+bool may_sleep(const Model& model, const State& state, std::uint32_t row) {
+  return state.sleep[row].calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
+}
+
+void wake(SleepRow& sleep) {
+  if (sleep.asleep != 0) sleep.calm = 0;
+  sleep.asleep = 0;
+}
+
+/// Wakes what is pulled or disturbed, and all bodies if none may sleep. True if they are awake.
+bool stay_awake(const Model& model, State& state, Scratch& scratch, bool some_disturb) {
+  if (!model.scene.settings.sleep) return true;
+  for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
+  if (some_disturb) disturb(model, state, scratch);
+  const std::size_t count = state.bodies.size();
+  if (any_body(scratch, count,
+               [&](std::uint32_t row) { return is_dynamic(scratch, row) && may_sleep(model, state, row); }))
+    return false;
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (is_dynamic(scratch, row)) wake(state.sleep[row]);
+  return true;
+}
+
+/// Islands of which all bodies may sleep do. Requires: islands are united.
+void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
+  const std::size_t count = state.bodies.size();
+  scratch.island_awake.assign(count, 0);
+  for (std::uint32_t row = 0; row < count; ++row)
+    if (is_dynamic(scratch, row) && !may_sleep(model, state, row))
+      scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
+  for (std::uint32_t row = 0; row < count; ++row) {
+    if (!is_dynamic(scratch, row)) continue;
+    if (scratch.island_awake[find_root(scratch.island_parent, row)] != 0) {
+      wake(state.sleep[row]);
+      continue;
+    }
+    state.sleep[row].asleep = 1;
+    state.bodies[row].velocity = {0, 0};
+    state.bodies[row].angular_velocity = 0;
+  }
+}
+
+// ---- Groups ----
+
+constexpr std::uint32_t key_of_no_group = 0;  // asleep, or static
+constexpr std::uint32_t key_of_all_groups = 1;
+constexpr std::uint32_t key_least = 2;
+constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
+
+/// scratch.group_keys: of groups, those of one substep first.
+void find_group_keys(Scratch& scratch) {
+  const std::size_t count = scratch.body_types.size();
+  scratch.group_keys.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) {
+    const BodyType type = scratch.body_types[row];
+    std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_groups : key_of_no_group;
+    if (type == BodyType::dynamic_body) {
+      const std::uint32_t root = find_root(scratch.island_parent, row);
+      if (scratch.island_awake[root] != 0) key = 2 * scratch.island_level[root] + scratch.island_lands[root];
+    }
+    scratch.group_keys[row] = key;
+  }
+}
+
+void add_group(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
+  const auto index = static_cast<std::uint32_t>(scratch.groups.size());
+  SolveGroup group;
+  group.substeps = static_cast<int>(key / 2);
+  group.has_landings = key % 2 != 0;
+  group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
+  group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    if (scratch.group_keys[row] != key && scratch.group_keys[row] != key_of_all_groups) continue;
+    scratch.group_rows.push_back(row);
+    scratch.body_group[row] = index;
+  }
+  const auto select = [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const TouchingPair& pair = scratch.touching[i];
+      const auto contact = static_cast<std::uint32_t>(i);
+      const std::uint32_t of_a = scratch.group_keys[pair.body_a];
+      // Two dynamic bodies that touch are of one island.
+      if ((of_a < key_least ? scratch.group_keys[pair.body_b] : of_a) == key &&
+          !is_left_to_impacts(model, state, scratch, contact))
+        out[count++] = contact;
+    }
+    return count;
+  };
+  scratch.group_contacts.resize(group.first_contact + scratch.touching.size());
+  const std::size_t contact_count = select_in_chunks(scratch, scratch.touching.size(), contacts_per_chunk_least,
+                                                     scratch.group_contacts.data() + group.first_contact, select);
+  scratch.group_contacts.resize(group.first_contact + contact_count);
+  group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
+  group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  scratch.groups.push_back(group);
+}
+
+/// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
+/// in each of them.
+void make_groups(const Model& model, const State& state, Scratch& scratch) {
+  scratch.groups.clear();
+  scratch.group_rows.clear();
+  scratch.group_contacts.clear();
+  scratch.body_group.assign(state.bodies.size(), no_group);
+  find_group_keys(scratch);
+  bool in_use[key_count] = {};
+  in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
+  for (const std::uint32_t key : scratch.group_keys) in_use[key] = true;
+  for (std::uint32_t key = key_least; key < key_count; ++key)
+    if (in_use[key]) add_group(model, state, scratch, key);
+}
+
+}  // namespace
+
+void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
+  const bool some_disturb = find_types(model, state, scratch);
+  const bool all_awake = stay_awake(model, state, scratch, some_disturb);
+  // Where all are awake and have equal substeps, who hangs together with whom makes no difference.
+  scratch.is_grouped = !all_awake || model.scene.settings.auto_substeps;
+  if (!scratch.is_grouped) return;
+  unite_bodies(model, state, scratch);
+  if (all_awake)
+    scratch.island_awake.assign(state.bodies.size(), 1);
+  else
+    sleep_by_islands(model, state, scratch);
+  choose_substeps(model, state, scratch, dt);
+  make_groups(model, state, scratch);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

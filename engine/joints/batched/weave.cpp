@@ -1,0 +1,184 @@
+// Weaving of the passes over joints.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/batched/weave.h"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/integrators/flow.h"
+#include "engine/model/bodies.h"
+#include "engine/model/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// A pass over all joints, and before it a step of all bodies.
+enum class Pass : std::uint8_t { note, warm_start, warm_start_again, solve, relax };
+
+void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
+  const JointPlan& plan = scratch.kept.joints;
+  const std::uint32_t* rows = plan.body_rows.data() + plan.level_bodies[level];
+  const std::size_t count = plan.level_bodies[level + 1] - plan.level_bodies[level];
+  if (count == 0) return;
+  const MotionKernels& motion = scratch.kernels->motion;
+  Real* bodies = &scratch.bodies.data()->velocity.x;
+  if (pass == Pass::warm_start || pass == Pass::warm_start_again)
+    motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, count);
+  if (pass == Pass::relax)
+    motion.move_bodies(bodies, rows, count, resting_record(scratch), unread_record(scratch, level), h);
+}
+
+void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level, Real h) {
+  const JointPlan& plan = scratch.kept.joints;
+  step_bodies(scratch, pass, level, h);
+  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
+    const JointRange& range = plan.ranges[i];
+    switch (pass) {
+      case Pass::note:
+        note_velocities_of(scratch, range);
+        break;
+      case Pass::warm_start:
+        warm_start_range(scratch, range, Poses::moved, line);
+        break;
+      case Pass::warm_start_again:
+        warm_start_range(scratch, range, Poses::unmoved, line);
+        break;
+      case Pass::solve:
+        solve_range(scratch, range, h, Bias::on, line);
+        break;
+      case Pass::relax:
+        solve_range(scratch, range, h, Bias::off, line);
+        break;
+    }
+  }
+}
+
+/// For the pins of a level.
+template <typename Body>
+void for_pins_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
+  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
+    if (plan.ranges[i].way == JointWay::pin) body(plan.ranges[i].first, plan.ranges[i].last);
+}
+
+constexpr std::size_t line_count_max = 64;
+constexpr std::size_t levels_per_chunk_least = 8;
+
+/// The passes of all substeps.
+struct Passes {
+  bool has_springs = false;
+  std::size_t per_substep;
+  std::size_t count;
+
+  Passes(const JointPlan& plan, int substeps) {
+    for (const JointRange& range : plan.ranges) has_springs |= range.springs;
+    per_substep = has_springs ? 4 : 3;
+    count = per_substep * static_cast<std::size_t>(substeps);
+  }
+
+  Pass at(std::size_t i) const {
+    constexpr Pass order[] = {Pass::note, Pass::warm_start, Pass::solve, Pass::relax};
+    const Pass pass = order[i % per_substep + (has_springs ? 0 : 1)];
+    return pass == Pass::warm_start && i >= per_substep ? Pass::warm_start_again : pass;
+  }
+
+  /// The i-th pass in a line from `first` on: a line finds what poses make of its joints itself.
+  Pass in_line(std::size_t i, std::size_t first) const {
+    if (at(i) != Pass::warm_start_again) return at(i);
+    while (first < i && at(first) == Pass::note) ++first;
+    return first == i ? Pass::warm_start : Pass::warm_start_again;
+  }
+
+  /// What a pass costs, about.
+  std::size_t cost(std::size_t i) const {
+    constexpr std::size_t costs[] = {1, 5, 2, 3, 5};
+    return costs[static_cast<std::size_t>(at(i))];
+  }
+  /// The end of the passes from `first` on that make up `share` of `share_count` equal shares of the cost.
+  std::size_t up_to_share(std::size_t first, std::size_t share, std::size_t share_count) const {
+    std::size_t total = 0;
+    for (std::size_t i = 0; i < count; ++i) total += cost(i);
+    std::size_t done = 0;
+    std::size_t end = 0;
+    while (end < count && (end < first || (2 * done + cost(end)) * share_count <= 2 * total * share))
+      done += cost(end++);
+    return end;
+  }
+};
+
+}  // namespace
+
+bool allows_weaving(const Model& model) {
+  return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model) && model.hubs.empty();
+}
+
+bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group) {
+  return group.first_contact == group.contact_end && scratch.impacts.empty() && scratch.pulls.empty() &&
+         !scratch.planted;
+}
+
+std::size_t woven_line_count(const Scratch& scratch) {
+  const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
+  return std::min(width, line_count_max);
+}
+
+void set_apart_levels(Scratch& scratch) {
+  JointPlan& plan = scratch.kept.joints;
+  const std::uint32_t needed = unread_record(scratch, plan.level_count);
+  if (scratch.bodies.size() < needed) scratch.bodies.resize(needed);
+  for (JointRange& range : plan.ranges) {
+    range.chunk_size = range.last - range.first;
+    if (range.way != JointWay::single) continue;
+    for (std::uint32_t i = range.first; i < range.last; ++i) {
+      JointWork& joint = scratch.joints[i];
+      if (joint.write_a == unread_record(scratch)) joint.write_a = unread_record(scratch, range.level);
+      if (joint.write_b == unread_record(scratch)) joint.write_b = unread_record(scratch, range.level);
+    }
+  }
+}
+
+void solve_woven(State& state, Scratch& scratch, const SolveGroup& group) {
+  const JointPlan& plan = scratch.kept.joints;
+  const Passes passes(plan, group.substeps);
+  const std::size_t pass_line_count = woven_line_count(scratch);
+  std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
+  std::size_t longest = 0;
+  for (std::size_t line = 1; line <= pass_line_count; ++line) {
+    first[line] = passes.up_to_share(first[line - 1], line, pass_line_count);
+    // Not with what needs another pass before it (pin_lanes.h).
+    if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
+    longest = std::max(longest, first[line] - first[line - 1]);
+  }
+  if (longest == 0) return;
+  const auto fill = [&](std::uint32_t level) {
+    for_pins_of(plan, level,
+                [&](std::size_t begin, std::size_t end) { fill_pins(state, scratch, begin, end, group.h); });
+  };
+  const auto store = [&](std::uint32_t level) {
+    for_pins_of(plan, level,
+                [&](std::size_t begin, std::size_t end) { store_pins(scratch, state, begin, end, group.h); });
+  };
+  const std::uint32_t filled_first = plan.level_count / 2;
+  scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),
+                              [&](const Chunk& chunk) {
+                                for (std::size_t level = chunk.begin; level < chunk.end; ++level)
+                                  fill(static_cast<std::uint32_t>(level));
+                              });
+  const Lines lines{pass_line_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
+  scratch.parallel.for_lines(lines, [&](std::size_t line, std::size_t step) {
+    const auto level = static_cast<std::uint32_t>(step);
+    if (line == 0) {
+      if (level >= filled_first && level < plan.level_count) fill(level);
+    } else if (line == lines.line_count - 1) {
+      if (level < plan.level_count) store(level);
+    } else {
+      for (std::size_t i = first[line - 1]; i < first[line]; ++i) {
+        const std::size_t behind = (i - first[line - 1]) * plan.distance;
+        if (step < behind || step - behind >= plan.level_count) continue;
+        do_level(scratch, passes.in_line(i, first[line - 1]), line - 1, static_cast<std::uint32_t>(step - behind),
+                 group.h);
+      }
+    }
+  });
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

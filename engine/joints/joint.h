@@ -1,0 +1,106 @@
+// Joints: what the solver does with them in each substep, for all kinds alike.
+// SPDX-License-Identifier: MIT
+//
+// Joints are solved one after the other in the order of the scene, which is physics; where that is faster, in another
+// one that gives the same bits (joint_order.h). A joint consists of rows: rigid
+// ones (soft constraints tied to the substep rate), limits, motors and springs. Accumulated impulses are kept as forces
+// in the state. Springs act before the positions move and rest in the relax pass (joint_spring.h).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/contacts/contact_batch.h"
+#include "engine/contacts/soft.h"
+#include "engine/joints/joint_model.h"
+#include "engine/joints/joint_order.h"
+#include "engine/joints/joint_spring.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct State;
+struct Scratch;
+struct SolveGroup;
+struct MovingBody;
+
+/// Accumulated impulses of a substep. Which ones a kind uses is said in its file.
+struct JointImpulses {
+  Vec2 linear;       // N s
+  Real angular = 0;  // N m s
+  Real spring = 0;
+  Real lower = 0;  // >= 0
+  Real upper = 0;  // >= 0
+  Real motor = 0;
+};
+
+/// A joint made ready for one tick.
+struct JointWork {
+  std::uint32_t row;  // in State::joints
+  const JointModel* model;
+  std::uint32_t read_a, read_b;    // in Scratch::bodies
+  std::uint32_t write_a, write_b;  // bodies that impulses do not move are written to a record nobody reads
+  Real inv_mass_a, inv_mass_b;
+  Real inv_inertia_a, inv_inertia_b;
+  Vec2 anchor_a, anchor_b;  // from the centres of mass at the start of the tick, world axes, m
+  Vec2 axis;                // at the start of the tick, world axes
+  Vec2 apart;               // from A's centre of mass to B's at the start of the tick, m
+  Rotation turn;            // of B relative to A and the reference, at the start of the tick
+  Softness soft;            // of the rigid rows
+  SpringStep spring;
+  SpringStep linear_spring[2];  // along the principal axes of the point's mobility, the more mobile one first
+  Real motor_speed;             // m/s or rad/s
+  Real motor_impulse_max;       // N s or N m s
+  Real impulse_max;             // N s
+  Real angular_impulse_max;     // N m s
+  JointImpulses impulses;
+  Vec2 start_velocity;  // of the point row before the substep, m/s; set for springs
+  Real start_speed;     // of the spring row before the substep
+};
+
+/// Joints of one kind that follow each other.
+struct JointRun {
+  JointWork* first;
+  JointWork* last;  // one beyond
+  MovingBody* bodies;
+};
+
+/// What a kind of joint does. `note` sees the velocities before a substep, for springs.
+struct JointFunctions {
+  JointKind kind;
+  void (*prepare)(JointWork& joint, Real h);
+  void (*note)(JointRun run);
+  void (*warm_start)(JointRun run);
+  void (*solve)(JointRun run, Real h, Bias bias);
+};
+
+/// Joints of one kind that follow each other in Scratch::joints; or batches of pins or hinges.
+struct JointRange {
+  JointKind kind;
+  JointWay way;  // `first`, `last`: in Scratch::pins, ::hinges or ::joints
+  bool springs;  // some joint of the run has one, or is driven like one
+  std::uint32_t first;
+  std::uint32_t last;          // one beyond
+  std::uint32_t level;         // of batches, where several threads solve them: a run is of one level
+  std::size_t chunk_size = 0;  // in batches
+};
+
+/// A joint made ready. Requires: scratch.bodies filled (prepare_bodies).
+JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
+                     const Softness& soft, Real h);
+
+/// Fills scratch.joints with those of a group. Requires: scratch.bodies filled (prepare_bodies).
+void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);
+/// N/m of a rigid row per kg of effective mass, for substeps of length h.
+Real joint_stiffness(Real h);
+/// Notes the velocities before a substep. Call before the integrator predicts.
+void note_joint_velocities(Scratch& scratch);
+void warm_start_joints(Scratch& scratch);
+void solve_joints(Scratch& scratch, Real h, Bias bias);
+// The same for a part of them, by a line of passes (weave.h).
+void note_velocities_of(Scratch& scratch, const JointRange& range);
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
+/// Impulses back to state.joints, as forces.
+void store_joints(const Scratch& scratch, State& state, Real h);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

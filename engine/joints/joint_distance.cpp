@@ -1,0 +1,76 @@
+// The distance joint: a rod, a spring, or a rope between two anchors.
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Modeling and Solving Constraints", GDC 2009 (distance constraint); rows: joint_rows.h.
+//
+// d = from A's anchor to B's, C = |d| - length, row along d / |d|. linear.x = the rod; spring, motor, lower, upper act
+// along d too. Without spring, limits and motor it is a rod.
+#include "engine/joints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+struct Span {
+  LineRow row;
+  Vec2 arm_a, arm_b;  // m
+  Real distance;      // m
+};
+
+Span span_of(const JointWork& joint, const JointBodies& pair) {
+  const Vec2 arm_a = rotate(pair.a.turned, joint.anchor_a);
+  const Vec2 arm_b = rotate(pair.b.turned, joint.anchor_b);
+  const Vec2 d = (joint.apart + (pair.b.moved - pair.a.moved)) + (arm_b - arm_a);
+  const Real distance = length(d);
+  // Coincident anchors have no direction: a fixed one is as good as any, and gives no NaN.
+  const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};
+  return {line_row(joint, axis, arm_a, arm_b), arm_a, arm_b, distance};
+}
+
+/// What lengthens the span in a substep besides the velocity along it, per h: a step u sideways to sqrt(d^2 + u^2), and
+/// the turning of the arms.
+Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
+  const Vec2 velocity = (pair.b.velocity + cross(pair.b.angular_velocity, span.arm_b)) -
+                        (pair.a.velocity + cross(pair.a.angular_velocity, span.arm_a));
+  const Real sideways = h * cross(span.row.axis, velocity);
+  const Real whole = span.distance + square_root(span.distance * span.distance + sideways * sideways);
+  const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
+  return longer + dot(span.row.axis, turning_rate(span.arm_a, span.arm_b, pair, h));
+}
+
+void prepare_distance(JointWork& joint, Real h) {
+  const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
+  joint.spring = spring_step(joint.model->spring, span_of(joint, {at_start, at_start}).row.mobility, h);
+}
+
+void note_distance(JointWork& joint, const JointBodies& pair) {
+  joint.start_speed = span_of(joint, pair).row.speed(pair);
+}
+
+void warm_start_distance(const JointWork& joint, JointBodies& pair) {
+  const Span span = span_of(joint, pair);
+  warm_start_row(joint, span.row, pair);
+  span.row.apply(joint, pair, joint.impulses.linear.x);
+}
+
+void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  const JointModel& model = *joint.model;
+  const Span span = span_of(joint, pair);
+  if (model.rigid) {
+    const Real lengthening = bias == Bias::on ? lengthening_rate(span, pair, h) : Real(0);
+    solve_rigid(joint, span.row, pair, span.distance - model.length, softness(joint, bias), joint.impulses.linear.x,
+                lengthening);
+    return;
+  }
+  if (model.spring.exists && bias == Bias::on)
+    solve_spring(joint, span.row, pair, joint.spring, span.distance - model.length, joint.start_speed, no_impulse_limit,
+                 joint.impulses.spring);
+  if (model.has_motor)
+    solve_motor(joint, span.row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+  if (model.has_limits) solve_limits(joint, span.row, pair, span.distance, h, bias);
+}
+
+}  // namespace
+
+constexpr JointFunctions distance_joint{JointKind::distance, prepare_distance, note_each<note_distance>,
+                                        warm_start_each<warm_start_distance>, solve_each<solve_distance>};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,82 @@
+// Joints with a bounded force: motor (drives B to a pose beside A), friction (slows B against A), target (pulls B).
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Modeling and Solving Constraints", GDC 2009; bounds as in Coulomb friction: the sum of impulses of a
+// substep stays within h times the largest force. Rows: joint_rows.h.
+//
+// linear = the point's two rows, angular = the angle (motor, friction).
+// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid
+// rows where there is none.
+// Friction: at B's centre of mass, against the point of A that lies there.
+// Target: anchor_a is the point of the world, A the resting record.
+#include "engine/joints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// The scene's spring, or one as stiff as rigid rows. Springs rest in the relax pass, which would take a bounded pull
+/// back again.
+SpringModel drive_of(const JointModel& model, Real h) {
+  if (!model.rigid) return model.spring;
+  const double omega = 2 * pi * static_cast<double>(joint_hertz_times_h / h);
+  return {true, false, omega * omega, 2 * static_cast<double>(joint_damping_ratio) * omega};
+}
+
+void warm_start_drive(const JointWork& joint, JointBodies& pair) {
+  angle_row(joint).apply(joint, pair, joint.impulses.angular);
+  point_row(joint, pair, ActsAt::anchor_b).apply(joint, pair, joint.impulses.linear);
+}
+
+void note_drive(JointWork& joint, const JointBodies& pair) {
+  joint.start_speed = angle_row(joint).speed(pair);
+  joint.start_velocity = point_row(joint, pair, ActsAt::anchor_b).velocity(pair);
+}
+
+// ---- Motor ----
+
+void prepare_motor(JointWork& joint, Real h) {
+  const SpringModel spring = drive_of(*joint.model, h);
+  joint.spring = spring_step(spring, angle_row(joint).mobility, h);
+  prepare_point_spring(joint, spring, ActsAt::anchor_b, h);
+}
+
+void solve_motor_joint(JointWork& joint, JointBodies& pair, Real, Bias bias) {
+  if (bias == Bias::off) return;
+  solve_spring(joint, angle_row(joint), pair, joint.spring, relative_angle(joint, pair), joint.start_speed,
+               joint.angular_impulse_max, joint.impulses.angular);
+  solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
+}
+
+// ---- Friction ----
+
+void prepare_friction(JointWork&, Real) {}
+
+void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
+  solve_motor(joint, angle_row(joint), pair, Real(0), joint.angular_impulse_max, joint.impulses.angular);
+  if (!moves_something(joint)) return;
+  const PointRow point = point_row(joint, pair, ActsAt::anchor_b);
+  const Vec2 total = clamped(joint.impulses.linear - point.solved(point.velocity(pair)), joint.impulse_max);
+  point.apply(joint, pair, total - joint.impulses.linear);
+  joint.impulses.linear = total;
+}
+
+// ---- Target ----
+
+void prepare_target(JointWork& joint, Real h) {
+  prepare_point_spring(joint, drive_of(*joint.model, h), ActsAt::anchor_b, h);
+}
+
+void solve_target(JointWork& joint, JointBodies& pair, Real, Bias bias) {
+  if (bias == Bias::off) return;
+  solve_point_spring(joint, point_row(joint, pair, ActsAt::anchor_b), pair, joint.impulse_max);
+}
+
+}  // namespace
+
+constexpr JointFunctions motor_joint{JointKind::motor, prepare_motor, note_each<note_drive>,
+                                     warm_start_each<warm_start_drive>, solve_each<solve_motor_joint>};
+constexpr JointFunctions friction_joint{JointKind::friction, prepare_friction, note_each<note_drive>,
+                                        warm_start_each<warm_start_drive>, solve_each<solve_friction_joint>};
+constexpr JointFunctions target_joint{JointKind::target, prepare_target, note_each<note_drive>,
+                                      warm_start_each<warm_start_drive>, solve_each<solve_target>};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,67 @@
+// What a scene says about its joints, in the engine's precision.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/math/vec2.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+
+/// A spring as described; exists if it pushes or damps at all.
+struct SpringModel {
+  bool exists = false;
+  bool absolute = false;  // else relative to the row's effective mass
+  double stiffness = 0;   // absolute: N/m or N m/rad; else 1/s^2
+  double damping = 0;     // absolute: N s/m or N m s/rad; else 1/s
+};
+
+struct JointModel {
+  JointKind kind = JointKind::revolute;
+  bool is_pin = false;       // revolute without spring, limits and motor
+  bool is_hinge = false;     // revolute with one of them
+  std::uint32_t body_a = 0;  // id; no_reference: the world
+  std::uint32_t body_b = 0;  // id
+  Vec2 anchor_a;             // from A's centre of mass in its frame, m; target: the point of the world
+  Vec2 anchor_b;             // from B's centre of mass in its frame, m
+  Vec2 axis{1, 0};           // unit, in A's frame
+  Rotation reference;        // of B relative to A
+  Real length = 0;           // m
+  bool rigid = true;         // the rows that a linear spring (distance: anything soft) would replace
+  bool rigid_angle = true;   // weld: the row that an angular spring would replace
+  bool has_limits = false;
+  Real lower = 0;  // m or rad
+  Real upper = 0;
+  bool has_motor = false;
+  Real motor_speed = 0;      // m/s or rad/s, at the start
+  Real motor_force_max = 0;  // N or N m, at the start
+  SpringModel spring;        // along the axis or of the angle; motor, target: of the point (motor: of the angle too)
+  SpringModel linear_spring;
+  Real force_max = 0;   // N
+  Real torque_max = 0;  // N m
+};
+
+/// Two bodies that a joint keeps from touching, first < second.
+struct SeparatedPair {
+  std::uint32_t first;   // id
+  std::uint32_t second;  // id
+};
+
+/// A light body that holds heavier ones together. A pass over its joints moves it back and forth and them hardly: they
+/// need several before anything moves.
+struct Hub {
+  std::uint32_t body;    // id
+  std::uint32_t sweeps;  // over the joints, in place of one
+};
+
+/// Fills model.joints, model.hubs and model.separated from model.scene. Requires: model.bodies.
+void make_joints(Model& model);
+
+/// Whether a joint of the scene keeps two bodies from touching, as long as both exist: a joint goes with its bodies.
+bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,73 @@
+// Levels of joints, and whether they are worth it.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/joint_order.h"
+
+#include "engine/joints/batched/near_levels.h"
+#include "engine/model/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
+constexpr std::size_t joints_per_level_least = 2;
+
+JointWay way_of(const JointModel& joint) {
+  if (joint.is_pin) return JointWay::pin;
+  return joint.is_hinge ? JointWay::hinge : JointWay::single;
+}
+
+/// Sorts the places by level and way, otherwise in the order they are in.
+void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
+  std::vector<JointPlace>& places = scratch.kept.joints.places;
+  std::vector<std::uint32_t>& start = scratch.level_starts;
+  start.assign(joint_way_count * static_cast<std::size_t>(level_count) + 1, 0);
+  const auto key_of = [](const JointPlace& place) {
+    return joint_way_count * place.level + static_cast<std::uint32_t>(place.way);
+  };
+  for (const JointPlace& place : places) ++start[key_of(place) + 1];
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  scratch.sorted_places.resize(places.size());
+  for (const JointPlace& place : places) scratch.sorted_places[start[key_of(place)]++] = place;
+  places.swap(scratch.sorted_places);
+}
+
+}  // namespace
+
+std::uint32_t row_of_body(const State& state, std::uint32_t id) {
+  const bool is_row = id < state.bodies.size() && state.bodies[id].id == id;
+  return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
+}
+
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven) {
+  JointPlan& plan = scratch.kept.joints;
+  const std::uint32_t unread = unread_record(scratch);
+  plan.places.clear();
+  plan.level_count = 0;
+  plan.is_woven = false;
+  scratch.body_levels.assign(state.bodies.size(), 0);
+  std::size_t in_batches = 0;
+  for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
+    const JointModel& joint = model.joints[state.joints[i].joint];
+    const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
+    const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);
+    const bool b_moves = scratch.masses[b].write != unread;
+    const bool a_moves = a != no_reference && scratch.masses[a].write != unread;
+    if (!a_moves && !b_moves) continue;
+    if (scratch.body_group[b_moves ? b : a] != scratch.group_index) continue;
+    std::uint32_t level = 0;
+    if (a_moves) level = scratch.body_levels[a];
+    if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];
+    if (a_moves) scratch.body_levels[a] = level + 1;
+    if (b_moves) scratch.body_levels[b] = level + 1;
+    if (level >= plan.level_count) plan.level_count = level + 1;
+    const JointWay way = way_of(joint);
+    in_batches += way == JointWay::single ? 0u : 1u;
+    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, way, joint.anchor_a, joint.anchor_b});
+  }
+  plan.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * plan.level_count;
+  if (!plan.in_levels) return;
+  plan.is_woven = may_be_woven && draw_near(scratch);
+  sort_by_level(scratch, plan.level_count);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

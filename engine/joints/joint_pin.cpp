@@ -1,0 +1,123 @@
+// Joints that hold two anchors together: revolute (the bodies turn) and weld (they do not).
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Modeling and Solving Constraints", GDC 2009 (point constraint); rows and softness: joint_rows.h.
+//
+// Revolute: linear = the point's two rows; spring, motor, lower, upper act about the angle.
+// Weld: linear = the point, rigid or sprung; angular = the angle, rigid or sprung; both rigid: one 3 x 3 system.
+#include "engine/joints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+// ---- Revolute ----
+
+void prepare_spring_of_angle(JointWork& joint, Real h) {
+  if (!joint.model->spring.exists) return;
+  const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
+  const PointRow pin = point_row(joint, {at_start, at_start}, ActsAt::middle);
+  joint.spring = spring_step(joint.model->spring, pinned_angle_row(joint, pin).mobility, h);
+}
+
+void note_revolute(JointWork& joint, const JointBodies& pair) {
+  joint.start_speed = angle_row(joint).speed(pair);
+}
+
+void warm_start_revolute(const JointWork& joint, JointBodies& pair) {
+  warm_start_row(joint, angle_row(joint), pair);
+  point_row(joint, pair, ActsAt::middle).apply(joint, pair, joint.impulses.linear);
+}
+
+void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  const JointModel& model = *joint.model;
+  const PointRow pin = point_row(joint, pair, ActsAt::middle);
+  if (model.spring.exists || model.has_limits || model.has_motor) {
+    const PinnedAngleRow row = pinned_angle_row(joint, pin);
+    const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
+    if (model.spring.exists && bias == Bias::on)
+      solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
+    if (model.has_motor)
+      solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+    if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
+  }
+  const Vec2 turning = bias == Bias::on ? turning_rate(pin.arm_a, pin.arm_b, pair, h) : Vec2{0, 0};
+  solve_rigid_point(joint, pin, pair, softness(joint, bias), turning);
+}
+
+// ---- Weld ----
+
+void prepare_weld(JointWork& joint, Real h) {
+  if (joint.model->rigid)
+    prepare_spring_of_angle(joint, h);
+  else
+    joint.spring = spring_step(joint.model->spring, angle_row(joint).mobility, h);
+  prepare_point_spring(joint, joint.model->linear_spring, ActsAt::middle, h);
+}
+
+void note_weld(JointWork& joint, const JointBodies& pair) {
+  joint.start_speed = angle_row(joint).speed(pair);
+  joint.start_velocity = point_row(joint, pair, ActsAt::middle).velocity(pair);
+}
+
+void warm_start_weld(const JointWork& joint, JointBodies& pair) {
+  angle_row(joint).apply(joint, pair, joint.impulses.angular);
+  point_row(joint, pair, ActsAt::middle).apply(joint, pair, joint.impulses.linear);
+}
+
+/// K (p, t) = -(rates): the point's rows and the angle's together, the angle eliminated first. What is left of the
+/// point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b turned: written so, long arms cancel no digits.
+void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const Softness& soft) {
+  const AngleRow angle = angle_row(joint);
+  const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;
+  const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
+  const Vec2 coupling = angle_coupling(joint, row);
+  const Real inv = 1 / angle.mobility;
+  const Real inv_mass = joint.inv_mass_a + joint.inv_mass_b;
+  const Real turn = inv * joint.inv_inertia_a * joint.inv_inertia_b;
+  const Vec2 between = row.arm_a - row.arm_b;
+  row.k11 = inv_mass + turn * between.y * between.y;
+  row.k12 = -(turn * between.x * between.y);
+  row.k22 = inv_mass + turn * between.x * between.x;
+  row.determinant = inv_mass * (inv_mass + turn * length_squared(between));
+  const Vec2 p = row.solved(rate - inv * spin * coupling);
+  const Real t = inv * (spin - dot(coupling, p));
+  const Vec2 linear = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear;
+  const Real angular = -(soft.mass_scale * t) - soft.impulse_scale * joint.impulses.angular;
+  joint.impulses.linear = joint.impulses.linear + linear;
+  joint.impulses.angular += angular;
+  angle.apply(joint, pair, angular);
+  row.apply(joint, pair, linear);
+}
+
+void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
+  if (!moves_something(joint)) return;
+  const JointModel& model = *joint.model;
+  const AngleRow angle = angle_row(joint);
+  const PointRow point = point_row(joint, pair, ActsAt::middle);
+  const Softness soft = softness(joint, bias);
+  if (model.rigid && model.rigid_angle && angle.mobility > 0) {
+    solve_rigid_weld(joint, point, pair, soft);
+    return;
+  }
+  if (!model.rigid_angle && bias == Bias::on) {
+    const Real error = relative_angle(joint, pair);
+    if (model.rigid)
+      solve_spring(joint, pinned_angle_row(joint, point), pair, joint.spring, error, joint.start_speed,
+                   no_impulse_limit, joint.impulses.angular);
+    else
+      solve_spring(joint, angle, pair, joint.spring, error, joint.start_speed, no_impulse_limit,
+                   joint.impulses.angular);
+  }
+  if (!model.rigid && bias == Bias::on) solve_point_spring(joint, point, pair, no_impulse_limit);
+  if (model.rigid_angle && angle.mobility > 0)
+    solve_rigid(joint, angle, pair, relative_angle(joint, pair), soft, joint.impulses.angular);
+  if (model.rigid) solve_rigid_point(joint, point, pair, soft);
+}
+
+}  // namespace
+
+constexpr JointFunctions revolute_joint{JointKind::revolute, prepare_spring_of_angle, note_each<note_revolute>,
+                                        warm_start_each<warm_start_revolute>, solve_each<solve_revolute>};
+constexpr JointFunctions weld_joint{JointKind::weld, prepare_weld, note_each<note_weld>,
+                                    warm_start_each<warm_start_weld>, solve_each<solve_weld>};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,75 @@
+// From the order of joints to runs and batches.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/joint_plan.h"
+
+#include "engine/joints/batched/weave.h"
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// Whether the plan follows from the scene alone: its joints are all there, their bodies in the rows of their ids, and
+/// all are in one group. (Rows ascend by id, so that one row that is its id tells of all before it.)
+bool follows_from_scene(const Model& model, const State& state) {
+  if (model.finds_islands || state.joints.size() != model.joints.size()) return false;
+  const std::uint32_t last = model.last_joined;
+  return last < state.bodies.size() && state.bodies[last].id == last;
+}
+
+bool has_springs(const JointModel& joint) {
+  return joint.spring.exists || joint.linear_spring.exists || joint.kind == JointKind::motor ||
+         joint.kind == JointKind::target;
+}
+
+/// Adds the next place to the last batch, or to a new one where that is full, of another level or not of this run.
+void add_to_batches(std::vector<JointSpan>& spans, std::uint32_t place, std::uint32_t level, bool begins_run) {
+  if (begins_run || spans.back().level != level || spans.back().count == lane_count) spans.push_back({place, 0, level});
+  ++spans.back().count;
+}
+
+/// Divides the places into runs, and those of pins and hinges into batches.
+void make_ranges(const Model& model, JointPlan& plan) {
+  plan.ranges.clear();
+  plan.pins.clear();
+  plan.hinges.clear();
+  plan.single.clear();
+  plan.level_ranges.clear();
+  const auto end_of = [&plan](JointWay way) {
+    if (way == JointWay::single) return static_cast<std::uint32_t>(plan.single.size());
+    return static_cast<std::uint32_t>((way == JointWay::pin ? plan.pins : plan.hinges).size());
+  };
+  for (std::uint32_t i = 0; i < plan.places.size(); ++i) {
+    const JointPlace& place = plan.places[i];
+    const JointWay way = plan.in_levels || place.way == JointWay::pin ? place.way : JointWay::single;
+    const bool begins = plan.ranges.empty() || plan.ranges.back().kind != place.kind || plan.ranges.back().way != way ||
+                        (plan.by_level && plan.ranges.back().level != place.level);
+    if (plan.by_level)
+      while (plan.level_ranges.size() <= place.level)
+        plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
+    if (begins) plan.ranges.push_back({place.kind, way, false, end_of(way), end_of(way), place.level});
+    if (way == JointWay::single)
+      plan.single.push_back(i);
+    else
+      add_to_batches(way == JointWay::pin ? plan.pins : plan.hinges, i, plan.in_levels ? place.level : 0, begins);
+    plan.ranges.back().last = end_of(way);
+    plan.ranges.back().springs |= way != JointWay::pin && has_springs(model.joints[place.joint]);
+  }
+  plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
+}
+
+}  // namespace
+
+void plan_joints(const Model& model, const State& state, Scratch& scratch) {
+  JointPlan& plan = scratch.kept.joints;
+  const bool is_of_scene = follows_from_scene(model, state);
+  const bool is_hit = is_of_scene && plan.is_of_scene;
+  count_use(scratch.kept.report, CacheKind::joint_plan, is_hit);
+  if (is_hit) return;
+  plan.is_of_scene = is_of_scene;
+  order_joints(model, state, scratch, is_of_scene && allows_weaving(model));
+  // Joints of one level may be solved side by side.
+  plan.by_level = plan.in_levels && (scratch.parallel.runner != nullptr || plan.is_woven);
+  make_ranges(model, plan);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

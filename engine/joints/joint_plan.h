@@ -1,0 +1,48 @@
+// In which order joints are solved, and in which batches.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "engine/joints/batched/pin_batch.h"
+#include "engine/joints/joint.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Of the group that is being solved. Where there is one group of everything, it follows from the scene alone as long
+/// as all joints of the scene are there, and is kept.
+struct JointPlan {
+  bool is_of_scene = false;
+  bool in_levels = false;             // else in scene order
+  bool by_level = false;              // runs end where levels do
+  std::vector<JointPlace> places;     // in solving order
+  std::vector<JointRange> ranges;     // runs of one kind and way
+  std::vector<JointSpan> pins;        // [batch of pins]
+  std::vector<JointSpan> hinges;      // [batch of hinges]
+  std::vector<std::uint32_t> single;  // in `places`: those that are solved by themselves
+
+  std::uint32_t level_count = 0;
+  bool is_woven = false;  // in ticks in which nothing else acts on the bodies (weave.h)
+
+  // For weaving.
+  std::uint32_t distance = 0;               // between the levels of two joints that move one body: less than this
+  std::vector<std::uint32_t> level_ranges;  // [level] in `ranges`, where runs end with levels; one more at the end
+  std::vector<std::uint32_t> body_rows;     // bodies that joints move, by the level of their first joint
+  std::vector<std::uint32_t> level_bodies;  // [level] in `body_rows`; one more at the end
+};
+
+/// The most that a joint's force turns its bodies with, N m.
+struct JointTorques {
+  Real a;
+  Real b;
+};
+
+/// The first and the last joint that moves a body: in the plan's places, before they are sorted.
+struct JointEnds {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+  std::uint32_t count = 0;  // of its joints
+};
+
+/// Makes the plan for the group that is being solved, or keeps it. Requires: prepare_bodies, enter_group.
+void plan_joints(const Model& model, const State& state, Scratch& scratch);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

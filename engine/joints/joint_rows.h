@@ -1,0 +1,334 @@
+// The rows that joints are made of: along a line, about the angle, at a point; rigid, limited, driven and sprung.
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses, clamping); Catto,
+// "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (relax).
+//
+// A row has a relative velocity u = J v, a mobility K = J M^-1 J^T (the inverse of its effective mass) and an error C.
+// Rigid: impulse = -mass_scale K^-1 (u + bias_rate C) - impulse_scale old; relax: impulse = -K^-1 u.
+#pragma once
+
+#include "engine/joints/joint.h"
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Stiffness of rigid rows.
+inline constexpr Real joint_hertz_times_h = Real(0.25);
+inline constexpr Real joint_damping_ratio = 5;
+
+/// The two bodies of a joint while it is worked on.
+struct JointBodies {
+  MovingBody a;
+  MovingBody b;
+};
+
+inline JointBodies load(const JointWork& joint, const MovingBody* bodies) {
+  return {bodies[joint.read_a], bodies[joint.read_b]};
+}
+inline void store(const JointWork& joint, const JointBodies& pair, MovingBody* bodies) {
+  bodies[joint.write_a].velocity = pair.a.velocity;
+  bodies[joint.write_a].angular_velocity = pair.a.angular_velocity;
+  bodies[joint.write_b].velocity = pair.b.velocity;
+  bodies[joint.write_b].angular_velocity = pair.b.angular_velocity;
+}
+
+inline Real clamped(Real value, Real limit) {
+  return larger(smaller(value, limit), -limit);
+}
+inline Vec2 clamped(Vec2 value, Real limit) {
+  const Real size = length(value);
+  return size > limit ? (limit / size) * value : value;
+}
+
+/// Softness of a rigid row in this pass.
+inline Softness softness(const JointWork& joint, Bias bias) {
+  return bias == Bias::on ? joint.soft : Softness{};
+}
+
+// ---- About the angle ----
+
+/// Of B relative to A and the reference, rad, -pi..pi.
+inline Real relative_angle(const JointWork& joint, const JointBodies& pair) {
+  const Rotation q = between(pair.a.turned, pair.b.turned) * joint.turn;
+  return static_cast<Real>(arc_tangent(static_cast<double>(q.s), static_cast<double>(q.c)));
+}
+
+struct AngleRow {
+  Real mobility;  // 1/(kg m^2)
+
+  Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
+  void apply(const JointWork& joint, JointBodies& pair, Real impulse) const {
+    pair.a.angular_velocity -= joint.inv_inertia_a * impulse;
+    pair.b.angular_velocity += joint.inv_inertia_b * impulse;
+  }
+};
+inline AngleRow angle_row(const JointWork& joint) {
+  return {joint.inv_inertia_a + joint.inv_inertia_b};
+}
+
+// ---- Along a line ----
+
+/// Impulses along `axis`, with levers about the two centres of mass.
+struct LineRow {
+  Vec2 axis;     // unit, from A towards B
+  Real lever_a;  // m
+  Real lever_b;
+  Real mobility;  // 1/kg
+
+  Real speed(const JointBodies& pair) const {
+    return dot(axis, pair.b.velocity - pair.a.velocity) +
+           (lever_b * pair.b.angular_velocity - lever_a * pair.a.angular_velocity);
+  }
+  void apply(const JointWork& joint, JointBodies& pair, Real impulse) const {
+    const Vec2 p = impulse * axis;
+    pair.a.velocity = pair.a.velocity - joint.inv_mass_a * p;
+    pair.a.angular_velocity -= joint.inv_inertia_a * lever_a * impulse;
+    pair.b.velocity = pair.b.velocity + joint.inv_mass_b * p;
+    pair.b.angular_velocity += joint.inv_inertia_b * lever_b * impulse;
+  }
+};
+inline LineRow line_row(const JointWork& joint, Vec2 axis, Vec2 arm_a, Vec2 arm_b) {
+  const Real lever_a = cross(arm_a, axis);
+  const Real lever_b = cross(arm_b, axis);
+  return {axis, lever_a, lever_b,
+          (joint.inv_mass_a + joint.inv_mass_b) +
+              (joint.inv_inertia_a * lever_a * lever_a + joint.inv_inertia_b * lever_b * lever_b)};
+}
+
+// ---- One row of either sort ----
+
+template <typename Row>
+void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error, const Softness& soft, Real& impulse,
+                 Real drift_rate = 0) {
+  if (row.mobility <= 0) return;
+  const Real wanted = soft.mass_scale * ((row.speed(pair) + drift_rate) + soft.bias_rate * error) / row.mobility;
+  const Real change = -wanted - soft.impulse_scale * impulse;
+  impulse += change;
+  row.apply(joint, pair, change);
+}
+
+/// One-sided: `room` >= 0 may be used up within the substep, < 0 is pushed out. sign 1: pushes up from a lower limit.
+template <typename Row>
+void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real room, Real sign, Real h, Bias bias,
+                 Real& impulse) {
+  if (row.mobility <= 0) return;
+  Softness soft;
+  Real target = room / h;
+  if (room < 0) {
+    soft = softness(joint, bias);
+    target = soft.bias_rate * room;
+  }
+  const Real wanted = soft.mass_scale * (sign * row.speed(pair) + target) / row.mobility;
+  const Real total = larger((impulse - wanted) - soft.impulse_scale * impulse, 0);
+  row.apply(joint, pair, sign * (total - impulse));
+  impulse = total;
+}
+
+template <typename Row>
+void solve_limits(JointWork& joint, const Row& row, JointBodies& pair, Real value, Real h, Bias bias) {
+  solve_limit(joint, row, pair, value - joint.model->lower, Real(1), h, bias, joint.impulses.lower);
+  solve_limit(joint, row, pair, joint.model->upper - value, Real(-1), h, bias, joint.impulses.upper);
+}
+
+template <typename Row>
+void solve_motor(JointWork& joint, const Row& row, JointBodies& pair, Real speed, Real impulse_max, Real& impulse) {
+  if (row.mobility <= 0) return;
+  const Real total = clamped(impulse - (row.speed(pair) - speed) / row.mobility, impulse_max);
+  row.apply(joint, pair, total - impulse);
+  impulse = total;
+}
+
+template <typename Row>
+void solve_spring(JointWork& joint, const Row& row, JointBodies& pair, const SpringStep& spring, Real error,
+                  Real start_speed, Real impulse_max, Real& impulse) {
+  if (row.mobility <= 0) return;
+  const Real total =
+      clamped(spring_impulse(spring, row.mobility, error, start_speed, row.speed(pair), impulse), impulse_max);
+  row.apply(joint, pair, total - impulse);
+  impulse = total;
+}
+
+/// The sum of what acts along one row, once.
+template <typename Row>
+void warm_start_row(const JointWork& joint, const Row& row, JointBodies& pair) {
+  row.apply(joint, pair,
+            (joint.impulses.spring + joint.impulses.motor) + (joint.impulses.lower - joint.impulses.upper));
+}
+
+/// Coefficients of a spring on a row of this mobility; none if there is no spring or the row cannot move.
+SpringStep spring_step(const SpringModel& spring, Real mobility, Real h);
+
+inline constexpr Real no_impulse_limit = sizeof(Real) == 4 ? Real(0x1p127) : Real(0x1p1023);
+
+// ---- At a point ----
+
+/// Two rows, x and y. Impulses act on both bodies at one and the same place: that conserves angular momentum even while
+/// the anchors are apart, by up to twice the longer arm (middle_share).
+struct PointRow {
+  Vec2 arm_a;  // from A's centre of mass, m
+  Vec2 arm_b;
+  Vec2 error;  // from A's anchor to B's, m
+  Real k11, k12, k22;
+  Real determinant;  // of k
+
+  Vec2 velocity(const JointBodies& pair) const {
+    return (pair.b.velocity + cross(pair.b.angular_velocity, arm_b)) -
+           (pair.a.velocity + cross(pair.a.angular_velocity, arm_a));
+  }
+  void apply(const JointWork& joint, JointBodies& pair, Vec2 impulse) const {
+    pair.a.velocity = pair.a.velocity - joint.inv_mass_a * impulse;
+    pair.a.angular_velocity -= joint.inv_inertia_a * cross(arm_a, impulse);
+    pair.b.velocity = pair.b.velocity + joint.inv_mass_b * impulse;
+    pair.b.angular_velocity += joint.inv_inertia_b * cross(arm_b, impulse);
+  }
+  Vec2 mobility_times(Vec2 p) const { return {k11 * p.x + k12 * p.y, k12 * p.x + k22 * p.y}; }
+  /// K^-1 v by Cramer's rule.
+  Vec2 solved(Vec2 v) const {
+    const Real inv_determinant = 1 / determinant;
+    return {inv_determinant * (k22 * v.x - k12 * v.y), inv_determinant * (k11 * v.y - k12 * v.x)};
+  }
+};
+
+/// How much of `error` each arm is lengthened by to meet the other in the middle: half of it. Beyond the longer arm of
+/// a body that turns they shrink back to where they were: a wide gap is no lever. Arms of nothing meet in the middle.
+inline Real middle_share(const JointWork& joint, const PointRow& row) {
+  const Real reach_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
+  const Real reach_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
+  const Real reach = larger(reach_a, reach_b);
+  const Real most = larger(Real(0.25) * length_squared(row.error), reach);
+  return reach > 0 ? Real(0.5) * (reach / most) : Real(0.5);
+}
+
+/// Where impulses of a point row act.
+enum class ActsAt : std::uint8_t { middle, anchor_b };
+
+inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsAt place) {
+  PointRow row;
+  row.arm_a = rotate(pair.a.turned, joint.anchor_a);
+  row.arm_b = rotate(pair.b.turned, joint.anchor_b);
+  row.error = (joint.apart + (pair.b.moved - pair.a.moved)) + (row.arm_b - row.arm_a);
+  if (place == ActsAt::middle) {
+    const Real share = middle_share(joint, row);
+    row.arm_a = row.arm_a + share * row.error;
+    row.arm_b = row.arm_b - share * row.error;
+  } else {
+    row.arm_a = row.arm_a + row.error;
+  }
+  const Real inv_mass = joint.inv_mass_a + joint.inv_mass_b;
+  row.k11 =
+      inv_mass + (joint.inv_inertia_a * row.arm_a.y * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y * row.arm_b.y);
+  row.k12 = -(joint.inv_inertia_a * row.arm_a.x * row.arm_a.y + joint.inv_inertia_b * row.arm_b.x * row.arm_b.y);
+  row.k22 =
+      inv_mass + (joint.inv_inertia_a * row.arm_a.x * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x * row.arm_b.x);
+  // k11 k22 - k12^2 as a sum of squares (Cauchy-Binet): long arms cancel no digits.
+  const Real area = cross(row.arm_a, row.arm_b);
+  row.determinant = inv_mass * (inv_mass + (joint.inv_inertia_a * length_squared(row.arm_a) +
+                                            joint.inv_inertia_b * length_squared(row.arm_b))) +
+                    (joint.inv_inertia_a * area) * (joint.inv_inertia_b * area);
+  return row;
+}
+
+/// Whether the joint can move anything at all.
+inline bool moves_something(const JointWork& joint) {
+  return joint.inv_mass_a + joint.inv_mass_b > 0;
+}
+
+/// What the turning of the arms adds to d = error in a substep, per h: an arm r that turns by x = w h ends
+/// r (1 - cos x) short of where its tangent leads. 1 - cos x as x^2 / (2 + x^2 / 2): off by x^4 / 12, never above 2.
+inline Vec2 turning_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h) {
+  const auto short_of = [h](Real spin) {
+    const Real x2 = (h * spin) * (h * spin);
+    return x2 / (2 + Real(0.5) * x2);
+  };
+  return (1 / h) * (short_of(pair.a.angular_velocity) * arm_a - short_of(pair.b.angular_velocity) * arm_b);
+}
+
+/// `drift_rate`: what moves the error in this substep besides the velocity, m/s.
+inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft,
+                              Vec2 drift_rate = {0, 0}) {
+  if (!moves_something(joint)) return;
+  const Vec2 wanted = row.solved((row.velocity(pair) + drift_rate) + soft.bias_rate * row.error);
+  const Vec2 change = -(soft.mass_scale * wanted) - soft.impulse_scale * joint.impulses.linear;
+  joint.impulses.linear = joint.impulses.linear + change;
+  row.apply(joint, pair, change);
+}
+
+/// The angle of two bodies that are pinned at a point: an angular impulse draws the pin's reaction with it, so that the
+/// pin stays at rest and the angle's row is solved as if the pin were not there.
+struct PinnedAngleRow {
+  Real mobility;
+  Vec2 reaction;  // of the pin, per angular impulse, 1/m
+  PointRow pin;
+
+  Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
+  void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
+    angle_row(joint).apply(joint, pair, impulse);
+    const Vec2 p = impulse * reaction;
+    pin.apply(joint, pair, p);
+    joint.impulses.linear = joint.impulses.linear + p;
+  }
+};
+
+/// What a unit of angular impulse does to the point.
+inline Vec2 angle_coupling(const JointWork& joint, const PointRow& row) {
+  return {-(joint.inv_inertia_a * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y),
+          joint.inv_inertia_a * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x};
+}
+
+/// With m, a, b the inverse masses (summed) and inertias: the 3 x 3 determinant of point and angle over the 2 x 2 one
+/// of the point, both as sums of positive terms (Cauchy-Binet), divided by m: (m (a + b) + a b |r_a - r_b|^2) / (m + a
+/// |r_a|^2 + b |r_b|^2 + a b (r_a x r_b)^2 / m).
+inline PinnedAngleRow pinned_angle_row(const JointWork& joint, const PointRow& pin) {
+  const Real m = joint.inv_mass_a + joint.inv_mass_b;
+  const Real a = joint.inv_inertia_a;
+  const Real b = joint.inv_inertia_b;
+  if (m <= 0 || a + b <= 0) return {0, {0, 0}, pin};
+  const Real area = cross(pin.arm_a, pin.arm_b);
+  const Real above = m * (a + b) + a * b * length_squared(pin.arm_a - pin.arm_b);
+  const Real below = m + (a * length_squared(pin.arm_a) + b * length_squared(pin.arm_b)) + a * area * (b * area / m);
+  return {above / below, -pin.solved(angle_coupling(joint, pin)), pin};
+}
+
+/// The principal axes of a point's mobility: along each, the point moves as if it were alone.
+struct PrincipalAxes {
+  Vec2 axis[2];  // unit, right angles; the more mobile one first
+  Real mobility[2];
+};
+PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row);
+void prepare_point_spring(JointWork& joint, const SpringModel& spring, ActsAt place, Real h);
+void solve_point_spring(JointWork& joint, const PointRow& row, JointBodies& pair, Real impulse_max);
+
+// ---- Runs of joints ----
+
+template <auto one>
+void note_each(JointRun run) {
+  for (JointWork* joint = run.first; joint != run.last; ++joint) one(*joint, load(*joint, run.bodies));
+}
+template <auto one>
+void warm_start_each(JointRun run) {
+  for (JointWork* joint = run.first; joint != run.last; ++joint) {
+    JointBodies pair = load(*joint, run.bodies);
+    one(*joint, pair);
+    store(*joint, pair, run.bodies);
+  }
+}
+template <auto one>
+void solve_each(JointRun run, Real h, Bias bias) {
+  for (JointWork* joint = run.first; joint != run.last; ++joint) {
+    JointBodies pair = load(*joint, run.bodies);
+    one(*joint, pair, h, bias);
+    store(*joint, pair, run.bodies);
+  }
+}
+
+// The kinds. Each is in the file said in the table (joint.cpp).
+extern const JointFunctions revolute_joint;
+extern const JointFunctions weld_joint;
+extern const JointFunctions prismatic_joint;
+extern const JointFunctions wheel_joint;
+extern const JointFunctions distance_joint;
+extern const JointFunctions motor_joint;
+extern const JointFunctions friction_joint;
+extern const JointFunctions target_joint;
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

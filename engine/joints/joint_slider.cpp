@@ -1,0 +1,168 @@
+// Joints with an axis fixed in body A along which B's anchor slides: prismatic (B does not turn), wheel (B turns).
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Modeling and Solving Constraints", GDC 2009 (line and prismatic constraints); rows: joint_rows.h.
+//
+// linear.x = across the axis; angular = the angle (prismatic). spring, lower, upper act along the axis, the motor along
+// it (prismatic) or about the angle (wheel). d = from A's anchor to B's; impulses act at B's anchor on both bodies, so
+// the lever on A is (d + r_a) x axis.
+#include "engine/joints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+struct Slide {
+  LineRow along;
+  LineRow across;
+  Real translation;  // of B's anchor along the axis, from A's, m
+  Real deviation;    // across, m
+};
+
+Slide slide_of(const JointWork& joint, const JointBodies& pair) {
+  const Vec2 axis = rotate(pair.a.turned, joint.axis);
+  const Vec2 normal = cross(Real(1), axis);
+  const Vec2 arm_b = rotate(pair.b.turned, joint.anchor_b);
+  const Vec2 arm_a = (joint.apart + (pair.b.moved - pair.a.moved)) + arm_b;  // d + r_a
+  const Vec2 d = arm_a - rotate(pair.a.turned, joint.anchor_a);
+  return {line_row(joint, axis, arm_a, arm_b), line_row(joint, normal, arm_a, arm_b), dot(axis, d), dot(normal, d)};
+}
+
+Slide slide_at_start(const JointWork& joint) {
+  const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
+  return slide_of(joint, {at_start, at_start});
+}
+
+void note_slide(JointWork& joint, const JointBodies& pair) {
+  joint.start_speed = slide_of(joint, pair).along.speed(pair);
+}
+
+template <typename Row>
+void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, Real translation, Bias bias) {
+  if (!joint.model->spring.exists || bias == Bias::off) return;
+  solve_spring(joint, along, pair, joint.spring, translation, joint.start_speed, no_impulse_limit,
+               joint.impulses.spring);
+}
+
+// ---- Prismatic ----
+
+/// The axis of bodies that do not turn against each other: an impulse along it draws the reactions of the two rigid
+/// rows with it, so that those stay at rest and the axis is solved as if they were not there.
+struct HeldLineRow {
+  Real mobility;
+  Real across;  // reactions per impulse
+  Real turning;
+  const Slide& slide;
+
+  Real speed(const JointBodies& pair) const { return slide.along.speed(pair); }
+  void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
+    slide.along.apply(joint, pair, impulse);
+    slide.across.apply(joint, pair, across * impulse);
+    angle_row(joint).apply(joint, pair, turning * impulse);
+    joint.impulses.linear.x += across * impulse;
+    joint.impulses.angular += turning * impulse;
+  }
+};
+
+/// Coupling of the row across with the angle's.
+Real coupling(const JointWork& joint, const LineRow& row) {
+  return joint.inv_inertia_a * row.lever_a + joint.inv_inertia_b * row.lever_b;
+}
+
+/// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
+/// axis: the energy of a slide and a common turn gives m (a b r^2 + m (a + b)) / (a b s^2 + m (a + b)), all terms
+/// positive. Requires: m > 0.
+HeldLineRow held_line_row(const JointWork& joint, const Slide& slide) {
+  const Real m = joint.inv_mass_a + joint.inv_mass_b;
+  const Real a = joint.inv_inertia_a;
+  const Real b = joint.inv_inertia_b;
+  if (a + b <= 0) return {m, 0, 0, slide};
+  const Real r_along = slide.across.lever_a - slide.across.lever_b;  // cross(r, normal) = dot(r, axis)
+  const Real r_across = slide.along.lever_b - slide.along.lever_a;
+  const Real turn = m * (a + b);
+  const Real along = a * b * r_along * r_along;
+  const Real k12 = coupling(joint, slide.across);
+  const Real k13 = a * slide.across.lever_a * slide.along.lever_a + b * slide.across.lever_b * slide.along.lever_b;
+  const Real k23 = coupling(joint, slide.along);
+  const Real inv_determinant = 1 / (slide.across.mobility * (a + b) - k12 * k12);
+  return {m * ((along + a * b * r_across * r_across + turn) / (along + turn)),
+          inv_determinant * (k12 * k23 - (a + b) * k13), inv_determinant * (k12 * k13 - slide.across.mobility * k23),
+          slide};
+}
+
+void prepare_prismatic(JointWork& joint, Real h) {
+  if (!moves_something(joint)) return;
+  const Slide slide = slide_at_start(joint);
+  joint.spring = spring_step(joint.model->spring, held_line_row(joint, slide).mobility, h);
+}
+
+void warm_start_prismatic(const JointWork& joint, JointBodies& pair) {
+  const Slide slide = slide_of(joint, pair);
+  warm_start_row(joint, slide.along, pair);
+  slide.across.apply(joint, pair, joint.impulses.linear.x);
+  angle_row(joint).apply(joint, pair, joint.impulses.angular);
+}
+
+void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  if (!moves_something(joint)) return;
+  const JointModel& model = *joint.model;
+  const Slide slide = slide_of(joint, pair);
+  if (model.spring.exists || model.has_motor || model.has_limits) {
+    const HeldLineRow along = held_line_row(joint, slide);
+    solve_spring_along(joint, along, pair, slide.translation, bias);
+    if (model.has_motor)
+      solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+    if (model.has_limits) solve_limits(joint, along, pair, slide.translation, h, bias);
+  }
+
+  const Softness soft = softness(joint, bias);
+  const AngleRow angle = angle_row(joint);
+  if (angle.mobility <= 0) {
+    solve_rigid(joint, slide.across, pair, slide.deviation, soft, joint.impulses.linear.x);
+    return;
+  }
+  // 2 x 2: across the axis and about the angle, by Cramer's rule.
+  const Real k12 = coupling(joint, slide.across);
+  const Real rate = slide.across.speed(pair) + soft.bias_rate * slide.deviation;
+  const Real spin = angle.speed(pair) + soft.bias_rate * relative_angle(joint, pair);
+  const Real inv_determinant = 1 / (slide.across.mobility * angle.mobility - k12 * k12);
+  const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
+  const Real t = inv_determinant * (slide.across.mobility * spin - k12 * rate);
+  const Real across = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear.x;
+  const Real turning = -(soft.mass_scale * t) - soft.impulse_scale * joint.impulses.angular;
+  joint.impulses.linear.x += across;
+  joint.impulses.angular += turning;
+  slide.across.apply(joint, pair, across);
+  angle.apply(joint, pair, turning);
+}
+
+// ---- Wheel ----
+
+void prepare_wheel(JointWork& joint, Real h) {
+  joint.spring = spring_step(joint.model->spring, slide_at_start(joint).along.mobility, h);
+}
+
+void warm_start_wheel(const JointWork& joint, JointBodies& pair) {
+  const Slide slide = slide_of(joint, pair);
+  slide.along.apply(joint, pair, joint.impulses.spring + (joint.impulses.lower - joint.impulses.upper));
+  slide.across.apply(joint, pair, joint.impulses.linear.x);
+  angle_row(joint).apply(joint, pair, joint.impulses.motor);
+}
+
+void solve_wheel(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  if (!moves_something(joint)) return;
+  const JointModel& model = *joint.model;
+  const Slide slide = slide_of(joint, pair);
+  solve_spring_along(joint, slide.along, pair, slide.translation, bias);
+  if (model.has_motor)
+    solve_motor(joint, angle_row(joint), pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
+  if (model.has_limits) solve_limits(joint, slide.along, pair, slide.translation, h, bias);
+  solve_rigid(joint, slide.across, pair, slide.deviation, softness(joint, bias), joint.impulses.linear.x);
+}
+
+}  // namespace
+
+constexpr JointFunctions prismatic_joint{JointKind::prismatic, prepare_prismatic, note_each<note_slide>,
+                                         warm_start_each<warm_start_prismatic>, solve_each<solve_prismatic>};
+constexpr JointFunctions wheel_joint{JointKind::wheel, prepare_wheel, note_each<note_slide>,
+                                     warm_start_each<warm_start_wheel>, solve_each<solve_wheel>};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

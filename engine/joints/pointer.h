@@ -1,0 +1,37 @@
+// The target joint by which a pointer pulls a body: a soft constraint between a point of the body and the pointer.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "engine/contacts/soft.h"
+#include "engine/math/vec2.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+struct State;
+struct Scratch;
+struct SolveGroup;
+
+/// A PointerRow made ready for one tick.
+struct PointerPull {
+  std::uint32_t pointer;  // row
+  std::uint32_t body;     // row
+  Real inv_mass;
+  Real inv_inertia;
+  Vec2 anchor;  // from the centre of mass, world axes at the start of the tick, m
+  Vec2 offset;  // from the target to the held point at the start of the tick, m
+  Softness soft;
+  Real impulse_max;  // N s
+  Vec2 impulse;      // N s, accumulated
+};
+
+/// Fills scratch.pulls from the pointers that pull bodies of a group.
+void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);
+void warm_start_pulls(Scratch& scratch);
+void solve_pulls(Scratch& scratch);
+/// Impulses back to state.pointers, as forces.
+void store_pulls(const Scratch& scratch, State& state, Real h);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

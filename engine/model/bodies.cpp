@@ -1,0 +1,78 @@
+// Hot body records in and out.
+// SPDX-License-Identifier: MIT
+#include "engine/model/bodies.h"
+
+#include <algorithm>
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr MovingBody at_rest{{0, 0}, 0, {0, 0}, {1, 0}};
+
+std::size_t chunk_of_bodies(const Scratch& scratch, std::size_t count) {
+  return scratch.parallel.chunk_size(count, 256);
+}
+
+}  // namespace
+
+void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
+  scratch.kernels = &model.kernels;
+  const std::size_t count = state.bodies.size();
+  // Loops of the solver are as long as there are bodies, contacts or joints.
+  const std::size_t longest = std::max({count, scratch.touching.size(), state.joints.size()});
+  scratch.masses.resize(count);
+  scratch.bodies.resize(unread_record(scratch, scratch.parallel.chunk_count_max(longest)));
+  const std::uint32_t resting = resting_record(scratch);
+  const std::uint32_t unread = unread_record(scratch);
+  const bool raises = model.scene.settings.auto_substeps.has_value();
+  scratch.parallel.for_chunks(count, chunk_of_bodies(scratch, count), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      const BodyRow& body = state.bodies[row];
+      const BodyModel& constants = model.bodies[body.source];
+      const auto record = static_cast<std::uint32_t>(row);
+      scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
+      scratch.masses[row] = {constants.inv_mass, constants.inv_inertia,
+                             constants.type == BodyType::static_body ? resting : record,
+                             constants.type == BodyType::dynamic_body ? record : unread};
+      if (!raises) continue;
+      const Real share = 1 / scratch.mass_factor[row];
+      scratch.masses[row].inv_mass *= share;
+      scratch.masses[row].inv_inertia *= share;
+    }
+  });
+  scratch.previous_accelerations.clear();
+  for (const AccelerationRow& row : state.accelerations)
+    scratch.previous_accelerations.push_back({row.linear, row.angular});
+  scratch.unconverged = 0;
+  for (std::size_t record = count; record < scratch.bodies.size(); ++record) scratch.bodies[record] = at_rest;
+}
+
+void store_bodies(const Scratch& scratch, State& state) {
+  const std::size_t count = state.bodies.size();
+  scratch.parallel.for_chunks(count, chunk_of_bodies(scratch, count), [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      if (scratch.body_group[row] == no_group) continue;
+      BodyRow& body = state.bodies[row];
+      const MovingBody& moving = scratch.bodies[row];
+      body.position = stored(body.position + moving.moved);
+      body.rotation = stored(normalized(moving.turned * body.rotation));
+      body.velocity = stored(moving.velocity);
+      body.angular_velocity = stored(moving.angular_velocity);
+    }
+  });
+  for (std::size_t row = 0; row < state.accelerations.size(); ++row)
+    state.accelerations[row] = {stored(scratch.previous_accelerations[row].linear),
+                                stored(scratch.previous_accelerations[row].angular)};
+  const std::uint32_t room = no_reference - state.integrator.unconverged;
+  state.integrator.unconverged += scratch.unconverged < room ? scratch.unconverged : room;
+}
+
+void store_velocities(const Scratch& scratch, State& state) {
+  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
+    if (scratch.body_group[row] == no_group) continue;
+    state.bodies[row].velocity = stored(scratch.bodies[row].velocity);
+    state.bodies[row].angular_velocity = stored(scratch.bodies[row].angular_velocity);
+  }
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

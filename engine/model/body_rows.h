@@ -1,0 +1,43 @@
+// Bodies as solvers see them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/math/vec2.h"
+#include "engine/simd/lanes.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
+struct alignas(8 * sizeof(Real)) MovingBody {
+  Vec2 velocity;                         // m/s
+  Real angular_velocity;                 // rad/s
+  alignas(4 * sizeof(Real)) Vec2 moved;  // since the tick began, m
+  Rotation turned;                       // since the tick began
+};
+static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
+
+/// What constraints need of a body beside its hot record.
+struct alignas(4 * sizeof(Real)) BodyMass {
+  Real inv_mass;        // 1/kg
+  Real inv_inertia;     // 1/(kg m^2)
+  std::uint32_t read;   // in Scratch::bodies; of static bodies the resting record
+  std::uint32_t write;  // of bodies that impulses do not move the record nobody reads
+};
+
+/// Whether bodies have moved since the last pass over the same joints or contacts.
+enum class Poses : std::uint8_t { moved, unmoved };
+
+/// A bit to flip in a hot record after a substep.
+enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
+struct PlantedFault {
+  std::size_t row = 0;
+  BodyField field = BodyField::velocity;
+  std::size_t lane = 0;
+  std::uint32_t bit = 0;
+  int substep = 0;
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

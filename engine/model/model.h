@@ -1,0 +1,189 @@
+// Model: what a scene says, in the engine's precision, constant for the whole run.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/contacts/solver_kernels.h"
+#include "engine/joints/joint_model.h"
+#include "engine/math/vec2.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+
+/// What the narrow phase tells apart.
+enum class ShapeFamily : std::uint8_t {
+  circle,
+  polygon,     // a hull with sharp corners; boxes too
+  round,       // a hull of 2..16 vertices and a radius: rounded polygons, capsules, and segments with radius 0
+  chain_edge,  // one edge of a chain: seen from its right side only
+};
+inline constexpr std::size_t shape_family_count = 4;
+
+/// The corners of a shape and the normals of the edges that begin there, axis by axis, for four at a time.
+struct Quad {
+  Real x[4], y[4];  // m
+  Real normal_x[4], normal_y[4];
+};
+inline constexpr std::uint32_t no_quad = 0xffffffff;
+
+/// A convex shape, or one edge of a chain. Equal shapes of different bodies share one ShapeModel.
+struct ShapeModel {
+  ShapeFamily family = ShapeFamily::circle;
+  Vec2 center;                     // of the circle; of the core's area; from the body's centre of mass, m
+  Real radius = 0;                 // of the circle, or around the core, m; 0 for sharp corners
+  Real bounding_radius = 0;        // of the circle around `center` that holds the shape, m
+  Real size = 0;                   // twice the radius of the largest circle around `center` inside, m; of lines 0
+  std::uint32_t first_vertex = 0;  // in Model::vertices and Model::normals
+  std::uint32_t vertex_count = 0;
+  Real friction = 0;
+  Real restitution = 0;
+  Real tangent_speed = 0;       // m/s
+  Real rolling_resistance = 0;  // m: coefficient times radius
+  Filter filter;
+  std::uint32_t material = 0;    // which of the model's different frictions and restitutions
+  std::uint32_t quad = no_quad;  // in Model::quads, of a polygon with four corners
+  bool is_sensor = false;
+  bool has_before = false;  // chain edge: another one ends where it begins
+  bool has_after = false;   // chain edge: another one begins where it ends
+  Vec2 before;              // where that one begins, m
+  Vec2 after;               // where that one ends, m
+};
+/// Segments and chains: no area, no mass, and no contact with each other.
+inline bool is_line(const ShapeModel& shape) {
+  return shape.size == 0;
+}
+/// Lengths that do not matter are relative to this size of a pair: that of the smaller one; lines do not count.
+inline Real pair_size(const ShapeModel& a, const ShapeModel& b) {
+  if (a.size == 0) return b.size;
+  if (b.size == 0) return a.size;
+  return smaller(a.size, b.size);
+}
+
+/// What all bodies made from one description share.
+struct BodyModel {
+  BodyType type = BodyType::dynamic_body;
+  Real mass = 0;                 // kg; 0 unless dynamic
+  Real inv_mass = 0;             // 1/kg; 0 unless dynamic
+  Real inertia = 0;              // kg m^2; 0 unless dynamic and free to rotate
+  Real inv_inertia = 0;          // 1/(kg m^2)
+  Real impulse_inv_inertia = 0;  // what the thesis' formulas give; used by the `impulse` solver alone
+  Vec2 center;                   // of mass, from the body's origin in its frame, m
+  Real linear_damping = 0;       // 1/s, with linear drags
+  Real angular_damping = 0;      // 1/s, with linear drags
+  Real gravity_scale = 1;
+  Real size = 0;   // of the smallest shape, m
+  Real reach = 0;  // of the farthest point from the centre of mass, m
+  bool can_sleep = true;
+  bool is_bullet = false;
+  std::uint32_t first_shape = 0;  // in Model::body_shapes
+  std::uint32_t shape_count = 0;  // children: one for each shape, for a chain one for each edge
+};
+
+/// Force element: an acceleration of strength * |r|^exponent towards a centre.
+struct CentralForce {
+  bool every = true;       // acts on every dynamic body; else on one
+  std::uint32_t body = 0;  // id of that body
+  Vec2 center;             // m
+  Real strength = 0;       // 1/(s^2 m^(exponent - 1)); > 0 attracts
+  int exponent = 0;
+};
+
+/// Force element: spring and damper along the line between two points.
+struct SpringForce {
+  std::uint32_t body = 0;   // id
+  std::uint32_t other = 0;  // id; no_reference: the second point is fixed in the world
+  Vec2 anchor;              // from the body's centre of mass, in its frame, m
+  Vec2 point;               // from the other's centre of mass, in its frame, or of the world, m
+  Real stiffness = 0;       // N/m
+  Real damping = 0;         // N s/m
+  Real rest_length = 0;     // m
+};
+
+/// What the force elements of a scene add to a body, per source.
+struct BodyForces {
+  Vec2 acceleration;                // m/s^2: constant forces, and linear drag in the wind
+  Real angular_acceleration = 0;    // rad/s^2
+  Real quadratic_drag = 0;          // 1/m
+  Real angular_quadratic_drag = 0;  // 1/rad
+};
+
+/// Friction and restitution of a pair.
+struct MixedMaterial {
+  Real friction = 0;
+  Real restitution = 0;
+};
+
+struct State;
+struct Scratch;
+/// Adds the accelerations of forces that depend on positions, at the poses of scratch.bodies, to scratch.accelerations.
+using PositionForces = void (*)(const Model& model, const State& state, Scratch& scratch);
+
+struct Model {
+  Scene scene;
+  std::vector<BodyModel> bodies;           // [source]: the scene's bodies, then its prototypes
+  std::uint32_t first_prototype = 0;       // source index of prototype 0
+  std::vector<std::uint32_t> body_shapes;  // [body's first_shape + child]: index in `shapes`
+  std::vector<std::uint8_t> is_lonely;     // [body's first_shape + child]: it can meet no other shape of the scene
+  std::vector<ShapeModel> shapes;
+  std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
+  std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
+
+  std::vector<Quad> quads;
+  std::vector<MixedMaterial> mixed_materials;  // [material of A * material_count + material of B], if not too many
+  std::uint32_t material_count = 0;
+
+  std::vector<JointModel> joints;  // [joint of the scene]
+  std::vector<Hub> hubs;
+  std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
+  std::uint32_t separated_span = 0;      // the largest difference of the ids of one: most pairs are not looked for
+  std::uint32_t last_joined = 0;         // the largest id of a body that has joints
+
+  std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn
+
+  std::vector<BodyForces> body_forces;  // [source]; empty where the scene has no force elements
+  std::vector<CentralForce> centrals;
+  std::vector<SpringForce> springs;
+  Vec2 wind;                                 // m/s, the air's velocity
+  PositionForces position_forces = nullptr;  // null where no force depends on positions
+  bool has_velocity_forces = false;          // quadratic drags or dampers; linear drags are part of the damping
+
+  Real restitution_threshold = 1;  // m/s
+  bool can_collide = false;
+  bool takes_inputs = false;
+  bool has_pointer = false;
+  bool has_bounds = false;
+  bool finds_islands = false;  // some may sleep, or get substeps of their own
+  bool bounces = false;        // some pair of materials may have restitution > 0
+  bool has_surfaces = false;   // some material drives what touches it, or resists rolling
+  bool has_sensors = false;
+  std::uint32_t child_count_max = 0;  // of a body
+  bool is_composed = true;            // what a scene does not need is left out; false: EngineOptions::full_pipeline
+  unsigned contact_features = 0;      // bits of contact_feature
+  SolverKernels kernels{};            // for these features and an instruction set; they change no bit
+  Box bounds;
+
+  const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {
+    return shapes[body_shapes[body.first_shape + child]];
+  }
+};
+
+/// Requires: check_scene(scene).
+Model make_model(const Scene& scene);
+
+/// Friction or restitution of a pair.
+Real mix(MixRule rule, Real a, Real b);
+
+/// Both of them, from the model's table if it has one.
+inline MixedMaterial mixed_material(const Model& model, const ShapeModel& a, const ShapeModel& b) {
+  if (!model.mixed_materials.empty()) return model.mixed_materials[a.material * model.material_count + b.material];
+  const Settings& settings = model.scene.settings;
+  return {mix(settings.friction_mix, a.friction, b.friction),
+          mix(settings.restitution_mix, a.restitution, b.restitution)};
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,172 @@
+// Poisoning of scratch memory, so that what one tick leaves behind cannot pass for what the next one should compute.
+// SPDX-License-Identifier: MIT
+#include "engine/model/scratch.h"
+
+#include <cstring>
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+template <typename T>
+void poison_rows(std::vector<T>& rows) {
+  rows.resize(rows.capacity());
+  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
+  rows.clear();
+}
+
+/// Rows that are only ever added to: of what is there, a tick may read nothing.
+template <typename T>
+void poison_in_place(std::vector<T>& rows) {
+  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
+}
+
+void poison_batches(ContactBatches& batches) {
+  poison_in_place(batches.batches);
+  poison_in_place(batches.surfaces);
+  poison_in_place(batches.bounces);
+  batches.batch_count = 0;
+  poison_rows(batches.slots);
+  poison_rows(batches.runs);
+  poison_rows(batches.saved);
+}
+
+}  // namespace
+
+void poison(Scratch& scratch) {
+  // Inputs are decoded by the caller; `kept` and free_motion are caches with their keys beside them.
+  poison_rows(scratch.force);
+  poison_rows(scratch.torque);
+  scratch.proxies = {};
+  poison_rows(scratch.proxy_rows);
+  poison_rows(scratch.boxes);
+  poison_rows(scratch.circles);
+  poison_rows(scratch.pair_rows);
+  poison_rows(scratch.unsorted_pairs);
+  for (PairSorter& sorter : scratch.pair_sorters) {
+    poison_rows(sorter.pairs);
+    poison_rows(sorter.by_second);
+    poison_rows(sorter.start);
+  }
+  poison_rows(scratch.counts);
+  poison_rows(scratch.sort_entries);
+  poison_rows(scratch.sort_buffer);
+  poison_rows(scratch.swept_boxes);
+  poison_rows(scratch.swept_places);
+  poison_rows(scratch.cell_ranges);
+  poison_rows(scratch.cell_entries);
+  poison_rows(scratch.cell_starts);
+  poison_rows(scratch.large);
+  poison_rows(scratch.near_boxes);
+  poison_rows(scratch.outlines);
+  poison_rows(scratch.guarded_starts);
+  poison_rows(scratch.guarded_places);
+  poison_rows(scratch.touching);
+  poison_rows(scratch.contacts);
+  poison_rows(scratch.part_counts);
+  poison_rows(scratch.parts);
+  poison_rows(scratch.touching_apart);
+  poison_rows(scratch.touching_moved);
+  poison_rows(scratch.contacts_apart);
+  poison_rows(scratch.contacts_moved);
+  poison_rows(scratch.now_touching);
+  poison_rows(scratch.removed_touching);
+  poison_rows(scratch.removed_sensors);
+  poison_rows(scratch.touch_buffer);
+  poison_rows(scratch.bodies);
+  poison_rows(scratch.masses);
+  poison_rows(scratch.constant_accelerations);
+  poison_rows(scratch.accelerations);
+  poison_rows(scratch.velocity_offsets);
+  poison_rows(scratch.predicted);
+  poison_rows(scratch.previous_accelerations);
+  poison_rows(scratch.stages);
+  poison_rows(scratch.springs);
+  poison_rows(scratch.central_rows);
+  poison_rows(scratch.spring_blocks);
+  for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
+  poison_batches(scratch.contact_batches);
+  for (ContactBatches& batches : scratch.block_batches) poison_batches(batches);
+  poison_rows(scratch.pulls);
+  poison_rows(scratch.impacts);
+  poison_rows(scratch.paths);
+  poison_rows(scratch.hit_rows);
+  poison_rows(scratch.active_impacts);
+  poison_rows(scratch.impact_events);
+  poison_rows(scratch.impact_starts);
+  poison_rows(scratch.impacts_of_bodies);
+  poison_rows(scratch.groups);
+  scratch.moving_rows = {};
+  poison_rows(scratch.is_fast);
+  poison_rows(scratch.is_tied);
+  poison_rows(scratch.loose_rows);
+  poison_rows(scratch.group_rows);
+  poison_rows(scratch.group_contacts);
+  poison_rows(scratch.group_keys);
+  poison_rows(scratch.body_group);
+  poison_rows(scratch.body_types);
+  poison_rows(scratch.island_parent);
+  poison_rows(scratch.island_level);
+  poison_rows(scratch.island_lands);
+  poison_rows(scratch.landings);
+  poison_rows(scratch.landing_velocities);
+  poison_rows(scratch.island_awake);
+  poison_rows(scratch.supports);
+  poison_rows(scratch.support_start);
+  poison_rows(scratch.support_depth);
+  poison_rows(scratch.support_order);
+  poison_rows(scratch.load);
+  poison_rows(scratch.pull);
+  poison_rows(scratch.sag);
+  poison_rows(scratch.give);
+  poison_rows(scratch.load_moment);
+  poison_rows(scratch.handed_down);
+  poison_rows(scratch.leans);
+  ImpulseStep& step = scratch.impulse_step;
+  poison_rows(step.rows);
+  for (std::vector<double>* rows : {&step.whole, &step.matrix, &step.velocity, &step.total}) poison_rows(*rows);
+  for (std::vector<std::uint32_t>* rows : {&step.start, &step.neighbours, &step.place, &step.bodies, &step.first})
+    poison_rows(*rows);
+  poison_rows(step.is_start);
+  poison_rows(step.row_start);
+  poison_rows(scratch.shortfalls);
+  poison_rows(scratch.mass_factor);
+  poison_rows(scratch.joints);
+  poison_in_place(scratch.pins.batches);
+  poison_in_place(scratch.pins.arms);
+  poison_in_place(scratch.hinges.batches);
+  poison_rows(scratch.sorted_places);
+  poison_rows(scratch.joint_ends);
+  poison_rows(scratch.body_levels);
+  poison_rows(scratch.joint_torques);
+  poison_rows(scratch.body_torques);
+  poison_rows(scratch.level_starts);
+}
+
+void forget(Scratch& scratch, CacheSet caches) {
+  Kept& kept = scratch.kept;
+  const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
+  if (caches == all_caches) kept.pairs.is_valid = false;  // with the proxies, which all of it is about
+  if (is_in(CacheKind::pair_list)) kept.pairs.has_pairs = false;
+  if (is_in(CacheKind::boxes)) kept.pairs.farthest = -1;  // no tick has this
+  if (is_in(CacheKind::present_pairs)) kept.pairs.has_present = false;
+  if (is_in(CacheKind::manifolds)) kept.has_touching = false;
+  if (is_in(CacheKind::contact_places)) kept.is_settled = false;
+  if (is_in(CacheKind::pair_blocks))
+    for (PairBlock& block : kept.pair_blocks) block.is_valid = false;
+  if (is_in(CacheKind::velocity_steps)) kept.velocity_steps.is_valid = false;
+  if (is_in(CacheKind::free_motion)) scratch.free_motion_step = 0;
+  if (is_in(CacheKind::joint_plan)) kept.joints.is_of_scene = false;
+  if (is_in(CacheKind::contact_colors)) {
+    kept.coloring.is_whole_set = false;
+    kept.coloring.ends.clear();
+    kept.coloring.blocks.clear();
+  }
+  if (is_in(CacheKind::contact_blocks)) {
+    kept.coloring.block_of.clear();
+    kept.coloring.group_rows.clear();
+    kept.coloring.ticks_unsplit = 0;
+  }
+  if (is_in(CacheKind::cell_side)) kept.pairs.common_side = 0;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

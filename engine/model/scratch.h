@@ -1,0 +1,188 @@
+// Scratch: what one tick works with and forgets, and what it may keep. Derived from Model and State alone; never
+// hashed, never saved.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/limits.h"
+#include "base/parallel/parallel.h"
+#include "engine/broad_phase/pair_rows.h"
+#include "engine/contacts/contact_batch.h"
+#include "engine/contacts/solver_kernels.h"
+#include "engine/impacts/impacts.h"
+#include "engine/impacts/impulse_rows.h"
+#include "engine/integrators/motion_rows.h"
+#include "engine/islands/island_rows.h"
+#include "engine/joints/batched/hinge_batch.h"
+#include "engine/joints/batched/pin_batch.h"
+#include "engine/joints/joint.h"
+#include "engine/joints/joint_plan.h"
+#include "engine/joints/pointer.h"
+#include "engine/model/body_rows.h"
+#include "engine/caches.h"
+#include "engine/model/state.h"
+#include "engine/narrow_phase/pair_block.h"
+#include "engine/narrow_phase/touching.h"
+#include "engine/scene/input.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
+/// with it, without it, and with that of any other run of the same model (docs/decisions/0014).
+struct Kept {
+  KeptPairs pairs;
+  std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
+  bool has_touching = false;           // and no contact, body or margin has changed since
+  bool is_settled = false;             // none of them was new: those of the next tick are likely the same
+  std::uint32_t contact_set = 0;       // another number in each tick that has other contacts than the one before
+  std::vector<PairBlock> pair_blocks;  // of that tick's pairs
+  std::uint32_t look = 0;              // counts the ticks in which they were looked at
+  VelocitySteps velocity_steps;
+  JointPlan joints;
+  ContactColoring coloring;
+  CacheReport report{};
+};
+
+struct Scratch {
+  Kept kept;
+  Parallel parallel;                                                            // the engine's
+  std::size_t pair_count_max = limits::pair_count_max(limits::body_count_max);  // of this tick
+
+  // Lists made in chunks are written where the chunk's part of the range begins, then put together.
+  std::vector<std::uint32_t> part_counts;  // [chunk]
+  std::vector<ListPart> parts;             // [chunk]
+
+  // inputs
+  std::vector<Input> inputs;
+  std::vector<Vec2> force;   // [body] N, from this tick's inputs; empty if there are none
+  std::vector<Real> torque;  // [body] N m
+
+  // broad_phase
+  std::span<const Proxy> proxies;  // those of `kept`, or the rows below
+  std::vector<Proxy> proxy_rows;
+  std::vector<Box> boxes;           // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
+  std::vector<Circle> circles;      // [proxy], bounding_circle
+  std::span<const Pair> pairs;      // by (first, second)
+  std::vector<Pair> pair_rows;      // those, where no broad phase keeps them
+  bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
+  std::vector<Pair> unsorted_pairs;
+  std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells
+  std::vector<PairSorter> pair_sorters;       // [part]
+  std::vector<std::uint32_t> counts;
+  std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
+  std::vector<SortEntry> sort_buffer;
+  std::vector<Box> swept_boxes;               // sweep_and_prune: in sweep order; neighbour_cells: by cell
+  std::vector<SweptPlace> swept_places;       // neighbour_cells: whose boxes those are
+  std::vector<CellRange> cell_ranges;         // uniform_grid, [proxy]
+  std::vector<CellEntry> cell_entries;        // uniform_grid, by bucket, dynamic ones first
+  std::vector<std::uint32_t> cell_starts;     // uniform_grid, [bucket]; neighbour_cells, [cell]
+  std::vector<std::uint32_t> large;           // uniform_grid, neighbour_cells: proxies in no cell, ascending
+  std::vector<Box> near_boxes;                // neighbour_cells, [proxy] without what is ahead
+  std::vector<BoxOutline> outlines;           // neighbour_cells, [chunk]
+  std::vector<std::uint32_t> guarded_starts;  // neighbour_cells: [cell]
+  std::vector<std::uint32_t> guarded_places;  // neighbour_cells: the guarded proxies, by cell
+
+  // narrow_phase
+  std::vector<TouchingPair> touching;
+  std::vector<ContactRow> contacts;          // the rows that replace State::contacts
+  std::vector<TouchingPair> touching_apart;  // where chunks write what does not fit, and to where all are moved
+  std::vector<TouchingPair> touching_moved;
+  std::vector<ContactRow> contacts_apart;
+  std::vector<ContactRow> contacts_moved;
+
+  // impacts
+  std::vector<ImpactPair> impacts;                    // that may come in this tick
+  std::vector<std::vector<ImpactPair>> impact_parts;  // [chunk]
+  std::vector<std::uint8_t> is_fast;                  // [body] may pass through something in this tick
+  std::vector<ImpactPath> paths;                      // [body], of those in `impacts`
+  std::vector<std::uint32_t> hit_rows;                // in the present substep
+  std::vector<std::uint32_t> active_impacts;          // those of the group that is being solved
+  std::vector<ImpactEvent> impact_events;             // a heap, earliest first
+  std::vector<std::uint32_t> impact_starts;           // [body] in impacts_of_bodies
+  std::vector<std::uint32_t> impacts_of_bodies;
+  bool offsets_in_use = false;  // the integrator fills velocity_offsets
+
+  // islands
+  bool is_grouped = false;                     // by islands; else everything will be one group
+  std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
+  std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
+  std::uint32_t group_index = 0;               // of that group
+  std::vector<std::uint8_t> is_tied;           // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
+  std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
+  std::vector<std::uint32_t> group_contacts;   // in `touching`
+  std::vector<std::uint32_t> group_keys;       // [body] islands: what decides its group
+  std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
+  std::vector<BodyType> body_types;            // [body] islands
+  std::vector<std::uint32_t> island_parent;    // [body] union-find
+  std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
+  std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
+  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
+  std::vector<Landing> landings;
+  std::vector<Twist> landing_velocities;  // [body] before the last passes
+  std::uint32_t landing_work_left = 0;    // in contacts that may still be solved for landings in this tick
+  ImpulseStep impulse_step;
+  std::vector<Support> supports;
+  std::vector<std::uint32_t> support_start;  // [body] in `supports`
+  std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
+  std::vector<std::uint32_t> support_order;  // bodies by depth
+  std::vector<Real> load;                    // [body] N
+  std::vector<Real> pull;                    // [body] m/s^2, of the joints that it whirls at
+  std::vector<Real> sag;                     // [body] m, expected at four substeps
+  std::vector<Vec2> load_moment;             // [body] N m, load times where it is
+  std::vector<Real> handed_down;             // [body] N, of what others have put on it
+  std::vector<Lean> leans;                   // [body] expected at four substeps
+  std::vector<Real> give;                    // [body] the same against what carries it alone, of the smaller of the two
+  std::vector<Shortfall> shortfalls;         // [body] at the island's first row
+  std::vector<Real> mass_factor;             // [body] how much heavier constraints see it; with automatic substeps
+
+  // events
+  std::vector<TouchRow> now_touching;      // the rows that replace State::touching, then State::sensors
+  std::vector<TouchRow> removed_touching;  // rows of bodies that were removed in this tick
+  std::vector<TouchRow> removed_sensors;
+  std::vector<TouchRow> touch_buffer;
+
+  // solver
+  const SolverKernels* kernels = nullptr;  // the model's
+  std::optional<PlantedFault> planted;     // for this tick
+  std::vector<MovingBody> bodies;
+  std::vector<BodyMass> masses;               // [body]
+  std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
+  Real free_motion_step = 0;                  // s; 0: not computed yet
+  std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
+  std::vector<Twist> accelerations;           // [record] at the present stage
+  std::vector<Twist> velocity_offsets;        // [body] velocity at the end of the substep, less the drift velocity
+  std::vector<Twist> predicted;               // [body] velocity at the end of the substep, without constraints
+  std::vector<Twist> previous_accelerations;  // [body] of the substep before; empty unless the integrator needs them
+  std::vector<StageRow> stages;               // [body]
+  std::vector<SpringRow> springs;             // [spring whose bodies are there]
+  std::vector<std::uint32_t> central_rows;    // [central force] row of its one body, or no_reference
+  std::vector<SpringBlock> spring_blocks;
+  std::vector<Twist> newton[5];   // [record] diagonal, solution, residual, direction, product
+  std::uint32_t unconverged = 0;  // substeps whose equations were not solved
+  ContactBatches contact_batches;
+  std::vector<ContactBatches> block_batches;  // [chunk] those of the block that is being solved
+  std::vector<PointerPull> pulls;
+  std::vector<JointWork> joints;  // those of the group that are solved by themselves
+  PinBatches pins;
+  HingeBatches hinges;
+  bool is_woven = false;  // the passes over the group's joints are
+  std::vector<JointPlace> sorted_places;
+  std::vector<JointEnds> joint_ends;        // [body]
+  std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
+  std::vector<JointTorques> joint_torques;  // [place of the plan]
+  std::vector<Real> body_torques;           // [body] the most that its joints' forces turn it with, N m
+  std::vector<std::uint32_t> level_starts;  // [level and way] in the plan's places
+};
+
+/// Makes the next tick build these structures anew.
+void forget(Scratch& scratch, CacheSet caches);
+
+/// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge
+/// indices). Builds with TICKTRUE_POISON call it before each tick.
+void poison(Scratch& scratch);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

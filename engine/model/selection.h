@@ -1,0 +1,37 @@
+// Selecting rows of a range in chunks, in the order of the range.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstring>
+
+#include "engine/model/scratch.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// Moves the parts that chunks have written, each where its part of the range begins, together; returns their length.
+/// `begin_of(chunk)`: where that is. `counts`: [chunk].
+template <typename Row, typename Begin>
+std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
+  std::size_t total = counts.empty() ? 0 : counts[0];
+  for (std::size_t chunk = 1; chunk < counts.size(); ++chunk) {
+    const std::size_t begin = begin_of(chunk);
+    if (begin != total && counts[chunk] > 0) std::memmove(rows + total, rows + begin, counts[chunk] * sizeof(Row));
+    total += counts[chunk];
+  }
+  return total;
+}
+
+/// select(begin, end, out) writes at most one row for each element of begin..end-1 of a range and returns how many; it
+/// is called in chunks of at least `least`. Returns how many there are in `out`, which has room for one of each
+/// element.
+template <typename Row, typename Select>
+std::size_t select_in_chunks(Scratch& scratch, std::size_t count, std::size_t least, Row* out, const Select& select) {
+  const std::size_t size = scratch.parallel.chunk_size(count, least);
+  scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
+  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    scratch.part_counts[chunk.index] = static_cast<std::uint32_t>(select(chunk.begin, chunk.end, out + chunk.begin));
+  });
+  return put_together(out, scratch.part_counts, [size](std::size_t chunk) { return chunk * size; });
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

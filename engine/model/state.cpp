@@ -1,0 +1,390 @@
+// The schema of the state, its image, and the state a scene begins with.
+// SPDX-License-Identifier: MIT
+#include "engine/model/state.h"
+
+#include <cstddef>
+#include <limits>
+
+#include "base/limits.h"
+#include "engine/math/trig.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+constexpr ScalarType real_type = sizeof(Real) == 4 ? ScalarType::f32 : ScalarType::f64;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double id_max = no_reference - 1.0;
+
+Column real(const char* name, std::size_t lane_count, std::size_t offset, double min = -infinity,
+            double max = infinity) {
+  return {name, real_type, static_cast<std::uint8_t>(lane_count), static_cast<std::uint16_t>(offset), min, max};
+}
+Column whole(const char* name, ScalarType type, std::size_t lane_count, std::size_t offset, double max,
+             int target = -1) {
+  return {name, type, static_cast<std::uint8_t>(lane_count), static_cast<std::uint16_t>(offset),
+          0,    max,  static_cast<std::int16_t>(target)};
+}
+
+Column optional_reference(const char* name, std::size_t offset, int target) {
+  Column column = whole(name, ScalarType::u32, 1, offset, id_max, target);
+  column.optional = true;
+  return column;
+}
+
+constexpr std::size_t body_table = 1;
+
+template <typename Row>
+void load_rows(const TableSchema& table, const ImageTable& image, std::vector<Row>& rows) {
+  rows.resize(image.row_count);
+  decode_rows(table, image, reinterpret_cast<std::uint8_t*>(rows.data()));
+}
+
+template <typename Row>
+TableRows rows_of(const std::vector<Row>& rows) {
+  return {reinterpret_cast<const std::uint8_t*>(rows.data()), static_cast<std::uint32_t>(rows.size())};
+}
+
+/// Whether a table has one row for each body, in their order.
+template <typename Row>
+bool is_parallel(const std::vector<Row>& rows, const std::vector<BodyRow>& bodies) {
+  if (rows.size() != bodies.size()) return false;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].body != bodies[i].id) return false;
+  return true;
+}
+
+Error image_error(const std::string& what) {
+  return {ErrorCode::corrupt, "state image: " + what, ""};
+}
+
+/// There is a row for each joint of the scene whose bodies exist, and for no other.
+Status check_joints(const Model& model, const State& state) {
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const JointModel& joint = model.joints[i];
+    const bool has_a = joint.body_a == no_reference || state.find_body(joint.body_a) < state.bodies.size();
+    if (!has_a || state.find_body(joint.body_b) == state.bodies.size()) continue;
+    const bool same = row < state.joints.size() && state.joints[row].joint == i &&
+                      state.joints[row].kind == static_cast<std::uint32_t>(joint.kind) &&
+                      state.joints[row].body_a == joint.body_a && state.joints[row].body_b == joint.body_b;
+    if (!same) return image_error("joints[" + std::to_string(row) + "]: is not joint " + std::to_string(i));
+    ++row;
+  }
+  if (row != state.joints.size())
+    return image_error("joints: found " + std::to_string(state.joints.size()) + ", expected " + std::to_string(row));
+  return {};
+}
+
+/// Largest child index of the model; at least that of every scene without chains, so that their schemas are equal.
+double child_max(const Model& model) {
+  const std::size_t count = model.child_count_max;
+  return static_cast<double>(count > limits::shape_count_per_body_max ? count : limits::shape_count_per_body_max) - 1;
+}
+
+TableSchema touch_table(const Model& model, const char* name, const char* const (&columns)[4]) {
+  return {name,
+          {
+              whole(columns[0], ScalarType::u32, 1, offsetof(TouchRow, body_a), id_max, body_table),
+              whole(columns[1], ScalarType::u32, 1, offsetof(TouchRow, child_a), child_max(model)),
+              whole(columns[2], ScalarType::u32, 1, offsetof(TouchRow, body_b), id_max, body_table),
+              whole(columns[3], ScalarType::u32, 1, offsetof(TouchRow, child_b), child_max(model)),
+          },
+          sizeof(TouchRow),
+          4};
+}
+
+TableSchema event_table(const Model& model) {
+  constexpr std::size_t touch = offsetof(EventRow, touch);
+  return {"events",
+          {
+              whole("kind", ScalarType::u32, 1, offsetof(EventRow, kind), event_kind_count - 1),
+              whole("body_a", ScalarType::u32, 1, touch + offsetof(TouchRow, body_a), id_max),
+              whole("child_a", ScalarType::u32, 1, touch + offsetof(TouchRow, child_a), child_max(model)),
+              whole("body_b", ScalarType::u32, 1, touch + offsetof(TouchRow, body_b), id_max),
+              whole("child_b", ScalarType::u32, 1, touch + offsetof(TouchRow, child_b), child_max(model)),
+          },
+          sizeof(EventRow),
+          5};
+}
+
+/// Whether the bodies of a row, which exist, have the children it names.
+bool has_children(const Model& model, const State& state, const TouchRow& row) {
+  const BodyModel& a = model.bodies[state.bodies[state.find_body(row.body_a)].source];
+  const BodyModel& b = model.bodies[state.bodies[state.find_body(row.body_b)].source];
+  return row.child_a < a.shape_count && row.child_b < b.shape_count;
+}
+
+}  // namespace
+
+std::size_t State::find_body(std::uint32_t id) const {
+  if (bodies.empty() || id > bodies.back().id) return bodies.size();
+  // A row is its id less the ids below that are missing: the search is over as many rows as bodies were removed.
+  const std::size_t missing = bodies.back().id + std::size_t{1} - bodies.size();
+  std::size_t low = id > missing ? id - missing : 0;
+  std::size_t high = id + std::size_t{1} < bodies.size() ? id + std::size_t{1} : bodies.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (bodies[middle].id < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < bodies.size() && bodies[low].id == id ? low : bodies.size();
+}
+
+StateSchema make_schema(const Model& model, StateTables tables) {
+  StateSchema schema;
+  schema.tables.push_back(
+      {"world",
+       {
+           whole("tick", ScalarType::u64, 1, offsetof(WorldRow, tick), static_cast<double>(limits::tick_count_max)),
+           {"time", ScalarType::f64, 1, offsetof(WorldRow, time), 0, infinity},
+           real("gravity", 2, offsetof(WorldRow, gravity)),
+           whole("next_id", ScalarType::u32, 1, offsetof(WorldRow, next_id), id_max),
+           whole("ignored_inputs", ScalarType::u32, 1, offsetof(WorldRow, ignored_inputs), no_reference),
+       },
+       sizeof(WorldRow),
+       0});
+  schema.tables.push_back({"bodies",
+                           {
+                               whole("id", ScalarType::u32, 1, offsetof(BodyRow, id), id_max),
+                               whole("source", ScalarType::u32, 1, offsetof(BodyRow, source),
+                                     static_cast<double>(model.bodies.empty() ? 0 : model.bodies.size() - 1)),
+                               real("position", 2, offsetof(BodyRow, position)),
+                               real("rotation", 2, offsetof(BodyRow, rotation), -2, 2),
+                               real("velocity", 2, offsetof(BodyRow, velocity)),
+                               real("angular_velocity", 1, offsetof(BodyRow, angular_velocity)),
+                           },
+                           sizeof(BodyRow),
+                           1});
+  if (tables.contacts)
+    schema.tables.push_back({"contacts",
+                             {
+                                 whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
+                                 whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), child_max(model)),
+                                 whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
+                                 whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), child_max(model)),
+                                 whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
+                                 real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
+                                 real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
+                             },
+                             sizeof(ContactRow),
+                             4});
+  if (tables.pointers)
+    schema.tables.push_back(
+        {"pointers",
+         {
+             whole("player", ScalarType::u32, 1, offsetof(PointerRow, player), limits::player_count_max - 1),
+             whole("body", ScalarType::u32, 1, offsetof(PointerRow, body), id_max, body_table),
+             real("anchor", 2, offsetof(PointerRow, anchor)),
+             real("target", 2, offsetof(PointerRow, target)),
+             real("force", 2, offsetof(PointerRow, force)),
+         },
+         sizeof(PointerRow),
+         1});
+  if (tables.touching)
+    schema.tables.push_back(touch_table(model, "touching", {"body_a", "child_a", "body_b", "child_b"}));
+  if (tables.sensors)
+    schema.tables.push_back(touch_table(model, "sensors", {"sensor", "sensor_child", "visitor", "visitor_child"}));
+  if (tables.events) schema.tables.push_back(event_table(model));
+  if (tables.joints)
+    schema.tables.push_back({"joints",
+                             {
+                                 whole("joint", ScalarType::u32, 1, offsetof(JointRow, joint),
+                                       static_cast<double>(model.joints.empty() ? 0 : model.joints.size() - 1)),
+                                 whole("kind", ScalarType::u32, 1, offsetof(JointRow, kind), joint_kinds.size() - 1.0),
+                                 optional_reference("body_a", offsetof(JointRow, body_a), body_table),
+                                 whole("body_b", ScalarType::u32, 1, offsetof(JointRow, body_b), id_max, body_table),
+                                 real("motor_speed", 1, offsetof(JointRow, motor_speed)),
+                                 real("motor_force_max", 1, offsetof(JointRow, motor_force_max), 0),
+                                 real("linear_force", 2, offsetof(JointRow, linear_force)),
+                                 real("torque", 1, offsetof(JointRow, torque)),
+                                 real("spring_force", 1, offsetof(JointRow, spring_force)),
+                                 real("lower_force", 1, offsetof(JointRow, lower_force), 0),
+                                 real("upper_force", 1, offsetof(JointRow, upper_force), 0),
+                                 real("motor_force", 1, offsetof(JointRow, motor_force)),
+                             },
+                             sizeof(JointRow),
+                             1});
+  if (tables.sleep)
+    schema.tables.push_back({"sleep",
+                             {
+                                 whole("body", ScalarType::u32, 1, offsetof(SleepRow, body), id_max, body_table),
+                                 whole("asleep", ScalarType::u32, 1, offsetof(SleepRow, asleep), 1),
+                                 real("calm", 1, offsetof(SleepRow, calm), 0),
+                             },
+                             sizeof(SleepRow),
+                             1});
+  if (tables.substeps)
+    schema.tables.push_back(
+        {"substeps",
+         {
+             whole("body", ScalarType::u32, 1, offsetof(SubstepRow, body), id_max, body_table),
+             {"count", ScalarType::u32, 1, offsetof(SubstepRow, count), 1, limits::substep_count_max},
+             whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, calm_ticks), limits::substep_count_max),
+         },
+         sizeof(SubstepRow),
+         1});
+  if (tables.accelerations)
+    schema.tables.push_back({"accelerations",
+                             {
+                                 real("linear", 2, offsetof(AccelerationRow, linear)),
+                                 real("angular", 1, offsetof(AccelerationRow, angular)),
+                             },
+                             sizeof(AccelerationRow),
+                             0});
+  if (tables.integrator)
+    schema.tables.push_back(
+        {"integrator",
+         {whole("unconverged", ScalarType::u32, 1, offsetof(IntegratorRow, unconverged), no_reference)},
+         sizeof(IntegratorRow),
+         0});
+  const Status status = check_schema(schema);
+  TICKTRUE_ASSERT(status.has_value());
+  return schema;
+}
+
+void update_view(const State& state, StateTables tables, StateView& view) {
+  view.tables.clear();
+  view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.world), 1});
+  view.tables.push_back(rows_of(state.bodies));
+  if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
+  if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
+  if (tables.touching) view.tables.push_back(rows_of(state.touching));
+  if (tables.sensors) view.tables.push_back(rows_of(state.sensors));
+  if (tables.events) view.tables.push_back(rows_of(state.events));
+  if (tables.joints) view.tables.push_back(rows_of(state.joints));
+  if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
+  if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
+  if (tables.accelerations) view.tables.push_back(rows_of(state.accelerations));
+  if (tables.integrator) view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.integrator), 1});
+}
+
+Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state) {
+  const Result<std::vector<ImageTable>> parts = check_image(schema, image);
+  if (!parts) return parts.error();
+  if ((*parts)[0].row_count != 1)
+    return image_error("table world: rows: found " + std::to_string((*parts)[0].row_count) + ", expected 1");
+  State loaded;
+  std::size_t table = 0;
+  decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.world));
+  ++table;
+  load_rows(schema.tables[table], (*parts)[table], loaded.bodies);
+  ++table;
+  if (tables.contacts) {
+    load_rows(schema.tables[table], (*parts)[table], loaded.contacts);
+    ++table;
+  }
+  const auto load_next = [&](bool owned, auto& rows) {
+    if (!owned) return;
+    load_rows(schema.tables[table], (*parts)[table], rows);
+    ++table;
+  };
+  load_next(tables.pointers, loaded.pointers);
+  load_next(tables.touching, loaded.touching);
+  load_next(tables.sensors, loaded.sensors);
+  load_next(tables.events, loaded.events);
+  load_next(tables.joints, loaded.joints);
+  load_next(tables.sleep, loaded.sleep);
+  load_next(tables.substeps, loaded.substeps);
+  load_next(tables.accelerations, loaded.accelerations);
+  if (tables.accelerations && loaded.accelerations.size() != loaded.bodies.size())
+    return image_error("table accelerations: rows: found " + std::to_string(loaded.accelerations.size()) +
+                       ", expected one for each of the " + std::to_string(loaded.bodies.size()) + " bodies");
+  if (tables.integrator) {
+    if ((*parts)[table].row_count != 1)
+      return image_error("table integrator: rows: found " + std::to_string((*parts)[table].row_count) + ", expected 1");
+    decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.integrator));
+    ++table;
+  }
+
+  if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
+  if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)
+    return image_error("world[0].next_id: found " + std::to_string(loaded.world.next_id) +
+                       ", expected more than the last body's id " + std::to_string(loaded.bodies.back().id));
+  for (const BodyRow& body : loaded.bodies) {
+    const Real norm = body.rotation.c * body.rotation.c + body.rotation.s * body.rotation.s;
+    if (!(norm > Real(0.5) && norm < Real(2)))
+      return image_error("bodies: id " + std::to_string(body.id) + ": rotation is no rotation");
+  }
+  for (std::size_t row = 0; row < loaded.contacts.size(); ++row) {
+    const ContactRow& contact = loaded.contacts[row];
+    const BodyModel& a = model.bodies[loaded.bodies[loaded.find_body(contact.body_a)].source];
+    const BodyModel& b = model.bodies[loaded.bodies[loaded.find_body(contact.body_b)].source];
+    if (contact.body_a >= contact.body_b || contact.child_a >= a.shape_count || contact.child_b >= b.shape_count)
+      return image_error("contacts[" + std::to_string(row) + "]: names a shape that its body has not");
+  }
+  for (const TouchRow& row : loaded.touching)
+    if (row.body_a >= row.body_b || !has_children(model, loaded, row))
+      return image_error("touching: names a shape that its body has not");
+  for (const TouchRow& row : loaded.sensors)
+    if (row.body_a == row.body_b || !has_children(model, loaded, row))
+      return image_error("sensors: names a shape that its body has not");
+  for (const EventRow& row : loaded.events)
+    if (row.touch.body_a >= loaded.world.next_id || row.touch.body_b >= loaded.world.next_id)
+      return image_error("events: names a body that never was");
+  for (const PointerRow& pointer : loaded.pointers)
+    if (model.bodies[loaded.bodies[loaded.find_body(pointer.body)].source].type != BodyType::dynamic_body)
+      return image_error("pointers: player " + std::to_string(pointer.player) + " holds a body that is not dynamic");
+  if (tables.joints)
+    if (const Status joints = check_joints(model, loaded); !joints) return joints;
+  if ((tables.sleep && !is_parallel(loaded.sleep, loaded.bodies)) ||
+      (tables.substeps && !is_parallel(loaded.substeps, loaded.bodies)))
+    return image_error("sleep, substeps: expected a row for each body, in order");
+  state = std::move(loaded);
+  return {};
+}
+
+State initial_state(const Model& model) {
+  State state;
+  const Scene& scene = model.scene;
+  state.world.gravity = stored(Vec2{static_cast<Real>(scene.gravity.x), static_cast<Real>(scene.gravity.y)});
+  state.world.next_id = static_cast<std::uint32_t>(scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const SinCos turn = turn_of(body.angle);
+    const double center_x = model.bodies[i].center.x;
+    const double center_y = model.bodies[i].center.y;
+    BodyRow row{};
+    row.id = static_cast<std::uint32_t>(i);
+    row.source = static_cast<std::uint32_t>(i);
+    row.position = stored(Vec2{static_cast<Real>(body.position.x + turn.cos * center_x - turn.sin * center_y),
+                               static_cast<Real>(body.position.y + turn.sin * center_x + turn.cos * center_y)});
+    row.rotation = stored(Rotation{static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)});
+    if (body.type != BodyType::static_body) {
+      row.velocity = stored(Vec2{static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)});
+      row.angular_velocity = stored(static_cast<Real>(body.angular_velocity));
+    }
+    add_body_row(model, state, row);
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const JointModel& joint = model.joints[i];
+    JointRow row{};
+    row.joint = static_cast<std::uint32_t>(i);
+    row.kind = static_cast<std::uint32_t>(joint.kind);
+    row.body_a = joint.body_a;
+    row.body_b = joint.body_b;
+    row.motor_speed = stored(joint.motor_speed);
+    row.motor_force_max = stored(joint.motor_force_max);
+    state.joints.push_back(row);
+  }
+  return state;
+}
+
+void add_body_row(const Model& model, State& state, const BodyRow& body) {
+  state.bodies.push_back(body);
+  const Settings& settings = model.scene.settings;
+  if (settings.sleep) state.sleep.push_back({body.id, 0, 0});
+  if (keeps_accelerations(model)) state.accelerations.push_back({});
+  if (settings.auto_substeps) state.substeps.push_back({body.id, static_cast<std::uint32_t>(settings.substeps), 0});
+}
+
+void erase_body_row(State& state, std::size_t row) {
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  state.bodies.erase(state.bodies.begin() + at);
+  if (!state.accelerations.empty()) state.accelerations.erase(state.accelerations.begin() + at);
+  if (!state.sleep.empty()) state.sleep.erase(state.sleep.begin() + at);
+  if (!state.substeps.empty()) state.substeps.erase(state.substeps.begin() + at);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

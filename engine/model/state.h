@@ -1,0 +1,176 @@
+// State: everything that can influence a later tick, as packed rows with named columns.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "base/state/state_view.h"
+#include "engine/model/model.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct WorldRow {
+  std::uint64_t tick;            // ticks done
+  double time;                   // s, sum of their dt
+  Vec2 gravity;                  // m/s^2
+  std::uint32_t next_id;         // id of the next body; ids are never used again
+  std::uint32_t ignored_inputs;  // inputs to bodies that were already removed
+};
+
+struct BodyRow {
+  std::uint32_t id;
+  std::uint32_t source;  // in Model::bodies
+  Vec2 position;         // of the centre of mass, world, m
+  Rotation rotation;
+  Vec2 velocity;          // of the centre of mass, m/s
+  Real angular_velocity;  // rad/s
+};
+
+/// A contact of two children (convex shapes of bodies), kept for warm starting. Exists exactly if the narrow phase
+/// found a point within the speculative margin; rows ascend by (body_a, child_a, body_b, child_b).
+struct ContactRow {
+  std::uint32_t body_a;   // id, the smaller one
+  std::uint32_t child_a;  // index of the shape in its body
+  std::uint32_t body_b;   // id
+  std::uint32_t child_b;
+  std::uint32_t feature[2];  // what touches, per point; no_feature where there is no second point
+  Real normal_force[2];      // N, mean over the last substep
+  Real tangent_force[2];     // N
+};
+inline constexpr std::uint32_t no_feature = 0xffffffff;
+
+/// Two children that touch. Rows ascend by all four.
+struct TouchRow {
+  std::uint32_t body_a;   // id; of a contact the smaller one, else the sensor's
+  std::uint32_t child_a;  // index of the shape in its body
+  std::uint32_t body_b;   // id; of the visitor
+  std::uint32_t child_b;
+};
+
+enum class EventKind : std::uint32_t { contact_begin, contact_end, sensor_begin, sensor_end };
+inline constexpr std::uint32_t event_kind_count = 4;
+
+/// What began or ended in this tick. Rows ascend by (kind, touch); the bodies may be gone.
+struct EventRow {
+  std::uint32_t kind;  // EventKind
+  TouchRow touch;
+};
+
+/// A pointer that holds a body.
+struct PointerRow {
+  std::uint32_t player;
+  std::uint32_t body;  // id
+  Vec2 anchor;         // where it holds, in the body's frame, from its centre of mass, m
+  Vec2 target;         // where it pulls to, world, m
+  Vec2 force;          // N, of the last substep, for warm starting
+};
+
+/// A joint of the scene, as long as its bodies exist.
+struct JointRow {
+  std::uint32_t joint;   // index in Scene::joints
+  std::uint32_t kind;    // JointKind
+  std::uint32_t body_a;  // id; no_reference: the world
+  std::uint32_t body_b;  // id
+  Real motor_speed;      // m/s or rad/s, of B relative to A
+  Real motor_force_max;  // N or N m
+  Vec2 linear_force;  // N, mean over the last substep, as the others; which ones a kind uses: constraints/joint_*.cpp
+  Real torque;        // N m
+  Real spring_force;  // N or N m
+  Real lower_force;
+  Real upper_force;
+  Real motor_force;
+};
+
+/// How long a body has been calm. Parallel to the bodies.
+struct SleepRow {
+  std::uint32_t body;    // id
+  std::uint32_t asleep;  // 1: its island sleeps
+  Real calm;             // s
+};
+
+/// Substeps of the body's island. Parallel to the bodies.
+struct SubstepRow {
+  std::uint32_t body;        // id
+  std::uint32_t count;       // substeps per tick
+  std::uint32_t calm_ticks;  // that fewer would have done for
+};
+
+/// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.
+struct AccelerationRow {
+  Vec2 linear;   // m/s^2
+  Real angular;  // rad/s^2
+};
+
+/// How implicit integrators fared.
+struct IntegratorRow {
+  std::uint32_t unconverged;  // substeps whose equations were not solved to the tolerance
+};
+
+static_assert(sizeof(WorldRow) == 24 + 2 * sizeof(Real));
+static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real));
+static_assert(sizeof(ContactRow) == 24 + 4 * sizeof(Real));
+static_assert(sizeof(TouchRow) == 16);
+static_assert(sizeof(EventRow) == 20);
+static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
+static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
+static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
+static_assert(sizeof(SubstepRow) == 12);
+static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
+static_assert(sizeof(IntegratorRow) == 4);
+
+/// Which tables a pipeline owns.
+struct StateTables {
+  bool contacts = false;
+  bool pointers = false;
+  bool touching = false;
+  bool sensors = false;
+  bool events = false;
+  bool joints = false;
+  bool sleep = false;
+  bool substeps = false;
+  bool accelerations = false;
+  bool integrator = false;
+};
+struct State {
+  WorldRow world{};
+  std::vector<BodyRow> bodies;  // ascending by id
+  std::vector<ContactRow> contacts;
+  std::vector<PointerRow> pointers;            // ascending by player
+  std::vector<TouchRow> touching;              // contacts with a point of no or negative separation
+  std::vector<TouchRow> sensors;               // overlaps with sensors
+  std::vector<EventRow> events;                // of this tick
+  std::vector<JointRow> joints;                // ascending by joint
+  std::vector<SleepRow> sleep;                 // [body], or empty
+  std::vector<SubstepRow> substeps;            // [body], or empty
+  std::vector<AccelerationRow> accelerations;  // [body], or empty
+  IntegratorRow integrator{};
+
+  /// Index of the body's row, or bodies.size().
+  std::size_t find_body(std::uint32_t id) const;
+
+  /// Lets the body's island move again.
+  void wake(std::size_t row) {
+    if (!sleep.empty()) sleep[row].calm = 0;
+  }
+};
+
+/// Whether the model's integrator remembers accelerations.
+inline bool keeps_accelerations(const Model& model) {
+  return model.scene.settings.integrator == IntegratorKind::thesis_verlet;
+}
+StateSchema make_schema(const Model& model, StateTables tables);
+
+/// Points `view` at the rows of `state`. `view.schema` must be set.
+void update_view(const State& state, StateTables tables, StateView& view);
+
+/// Replaces `state` by an image. Errors: corrupt; then `state` is unchanged.
+Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state);
+
+State initial_state(const Model& model);
+
+/// Appends a body and its rows in the tables that are parallel to the bodies. Requires: an id above all others.
+void add_body_row(const Model& model, State& state, const BodyRow& body);
+/// Erases them. Rows that refer to the body are the caller's.
+void erase_body_row(State& state, std::size_t row);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,172 @@
+// The choices a scene makes by name, one enumeration and one table each. Parser, printer, command line, dispatch
+// and parametrised tests iterate these tables; there is no other list.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/math/precision.h"
+
+namespace ticktrue::engine {
+
+enum class SolverKind : std::uint8_t { free_flight, impulse, tgs_soft, pgs };
+enum class IntegratorKind : std::uint8_t {
+  semi_implicit_euler,
+  explicit_euler,
+  velocity_verlet,
+  position_verlet,
+  rk4,
+  yoshida4,
+  implicit_midpoint,
+  thesis_verlet,
+  thesis_rk4
+};
+enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune, uniform_grid, aabb_tree };
+enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
+enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
+enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
+enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target };
+enum class ForceKind : std::uint8_t { constant, central, spring, wind, linear_drag, quadratic_drag };
+enum class ClockKind : std::uint8_t { fixed, semi_fixed, variable, adaptive };
+
+template <typename Kind>
+struct Choice {
+  Kind kind;
+  std::string_view name;     // spelling in scenes, traces, command line, tests
+  std::string_view summary;  // one line for help and documentation
+};
+
+inline constexpr std::array<Choice<Precision>, 2> precisions{{
+    {Precision::f32, "f32", "32-bit floats"},
+    {Precision::f64, "f64", "64-bit floats"},
+}};
+
+struct SolverInfo : Choice<SolverKind> {
+  bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
+  bool solves_joints;       // false: a scene with joints is refused
+  bool substeps;            // false: settings.substeps must be 1
+  bool reads_contacts;      // false: every shape but circle and sharp polygon, filters, sensors, events are refused
+};
+inline constexpr std::array<SolverInfo, 4> solvers{{
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false},
+    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false, false, false},
+    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true, true, true},
+    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false, true},
+}};
+
+inline constexpr double always_stable = std::numeric_limits<double>::infinity();
+
+struct IntegratorInfo : Choice<IntegratorKind> {
+  int order;
+  double stability_limit;     // largest w h at which an undamped oscillation does not grow; 0: it always grows
+  bool carries_constraints;   // false: a scene with contacts or joints is refused
+  std::string_view why_free;  // why it carries none
+};
+inline constexpr std::array<IntegratorInfo, 9> integrators{{
+    {{IntegratorKind::semi_implicit_euler, "semi_implicit_euler", "symplectic, stable for w h < 2"}, 1, 2, true, ""},
+    {{IntegratorKind::explicit_euler, "explicit_euler", "oscillations grow at every step"}, 1, 0, true, ""},
+    {{IntegratorKind::velocity_verlet, "velocity_verlet", "kick, drift, kick; symplectic"}, 2, 2, true, ""},
+    {{IntegratorKind::position_verlet, "position_verlet", "drift, kick, drift; symplectic"}, 2, 2, true, ""},
+    {{IntegratorKind::rk4, "rk4", "the classical Runge-Kutta scheme"}, 4, 2.8284271247461903, true, ""},
+    {{IntegratorKind::yoshida4, "yoshida4", "three Verlet steps; symplectic"},
+     4,
+     1.5734,
+     false,
+     "its middle stage runs backwards in time"},
+    {{IntegratorKind::implicit_midpoint, "implicit_midpoint", "implicit, symplectic, stable for every step"},
+     2,
+     always_stable,
+     false,
+     "its Newton iteration knows no contact impulses"},
+    {{IntegratorKind::thesis_verlet, "thesis_verlet", "as printed in the thesis"}, 1, 0, true, ""},
+    {{IntegratorKind::thesis_rk4, "thesis_rk4", "as printed in the thesis"}, 1, 0, true, ""},
+}};
+
+inline constexpr std::array<Choice<BroadPhaseKind>, 5> broad_phases{{
+    {BroadPhaseKind::brute_force, "brute_force", "every pair of boxes"},
+    {BroadPhaseKind::bounding_circle, "bounding_circle", "every pair of bounding circles, as in the thesis"},
+    {BroadPhaseKind::sweep_and_prune, "sweep_and_prune", "boxes sorted along one axis"},
+    {BroadPhaseKind::uniform_grid, "uniform_grid", "boxes in equal square cells; large ones apart"},
+    {BroadPhaseKind::aabb_tree, "aabb_tree", "a tree of boxes over the shapes, sorted along a curve through space"},
+}};
+
+inline constexpr std::array<Choice<MixRule>, 4> mix_rules{{
+    {MixRule::geometric_mean, "sqrt", "sqrt(a * b)"},
+    {MixRule::maximum, "max", "the larger"},
+    {MixRule::minimum, "min", "the smaller, as in the thesis"},
+    {MixRule::average, "average", "(a + b) / 2"},
+}};
+
+inline constexpr std::array<Choice<BodyType>, 3> body_types{{
+    {BodyType::static_body, "static", "never moves"},
+    {BodyType::kinematic_body, "kinematic", "moves with its velocity, is not pushed"},
+    {BodyType::dynamic_body, "dynamic", "moves and is pushed"},
+}};
+
+inline constexpr std::array<Choice<ShapeKind>, 6> shape_kinds{{
+    {ShapeKind::circle, "circle", "centre and radius"},
+    {ShapeKind::box, "box", "half extents, turned by an angle; may be rounded by a radius"},
+    {ShapeKind::polygon, "polygon", "convex, 3..16 vertices; may be rounded by a radius"},
+    {ShapeKind::capsule, "capsule", "two centres and a radius"},
+    {ShapeKind::segment, "segment", "a line between two points, of both sides; has no mass"},
+    {ShapeKind::chain, "chain", "a line through points, of its right side; no bumps at its corners; has no mass"},
+}};
+
+inline constexpr std::array<Choice<JointKind>, 8> joint_kinds{{
+    {JointKind::revolute, "revolute", "a pin: the anchors stay together, the bodies turn"},
+    {JointKind::prismatic, "prismatic", "a slider: body B moves along an axis of body A and does not turn"},
+    {JointKind::distance, "distance", "the anchors keep their distance: a rod, a spring, or a rope with limits"},
+    {JointKind::weld, "weld", "the bodies move as one"},
+    {JointKind::wheel, "wheel", "body B turns freely and moves along an axis of body A, sprung"},
+    {JointKind::motor, "motor", "drives body B to an offset from body A, with bounded force and torque"},
+    {JointKind::friction, "friction", "slows relative motion, with bounded force and torque"},
+    {JointKind::target, "target", "pulls an anchor of body B to a point of the world"},
+}};
+
+inline constexpr std::array<Choice<ForceKind>, 6> force_kinds{{
+    {ForceKind::constant, "constant", "a constant force (world axes, at the centre of mass) and torque"},
+    {ForceKind::central, "central", "m k |r|^p towards a point of the world"},
+    {ForceKind::spring, "spring", "spring and damper between an anchor and another body's anchor or a point"},
+    {ForceKind::wind, "wind", "moves the air that drags refer to"},
+    {ForceKind::linear_drag, "linear_drag", "-c (v - wind), and a torque -c_r w"},
+    {ForceKind::quadratic_drag, "quadratic_drag", "-c |v - wind| (v - wind), and a torque -c_r |w| w"},
+}};
+
+inline constexpr std::array<Choice<ClockKind>, 4> clock_kinds{{
+    {ClockKind::fixed, "fixed", "ticks of dt; frame time that is left over is kept"},
+    {ClockKind::semi_fixed, "semi_fixed", "ticks of dt, at most so many a frame; time beyond is dropped and reported"},
+    {ClockKind::variable, "variable", "one tick per frame, as long as the frame"},
+    {ClockKind::adaptive, "adaptive", "as many ticks as keep the error of each below a tolerance"},
+}};
+
+/// The row of a table with this kind. Requires: the table has one (each table lists its whole enumeration).
+template <typename Table, typename Kind>
+constexpr const auto& info_of(const Table& table, Kind kind) {
+  return table[static_cast<std::size_t>(kind)];
+}
+
+/// The row with this name, or null.
+template <typename Table>
+constexpr auto find_choice(const Table& table, std::string_view name) -> const typename Table::value_type* {
+  for (const auto& row : table)
+    if (row.name == name) return &row;
+  return nullptr;
+}
+
+/// "a, b or c": for error messages.
+template <typename Table>
+std::string choice_names(const Table& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (i > 0) text += i + 1 == table.size() ? " or " : ", ";
+    text += table[i].name;
+  }
+  return text;
+}
+
+}  // namespace ticktrue::engine

@@ -1,0 +1,233 @@
+// Scene: the plain description of a world, in f64 and SI units, as people write it.
+// SPDX-License-Identifier: MIT
+//
+// The same type is read from JSON (scene_json.h), built from parameters (builtin_scenes.h) and embedded in traces in
+// binary (scene_binary.h). Engines of both precisions are made from it (engine.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/scene/choices.h"
+#include "engine/scene/input.h"
+
+namespace ticktrue::engine {
+
+/// A vector of the description, m. The engine's own vectors are of its precision (math/vec2.h).
+struct Point {
+  double x = 0;
+  double y = 0;
+  bool operator==(const Point&) const = default;
+};
+
+struct Material {
+  double friction = 0.6;          // Coulomb coefficient, >= 0
+  double restitution = 0.0;       // 0..1
+  double tangent_speed = 0;       // m/s: a conveyor; what touches the surface is driven along it, counter-clockwise
+  double rolling_resistance = 0;  // >= 0; torque at most this times radius times normal force
+  bool operator==(const Material&) const = default;
+};
+
+/// Which shapes meet: same non-zero group: positive always, negative never; else each one's category is in the other's
+/// mask.
+struct Filter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = 0xffffffff;
+  std::int32_t group = 0;
+  bool operator==(const Filter&) const = default;
+};
+
+struct Shape {
+  ShapeKind kind = ShapeKind::circle;
+  Point center;                 // circle, box: in the body's frame, m
+  double angle = 0;             // box: rad
+  double radius = 0;            // circle, capsule: m; box, polygon: rounding, m, 0 for sharp corners
+  Point half_size;              // box: m, without the rounding
+  std::vector<Point> vertices;  // in the body's frame, m. polygon: any order, 3..16, strictly convex as a set;
+                                // capsule: its two centres; segment: its two ends; chain: 2.. points in order
+  bool loop = false;            // chain: the last point joins the first
+  double density = 1;           // kg/m^2; of no effect where the body states its mass
+  Material material;
+  Filter filter;
+  bool sensor = false;  // sees what overlaps it, touches nothing
+  bool operator==(const Shape&) const = default;
+};
+
+/// Replaces what the shapes' densities would give.
+struct ExplicitMass {
+  double mass = 1;                // kg, > 0
+  std::optional<double> inertia;  // kg m^2 about the centre of mass, > 0; absent: that of the shapes, scaled to `mass`
+  std::optional<Point> center;    // centre of mass in the body's frame, m; absent: that of the shapes
+  bool operator==(const ExplicitMass&) const = default;
+};
+
+struct Body {
+  std::string name;  // may be empty; unique otherwise
+  BodyType type = BodyType::dynamic_body;
+  Point position;               // of the body's origin, m
+  double angle = 0;             // rad
+  Point velocity;               // of the centre of mass, m/s
+  double angular_velocity = 0;  // rad/s
+  double linear_damping = 0;    // 1/s
+  double angular_damping = 0;   // 1/s
+  double gravity_scale = 1;
+  bool fixed_rotation = false;
+  bool bullet = false;    // never passes other moving bodies, however fast (walls stop every body)
+  bool can_sleep = true;  // where the scene lets bodies sleep
+  std::optional<ExplicitMass> mass;
+  std::vector<Shape> shapes;  // at least one
+  bool operator==(const Body&) const = default;
+};
+
+struct Range {
+  double lower = 0;
+  double upper = 0;
+  bool operator==(const Range&) const = default;
+};
+
+/// Stiffness of a joint. Either hertz and damping ratio, with the joint's own effective mass, or stiffness and damping.
+struct JointSpring {
+  bool absolute = false;     // true: stiffness and damping count; false: hertz and damping_ratio
+  double hertz = 0;          // >= 0; 0: only damps
+  double damping_ratio = 0;  // >= 0
+  double stiffness = 0;      // N/m or N m/rad, >= 0
+  double damping = 0;        // N s/m or N m s/rad, >= 0
+  bool operator==(const JointSpring&) const = default;
+};
+
+struct JointMotor {
+  double speed = 0;      // m/s or rad/s, of B relative to A
+  double force_max = 0;  // N or N m, >= 0
+  bool operator==(const JointMotor&) const = default;
+};
+
+/// A joint of two bodies of the scene. Which fields count is said beside them; the others keep their defaults.
+/// A joint vanishes with the first of its bodies that is removed.
+struct Joint {
+  std::string name;  // may be empty; unique otherwise
+  JointKind kind = JointKind::revolute;
+  std::uint32_t body_a = 0;           // index in Scene::bodies; target: not used
+  std::uint32_t body_b = 0;           // index in Scene::bodies
+  Point anchor_a;                     // in A's frame, from its origin, m; all but motor, friction, target
+  Point anchor_b;                     // in B's frame, from its origin, m; all but motor, friction
+  Point axis{1, 0};                   // in A's frame, any length > 0; prismatic, wheel
+  double reference_angle = 0;         // of B relative to A at rest, rad; revolute, prismatic, weld
+  double length = 1;                  // m, of the rod or the relaxed spring; distance
+  std::optional<Range> limits;        // rad: revolute; m: prismatic, wheel, distance (limits and no spring: a rope)
+  std::optional<JointMotor> motor;    // revolute, prismatic, wheel, distance
+  std::optional<JointSpring> spring;  // revolute, prismatic, distance, wheel; weld: of the angle; target; motor
+  std::optional<JointSpring> linear_spring;  // weld
+  Point offset;                              // motor: of B's origin in A's frame, m; target: the point of the world, m
+  double angle_offset = 0;                   // motor: of B relative to A, rad
+  double force_max = 0;                      // N; motor, friction, target
+  double torque_max = 0;                     // N m; motor, friction
+  bool collide_connected = false;            // whether the two bodies touch each other
+  bool operator==(const Joint&) const = default;
+};
+
+/// A force element, evaluated by the integrator at each of its stages. Which fields count is said beside them.
+struct Force {
+  std::string name;  // may be empty; unique otherwise
+  ForceKind kind = ForceKind::constant;
+  std::optional<std::uint32_t> body;   // index in Scene::bodies; absent: every dynamic body (not for springs); not wind
+  std::optional<std::uint32_t> other;  // spring: index of the other body; absent: `point` is fixed in the world
+  Point anchor;                        // spring: in the body's frame, from its origin, m
+  Point point;                         // spring: anchor of the other body, or a point of the world, m; central: centre
+  Point vector;                        // constant: N; wind: m/s
+  double torque = 0;                   // constant: N m
+  double coefficient = 0;              // linear_drag: kg/s; quadratic_drag: kg/m; central: k, N/(kg m^p), > 0 attracts
+  double angular_coefficient = 0;      // linear_drag: N m s; quadratic_drag: N m s^2
+  double exponent = -2;                // central: p; whole, -3..3
+  double stiffness = 0;                // spring: N/m
+  double damping = 0;                  // spring: N s/m
+  double rest_length = 0;              // spring: m
+  bool operator==(const Force&) const = default;
+};
+
+/// How host frames become ticks. Acts where a session is recorded; the trace holds the ticks' dt.
+struct ClockSettings {
+  ClockKind kind = ClockKind::fixed;
+  int ticks_per_frame_max = 5;  // semi_fixed
+  double tolerance = 1e-4;      // adaptive: m (and rad) per tick
+  double dt_min = 1e-6;         // s; adaptive
+  double dt_max = 0.1;          // s; adaptive, variable: longer frames are cut to it, and that is reported
+  bool operator==(const ClockSettings&) const = default;
+};
+
+struct SleepSettings {
+  double after_s = 0.5;     // calm for so long
+  double speed_max = 0.05;  // m/s of any point of a calm body
+  bool operator==(const SleepSettings&) const = default;
+};
+
+/// Substeps chosen per island so that the expected error stays below the target.
+struct AutoSubsteps {
+  double target_error = 0.005;  // relative to the size of the smallest shape of the island
+  int substeps_max = 256;       // 1..256; a power of two
+  bool operator==(const AutoSubsteps&) const = default;
+};
+
+struct Bounds {
+  Point lower;  // m
+  Point upper;  // m
+  bool operator==(const Bounds&) const = default;
+};
+
+/// A pointer (mouse, finger) that presses, drags and releases.
+struct PointerSettings {
+  std::vector<std::string> spawns;  // prototypes that a press on empty space spawns, in turn; empty: nothing is spawned
+  double hertz = 5;                 // stiffness of the pull
+  double damping_ratio = 0.7;
+  double force_max_per_kg = 1000;  // N per kg of the pulled body
+  std::optional<Bounds> window;    // what the pointer's screen shows (imports, pictures); absent: the scene's bounds
+  bool operator==(const PointerSettings&) const = default;
+};
+
+struct Settings {
+  Precision precision = Precision::f32;
+  double dt = 1.0 / 60.0;                     // s
+  int substeps = 4;                           // 1..256; 1 where the solver does not substep
+  std::optional<AutoSubsteps> auto_substeps;  // present: `substeps` is the least that an island gets
+  int iterations = 10;                        // 1..1000; of solvers that iterate
+  SolverKind solver = SolverKind::tgs_soft;
+  IntegratorKind integrator = IntegratorKind::semi_implicit_euler;
+  BroadPhaseKind broad_phase = BroadPhaseKind::aabb_tree;
+  MixRule friction_mix = MixRule::geometric_mean;
+  MixRule restitution_mix = MixRule::maximum;
+  double restitution_threshold = 1.0;  // m/s: slower approaches do not bounce
+  bool locate_impacts = false;         // bounces happen at the moment of impact, not at the end of the tick
+  bool continuous = true;              // fast bodies do not pass walls, bullets pass nothing
+  std::optional<SleepSettings> sleep;  // present: islands at rest sleep
+  bool events = false;                 // begin and end of contacts are part of the state
+  ClockSettings clock;
+  bool operator==(const Settings&) const = default;
+};
+
+struct Scene {
+  std::string name = "scene";
+  Settings settings;
+  Point gravity{0, -10};     // m/s^2
+  std::vector<Body> bodies;  // ids 0, 1, 2, ... in this order
+  std::vector<Joint> joints;
+  std::vector<Force> forces;
+  std::vector<Body> prototypes;   // named bodies that inputs may spawn; position, angle, velocity are the input's
+  std::vector<InputKind> inputs;  // kinds that may come, ascending; an input of another kind is refused
+  std::optional<PointerSettings> pointer;    // present if press, drag and release may come
+  std::optional<Bounds> bounds;              // a body whose centre of mass leaves them is removed
+  std::optional<std::uint32_t> spawned_max;  // more spawned bodies than this: the oldest goes
+  bool operator==(const Scene&) const = default;
+};
+
+/// Whether two shapes can ever meet: there is, or inputs may spawn, a dynamic body and another one that it may touch.
+/// Decides what the pipeline needs and what check_scene refuses, so that both mean the same.
+bool can_collide(const Scene& scene);
+
+/// Every rule that a scene must keep, whoever made it: ranges, names, hulls, masses, limits, declared inputs.
+/// `source` is the place an error names first (a file name). Messages carry the JSON path.
+/// Errors: invalid_scene, limit, incompatible (choices that do not go together; the message names what would work).
+Status check_scene(const Scene& scene, const std::string& source);
+
+}  // namespace ticktrue::engine

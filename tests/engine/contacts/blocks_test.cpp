@@ -1,0 +1,169 @@
+// Contacts solved in blocks of islands, and in their places: the bits of one group, found anew.
+// SPDX-License-Identifier: MIT
+//
+// Verified: pyramids enough for blocks, whose boxes are taken away and thrown between them, so that islands meet and
+// part, and into which discs fall; with sleep, too. Blocks of a few contacts are forced on every scene in
+// threads_test.cpp.
+#include <vector>
+
+#include "base/build_info.h"
+#include "base/parallel/chunk_order.h"
+#include "base/random.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/scene/input.h"
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/scenes.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+
+namespace {
+
+constexpr std::uint64_t blocks_tick_count = 80;
+
+/// Pyramids that rest, then some of their boxes are thrown, some are taken away, and discs fall in.
+Session disturbed_pyramids(Precision precision, bool sleeps) {
+  Result<engine::Scene> scene = engine::make_builtin_scene("many_pyramids?rows=4&columns=4");
+  REQUIRE(scene.has_value());
+  scene->settings.precision = precision;
+  if (sleeps) {
+    scene->settings.sleep.emplace();
+    scene->settings.sleep->after_s = 0.2;
+  }
+  scene->prototypes = {body_of(disc_shape(0.4), {})};
+  scene->prototypes[0].name = "disc";
+  scene->inputs = {engine::InputKind::spawn, engine::InputKind::remove, engine::InputKind::set_velocity};
+  Session session{"disturbed pyramids", *scene, {}};
+  Random random(7);
+  for (std::uint64_t tick = 0; tick < blocks_tick_count; ++tick) {
+    std::vector<engine::Input> inputs;
+    engine::Input input;
+    input.body = 1 + static_cast<std::uint32_t>(random.below(scene->bodies.size() - 1));
+    if (tick >= 24 && tick % 8 == 0) {
+      input.kind = engine::InputKind::set_velocity;
+      input.values[0] = random.real(-40, 40);
+      input.values[1] = random.real(0, 10);
+      inputs.push_back(input);
+    } else if (tick == 22 || tick % 16 == 10) {  // falls a while before it touches anything
+      input.kind = engine::InputKind::spawn;
+      input.values[0] = random.real(-40, 40);
+      input.values[1] = 30;
+      inputs.push_back(input);
+    } else if (tick >= 24 && tick % 16 == 5) {
+      input.kind = engine::InputKind::remove;
+      inputs.push_back(input);
+    }
+    Bytes bytes;
+    engine::encode_inputs(inputs, bytes);
+    session.inputs.push_back(bytes);
+  }
+  return session;
+}
+
+/// Thirty ticks of one input each, where change(tick, input) says there is one.
+template <typename Change>
+Session thirty_ticks(const Scene& scene, Change change) {
+  Session session{"thirty ticks", scene, {}};
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    engine::Input input;
+    input.kind = scene.inputs[0];
+    Bytes bytes;
+    if (change(tick, input)) engine::encode_inputs({input}, bytes);
+    session.inputs.push_back(bytes);
+  }
+  return session;
+}
+
+/// That keeping what ticks keep changes no bit.
+void check_kept(const Session& session) {
+  engine::EngineOptions kept, anew;
+  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+  anew.broad_phase = engine::BroadPhaseKind::brute_force;
+  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+}
+
+/// The bodies and contacts after every fifth tick.
+std::vector<Bytes> run_of(const Session& session, const engine::EngineOptions& options) {
+  std::vector<Bytes> out;
+  const auto engine = make_engine_or_fail(session.scene, options);
+  for (std::uint64_t tick = 0; tick < blocks_tick_count; ++tick) {
+    engine->step(input_of(session, tick), nullptr);
+    if (tick % 5 != 4) continue;
+    Bytes& bytes = out.emplace_back();
+    const StateView& state = engine->state();
+    for (const char* name : {"bodies", "contacts"}) {
+      const std::size_t table = state.schema->find_table(name).value();
+      const TableRows& rows = state.tables[table];
+      bytes.insert(bytes.end(), rows.data, rows.data + rows.row_count * state.schema->tables[table].row_size);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("blocks of islands that meet and part give the bits of one group", "[engine][blocks][equivalence]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const bool sleeps : {false, true}) {
+      CAPTURE(precision, sleeps);
+      const Session session = disturbed_pyramids(precision, sleeps);
+      engine::EngineOptions general, anew;
+      general.full_pipeline = true;                                // may bounce: not in blocks
+      anew.broad_phase = engine::BroadPhaseKind::sweep_and_prune;  // keeps nothing
+      const std::vector<Bytes> expected = run_of(session, general);
+      CHECK((run_of(session, {}) == expected));
+      CHECK((run_of(session, anew) == expected));
+      ChunkOrder order(true);
+      engine::EngineOptions reversed;
+      reversed.parallel = {&order, 0};
+      CHECK((run_of(session, reversed) == expected));
+      if (!build_info().has_threads) continue;
+      engine::EngineOptions threads;
+      threads.thread_count = 2;
+      CHECK((run_of(session, threads) == expected));
+    }
+}
+
+TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blocks][kept]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.settings.continuous = false;  // no way ahead that would keep the pair
+  scene.inputs = {engine::InputKind::set_velocity};
+  scene.bodies = {ground(200)};
+  for (int i = 0; i < 64; ++i) {  // so many pairs to a block
+    scene.bodies.push_back(body_of(disc_shape(0.5), {1.5 * i - 100, 0.5}));
+    scene.bodies.back().velocity = {1, 0};
+  }
+  scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only one in its block
+  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
+    input.body = 65;
+    input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
+    return tick >= 10 && tick <= 12;
+  }));
+}
+
+TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engine][kept]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.inputs = {engine::InputKind::set_gravity};
+  scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5}), body_of(disc_shape(0.5), {3, 2})};
+  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
+    input.values[0] = tick < 20 ? 3 : -3;
+    input.values[1] = tick < 25 ? -9.81 : -4;
+    return tick % 10 == 5 || tick == 20;
+  }));
+}
+
+TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
+  const Session session = disturbed_pyramids(Precision::f32, false);
+  const auto original = make_engine_or_fail(session.scene);
+  for (std::uint64_t tick = 0; tick < 30; ++tick) original->step(input_of(session, tick), nullptr);
+  const auto restored = make_engine_or_fail(session.scene);
+  for (std::uint64_t tick = 0; tick < 12; ++tick) restored->step(input_of(session, tick), nullptr);  // keeps others
+  REQUIRE(restored->load(image_of(*original)).has_value());
+  for (std::uint64_t tick = 30; tick < blocks_tick_count; ++tick) {
+    original->step(input_of(session, tick), nullptr);
+    restored->step(input_of(session, tick), nullptr);
+    CAPTURE(tick);
+    REQUIRE(image_of(*restored) == image_of(*original));
+  }
+}

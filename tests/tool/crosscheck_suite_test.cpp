@@ -1,0 +1,101 @@
+// The suite of the cross-check: its scenes are sound, and it tells a solver that stands from one that does not.
+// SPDX-License-Identifier: MIT
+#include "tool/study/crosscheck_suite.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "tests/support/catch.h"
+#include "tool/box2d/box2d_peer.h"
+#include "tool/crosscheck/crosscheck.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+const SuiteScene& find_scene(std::string_view name) {
+  const auto scenes = crosscheck_suite();
+  const auto found =
+      std::find_if(scenes.begin(), scenes.end(), [&](const SuiteScene& scene) { return scene.name == name; });
+  REQUIRE(found != scenes.end());
+  return *found;
+}
+
+CrosscheckReport check(std::string_view name, std::uint32_t seeds) {
+  const SuiteScene& scene = find_scene(name);
+  CrosscheckOptions options;
+  options.solvers = {engine::SolverKind::tgs_soft, engine::SolverKind::impulse};
+  options.seed_count = seeds;
+  options.seconds = scene.seconds;
+  options.match_skin = true;
+  const Result<CrosscheckReport> report = crosscheck(scene.make(), options);
+  REQUIRE(report);
+  return *report;
+}
+
+const CrosscheckSolver& solver_of(const CrosscheckReport& report, std::string_view name) {
+  const auto found = std::find_if(report.solvers.begin(), report.solvers.end(),
+                                  [&](const CrosscheckSolver& solver) { return solver.solver == name; });
+  REQUIRE(found != report.solvers.end());
+  return *found;
+}
+
+TEST_CASE("the suite has at least 25 sound scenes with names of their own", "[verifier][crosscheck_suite]") {
+  std::set<std::string_view> names;
+  for (const SuiteScene& scene : crosscheck_suite()) {
+    INFO(scene.name);
+    names.insert(scene.name);
+    const engine::Scene made = scene.make();
+    const Status checked = engine::check_scene(made, std::string(scene.name));
+    INFO((checked ? "" : checked.error().message));
+    CHECK(checked);
+    CHECK(make_layout(made).dynamic_count > 0);
+    CHECK(scene.seconds > 0);
+    CHECK_FALSE(scene.outcome.empty());
+  }
+  CHECK(names.size() >= 25);
+  CHECK(names.size() == crosscheck_suite().size());
+}
+
+TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver does not",
+          "[verifier][crosscheck_suite]") {
+  if (box2d_version().empty()) return;
+  for (const std::string_view name : {"tower_5", "arch", "slope_slides"}) {
+    INFO(name);
+    const CrosscheckReport report = check(name, 2);
+    CHECK(solver_of(report, "tgs_soft").failed == 0);
+    CHECK(solver_of(report, "tgs_soft").passed > 0);
+    CHECK(solver_of(report, "impulse").failed > 0);
+  }
+}
+
+TEST_CASE("a solver without joints is not applicable to a chain, beside one that is", "[verifier][crosscheck_suite]") {
+  if (box2d_version().empty()) return;
+  const CrosscheckReport report = check("hanging_chain", 1);
+  CHECK(solver_of(report, "tgs_soft").passed > 0);
+  CHECK(solver_of(report, "impulse").not_applicable == 1);
+  CHECK(solver_of(report, "impulse").failed == 0);
+}
+
+TEST_CASE("with its skin matched Box2D's tower is as high as its boxes", "[verifier][crosscheck_suite][analytic]") {
+  if (box2d_version().empty()) return;
+  const engine::Scene scene = find_scene("tower_5").make();
+  for (const bool match_skin : {false, true}) {
+    INFO(match_skin);
+    Box2dOptions options;
+    options.match_skin = match_skin;
+    const Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene, options);
+    REQUIRE(peer);
+    for (int tick = 0; tick < 300; ++tick) (*peer)->step();
+    double top = 0;
+    for (const engine::BodyReport& body : (*peer)->bodies()) top = std::max(top, body.center.y);
+    // Box2D leaves at most a slop of overlap at each of the five contacts; the skin holds them 1.5 cm apart each.
+    if (match_skin)
+      CHECK(top == Approx(4.5).margin(5 * 0.005));
+    else
+      CHECK(top == Approx(4.5 + 5 * 0.015).margin(5 * 0.005));
+  }
+}
+
+}  // namespace
+}  // namespace ticktrue::verifier

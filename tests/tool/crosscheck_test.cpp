@@ -1,0 +1,791 @@
+// The cross-check: criteria on hand-made runs, the Box2D peer, and both engines end to end.
+// SPDX-License-Identifier: MIT
+#include "tool/crosscheck/crosscheck.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/math/trig.h"
+#include "tests/support/catch.h"
+#include "tests/support/joints.h"
+#include "tests/support/scenes.h"
+#include "tool/box2d/box2d_peer.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using verifier::Agreement;
+using verifier::CrosscheckLayout;
+using verifier::CrosscheckMeasure;
+using verifier::CrosscheckRow;
+using verifier::CrosscheckRun;
+
+namespace {
+
+engine::BodyReport report_of(const Scene& scene, std::uint32_t id) {
+  engine::BodyReport report;
+  report.id = id;
+  report.type = scene.bodies[id].type;
+  report.center = scene.bodies[id].position;
+  report.angle = scene.bodies[id].angle;
+  report.mass = report.type == BodyType::dynamic_body ? 1 : 0;
+  report.inertia = report.type == BodyType::dynamic_body ? 1.0 / 6 : 0;
+  return report;
+}
+
+std::vector<engine::BodyReport> reports_of(const Scene& scene) {
+  std::vector<engine::BodyReport> reports;
+  for (std::uint32_t id = 0; id < scene.bodies.size(); ++id) reports.push_back(report_of(scene, id));
+  return reports;
+}
+
+// Contacts of a stack at rest: box i lies on box i - 1, box 1 on the ground, `gap` apart.
+std::vector<engine::ContactReport> stack_contacts(int count, double gap) {
+  std::vector<engine::ContactReport> contacts;
+  for (int i = 1; i <= count; ++i) {
+    engine::ContactReport contact;
+    contact.body_a = static_cast<std::uint32_t>(i - 1);
+    contact.body_b = static_cast<std::uint32_t>(i);
+    contact.normal = {0, 1};
+    contact.point_count = 2;
+    for (int p = 0; p < 2; ++p) {
+      contact.point[p] = {p == 0 ? -0.5 : 0.5, i - 1.0};
+      contact.separation[p] = gap;
+      contact.normal_force[p] = 10.0 * (count - i + 1) / 2;
+    }
+    contacts.push_back(contact);
+  }
+  return contacts;
+}
+
+// A run whose bodies stay as given, at rest.
+CrosscheckRun run_of(const CrosscheckLayout& layout, const std::vector<engine::BodyReport>& bodies,
+                     const std::vector<engine::ContactReport>& contacts, double contact_hertz = 0) {
+  CrosscheckMeasure measure(layout, contact_hertz, 0.02);
+  measure.add(0.1, bodies, nullptr);
+  measure.add(20, bodies, &contacts);
+  return measure.finish();
+}
+
+// A stack of `count` boxes with the same gap below each.
+CrosscheckRun stack_run(const CrosscheckLayout& layout, int count, double gap, double contact_hertz = 0) {
+  Scene scene = stack_scene(count);
+  for (int i = 1; i <= count; ++i) scene.bodies[static_cast<std::size_t>(i)].position.y += gap * i;
+  return run_of(layout, reports_of(scene), stack_contacts(count, gap), contact_hertz);
+}
+
+const CrosscheckRow& row_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
+  for (const CrosscheckRow& row : rows)
+    if (row.criterion == criterion) return row;
+  FAIL("no criterion " << criterion);
+  return rows.front();
+}
+
+Agreement verdict_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
+  return row_of(rows, criterion).verdict;
+}
+
+constexpr double skin = 0.02;
+
+}  // namespace
+
+TEST_CASE("the layout of a stack is one column of placed boxes, each upon the one before",
+          "[verifier][crosscheck][analytic]") {
+  const CrosscheckLayout layout = verifier::make_layout(stack_scene(5, 0.1));
+  CHECK(layout.placed_count == 5);
+  CHECK(layout.is_structure);
+  CHECK(layout.is_column);
+  CHECK(layout.bodies[5].supports == std::vector<std::uint32_t>{4});
+  CHECK(layout.bodies[5].drop == Approx(0.5));  // five gaps close
+  CHECK(layout.height == Approx(4.5));
+}
+
+TEST_CASE("the layout of a pyramid has each box on two and a row for each level", "[verifier][crosscheck][analytic]") {
+  const CrosscheckLayout layout = verifier::make_layout(pyramid_scene(4));
+  CHECK(layout.placed_count == 10);
+  CHECK_FALSE(layout.is_column);
+  CHECK(layout.rows.size() == 3);  // the top is alone
+  CHECK(layout.bodies[10].supports.size() == 2);
+}
+
+TEST_CASE("boxes in the air or moving are no structure", "[verifier][crosscheck][analytic]") {
+  Scene falling = stack_scene(1);
+  falling.bodies[1].position.y = 3;
+  CHECK_FALSE(verifier::make_layout(falling).is_structure);
+  CHECK_FALSE(verifier::make_layout(slide_scene(10, 0.5)).is_structure);
+  Scene hanging = stack_scene(3, 0.1);  // each over one that itself lies on nothing
+  hanging.bodies[0].position.y -= 3;
+  CHECK(verifier::make_layout(hanging).placed_count == 0);
+}
+
+TEST_CASE("a box on a slope is placed, and up is against gravity whichever way that is",
+          "[verifier][crosscheck][analytic]") {
+  Scene slope = stack_scene(1);
+  for (Body& body : slope.bodies) {
+    const engine::SinCos turn = engine::sin_cos(0.3);
+    body.position = {turn.cos * body.position.x - turn.sin * body.position.y,
+                     turn.sin * body.position.x + turn.cos * body.position.y};
+    body.angle = 0.3;
+  }
+  const CrosscheckLayout tilted = verifier::make_layout(slope);
+  CHECK(tilted.placed_count == 1);
+  CHECK(tilted.bodies[1].drop == Approx(0).margin(1e-9));
+
+  Scene ceiling = stack_scene(3);
+  for (Body& body : ceiling.bodies) body.position.y = -body.position.y;
+  ceiling.gravity = {0, 10};
+  CHECK(verifier::make_layout(ceiling).is_column);
+}
+
+TEST_CASE("a tower that leans within the limits stands, one that fell does not", "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(3);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  std::vector<engine::BodyReport> leaning = reports_of(scene);
+  for (int i = 1; i <= 3; ++i) {
+    leaning[static_cast<std::size_t>(i)].center.x += 0.1 * i;
+    leaning[static_cast<std::size_t>(i)].angle = -0.1;
+  }
+  const CrosscheckRun lean = run_of(layout, leaning, stack_contacts(3, 0));
+  CHECK(lean.standing_count == 3);
+  CHECK(lean.stood);
+  CHECK(lean.tilt_deg == Approx(5.73).margin(0.01));
+
+  std::vector<engine::BodyReport> fallen = reports_of(scene);
+  fallen[3].center = {2, 0.5};
+  fallen[3].angle = 1.57;
+  const CrosscheckRun fall = run_of(layout, fallen, {});
+  CHECK(fall.standing_count == 2);
+  CHECK_FALSE(fall.stood);
+  CHECK(fall.order == Approx(0.5));
+  CHECK(fall.tilt_deg == 45);
+}
+
+TEST_CASE("a body that has left the world does not stand", "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(2);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  std::vector<engine::BodyReport> bodies = reports_of(scene);
+  bodies.pop_back();
+  const CrosscheckRun run = run_of(layout, bodies, {});
+  CHECK(run.standing_count == 1);
+  CHECK(run.tilt_deg == 45);
+  CHECK(run.order == 0);
+}
+
+TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crosscheck][equivalence]") {
+  const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> runs(5, stack_run(layout, 10, 0));
+  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, runs, runs, skin);
+  CHECK(rows.size() == 12);
+  for (const CrosscheckRow& row : rows) {
+    CAPTURE(row.criterion);
+    const bool applies = row.criterion != verifier::way_criterion;  // all rest
+    CHECK(row.verdict == (applies ? Agreement::agree : Agreement::not_applicable));
+  }
+}
+
+TEST_CASE("a top that is higher by Box2D's skin is expected, one that is higher by more differs",
+          "[verifier][crosscheck][analytic]") {
+  const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> ours(2, stack_run(layout, 10, -0.003));
+  const std::vector<CrosscheckRun> skinned(2, stack_run(layout, 10, 0.015));
+  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, ours, skinned, skin);
+  CHECK(verdict_of(rows, "top height") == Agreement::expected);
+  CHECK(row_of(rows, "top height").reason.find("skin") != std::string::npos);
+
+  const std::vector<CrosscheckRun> floating(2, stack_run(layout, 10, 0.03));  // no skin is that thick
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, floating, skin), "top height") == Agreement::differ);
+
+  std::vector<CrosscheckRun> lifted = skinned;
+  for (CrosscheckRun& run : lifted) run.top += 0.2;  // more than its gaps tell
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, lifted, skin), "top height") == Agreement::differ);
+}
+
+TEST_CASE("a deep overlap is expected only as far as soft contacts give under their load",
+          "[verifier][crosscheck][analytic]") {
+  const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
+  const std::vector<CrosscheckRun> box2d(2, stack_run(layout, 10, 0.015));
+  // Force / (w^2 * effective mass) under 90 N between two boxes: 45 N a point, 0.2 kg.
+  const double hertz = 13;
+  const double stiffness = std::pow(2 * engine::pi * hertz, 2) * 0.2;
+  REQUIRE(45 / stiffness > 0.03);
+  std::vector<engine::ContactReport> contacts = stack_contacts(10, 0);
+  for (engine::ContactReport& contact : contacts)
+    for (int i = 0; i < 2; ++i) contact.separation[i] = -contact.normal_force[i] / stiffness;
+  contacts.erase(contacts.begin());  // against the ground contacts are stiffer
+  const std::vector<engine::BodyReport> bodies = reports_of(stack_scene(10));
+  const std::vector<CrosscheckRun> soft(2, run_of(layout, bodies, contacts, hertz));
+  CHECK(verdict_of(verifier::compare_runs(layout, soft, box2d, skin), "deepest overlap") == Agreement::expected);
+  const std::vector<CrosscheckRun> hard(2, run_of(layout, bodies, contacts, 0));
+  CHECK(verdict_of(verifier::compare_runs(layout, hard, box2d, skin), "deepest overlap") == Agreement::differ);
+}
+
+TEST_CASE("a stack that fell differs from one that stands on what a person would see",
+          "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(10);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  std::vector<engine::BodyReport> fallen = reports_of(scene);
+  for (std::size_t i = 1; i < fallen.size(); ++i) {
+    fallen[i].center = {1.2 * static_cast<double>(i), 0.5};
+    fallen[i].angle = 1.57;
+  }
+  const std::vector<CrosscheckRun> ours(5, run_of(layout, fallen, {}));
+  const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 10, 0.015));
+  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, ours, box2d, skin);
+  for (const char* criterion : {"stands or falls", "standing bodies", "top height", "order upwards", "largest tilt",
+                                "slides or holds", "weights in the stack", "weight on the ground"}) {
+    CAPTURE(criterion);
+    CHECK(verdict_of(rows, criterion) == Agreement::differ);
+  }
+}
+
+TEST_CASE("one seed of five may go the other way, two may not", "[verifier][crosscheck][analytic]") {
+  const CrosscheckLayout layout = verifier::make_layout(stack_scene(3));
+  const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 3, 0));
+  std::vector<CrosscheckRun> ours = box2d;
+  ours[0].stood = false;
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::agree);
+  ours[1].stood = false;
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, box2d, skin), "stands or falls") == Agreement::differ);
+}
+
+TEST_CASE("what never comes to rest differs from what does", "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(1);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  std::vector<engine::BodyReport> bodies = reports_of(scene);
+  const CrosscheckRun resting = run_of(layout, bodies, stack_contacts(1, 0));
+  CHECK(resting.settle_s == 0);
+  bodies[1].velocity.x = 1;
+  const CrosscheckRun moving = run_of(layout, bodies, stack_contacts(1, 0));
+  CHECK(std::isinf(moving.settle_s));
+  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {resting}, skin), "comes to rest") == Agreement::differ);
+  CHECK(verdict_of(verifier::compare_runs(layout, {moving}, {moving}, skin), "comes to rest") == Agreement::agree);
+}
+
+TEST_CASE("a slide is compared by its distance, box by box in order", "[verifier][crosscheck][analytic]") {
+  Scene scene = slide_scene(10, 0.5);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto slid = [&](double distance) {
+    std::vector<engine::BodyReport> bodies = reports_of(scene);
+    bodies[1].center.x += distance;
+    return std::vector<CrosscheckRun>(3, run_of(layout, bodies, stack_contacts(1, 0)));
+  };
+  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.98), slid(9.92), skin), "slides or holds") ==
+        Agreement::agree);
+  CHECK(verdict_of(verifier::compare_runs(layout, slid(9.5), slid(9.92), skin), "slides or holds") ==
+        Agreement::differ);
+}
+
+TEST_CASE("rows that Box2D's skin pushed apart are expected, a pyramid that spreads is not",
+          "[verifier][crosscheck][analytic]") {
+  const Scene scene = pyramid_scene(12);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto spread = [&](double gap) {
+    std::vector<engine::BodyReport> bodies = reports_of(scene);
+    for (const std::vector<std::uint32_t>& row : layout.rows)
+      for (std::size_t i = 0; i < row.size(); ++i)
+        bodies[row[i]].center.x += gap * (static_cast<double>(i) - 0.5 * static_cast<double>(row.size() - 1));
+    return std::vector<CrosscheckRun>(2, run_of(layout, bodies, stack_contacts(0, 0)));
+  };
+  const std::vector<CrosscheckRun> ours = spread(0);
+  CHECK(verdict_of(verifier::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == Agreement::agree);
+  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, spread(0.1), ours, skin);
+  CHECK(verdict_of(rows, "slides or holds") == Agreement::differ);
+}
+
+TEST_CASE("a non-finite state differs, whatever else it does", "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(2);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  std::vector<engine::BodyReport> bodies = reports_of(scene);
+  const CrosscheckRun good = run_of(layout, bodies, stack_contacts(2, 0));
+  bodies[2].velocity.y = std::numeric_limits<double>::quiet_NaN();
+  const CrosscheckRun bad = run_of(layout, bodies, stack_contacts(2, 0));
+  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, {bad}, {good}, skin);
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].verdict == Agreement::differ);
+}
+
+TEST_CASE("jitter shifts bodies by at most a millimetre per metre, seed 0 by nothing",
+          "[verifier][crosscheck][analytic]") {
+  const Scene scene = stack_scene(10);
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  CHECK(verifier::jittered_scene(scene, layout, 0) == scene);
+  const Scene jittered = verifier::jittered_scene(scene, layout, 1);
+  CHECK_FALSE(jittered == verifier::jittered_scene(scene, layout, 2));
+  CHECK(jittered.bodies[0] == scene.bodies[0]);
+  double largest = 0;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    largest = std::max(largest, std::fabs(jittered.bodies[i].position.x - scene.bodies[i].position.x));
+    CHECK(jittered.bodies[i].position.y == scene.bodies[i].position.y);
+  }
+  CHECK(largest <= 0.001);
+  CHECK(largest > 0.0003);
+}
+
+namespace {
+
+// A build without Box2D has no peer: what needs one is then not tested.
+bool has_box2d() {
+  return !verifier::box2d_version().empty();
+}
+
+// The error message, or empty.
+std::string refusal_of(const Scene& scene) {
+  const auto peer = verifier::make_box2d_peer(scene);
+  if (peer) return {};
+  CHECK(peer.error().code == ErrorCode::unsupported);
+  return peer.error().message;
+}
+
+std::vector<Point> regular_polygon(int corner_count, double radius) {
+  std::vector<Point> corners;
+  for (int i = 0; i < corner_count; ++i) {
+    const engine::SinCos turn = engine::sin_cos(2 * engine::pi * i / corner_count);
+    corners.push_back({radius * turn.cos, radius * turn.sin});
+  }
+  return corners;
+}
+
+}  // namespace
+
+TEST_CASE("the peer takes eight corners, refuses nine, and says why", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  Scene scene = stack_scene(0);
+  scene.bodies.push_back(body_of(polygon_shape(regular_polygon(8, 1)), {0, 2}));
+  CHECK(refusal_of(scene).empty());
+  scene.bodies.push_back(body_of(polygon_shape(regular_polygon(9, 1)), {4, 2}));
+  CHECK(refusal_of(scene) == "stack: /bodies/2/shapes/0/vertices: too many for Box2D: found 9, expected at most 8");
+}
+
+TEST_CASE("the peer refuses what its skin or its floats would distort", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  Scene thin = stack_scene(1);
+  thin.bodies[1].shapes[0].half_size.y = 0.01;
+  CHECK(refusal_of(thin).find("too thin for Box2D's skin") != std::string::npos);
+  Scene far = stack_scene(1);
+  far.bodies[1].position.x = 1e6;
+  CHECK(refusal_of(far).find("too far out") != std::string::npos);
+}
+
+TEST_CASE("the peer falls as semi-implicit Euler does and has our masses", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  Scene scene = empty_scene();
+  scene.bodies.push_back(body_of(polygon_shape({{0, 0}, {3, 0}, {0, 3}}), {2, 50}));  // centre of mass at (1, 1)
+  scene.bodies[0].mass = engine::ExplicitMass{7, 5.0, Point{0.5, 0.25}};
+  auto peer = verifier::make_box2d_peer(scene);
+  REQUIRE(peer);
+  for (int i = 0; i < 60; ++i) (*peer)->step();
+  const auto bodies = (*peer)->bodies();
+  REQUIRE(bodies.size() == 1);
+  CHECK(bodies[0].mass == 7);
+  CHECK(bodies[0].inertia == 5);
+  CHECK(bodies[0].center.x == Approx(2.5));
+  CHECK(bodies[0].center.y == Approx(50.25 - 5 - 10.0 / 60 / 2).margin(1e-4));  // g t^2 / 2 + g h t / 2
+  CHECK(bodies[0].velocity.y == Approx(-10).margin(1e-4));
+}
+
+TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  const auto slid = [](engine::MixRule rule) {
+    Scene scene = slide_scene(10, 0.8);
+    scene.bodies[0].shapes[0].material.friction = 0.2;
+    scene.settings.friction_mix = rule;
+    auto peer = verifier::make_box2d_peer(scene);
+    REQUIRE(peer);
+    for (int i = 0; i < 400; ++i) (*peer)->step();
+    return (*peer)->bodies()[1].center.x;
+  };
+  // v^2 / (2 mu g), and half a step's bias.
+  CHECK(slid(engine::MixRule::minimum) == Approx(25).epsilon(0.01));
+  CHECK(slid(engine::MixRule::geometric_mean) == Approx(12.5).epsilon(0.01));
+  CHECK(slid(engine::MixRule::average) == Approx(10).epsilon(0.01));
+  CHECK(slid(engine::MixRule::maximum) == Approx(6.25).epsilon(0.015));
+}
+
+TEST_CASE("the peer refuses capsules, rounded lines, rolling resistance and filters of 32 bits",
+          "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  const auto refusal = [](auto change) {
+    Scene scene = stack_scene(1);
+    change(scene.bodies[1].shapes[0]);
+    return refusal_of(scene);
+  };
+  using Catch::Matchers::Contains;
+  CHECK(refusal([](Shape&) {}).empty());
+  CHECK_THAT(refusal([](Shape& s) { s = capsule_shape({-1, 0}, {1, 0}, 0.5); }), Contains("no capsules"));
+  CHECK(refusal([](Shape& s) { s.radius = 0.1; }).empty());
+  CHECK_THAT(refusal([](Shape& s) {
+               s = segment_shape({-1, 0}, {1, 0}), s.radius = 0.1;
+             }),
+             Contains("rounds no lines"));
+  CHECK_THAT(refusal([](Shape& s) { s.material.rolling_resistance = 0.1; }), Contains("rolling resistance"));
+  CHECK_THAT(refusal([](Shape& s) { s.filter.category = 0x10000; }), Contains("16 bits"));
+  CHECK_THAT(refusal([](Shape& s) { s.filter.mask = 0x1ffff; }), Contains("16 bits"));
+  CHECK_THAT(refusal([](Shape& s) { s.filter.group = 40000; }), Contains("16 bits"));
+  CHECK(refusal([](Shape& s) { s.filter = {0x8000, 0xffff, -5}; }).empty());
+}
+
+TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the peer",
+          "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  const std::vector<Point> to_left{{8, 0}, {4, 0}, {0, 0}, {-8, 0}};
+  const std::vector<Point> to_right(to_left.rbegin(), to_left.rend());
+  const auto agree = [](const Shape& line, auto change) {
+    Scene scene = empty_scene();
+    scene.bodies = {body_of(line, {0, 0}, BodyType::static_body), unit_box({-1, 0.6})};
+    change(scene);
+    auto peer = verifier::make_box2d_peer(scene);
+    REQUIRE(peer);
+    const auto own = engine::make_engine(scene);
+    REQUIRE(own);
+    for (int i = 0; i < 90; ++i) {
+      (*peer)->step();
+      (*own)->step({scene.settings.dt, {}}, nullptr);
+    }
+    const auto a = (*own)->bodies()[1], b = (*peer)->bodies()[1];
+    // A fall of 1.5 s differs by g h t / 2 = 0.1 m, and Box2D pushes out what has come half through a chain from
+    // behind.
+    CHECK(a.center.y == Approx(b.center.y).margin(a.center.y > 0 ? 0.02 : 0.5));
+    CHECK(a.center.x == Approx(b.center.x).margin(0.1));
+    CHECK(a.velocity.x == Approx(b.velocity.x).margin(0.02));
+    return a;
+  };
+  const auto nothing = [](Scene&) {};
+  CHECK(agree(chain_shape(to_left), nothing).center.y > 0.4);
+  CHECK(agree(chain_shape(to_right), nothing).center.y < -5);
+  CHECK(agree(segment_shape({-8, 0}, {8, 0}), nothing).center.y > 0.4);
+  CHECK(agree(segment_shape({8, 0}, {-8, 0}), nothing).center.y > 0.4);
+  const auto sensor = [](Scene& s) { s.bodies[0].shapes[0].sensor = true; };
+  CHECK(agree(chain_shape(to_left), sensor).center.y < -5);
+  const auto filter = [](Scene& s) { s.bodies[1].shapes[0].filter = {2, 2, 0}; };
+  CHECK(agree(chain_shape(to_left), filter).center.y < -5);
+  const auto conveyor = [](Scene& s) { s.bodies[0].shapes[0].material.tangent_speed = 2; };
+  CHECK(agree(chain_shape(to_left), conveyor).velocity.x == Approx(-2).margin(0.01));
+}
+
+TEST_CASE("the peer scales worlds of large bodies and gives their own units back", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  Scene scene = stack_scene(2);
+  for (Body& body : scene.bodies) {
+    body.position = {50 * body.position.x, 50 * body.position.y};
+    body.shapes[0].half_size = {50 * body.shapes[0].half_size.x, 50 * body.shapes[0].half_size.y};
+  }
+  scene.gravity = {0, -500};
+  auto peer = verifier::make_box2d_peer(scene);
+  REQUIRE(peer);
+  CHECK((*peer)->length_scale() == 1.0 / 64);
+  for (int i = 0; i < 120; ++i) (*peer)->step();
+  CHECK((*peer)->bodies()[2].center.y == Approx(75).epsilon(0.03));
+  double up = 0;
+  for (const engine::ContactReport& contact : (*peer)->contacts())
+    if (contact.body_a == 0 || contact.body_b == 0) up += contact.normal_force[0] + contact.normal_force[1];
+  CHECK(up == Approx(2 * 2500 * 500.0).epsilon(0.001));
+}
+
+TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a movement",
+          "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  Scene scene = empty_scene();
+  scene.bodies = {unit_box({0, 0}), unit_box({10, 0})};
+  scene.bodies[1].velocity.x = 130;  // over 2 m a step
+  scene.bounds = engine::Bounds{{-5, -5}, {100, 5}};
+  auto peer = verifier::make_box2d_peer(scene);
+  REQUIRE(peer);
+  (*peer)->step();
+  CHECK((*peer)->clamped_tick() == 1);
+  for (int i = 0; i < 60; ++i) (*peer)->step();
+  CHECK((*peer)->bodies().empty());
+}
+
+TEST_CASE("tgs_soft agrees with Box2D on a three-box stack", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  verifier::CrosscheckOptions options;
+  options.seconds = 3;
+  options.seed_count = 3;
+  const auto report = verifier::crosscheck(stack_scene(3, 0, Precision::f32), options);
+  REQUIRE(report);
+  REQUIRE(report->solvers.size() == 1);
+  CAPTURE(report->solvers[0].summary);
+  CHECK(report->solvers[0].failed == 0);
+  CHECK(report->solvers[0].passed >= 8);
+  CHECK(report->solvers[0].stood == 3);
+  CHECK(report->box2d_stood == 3);
+}
+
+TEST_CASE("tgs_soft agrees with Box2D on a ten-box stack, the thesis' impulse solver does not: its stack falls",
+          "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  verifier::CrosscheckOptions options;
+  options.solvers = {SolverKind::tgs_soft, SolverKind::impulse};
+  const auto report = verifier::crosscheck(stack_scene(10, 0, Precision::f32), options);
+  REQUIRE(report);
+  REQUIRE(report->solvers.size() == 2);
+  CAPTURE(report->solvers[0].summary, report->solvers[1].summary);
+  CHECK(report->solvers[0].failed == 0);
+  CHECK(report->solvers[0].stood == 5);
+  CHECK(report->solvers[1].failed > 5);
+  CHECK(report->solvers[1].stood == 0);
+}
+
+TEST_CASE("the report does not depend on the number of threads", "[verifier][crosscheck][determinism]") {
+  if (!has_box2d()) return;
+  verifier::CrosscheckOptions options;
+  options.seconds = 1;
+  options.seed_count = 3;
+  const Scene scene = stack_scene(4, 0.05, Precision::f32);
+  const auto one = verifier::crosscheck(scene, options);
+  options.thread_count = 3;
+  const auto three = verifier::crosscheck(scene, options);
+  REQUIRE(one);
+  REQUIRE(three);
+  REQUIRE(one->rows.size() == three->rows.size());
+  for (std::size_t i = 0; i < one->rows.size(); ++i) {
+    CHECK(one->rows[i].ours == three->rows[i].ours);
+    CHECK(one->rows[i].box2d == three->rows[i].box2d);
+    CHECK(one->rows[i].verdict == three->rows[i].verdict);
+  }
+}
+
+TEST_CASE("what Box2D cannot do is not applicable, with the reason", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  verifier::CrosscheckOptions options;
+  options.seconds = 1;
+  Scene nonagon = stack_scene(0);
+  nonagon.bodies.push_back(body_of(polygon_shape(regular_polygon(9, 1)), {0, 2}));
+  Scene fast = stack_scene(1);
+  fast.bodies[1].velocity.x = 200;
+  for (const Scene& scene : {nonagon, fast, stack_scene(0)}) {
+    const auto report = verifier::crosscheck(scene, options);
+    REQUIRE(report);
+    REQUIRE(report->rows.size() == 1);
+    CHECK(report->rows[0].verdict == Agreement::not_applicable);
+    CHECK_FALSE(report->rows[0].reason.empty());
+    CHECK(report->solvers[0].failed == 0);
+  }
+}
+
+TEST_CASE("seeds and seconds out of range are refused", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  verifier::CrosscheckOptions options;
+  options.seed_count = 0;
+  CHECK_FALSE(verifier::crosscheck(stack_scene(1), options));
+  options.seed_count = 1;
+  options.seconds = 0;
+  CHECK_FALSE(verifier::crosscheck(stack_scene(1), options));
+}
+
+// ---- Body by body ----
+
+namespace {
+
+// Two boxes on the ground, box 1 moved by `off` at the end; box 2 ends at a speed, `way` from its start.
+std::vector<CrosscheckRun> ended(const CrosscheckLayout& layout, const Scene& scene, std::vector<double> offs,
+                                 double way = 0) {
+  std::vector<CrosscheckRun> runs;
+  for (const double off : offs) {
+    std::vector<engine::BodyReport> bodies = reports_of(scene);
+    bodies[1].center.x += off;
+    bodies[2].center.x += way;
+    bodies[2].velocity.x = way > 0 ? 3 : 0;
+    runs.push_back(run_of(layout, bodies, {}));
+  }
+  return runs;
+}
+
+Scene two_boxes() {
+  Scene scene = stack_scene(1);
+  scene.bodies.push_back(unit_box({20, 0.5}));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("what rests in both rests within 2 cm or differs, unless Box2D's seeds scatter or smaller steps move it",
+          "[verifier][crosscheck][analytic]") {
+  const Scene scene = two_boxes();
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto runs = [&](std::vector<double> offs) { return ended(layout, scene, std::move(offs)); };
+  const auto place = [&](const auto& ours, const auto& box2d, const std::vector<std::vector<CrosscheckRun>>& finer,
+                         const std::vector<std::vector<CrosscheckRun>>& own_finer) {
+    return verifier::compare_bodies(layout, ours, box2d, finer, own_finer, skin)[0];
+  };
+  CHECK(place(runs({0, 0}), runs({0.019, 0.019}), {}, {}).verdict == Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.021, 0.021}), {}, {}).unit == "m, 2 of 2");
+  // Box2D's own seeds 3 cm apart: box 1 has no place, box 2 is left.
+  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).verdict == Agreement::agree);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.13}), {}, {}).unit == "m, 1 of 2");
+  // Ours scatter: that widens nothing.
+  CHECK(place(runs({0, 0.1}), runs({0, 0}), {}, {}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.01, 0.01})}, {}).verdict == Agreement::expected);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.2, 0.2})}, {}).unit == "m, 1 of 2");
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0, 0})}).verdict == Agreement::differ);
+  CHECK(place(runs({0, 0}), runs({0.1, 0.1}), {runs({0.1, 0.1})}, {runs({0.05, 0.05})}).unit == "m, 1 of 2");
+}
+
+TEST_CASE("what still moves has come as far within 10 % or 1 m", "[verifier][crosscheck][analytic]") {
+  const Scene scene = two_boxes();
+  const CrosscheckLayout layout = verifier::make_layout(scene);
+  const auto way = [&](double own, double theirs) {
+    return verifier::compare_bodies(layout, ended(layout, scene, {0, 0}, own), ended(layout, scene, {0, 0}, theirs), {},
+                                    {}, skin)[1];
+  };
+  CHECK(way(30, 32.9).verdict == Agreement::agree);
+  CHECK(way(30, 34).verdict == Agreement::differ);
+  CHECK(way(1, 1.9).verdict == Agreement::agree);
+  CHECK(way(1, 2.1).verdict == Agreement::differ);
+  CHECK(way(0, 0).verdict == Agreement::not_applicable);
+}
+
+// ---- Joints of the peer ----
+
+namespace {
+
+/// Both engines after some seconds; with 64 substeps of ours and 64 steps a tick of Box2D.
+struct Both {
+  std::vector<engine::BodyReport> ours;
+  std::vector<engine::BodyReport> box2d;
+};
+Both run_both(Scene scene, double seconds) {
+  constexpr int step_count = 64;
+  scene.settings.substeps = step_count;
+  verifier::Box2dOptions options;
+  options.steps_per_tick = step_count;
+  auto peer = verifier::make_box2d_peer(scene, options);
+  INFO((peer ? "" : peer.error().message));
+  REQUIRE(peer);
+  const auto own = engine::make_engine(scene);
+  INFO((own ? "" : own.error().message));
+  REQUIRE(own);
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / scene.settings.dt)); ++i) {
+    (*peer)->step();
+    (*own)->step({scene.settings.dt, {}}, nullptr);
+  }
+  return {(*own)->bodies(), (*peer)->bodies()};
+}
+
+void check_same(const Both& both, double margin) {
+  REQUIRE(both.ours.size() == both.box2d.size());
+  for (std::size_t i = 0; i < both.ours.size(); ++i) {
+    CAPTURE(i);
+    CHECK(both.ours[i].center.x == Approx(both.box2d[i].center.x).margin(margin));
+    CHECK(both.ours[i].center.y == Approx(both.box2d[i].center.y).margin(margin));
+    CHECK(std::remainder(both.ours[i].angle - both.box2d[i].angle, 2 * engine::pi) == Approx(0).margin(2 * margin));
+  }
+}
+
+/// A block at the origin and a bar of 1 m beside it, whose middle is 0.5 m away.
+Scene bar_scene(JointKind kind) {
+  Scene scene = empty_scene();
+  scene.bodies = {peg({0, 0}), body_of(box_shape(0.5, 0.1), {0.5, 0})};
+  scene.bodies[1].mass = engine::ExplicitMass{2, 0.5, {}};
+  scene.joints = {joint_of(kind, 0, 1)};
+  scene.joints[0].anchor_b = {-0.5, 0};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a pendulum of the peer swings as ours does, on a pin and on a rod", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  check_same(run_both(bar_scene(JointKind::revolute), 2), 0.01);
+  Scene rod = bar_scene(JointKind::distance);
+  rod.joints[0].anchor_b = {};
+  rod.joints[0].length = 0.5;
+  check_same(run_both(rod, 2), 0.01);
+}
+
+TEST_CASE("motors and limits of the peer are ours", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  Scene turning = bar_scene(JointKind::revolute);
+  turning.gravity = {0, 0};
+  turning.joints[0].motor = engine::JointMotor{2, 1};
+  const Both driven = run_both(turning, 1);
+  check_same(driven, 0.005);
+  CHECK(driven.box2d[1].angular_velocity == Approx(1).epsilon(0.02));  // torque / (I + m l^2) = 1 / (0.5 + 0.5)
+  turning.joints[0].limits = engine::Range{-0.25, 0.25};
+  const Both stopped = run_both(turning, 4);
+  check_same(stopped, 0.005);
+  CHECK(stopped.box2d[1].angle == Approx(0.25).margin(0.01));
+  turning.joints[0].reference_angle = 2 * engine::pi;  // the same angle, a turn later
+  check_same(run_both(turning, 4), 0.005);
+
+  Scene sliding = bar_scene(JointKind::prismatic);
+  sliding.joints[0].anchor_a = {0, 0};
+  sliding.joints[0].axis = {3, 4};
+  sliding.joints[0].motor = engine::JointMotor{1, 100};
+  check_same(run_both(sliding, 1), 0.005);
+  sliding.joints[0].limits = engine::Range{0, 0.5};
+  check_same(run_both(sliding, 3), 0.005);
+
+  Scene rope = bar_scene(JointKind::distance);
+  rope.joints[0].anchor_b = {};
+  rope.joints[0].limits = engine::Range{0, 1};
+  rope.bodies[1].angular_damping = 1;
+  rope.bodies[1].linear_damping = 2;
+  check_same(run_both(rope, 8), 0.01);
+}
+
+TEST_CASE("springs of the peer are ours: hertz by the joint's own mass, and absolute ones",
+          "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  const engine::JointSpring soft{false, 2, 0.3, 0, 0};
+  for (const JointKind kind : {JointKind::distance, JointKind::wheel, JointKind::weld}) {
+    CAPTURE(static_cast<int>(kind));
+    for (const auto& spring : {soft, engine::JointSpring{true, 0, 0, 150, 4}}) {
+      Scene scene = bar_scene(kind);
+      if (kind == JointKind::distance) scene.joints[0].anchor_a = {0, 0.5};
+      if (kind == JointKind::distance) scene.joints[0].length = 0.5;
+      if (kind == JointKind::wheel)
+        scene.joints[0].axis = {0, 1}, scene.joints[0].anchor_b = {}, scene.joints[0].anchor_a = {0.5, 0};
+      scene.joints[0].spring = spring;
+      scene.bodies[1].angular_damping = kind == JointKind::distance ? 3 : 0;
+      scene.bodies[1].linear_damping = kind == JointKind::distance ? 3 : 0;
+      check_same(run_both(scene, kind == JointKind::distance ? 12 : 3), 0.01);
+    }
+  }
+  Scene pulled = bar_scene(JointKind::target);
+  pulled.joints[0].anchor_b = {};
+  pulled.joints[0].anchor_a = {};
+  pulled.joints[0].offset = {2, 1};
+  pulled.joints[0].force_max = 60;
+  pulled.joints[0].spring = engine::JointSpring{false, 2, 0.7, 0, 0};
+  check_same(run_both(pulled, 4), 0.01);
+}
+
+TEST_CASE("motor and friction joints of the peer are ours", "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  Scene held = bar_scene(JointKind::motor);
+  held.joints[0].anchor_b = {};
+  held.joints[0].offset = {1, 0.5};
+  held.joints[0].angle_offset = 0.5;
+  held.joints[0].force_max = 60;
+  held.joints[0].torque_max = 5;
+  held.joints[0].spring = engine::JointSpring{false, 60, engine::pi / 0.2, 0, 0};
+  check_same(run_both(held, 3), 0.02);
+  Scene braked = bar_scene(JointKind::friction);
+  braked.joints[0].anchor_b = {};
+  braked.joints[0].force_max = 12;
+  braked.joints[0].torque_max = 0.5;
+  braked.bodies[1].angular_velocity = 2;
+  check_same(run_both(braked, 1), 0.01);
+}
+
+TEST_CASE("the peer refuses joints that Box2D 2.4.1 does not have, and forces", "[verifier][crosscheck][analytic]") {
+  if (!has_box2d()) return;
+  using Catch::Matchers::Contains;
+  const auto refusal = [](JointKind kind, auto change) {
+    Scene scene = bar_scene(kind);
+    change(scene.joints[0]);
+    return refusal_of(scene);
+  };
+  const auto spring = [](Joint& j) { j.spring = engine::JointSpring{false, 2, 0.5, 0, 0}; };
+  CHECK_THAT(refusal(JointKind::revolute, spring), Contains("/joints/0") && Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::prismatic, spring), Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::motor, spring), Contains("swing"));
+  CHECK_THAT(refusal(JointKind::weld, [](Joint& j) { j.linear_spring = absolute_spring(9); }), Contains("no springs"));
+  CHECK_THAT(refusal(JointKind::distance, [](Joint& j) { j.motor = engine::JointMotor{1, 1}; }), Contains("no motors"));
+  CHECK_THAT(refusal(JointKind::wheel, [](Joint& j) { j.spring = absolute_spring(0, 1); }), Contains("damper"));
+  CHECK_THAT(refusal(JointKind::target, [](Joint&) {}), Contains("mouse"));
+  Scene windy = bar_scene(JointKind::revolute);
+  windy.forces.emplace_back();
+  CHECK_THAT(refusal_of(windy), Contains("no force elements"));
+}

@@ -1,0 +1,320 @@
+// What is drawn is where the state says; shapes cover what geometry says; pictures are whole PNG files.
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <set>
+
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "tests/support/catch.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/scenes.h"
+#include "tool/play/picture/canvas.h"
+#include "tool/play/picture/font.h"
+#include "tool/play/picture/png.h"
+#include "tool/play/picture/theme.h"
+#include "tool/play/picture/view.h"
+#include "tool/play/picture/world_picture.h"
+
+namespace ticktrue {
+namespace {
+
+using play::Canvas;
+using play::Color;
+using play::Pixel;
+
+constexpr Color black{0, 0, 0};
+constexpr Color white{255, 255, 255};
+
+/// Sum and first moments of how white a picture is.
+struct Ink {
+  double area = 0;
+  Pixel middle;
+};
+Ink ink_of(const Canvas& canvas) {
+  Ink ink;
+  for (int y = 0; y < canvas.height(); ++y)
+    for (int x = 0; x < canvas.width(); ++x) {
+      const double share = canvas.at(x, y).green / 255.0;
+      ink.area += share;
+      ink.middle.x += share * (x + 0.5);
+      ink.middle.y += share * (y + 0.5);
+    }
+  ink.middle.x /= ink.area;
+  ink.middle.y /= ink.area;
+  return ink;
+}
+
+TEST_CASE("a circle covers pi r^2 around its centre, also between pixels", "[play][canvas]") {
+  for (const double radius : {3.0, 10.3, 41.7}) {
+    for (const double shift : {0.0, 0.3, 0.5}) {
+      Canvas canvas(100, 100);
+      canvas.clear(black);
+      canvas.circle({50 + shift, 49.2}, radius, {white, white, 2});
+      const Ink ink = ink_of(canvas);
+      CAPTURE(radius, shift);
+      CHECK(ink.area == Approx(3.14159265 * radius * radius).epsilon(0.02));
+      CHECK(ink.middle.x == Approx(50 + shift).margin(0.02));
+      CHECK(ink.middle.y == Approx(49.2).margin(0.02));
+    }
+  }
+}
+
+TEST_CASE("a convex area covers its own area, whichever way round its corners go", "[play][canvas]") {
+  std::vector<Pixel> corners{{10.2, 20.7}, {60.5, 12.1}, {80.9, 50.3}, {40.4, 77.7}};
+  double area = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    area += (corners[i].x * corners[(i + 1) % 4].y - corners[i].y * corners[(i + 1) % 4].x) / 2;
+  for (const bool turned : {false, true}) {
+    if (turned) std::reverse(corners.begin(), corners.end());
+    Canvas canvas(100, 100);
+    canvas.clear(black);
+    canvas.convex(corners, {white, white, 1.5});
+    CHECK(ink_of(canvas).area == Approx(std::abs(area)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("what lies outside, is huge, or is not finite is drawn without harm", "[play][canvas]") {
+  Canvas canvas(64, 48);
+  canvas.clear(black);
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double far : {-1e6, 1e12, 1e300, infinite, std::nan("")}) {
+    canvas.circle({far, 10}, 5, {white, white, 1});
+    canvas.circle({10, 10}, std::abs(far) > 1e6 ? 2 : 1, {black, black, 1});
+    canvas.line({far, far}, {far, 10}, 1, white);
+    canvas.line({-1e9, 1e9 + 100}, {-2e9, 5}, 1, white);
+    canvas.rectangle({far, 0}, {far, 40}, {white, white, 1});
+  }
+  canvas.rectangle({-1e9, -1e9}, {1e9, 1e9}, {white, white, 1});
+  CHECK(ink_of(canvas).area == Approx(64 * 48));
+}
+
+TEST_CASE("every letter has ink of its own", "[play][font]") {
+  const play::Font font(10);
+  std::set<std::vector<std::uint32_t>> seen;
+  for (char letter = '!'; letter <= '~'; ++letter) {
+    Canvas canvas(20, 24);
+    canvas.clear(black);
+    font.draw(canvas, 4, 4, std::string(1, letter), white);
+    CAPTURE(letter);
+    CHECK(ink_of(canvas).area > 1);
+    CHECK(seen.insert(canvas.pixels()).second);
+  }
+}
+
+/// A world of one body, so that what is drawn is that body.
+engine::Scene scene_with(const engine::Shape& shape) {
+  engine::Scene scene;
+  engine::Body body;
+  body.name = "it";
+  body.position = {1.25, -0.6};
+  body.angle = 0.7;
+  body.shapes.push_back(shape);
+  scene.bodies.push_back(body);
+  return scene;
+}
+
+TEST_CASE("the pixels of a body have their middle where its centre of mass projects to", "[play][picture]") {
+  const engine::Shape shapes[] = {test::disc_shape(0.5), test::box_shape(0.7, 0.3),
+                                  test::polygon_shape({{0, 0}, {1, 0}, {0.4, 0.9}}),
+                                  test::capsule_shape({-0.5, 0}, {0.6, 0.2}, 0.25)};
+  for (engine::Shape shape : shapes) {
+    for (const double rounding : {0.0, 0.15}) {
+      if (shape.kind == engine::ShapeKind::box || shape.kind == engine::ShapeKind::polygon) shape.radius = rounding;
+      const auto engine = test::make_engine_or_fail(scene_with(shape));
+      play::View view;
+      view.width = 200;
+      view.height = 160;
+      view.center = {1, -0.5};
+      view.scale = 50;
+      Canvas with(view.width, view.height), without(view.width, view.height);
+      play::WorldPicture picture(*engine);
+      picture.draw(with, view, {});
+      play::draw_ground(without, view);
+      // Everything that is not as the empty ground counts alike: the edge, and the fill.
+      Canvas difference(view.width, view.height);
+      difference.clear(black);
+      double area = 0;
+      for (int y = 0; y < view.height; ++y)
+        for (int x = 0; x < view.width; ++x)
+          if (!(with.at(x, y) == without.at(x, y))) {
+            difference.rectangle({double(x), double(y)}, {x + 1.0, y + 1.0}, {white, white, 0});
+            ++area;
+          }
+      const engine::BodyReport body = engine->bodies()[0];
+      const Pixel expected = view.to_pixel(body.center);
+      const Ink ink = ink_of(difference);
+      CAPTURE(static_cast<int>(shape.kind), rounding);
+      // Half a pixel around the outline is touched too, evenly: it moves a lopsided shape's middle by less than 2 px.
+      CHECK(ink.middle.x == Approx(expected.x).margin(2));
+      CHECK(ink.middle.y == Approx(expected.y).margin(2));
+      const double whole = body.mass / 1.0 * view.scale * view.scale;  // density 1: mass is area
+      CHECK(area > whole);
+      CHECK(area < whole * 1.15);
+    }
+  }
+}
+
+TEST_CASE("each body that can be seen is drawn at its projected centre, in a moving pile", "[play][picture]") {
+  auto scene = engine::make_builtin_scene("shapes?bodies=60");
+  REQUIRE(scene);
+  const auto engine = test::make_engine_or_fail(*scene);
+  const play::View view = play::first_view(*engine, 900, 700);
+  play::WorldPicture picture(*engine);
+  Canvas canvas(view.width, view.height), ground(view.width, view.height);
+  play::draw_ground(ground, view);
+  for (int tick = 0; tick < 200; ++tick) {
+    engine->step({scene->settings.dt, {}}, nullptr);
+    if (tick % 50 != 49) continue;
+    const std::uint64_t before = root_hash(engine->state());
+    picture.draw(canvas, view, {});
+    CHECK(root_hash(engine->state()) == before);
+    int seen = 0;
+    for (const engine::BodyReport& body : engine->bodies()) {
+      if (body.type != engine::BodyType::dynamic_body) continue;
+      const Pixel at = view.to_pixel(body.center);
+      if (!(at.x >= 1 && at.y >= 1 && at.x < view.width - 1 && at.y < view.height - 1)) continue;
+      ++seen;
+      CAPTURE(tick, body.name, at.x, at.y);
+      CHECK_FALSE(canvas.at(static_cast<int>(at.x), static_cast<int>(at.y)) ==
+                  ground.at(static_cast<int>(at.x), static_cast<int>(at.y)));
+    }
+    CHECK(seen > 50);
+  }
+}
+
+TEST_CASE("the layers show what there is: contacts, joints, boxes, pairs", "[play][picture]") {
+  const std::pair<const char*, play::Layer> rows[] = {
+      {"stack?boxes=5", play::Layer::contacts}, {"stack?boxes=5", play::Layer::normals},
+      {"bridge?planks=6", play::Layer::joints}, {"stack?boxes=5", play::Layer::islands},
+      {"stack?boxes=5", play::Layer::boxes},    {"stack?boxes=5", play::Layer::pairs}};
+  for (const auto& [name, layer] : rows) {
+    auto scene = engine::make_builtin_scene(name);
+    REQUIRE(scene);
+    const auto engine = test::make_engine_or_fail(*scene);
+    for (int tick = 0; tick < 20; ++tick) engine->step({scene->settings.dt, {}}, nullptr);
+    const play::View view = play::first_view(*engine, 400, 300);
+    play::WorldPicture picture(*engine);
+    Canvas plain(400, 300), layered(400, 300);
+    picture.draw(plain, view, {});
+    play::LayerSet set;
+    set.toggle(layer);
+    picture.draw(layered, view, set);
+    CAPTURE(name, static_cast<int>(layer));
+    CHECK(plain.pixels() != layered.pixels());
+  }
+}
+
+TEST_CASE("every broad phase hands on at least the pairs that touch", "[play][broad_phase]") {
+  for (const auto& info : engine::broad_phases) {
+    auto scene = engine::make_builtin_scene("mixed_pile?bodies=40&broad_phase=" + std::string(info.name));
+    REQUIRE(scene);
+    const auto engine = test::make_engine_or_fail(*scene);
+    for (int tick = 0; tick < 120; ++tick) engine->step({scene->settings.dt, {}}, nullptr);
+    const engine::BroadPhaseReport report = engine->broad_phase();
+    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (const auto& pair : report.pairs) {
+      const std::uint32_t a = report.boxes[pair.first].body, b = report.boxes[pair.second].body;
+      pairs.insert({std::min(a, b), std::max(a, b)});
+    }
+    CAPTURE(info.name);
+    const std::vector<engine::ContactReport> contacts = engine->contacts();
+    REQUIRE(contacts.size() > 20);
+    for (const engine::ContactReport& contact : contacts) {
+      CHECK(pairs.count({std::min(contact.body_a, contact.body_b), std::max(contact.body_a, contact.body_b)}) == 1);
+    }
+  }
+}
+
+// --- PNG ------------------------------------------------------------------------------------------------------------
+
+std::uint32_t big_endian(const Bytes& bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(bytes[at]) << 24 | static_cast<std::uint32_t>(bytes[at + 1]) << 16 |
+         static_cast<std::uint32_t>(bytes[at + 2]) << 8 | bytes[at + 3];
+}
+
+/// Decodes a zlib stream of one block of fixed codes, by the tables of RFC 1951 written out anew.
+class Inflater {
+ public:
+  Inflater(const Bytes& in, std::size_t at) : in_(in), at_(at) {}
+  Bytes run() {
+    REQUIRE(bits(1) == 1);
+    REQUIRE(bits(2) == 1);
+    while (true) {
+      const int symbol = literal();
+      if (symbol == 256) return out_;
+      if (symbol < 256) {
+        out_.push_back(static_cast<std::uint8_t>(symbol));
+        continue;
+      }
+      const int length = symbol == 285 ? 258 : symbol < 265 ? symbol - 254 : extended(symbol - 261, 4, 3);
+      int code = 0;
+      for (int i = 0; i < 5; ++i) code = code << 1 | bits(1);
+      const int distance = code < 4 ? code + 1 : extended(code, 2, 1);
+      REQUIRE(static_cast<std::size_t>(distance) <= out_.size());
+      for (int i = 0; i < length; ++i) out_.push_back(out_[out_.size() - static_cast<std::size_t>(distance)]);
+    }
+  }
+
+ private:
+  int bits(int count) {
+    int value = 0;
+    for (int i = 0; i < count; ++i, ++bit_) value |= (in_.at(at_ + bit_ / 8) >> (bit_ % 8) & 1) << i;
+    return value;
+  }
+  /// `group` codes share a number of extra bits, which rises by one from group to group.
+  int extended(int code, int group, int base) {
+    const int extra = code / group - (group == 4 ? 0 : 1);
+    return base + ((group + code % group) << extra) + bits(extra);
+  }
+  int literal() {
+    int code = 0;
+    for (int i = 0; i < 7; ++i) code = code << 1 | bits(1);
+    if (code < 24) return 256 + code;
+    code = code << 1 | bits(1);
+    if (code >= 0x30 && code < 0xc0) return code - 0x30;
+    if (code >= 0xc0 && code < 0xc8) return 280 + code - 0xc0;
+    return 144 + (code << 1 | bits(1)) - 0x190;
+  }
+  const Bytes& in_;
+  std::size_t at_;
+  std::size_t bit_ = 0;
+  Bytes out_;
+};
+
+TEST_CASE("a picture written as PNG holds the pixels it was made of", "[play][png]") {
+  auto scene = engine::make_builtin_scene("mixed_pile?bodies=60");
+  REQUIRE(scene);
+  const auto engine = test::make_engine_or_fail(*scene);
+  const play::View view = play::first_view(*engine, 320, 240);
+  play::WorldPicture picture(*engine);
+  Canvas canvas(320, 240);
+  picture.draw(canvas, view, {});
+  const Bytes png = play::png_of(canvas);
+  REQUIRE(png.size() > 57);
+  CHECK(big_endian(png, 16) == 320);
+  CHECK(big_endian(png, 20) == 240);
+  CHECK(png.size() < 320 * 240 * 3 / 4);  // it compresses
+  const std::size_t data = 8 + 25 + 8;    // signature, head, length and type
+  const Bytes rows = Inflater(png, data + 2).run();
+  const std::size_t row_size = 320 * 3;
+  REQUIRE(rows.size() == 240 * (row_size + 1));
+  Bytes above(row_size, 0);
+  bool same = true;
+  for (std::size_t y = 0; y < 240; ++y) {
+    const std::uint8_t filter = rows[y * (row_size + 1)];
+    REQUIRE((filter == 1 || filter == 2));
+    Bytes row(row_size);
+    for (std::size_t i = 0; i < row_size; ++i) {
+      const int left = i >= 3 ? row[i - 3] : 0;
+      row[i] = static_cast<std::uint8_t>(rows[y * (row_size + 1) + 1 + i] + (filter == 1 ? left : above[i]));
+    }
+    for (std::size_t x = 0; x < 320; ++x) {
+      const Color color = canvas.at(static_cast<int>(x), static_cast<int>(y));
+      same = same && row[3 * x] == color.red && row[3 * x + 1] == color.green && row[3 * x + 2] == color.blue;
+    }
+    above.swap(row);
+  }
+  CHECK(same);
+}
+
+}  // namespace
+}  // namespace ticktrue

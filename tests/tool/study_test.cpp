@@ -1,0 +1,424 @@
+// The studies: slopes and verdicts on made-up errors, references against published digits, small cases of each.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/build_info.h"
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/math/trig.h"
+#include "tests/support/catch.h"
+#include "tests/support/text.h"
+#include "tool/study/accuracy.h"
+#include "tool/study/compare.h"
+#include "tool/study/peer_curves.h"
+#include "tool/study/reference_numbers.h"
+#include "tool/study/stress/stress.h"
+#include "tool/study/table.h"
+
+using namespace ticktrue;
+using namespace ticktrue::verifier;
+using engine::Point;
+using engine::Precision;
+
+namespace {
+
+std::vector<Problem> smooth_problems() {
+  std::vector<Problem> out;
+  for (Problem& problem : verification_problems())
+    if (problem.kind == ProblemClass::smooth) out.push_back(std::move(problem));
+  return out;
+}
+
+Problem problem_named(const std::string& name) {
+  for (Problem& problem : verification_problems())
+    if (problem.name == name) return problem;
+  FAIL("no problem " << name);
+  return {};
+}
+
+struct Flow {
+  Point x;
+  Point v;
+};
+
+// The classical scheme with four weights of its own (1, 2, 2, 1 are right), as a stand-in for the engine's.
+Flow stepped(const Problem& problem, const Flow& s, double h, const std::array<double, 4>& weights) {
+  const auto rate = [&](const Flow& at) { return Flow{at.v, problem.acceleration(at.x, at.v)}; };
+  const auto moved = [](const Flow& a, const Flow& k, double t) {
+    return Flow{{a.x.x + t * k.x.x, a.x.y + t * k.x.y}, {a.v.x + t * k.v.x, a.v.y + t * k.v.y}};
+  };
+  const Flow k1 = rate(s);
+  const Flow k2 = rate(moved(s, k1, h / 2));
+  const Flow k3 = rate(moved(s, k2, h / 2));
+  const Flow k4 = rate(moved(s, k3, h));
+  Flow out = moved(s, k1, h / 6 * weights[0]);
+  out = moved(out, k2, h / 6 * weights[1]);
+  out = moved(out, k3, h / 6 * weights[2]);
+  return moved(out, k4, h / 6 * weights[3]);
+}
+
+// What `ticktrue accuracy` would say of the stand-in: same problem, same steps, same judgement.
+Judgement judgement_of(const Problem& problem, const std::array<double, 4>& weights) {
+  const Method rk4{"rk4", engine::SolverKind::free_flight, engine::IntegratorKind::rk4};
+  std::vector<double> steps, errors, floors;
+  for (const Setting& setting : settings_of(problem, rk4)) {
+    const int count = static_cast<int>(std::lround(problem.duration / setting.dt));
+    Flow flow{problem.start, problem.start_velocity};
+    std::vector<double> times;
+    std::vector<std::vector<double>> samples;
+    for (int i = 1; i <= count; ++i) {
+      flow = stepped(problem, flow, setting.dt, weights);
+      if (i % (count / problem.sample_count) != 0) continue;
+      times.push_back(problem.duration * i / count);
+      samples.push_back(problem.is_angle ? std::vector<double>{flow.x.x} : std::vector<double>{flow.x.x, flow.x.y});
+    }
+    steps.push_back(setting.dt);
+    errors.push_back(sample_error(problem, times, samples).rms);
+    floors.push_back(0x1p-53 * std::sqrt(count));
+  }
+  return judge(expectation_of(problem, rk4), steps, errors, floors);
+}
+
+}  // namespace
+
+TEST_CASE("a fitted slope is that of the power law, without what rounding and coarse steps add", "[verifier][study]") {
+  std::vector<double> steps, errors, floors;
+  for (int i = 0; i < 8; ++i) {
+    steps.push_back(std::ldexp(0.5, -i));
+    errors.push_back(std::pow(steps.back(), 3) + (i < 2 ? 5 : 0) + (i > 5 ? 1e-3 : 0));
+    floors.push_back(i > 5 ? 1e-3 : 0);
+  }
+  const auto slope = fitted_slope(steps, errors, floors);
+  REQUIRE(slope.has_value());
+  CHECK(*slope == Approx(3).epsilon(1e-9));
+  CHECK_FALSE(fitted_slope({1, 0.5, 0.25}, {1e-3, 1e-4, 1e-5}, {1, 1, 1}).has_value());
+}
+
+TEST_CASE("a curve is judged by its slope, by rounding where it is exact, and not at all without theory",
+          "[verifier][study]") {
+  const std::vector<double> steps{0.1, 0.05, 0.025, 0.0125}, none(4, 0.0);
+  const std::vector<double> second{1e-2, 2.5e-3, 6.25e-4, 1.5625e-4};
+  Expectation order;
+  order.slope = 2;
+  CHECK(judge(order, steps, second, none).verdict == StudyVerdict::pass);
+  order.slope = 1;
+  CHECK(judge(order, steps, second, none).verdict == StudyVerdict::fail);
+  Expectation exact;
+  exact.is_exact = true;
+  CHECK(judge(exact, steps, second, none).verdict == StudyVerdict::fail);
+  CHECK(judge(exact, steps, {1e-15, 1e-15, 1e-15, 1e-15}, none).verdict == StudyVerdict::pass);
+  Expectation unknown;
+  unknown.reason = "why";
+  CHECK(judge(unknown, steps, second, none).verdict == StudyVerdict::expected);
+  CHECK(judge(unknown, steps, second, none).reason == "why");
+}
+
+TEST_CASE("rk4 with two stage weights swapped fails on every smooth problem that is not exact", "[verifier][study]") {
+  int judged = 0;
+  for (const Problem& problem : smooth_problems()) {
+    CAPTURE(problem.name);
+    const Judgement right = judgement_of(problem, {1, 2, 2, 1});
+    CAPTURE(right.reason, right.slope.value_or(0));
+    if (problem.name == "spin") continue;  // no forces: every weight that sums up to one is right
+    CHECK(right.verdict == StudyVerdict::pass);
+    const Judgement swapped = judgement_of(problem, {2, 1, 2, 1});
+    CAPTURE(swapped.reason, swapped.slope.value_or(0));
+    CHECK(swapped.verdict == StudyVerdict::fail);
+    if (!swapped.expected) continue;  // exact: an error beyond rounding is named instead
+    REQUIRE(swapped.slope.has_value());
+    CHECK(*swapped.slope == Approx(1).margin(0.15));
+    ++judged;
+  }
+  CHECK(judged >= 7);
+}
+
+TEST_CASE("references agree with published digits", "[verifier][study]") {
+  // Accuracy anchors 4.2, problems 5, 7a, 7b: computed elsewhere to 15 digits.
+  CHECK(double_pendulum_90[18] == Approx(-0.6629799257481).epsilon(1e-12));
+  CHECK(double_pendulum_90[19] == Approx(-1.04638763323205).epsilon(1e-12));
+  CHECK(double_pendulum_90[38] == Approx(-0.424982716481034).epsilon(1e-12));
+  CHECK(double_pendulum_120[18] == Approx(-0.343685660491346).epsilon(1e-12));
+  CHECK(double_pendulum_120[39] == Approx(-1.89489882956367).epsilon(1e-12));
+  const double period = 2.13232427506;
+  CHECK(pendulum_angle(engine::pi / 3, std::sqrt(10.0), period) == Approx(engine::pi / 3).epsilon(1e-10));
+  CHECK(std::fabs(pendulum_angle(engine::pi / 3, std::sqrt(10.0), period / 4)) < 1e-10);
+  // The first apex after one bounce with 0.8 from 1 m: 0.64 m.
+  const double apex_s = std::sqrt(0.2) * (1 + 0.8);
+  CHECK(bouncing_height(1, 0.8, apex_s) == Approx(0.64).epsilon(1e-12));
+  // A polygon of many corners rolls almost as a disc, one of three stops on its next side or the first.
+  CHECK(rolled_angle[13][19] < rolling_spin * 2);
+  CHECK(std::fabs(std::remainder(rolled_angle[0][19], 2 * engine::pi / 3)) < 0.05);
+}
+
+TEST_CASE("the integrators keep their order on the oscillator, and errors repeat to the last bit",
+          "[verifier][study]") {
+  AccuracyOptions options;
+  options.precisions = {Precision::f64};
+  options.repeat_max = 1;
+  const auto curves = run_accuracy({problem_named("damped")}, options);
+  REQUIRE(curves.has_value());
+  REQUIRE(curves->size() == engine::integrators.size());
+  for (const AccuracyCurve& curve : *curves) {
+    CAPTURE(curve.method.name, curve.judgement.reason, curve.judgement.slope.value_or(0));
+    CHECK(curve.judgement.verdict == StudyVerdict::pass);
+  }
+  const auto again = run_accuracy({problem_named("damped")}, options);
+  REQUIRE(again.has_value());
+  for (std::size_t i = 0; i < curves->size(); ++i)
+    for (std::size_t k = 0; k < (*curves)[i].points.size(); ++k) {
+      CHECK((*again)[i].points[k].error == (*curves)[i].points[k].error);
+      CHECK((*again)[i].points[k].hash == (*curves)[i].points[k].hash);
+    }
+}
+
+TEST_CASE("the cheapest point is the quickest that keeps the error", "[verifier][study]") {
+  AccuracyCurve curve;
+  for (const auto& [error, ms] : {std::pair{0.1, 1.0}, {0.009, 2.0}, {0.005, 1.5}, {0.0001, 8.0}}) {
+    AccuracyPoint point;
+    point.error = error;
+    point.time_ms.min = ms;
+    curve.points.push_back(point);
+  }
+  CHECK(cheapest(curve, 0.01)->error == 0.005);
+  CHECK(cheapest(curve, 0.001)->error == 0.0001);
+  CHECK(cheapest(curve, 1e-6) == nullptr);
+  CHECK(coarsest(curve, 0.01)->error == 0.009);
+  CHECK(coarsest(curve, 1e-6) == nullptr);
+  curve.points[2].state = PointState::not_finite;
+  CHECK(cheapest(curve, 0.01)->error == 0.009);
+}
+
+TEST_CASE("beside a peer, half its best error at no more time holds, more does not", "[verifier][study]") {
+  PeerCurves curves;
+  const auto point = [](double error, double ms) {
+    PeerPoint out;
+    out.error = error;
+    out.time_ms.min = ms;
+    return out;
+  };
+  curves.ours = {point(0.1, 1), point(0.04, 2), point(0.001, 50)};
+  curves.box2d = {point(0.5, 1), point(0.1, 3)};
+  conclude(curves);
+  CHECK(curves.ratio == Approx(0.4));
+  CHECK(curves.holds);
+  curves.box2d[1].error = 0.06;
+  conclude(curves);
+  CHECK_FALSE(curves.holds);
+  curves.box2d[1] = point(0.06, 0.5);  // quicker than any of ours
+  conclude(curves);
+  CHECK_FALSE(curves.holds);
+}
+
+TEST_CASE("a stress number is judged by its bounds, and baselines are excused", "[verifier][study]") {
+  StressCase c;
+  c.lower = 0;
+  c.upper = 1;
+  CHECK(judge(c, {0.5, true, ""}) == StudyVerdict::pass);
+  CHECK(judge(c, {1.5, true, ""}) == StudyVerdict::fail);
+  CHECK(judge(c, {0.5, false, ""}) == StudyVerdict::fail);
+  CHECK(judge(c, {0.5, true, "because"}) == StudyVerdict::not_applicable);
+
+  const std::vector<StressMethod> methods = contact_methods();
+  std::vector<StressRow> rows(4);
+  for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
+  excuse(rows, methods);
+  CHECK(rows[0].verdict == StudyVerdict::fail);
+  CHECK(rows[1].verdict == StudyVerdict::fail);
+  CHECK(rows[2].verdict == StudyVerdict::expected);
+  for (StressRow& row : rows) row.verdict = StudyVerdict::fail;
+  rows[1].verdict = StudyVerdict::pass;
+  excuse(rows, methods);
+  CHECK(rows[0].verdict == StudyVerdict::expected);
+}
+
+TEST_CASE("every stress case says what it measures, and what is chosen runs", "[verifier][study]") {
+  std::vector<std::string> names;
+  for (const StressCase& c : stress_cases()) {
+    CAPTURE(c.name);
+    CHECK_FALSE(c.what.empty());
+    CHECK_FALSE(c.methods.empty());
+    CHECK(c.lower <= c.upper);
+    CHECK(std::find(names.begin(), names.end(), c.name) == names.end());
+    names.push_back(c.name);
+  }
+  StressOptions options;
+  options.names = {"bad_input", "slope_hold"};
+  const auto rows = run_stress(options);
+  REQUIRE(rows.has_value());
+  CHECK(rows->size() == 5);
+  for (const StressRow& row : *rows) {
+    CAPTURE(row.name, row.method, row.value);
+    CHECK(row.verdict != StudyVerdict::fail);
+  }
+  options.names = {"nothing_like_this"};
+  CHECK_FALSE(run_stress(options).has_value());
+}
+
+TEST_CASE("bisection finds the stability limits of theory", "[verifier][study]") {
+  const auto rows = stability_limits({Precision::f64}, 1);
+  REQUIRE(rows.size() == engine::integrators.size());
+  for (const StabilityRow& row : rows) {
+    CAPTURE(engine::info_of(engine::integrators, row.integrator).name, row.found, row.theory);
+    CHECK(stability_holds(row));
+  }
+  CHECK_FALSE(stability_holds({engine::IntegratorKind::rk4, Precision::f64, 2.7, 2.8284}));
+}
+
+TEST_CASE("growth is the rate of an exponential, and drift is one's own only beyond the twins'", "[verifier][study]") {
+  std::vector<CompareSample> samples;
+  for (int i = 1; i <= 100; ++i) {
+    CompareSample sample;
+    sample.time_s = 0.1 * i;
+    sample.position_rms = std::min(1.0, 1e-8 * std::exp(2.5 * sample.time_s));
+    sample.twin_rms = sample.position_rms / 2;
+    samples.push_back(sample);
+  }
+  REQUIRE(growth_rate(samples).has_value());
+  CHECK(*growth_rate(samples) == Approx(2.5).epsilon(1e-6));
+  CHECK_FALSE(first_beyond(samples).has_value());
+  samples[40].position_rms = 5 * samples[40].twin_rms;
+  REQUIRE(first_beyond(samples).has_value());
+  CHECK(*first_beyond(samples) == Approx(4.1));
+}
+
+TEST_CASE("a twin is shifted by one unit in the last place", "[verifier][study]") {
+  auto scene = engine::make_builtin_scene("stack?boxes=3&precision=f32");
+  REQUIRE(scene);
+  const engine::Scene twin = twin_of(*scene, 1);
+  for (std::size_t i = 0; i < scene->bodies.size(); ++i) {
+    const double shift = std::fabs(twin.bodies[i].position.x - scene->bodies[i].position.x);
+    if (scene->bodies[i].type != engine::BodyType::dynamic_body)
+      CHECK(shift == 0);
+    else
+      CHECK(shift == 0x1p-24);  // of half a metre
+  }
+}
+
+TEST_CASE("compare calls a broad phase equal in bits, an integrator drift, and a refused one not applicable",
+          "[verifier][study]") {
+  auto scene = engine::make_builtin_scene("stack?boxes=4&precision=f64");
+  REQUIRE(scene);
+  CompareSession session;
+  session.scene = *scene;
+  session.seconds = 1;
+  CompareAxes axes;
+  axes.broad_phases = {engine::BroadPhaseKind::brute_force};
+  std::vector<Variant> variants = product_of(axes);
+  axes = {};
+  axes.substeps = {1};
+  axes.integrators = {engine::IntegratorKind::semi_implicit_euler, engine::IntegratorKind::yoshida4};
+  for (const Variant& variant : product_of(axes)) variants.push_back(variant);
+  REQUIRE(variants.size() == 3);
+  const auto report = compare_variants(session, variants, {});
+  REQUIRE(report.has_value());
+  CHECK(report->twins.size() == 3);
+  CHECK(report->rows[0].verdict == CompareVerdict::same_bits);
+  CHECK(report->rows[0].position_max == 0);
+  CHECK(report->rows[1].verdict == CompareVerdict::drift);
+  CHECK(report->rows[1].first_different.has_value());
+  CHECK(report->rows[1].position_max > 1e-4);  // 16 times the sag
+  CHECK(report->rows[2].verdict == CompareVerdict::not_applicable);
+  CHECK_FALSE(report->rows[2].reason.empty());
+}
+
+TEST_CASE("compare finds every column equal whatever the threads of a tick, and not under another solver",
+          "[verifier][study][threads]") {
+  auto scene = engine::make_builtin_scene("pyramid?base=30");  // large enough that threads are asked
+  REQUIRE(scene);
+  CompareSession session;
+  session.scene = *scene;
+  session.seconds = 0.1;
+  CompareAxes axes;
+  axes.threads = {1, 2, 3};
+  std::vector<Variant> variants = product_of(axes);
+  REQUIRE(variants.size() == 3);
+  CHECK(variants[2].name == "3 threads");
+  axes.solvers = {engine::SolverKind::pgs};
+  axes.substeps = {1};
+  axes.threads = {2};
+  for (const Variant& variant : product_of(axes)) variants.push_back(variant);
+  CompareOptions options;
+  options.wall_clock = true;
+  options.twin_count = 1;
+  options.sample_count = 2;
+  const auto report = compare_variants(session, variants, options);
+  REQUIRE(report.has_value());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const CompareRow& row = report->rows[i];
+    CAPTURE(row.variant.name, row.reason);
+    if (i > 0 && !build_info().has_threads) {
+      CHECK(row.verdict == CompareVerdict::not_applicable);
+      continue;
+    }
+    CHECK(row.whole_state);
+    CHECK(row.verdict == CompareVerdict::same_bits);
+    CHECK(row.root_hash == report->base.root_hash);
+    CHECK(row.ms_per_s > 0);
+  }
+  CHECK_FALSE(report->rows[3].whole_state);
+  CHECK(report->rows[3].root_hash != report->base.root_hash);
+}
+
+TEST_CASE("a variant with other ticks is compared at equal times", "[verifier][study]") {
+  // A projectile under velocity Verlet is exact at every dt, so that all differences are rounding.
+  auto scene = engine::make_builtin_scene("projectile?precision=f64&integrator=velocity_verlet");
+  REQUIRE(scene);
+  CompareSession session;
+  session.scene = *scene;
+  session.seconds = 1;
+  CompareAxes axes;
+  axes.dts = {1.0 / 47, 1.0 / 240};
+  CompareOptions options;
+  options.sample_count = 30;
+  const auto report = compare_variants(session, product_of(axes), options);
+  REQUIRE(report.has_value());
+  for (const CompareRow& row : report->rows) {
+    CHECK_FALSE(row.same_ticks);
+    CHECK(row.position_max < 1e-12);
+  }
+}
+
+TEST_CASE("a table wider than its lines goes on below, and no cell of it is cut", "[verifier][study]") {
+  std::vector<std::string> head{"method", "setting"};
+  for (int i = 0; i < 12; ++i) head.push_back("column " + std::to_string(i));
+  TextTable table(head, 2);
+  for (int row = 0; row < 3; ++row) {
+    std::vector<std::string> cells{"m" + std::to_string(row), "s"};
+    for (int i = 0; i < 12; ++i) cells.push_back(std::to_string(1'000'000'000 + 100 * row + i));
+    table.add(cells);
+  }
+  std::istringstream in(table.text());
+  std::size_t line_count = 0, empty_count = 0;
+  std::set<std::string> words;
+  for (std::string line; std::getline(in, line); ++line_count) {
+    CHECK(line.size() <= table_width_max);
+    if (line.empty()) ++empty_count;
+    // Each line says which row it is of.
+    if (!line.empty()) CHECK((line.compare(0, 3, "  m") == 0));
+    std::istringstream cells(line);
+    for (std::string word; cells >> word;) words.insert(word);
+  }
+  CHECK(empty_count == 1);
+  CHECK(line_count == 2 * 4 + 1);
+  for (int row = 0; row < 3; ++row)
+    for (int i = 0; i < 12; ++i) CHECK(words.count(std::to_string(1'000'000'000 + 100 * row + i)) == 1);
+}
+
+TEST_CASE("a cell wider than a line is shown whole", "[verifier][study]") {
+  TextTable table({"name", "value", "more"});
+  table.add({"long", std::string(200, 'x'), "7"});
+  CHECK(test::contains(table.text(), std::string(200, 'x')));
+  CHECK(test::contains(table.text(), "7"));
+}
+
+TEST_CASE("cells of CSV keep to their commas", "[verifier][study]") {
+  CHECK(csv_line({"a,b", "say \"so\"", "c"}) == "\"a,b\",\"say \"\"so\"\"\",c\n");
+  CHECK(full_number(0.1) == "0.1");
+  CHECK(std::stod(full_number(1.0 / 3)) == 1.0 / 3);
+}

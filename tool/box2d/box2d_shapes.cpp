@@ -1,0 +1,204 @@
+// Gives a body of Box2D the shapes of the scene's.
+// SPDX-License-Identifier: MIT
+#if defined(TICKTRUE_HAS_BOX2D)
+
+#include "tool/box2d/box2d_shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "engine/math/trig.h"
+#include "engine/scene/hull.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::BodyType;
+using engine::Point;
+using engine::Shape;
+using engine::ShapeKind;
+
+constexpr double thickness_min_m = 3 * static_cast<double>(b2_polygonRadius);  // thinner: mostly skin
+
+// Smallest width of a shape over all directions. `hull` is counter-clockwise.
+double thickness_of(const Shape& shape, const std::vector<Point>& hull) {
+  if (shape.kind == ShapeKind::circle) return 2 * shape.radius;
+  if (shape.kind == ShapeKind::box) return 2 * std::min(shape.half_size.x, shape.half_size.y);
+  if (shape.kind == ShapeKind::capsule) return 2 * shape.radius;
+  double thickness = extent_of(shape);
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Point& a = hull[i];
+    const Point& b = hull[(i + 1) % hull.size()];
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    double width = 0;
+    for (const Point& p : hull)
+      width = std::max(width, ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) / length);
+    thickness = std::min(thickness, width);
+  }
+  return thickness;
+}
+
+// Four points around either end of a capsule.
+void set_octagon(b2PolygonShape& polygon, const Shape& capsule, const Box2dUnits& units) {
+  const Point& a = capsule.vertices[0];
+  const Point& b = capsule.vertices[1];
+  const double along = std::atan2(b.y - a.y, b.x - a.x);
+  b2Vec2 vertices[b2_maxPolygonVertices];
+  for (int i = 0; i < b2_maxPolygonVertices; ++i) {
+    const Point& end = i < 4 ? b : a;
+    const double angle = along + (i < 4 ? 0 : engine::pi) + (i % 4 - 1.5) * engine::pi / 3;
+    vertices[i] = units.scaled({end.x + capsule.radius * std::cos(angle), end.y + capsule.radius * std::sin(angle)});
+  }
+  polygon.Set(vertices, b2_maxPolygonVertices);
+}
+
+// Errors: unsupported, for what Box2D 2.4.1 has no notion of.
+Status check_known(const Shape& shape, const Box2dOptions& options, const Box2dUnits& units, const std::string& place) {
+  const auto refuse = [&](const char* what) {
+    return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
+  };
+  if (shape.kind == ShapeKind::capsule && !options.capsules_as_octagons) return refuse("Box2D 2.4.1 has no capsules");
+  if (shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain)
+    if (shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
+  if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
+  const engine::Filter& filter = shape.filter;
+  const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" have every bit
+  if (filter.category > 0xffff || (beyond != 0 && beyond != 0xffff) || filter.group < -0x8000 || filter.group > 0x7fff)
+    return refuse("Box2D 2.4.1 has filters of 16 bits");
+  for (std::size_t i = shape.kind == ShapeKind::chain && shape.loop ? 0 : 1;
+       shape.kind == ShapeKind::chain && i < shape.vertices.size(); ++i) {
+    const b2Vec2 a = units.scaled(shape.vertices[i]);
+    const b2Vec2 b = units.scaled(shape.vertices[(i + shape.vertices.size() - 1) % shape.vertices.size()]);
+    if (b2Distance(a, b) <= 1.01f * b2_linearSlop) return refuse("a chain's edge is too short for Box2D");
+  }
+  return {};
+}
+
+}  // namespace
+
+double extent_of(const Shape& shape) {
+  switch (shape.kind) {
+    case ShapeKind::circle:
+      return 2 * shape.radius;
+    case ShapeKind::box:
+      return 2 * std::sqrt(shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y);
+    case ShapeKind::polygon:
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+    case ShapeKind::chain:
+      break;
+  }
+  double extent = 0;
+  for (const Point& a : shape.vertices)
+    for (const Point& b : shape.vertices) extent = std::max(extent, std::hypot(a.x - b.x, a.y - b.y));
+  return extent;
+}
+
+Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shape& shape, double restitution_threshold,
+                       const Box2dOptions& options, const Box2dUnits& units, const std::string& place) {
+  b2CircleShape circle;
+  b2PolygonShape polygon;
+  b2EdgeShape edge;
+  b2ChainShape chain;
+  if (Status known = check_known(shape, options, units, place); !known) return known;
+  b2FixtureDef definition;
+  definition.userData.pointer = reinterpret_cast<std::uintptr_t>(&shape);
+  definition.isSensor = shape.sensor;
+  definition.filter.categoryBits = static_cast<std::uint16_t>(shape.filter.category);
+  definition.filter.maskBits = static_cast<std::uint16_t>(shape.filter.mask);
+  definition.filter.groupIndex = static_cast<std::int16_t>(shape.filter.group);
+  definition.friction = static_cast<float>(shape.material.friction);
+  definition.restitution = static_cast<float>(shape.material.restitution);
+  definition.restitutionThreshold = static_cast<float>(restitution_threshold * units.scale);
+
+  std::vector<Point> hull;
+  if (shape.kind == ShapeKind::polygon) {
+    Result<std::vector<Point>> built = engine::build_hull(shape.vertices);
+    if (!built) return built.error();
+    hull = std::move(*built);
+  }
+  const double thickness = thickness_of(shape, hull) * units.scale;
+  const bool has_skin = shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon;
+  if (description.type == BodyType::dynamic_body && has_skin && !shape.sensor && thickness < thickness_min_m)
+    return Error{ErrorCode::unsupported,
+                 fmt::format("{}: too thin for Box2D's skin of {:g} m: found {:g} m, expected at least {:g} m", place,
+                             static_cast<double>(b2_polygonRadius) / units.scale, thickness / units.scale,
+                             thickness_min_m / units.scale),
+                 {}};
+  switch (shape.kind) {
+    case ShapeKind::circle:
+      circle.m_p = units.scaled(shape.center);
+      circle.m_radius = static_cast<float>(shape.radius * units.scale);
+      definition.shape = &circle;
+      break;
+    case ShapeKind::box:
+      polygon.SetAsBox(static_cast<float>(shape.half_size.x * units.scale),
+                       static_cast<float>(shape.half_size.y * units.scale), units.scaled(shape.center),
+                       static_cast<float>(shape.angle));
+      definition.shape = &polygon;
+      break;
+    case ShapeKind::polygon: {
+      if (hull.size() > b2_maxPolygonVertices)
+        return Error{ErrorCode::unsupported,
+                     fmt::format("{}/vertices: too many for Box2D: found {}, expected at most {}", place, hull.size(),
+                                 b2_maxPolygonVertices),
+                     {}};
+      b2Vec2 vertices[b2_maxPolygonVertices];
+      for (std::size_t i = 0; i < hull.size(); ++i) vertices[i] = units.scaled(hull[i]);
+      // Box2D welds vertices this close and, with fewer than three left, replaces the polygon by a box.
+      const float weld = 0.5f * b2_linearSlop;
+      for (std::size_t i = 0; i < hull.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          if (b2Distance(vertices[i], vertices[j]) <= 1.01f * weld)
+            return Error{ErrorCode::unsupported,
+                         fmt::format("{}/vertices: Box2D would weld two of them: found {:g} m apart, expected over "
+                                     "{:g} m",
+                                     place, static_cast<double>(b2Distance(vertices[i], vertices[j])) / units.scale,
+                                     static_cast<double>(weld) / units.scale),
+                         {}};
+      polygon.Set(vertices, static_cast<int32>(hull.size()));
+      if (polygon.m_count != static_cast<int32>(hull.size()))
+        return Error{ErrorCode::unsupported,
+                     fmt::format("{}/vertices: Box2D drops some as collinear: found {} left, expected {}", place,
+                                 polygon.m_count, hull.size()),
+                     {}};
+      definition.shape = &polygon;
+      break;
+    }
+    case ShapeKind::capsule:
+      set_octagon(polygon, shape, units);
+      definition.shape = &polygon;
+      break;
+    case ShapeKind::segment:
+      edge.SetTwoSided(units.scaled(shape.vertices[0]), units.scaled(shape.vertices[1]));
+      definition.shape = &edge;
+      break;
+    case ShapeKind::chain: {
+      std::vector<b2Vec2> points;
+      for (const Point& p : shape.vertices) points.push_back(units.scaled(p));
+      const auto count = static_cast<int32>(points.size());
+      const auto last = points.size() - 1;
+      if (shape.loop)
+        chain.CreateLoop(points.data(), count);
+      else  // its ends want a neighbour: one straight on
+        chain.CreateChain(points.data(), count, 2 * points[0] - points[1], 2 * points[last] - points[last - 1]);
+      definition.shape = &chain;
+      break;
+    }
+  }
+  // Polygons rest with their skins half a slop each inside each other: that is then where ours touch.
+  const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has its width already
+  if ((rounding > 0 || options.match_skin) && definition.shape == &polygon)
+    polygon.m_radius = static_cast<float>(rounding * units.scale) + 0.5f * b2_linearSlop;
+  body->CreateFixture(&definition);
+  return {};
+}
+
+}  // namespace ticktrue::verifier
+
+#endif

@@ -1,0 +1,23 @@
+// Gives a body of Box2D the shapes of the scene's. Included by the Box2D peer's files alone.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "tool/box2d/box2d_peer.h"
+#include "tool/box2d/box2d_units.h"
+
+namespace ticktrue::verifier {
+
+/// Largest extent of a shape, twice its bounding radius about its own centre.
+double extent_of(const engine::Shape& shape);
+
+/// Adds one shape of `description` to `body`; the fixture's user data is the shape, which must outlive it.
+/// `restitution_threshold`: m/s of the scene. `place` is what an error names first.
+/// Errors: unsupported, with what Box2D 2.4.1 has no notion of.
+Status add_box2d_shape(b2Body* body, const engine::Body& description, const engine::Shape& shape,
+                       double restitution_threshold, const Box2dOptions& options, const Box2dUnits& units,
+                       const std::string& place);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,276 @@
+// `ticktrue show`: what is in a trace. Reads it, runs nothing.
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/hash.h"
+#include "base/plain_text.h"
+#include "tool/cli/commands.h"
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+#include "tool/output/trace_words.h"
+#include "tool/session/trace_summary.h"
+
+namespace ticktrue::cli {
+namespace {
+
+struct ShowOptions {
+  std::string file;
+  bool inputs = false;
+  std::string ticks;
+  bool checkpoints = false;
+  bool json = false;
+};
+
+std::string detail_text(const replay::TraceSetup& setup) {
+  for (const replay::DetailInfo& info : replay::details) {
+    if (info.detail != setup.detail) continue;
+    if (setup.detail != replay::Detail::full) return std::string(info.name);
+    if (setup.full_first == 0 && setup.full_last == std::numeric_limits<std::uint64_t>::max()) return "full";
+    return fmt::format("full:{}..{}", setup.full_first, setup.full_last);
+  }
+  return "unknown";
+}
+
+void print_listing_end(const ShowOptions& options, const replay::TraceTail& tail) {
+  if (tail.condition == replay::TraceCondition::complete) return;
+  print_warning(options.file + ": " + std::string(condition_name(tail.condition)) + ": " + tail.message +
+                "; listed up to tick " + std::to_string(tail.ticks_intact));
+}
+
+int list_inputs(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+  verifier::InputListing listing(reader.setup());
+  std::uint64_t tick_count = 0;
+  bool has_own_dt = false;
+  while (output_is_open()) {
+    const replay::TraceReader::Item& item = reader.next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (record == nullptr) continue;
+    if (record->tick > range.last) return exit_ok;
+    tick_count = record->tick + 1;
+    has_own_dt = has_own_dt || record->dt != reader.setup().dt;
+    if (range.contains(record->tick)) print(listing.text(record->tick, record->inputs));
+  }
+  if (!output_is_open()) return exit_ok;
+  const replay::TraceTail& tail = reader.tail();
+  const bool is_non_finite = tail.end && tail.end->reason == replay::EndReason::non_finite;
+  if (is_non_finite) {
+    // The tick that was not recorded runs again too, and ends the session the same way.
+    if (range.contains(tick_count)) print(listing.text(tick_count, tail.pending_inputs));
+    ++tick_count;
+  }
+  print(listing.end_text(tick_count));
+  print_listing_end(options, tail);
+  if (tail.has_pending_inputs && !is_non_finite)
+    print_note(options.file + ": inputs of tick " + std::to_string(tail.ticks_intact) +
+               " were written, its result was not; they are not listed");
+  if (has_own_dt) print_note(options.file + ": some ticks have a dt of their own, which these lines do not say");
+  return exit_code_of_condition(tail.condition);
+}
+
+int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+  verifier::InputListing listing(reader.setup());
+  double time_s = 0;
+  if (!options.json) print("    tick      time_s  hash              inputs\n");
+  while (output_is_open()) {
+    const replay::TraceReader::Item& item = reader.next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (record == nullptr) continue;
+    if (record->tick > range.last) return exit_ok;
+    time_s += record->dt;
+    if (!range.contains(record->tick)) continue;
+    if (options.json) {
+      Json line;
+      line["tick"] = record->tick;
+      line["time_s"] = time_s;
+      line["dt"] = record->dt;
+      line["hash"] = hex64(record->root_hash);
+      line["input_size"] = record->inputs.size();
+      line["full"] = record->image.has_value();
+      line["cells"] = !record->cells.empty();
+      print_json(line, -1);
+      continue;
+    }
+    std::string inputs = listing.text(record->tick, record->inputs);
+    if (!inputs.empty()) inputs.pop_back();
+    for (std::size_t at = inputs.find('\n'); at != std::string::npos; at = inputs.find('\n', at + 1))
+      inputs.replace(at, 1, "\n" + std::string(40, ' '));
+    print(fmt::format("{:8}  {:10.4f}  {}  {}\n", record->tick, time_s, hex64(record->root_hash),
+                      inputs.empty() ? "-" : inputs));
+  }
+  if (!output_is_open()) return exit_ok;
+  print_listing_end(options, reader.tail());
+  return exit_code_of_condition(reader.tail().condition);
+}
+
+Json inputs_json(const verifier::TraceSummary& summary) {
+  Json object;
+  object["ticks"] = summary.input_tick_count;
+  object["size"] = summary.input_size;
+  object["by_kind"] = nullptr;
+  if (summary.inputs) {
+    object["by_kind"] = Json::object();
+    for (std::size_t i = 0; i < engine::input_kinds.size(); ++i)
+      if ((*summary.inputs)[i] > 0) object["by_kind"][std::string(engine::input_kinds[i].name)] = (*summary.inputs)[i];
+  }
+  return object;
+}
+
+void print_summary_json(const replay::TraceReader& reader, const ShowOptions& options,
+                        const verifier::TraceSummary& summary) {
+  const replay::TraceSetup& setup = reader.setup();
+  Json object;
+  object["schema"] = "ticktrue.show/1";
+  object["file"] = options.file;
+  object["size"] = reader.size();
+  object["condition"] = condition_name(summary.tail.condition);
+  object["message"] = summary.tail.message;
+  object["title"] = setup.title;
+  object["simulation"] = setup.simulation;
+  object["physics_version"] = setup.physics_version;
+  object["dt"] = setup.dt;
+  object["detail"] = detail_text(setup);
+  object["ticks"] = summary.tick_count;
+  object["time_s"] = summary.time_s;
+  object["hash"] = hex64(summary.last_root_hash);
+  object["checkpoint_interval"] = setup.checkpoint_interval;
+  object["checkpoints"] = Json::array();
+  for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+    object["checkpoints"].push_back({{"tick", checkpoint.tick},
+                                     {"hash", hex64(checkpoint.root_hash)},
+                                     {"image_size", checkpoint.image_size},
+                                     {"stored_size", checkpoint.stored_size}});
+  object["inputs"] = inputs_json(summary);
+  object["sizes"] = {{"setup", summary.setup_size},
+                     {"checkpoints", summary.checkpoint_size},
+                     {"ticks", summary.tick_size},
+                     {"rest", summary.rest_size}};
+  object["stages"] = setup.stages;
+  object["tables"] = Json::array();
+  for (const TableSchema& table : setup.schema.tables) {
+    Json columns = Json::array();
+    for (const Column& column : table.columns) columns.push_back(column.name);
+    object["tables"].push_back({{"name", table.name}, {"row_size", table.row_size}, {"columns", std::move(columns)}});
+  }
+  object["build"] = Json::object();
+  for (const auto& [name, value] : reader.facts()) object["build"][name] = value;
+  object["end"] = nullptr;
+  if (summary.tail.end)
+    object["end"] = {{"reason", end_reason_name(summary.tail.end->reason)},
+                     {"ticks", summary.tail.end->tick_count},
+                     {"note", summary.tail.end->note}};
+  object["pending_inputs"] = summary.tail.has_pending_inputs;
+  object["intact_after"] = Json::array();
+  for (const replay::IntactRange& range : summary.tail.intact_after)
+    object["intact_after"].push_back(
+        {{"first_tick", range.first_tick}, {"last_tick", range.last_tick}, {"has_checkpoint", range.has_checkpoint}});
+  print_json(object);
+}
+
+std::string inputs_line(const verifier::TraceSummary& summary) {
+  if (summary.input_tick_count == 0) return "none";
+  if (!summary.inputs)
+    return fmt::format("{} bytes in {} ticks, of a simulation this build cannot read", summary.input_size,
+                       summary.input_tick_count);
+  std::uint64_t count = 0;
+  std::string kinds;
+  for (std::size_t i = 0; i < engine::input_kinds.size(); ++i) {
+    const std::uint64_t of_kind = (*summary.inputs)[i];
+    count += of_kind;
+    if (of_kind > 0) kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", of_kind, engine::input_kinds[i].name);
+  }
+  return fmt::format("{} in {} ticks: {}", count, summary.input_tick_count, kinds);
+}
+
+void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
+                        const verifier::TraceSummary& summary) {
+  const replay::TraceSetup& setup = reader.setup();
+  print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
+                    summary.tick_count, summary.time_s));
+  std::string condition(condition_name(summary.tail.condition));
+  if (summary.tail.end) {
+    const replay::EndReason reason = summary.tail.end->reason;
+    if (reason != replay::EndReason::complete) condition += fmt::format(", ended: {}", end_reason_name(reason));
+    if (!summary.tail.end->note.empty()) condition += fmt::format(" ({})", plain_line(summary.tail.end->note));
+  }
+  if (!summary.tail.message.empty()) condition += ": " + summary.tail.message;
+  print(fmt::format("  condition   {}\n", condition));
+  if (summary.tail.has_pending_inputs)
+    print(fmt::format("              inputs of tick {} were written, its result was not\n", summary.tail.ticks_intact));
+  for (const replay::IntactRange& range : summary.tail.intact_after)
+    print(fmt::format("              behind the damage intact: {}\n", intact_range_text(range)));
+  print(fmt::format("  simulation  {}, physics version {}\n", plain_line(setup.simulation), setup.physics_version));
+  print(fmt::format("  dt          {} s\n", setup.dt));
+  print(fmt::format("  detail      {}\n", detail_text(setup)));
+  print(fmt::format("  inputs      {}\n", inputs_line(summary)));
+  print(fmt::format("  hash        {} after the last tick\n", hex64(summary.last_root_hash)));
+  print(fmt::format("  bytes       {}: setup {}, checkpoints {}, ticks {}, rest {}\n", reader.size(),
+                    summary.setup_size, summary.checkpoint_size, summary.tick_size, summary.rest_size));
+  std::string build;
+  for (const auto& [name, value] : reader.facts())
+    build +=
+        fmt::format("{}{} {}", build.empty() ? "" : ", ", plain_line(name), value.empty() ? "-" : plain_line(value));
+  print(fmt::format("  build       {}\n", build.empty() ? "not known" : build));
+  print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
+  print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");
+  if (options.checkpoints)
+    for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+      print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored\n", checkpoint.tick,
+                        hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size));
+}
+
+int run_show(const ShowOptions& options) {
+  TickRange range;
+  if (!options.ticks.empty()) {
+    const Result<TickRange> parsed = parse_tick_range(options.ticks, "--ticks");
+    if (!parsed) return fail_usage(parsed.error());
+    range = *parsed;
+  }
+  auto reader = replay::TraceReader::open(options.file);
+  if (!reader) return fail(reader.error());
+  const std::uint64_t last_asked = range.last == TickRange{}.last ? range.first : range.last;
+  if (!options.ticks.empty())
+    if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
+      return fail_usage(known.error());
+  if (options.inputs) return list_inputs(*reader, options, range);
+  if (!options.ticks.empty()) return list_ticks(*reader, options, range);
+
+  Progress progress("read " + options.file, 0, "bytes");
+  const verifier::TraceSummary summary =
+      verifier::summarize(*reader, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
+  progress.finish();
+  if (options.json)
+    print_summary_json(*reader, options, summary);
+  else
+    print_summary_text(*reader, options, summary);
+  return exit_code_of_condition(summary.tail.condition);
+}
+
+}  // namespace
+
+void add_show(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<ShowOptions>();
+  CLI::App* command = app.add_subcommand("show", "Say what is in a trace; runs nothing")->group(group_session);
+  command->add_option("FILE", options->file, "Trace")->required();
+  command->add_flag("--inputs", options->inputs,
+                    "The inputs as JSON Lines, `end` included: they record the session again");
+  command
+      ->add_option("--ticks", options->ticks,
+                   "List ticks A to B, both included, with their hashes; with --inputs: "
+                   "the inputs of these only")
+      ->type_name("A..B");
+  command->add_flag("--checkpoints", options->checkpoints, "List the checkpoints");
+  command->add_flag("--json", options->json, "One JSON object; with --ticks one a line");
+  set_examples(*command,
+               "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"
+               "ticktrue record thesis --inputs session.jsonl -o session.ttr\n"
+               "ticktrue show session.ttr\n"
+               "ticktrue show session.ttr --inputs > again.jsonl\n"
+               "ticktrue show session.ttr --ticks 130..140");
+  command->callback([options, &context] { context.exit_code = run_show(*options); });
+}
+
+}  // namespace ticktrue::cli

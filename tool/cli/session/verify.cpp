@@ -1,0 +1,439 @@
+// `ticktrue verify`: re-simulates traces and reports the first divergence of each.
+// SPDX-License-Identifier: MIT
+#include "verifier/verify/verify.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <system_error>
+
+#include "base/limits.h"
+#include "base/parallel/jobs.h"
+#include "tool/cli/commands.h"
+#include "tool/output/progress.h"
+#include "tool/output/trace_words.h"
+#include "tool/session/scene_source.h"
+#include "tool/session/session_inputs.h"
+#include "tool/session/simulations.h"
+#include "verifier/compare/against_build.h"
+#include "verifier/corpus/trace_list.h"
+#include "verifier/plugins/plugin.h"
+#include "verifier/report/report.h"
+#include "verifier/report/report_ci.h"
+#include "verifier/report/report_transfer.h"
+#include "verifier/runs/data_file.h"
+#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/shared_count.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::Report;
+using verifier::Verdict;
+
+struct VerifyCommand {
+  std::vector<std::string> files;
+  std::string mode = "replay";
+  std::optional<std::uint64_t> from;
+  std::optional<std::uint64_t> to;
+  bool to_end = false;
+  bool json = false;
+  bool git_bisect = false;
+  bool github = false;
+  bool allow_truncated = false;
+  std::uint64_t jobs = 0;          // 0: every core
+  std::uint64_t thread_count = 1;  // of a tick
+  std::string shard;
+  std::string junit;
+  std::string report_page;
+  std::string other_build;
+  std::uint64_t timeout_s = 600;
+  std::string inputs;  // of scenes
+  std::optional<std::uint64_t> tick_count;
+};
+
+std::vector<std::string> mode_names() {
+  std::vector<std::string> names;
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes) names.emplace_back(info.name);
+  return names;
+}
+
+std::string mode_help() {
+  std::string text = "What to prove.";
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
+    text += " " + std::string(info.name) + ": " + std::string(info.summary) + ".";
+  return text;
+}
+
+verifier::VerifyOptions walk_options(const VerifyCommand& command) {
+  verifier::VerifyOptions options;
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
+    if (info.name == command.mode) options.mode = info.mode;
+  options.from = command.from.value_or(0);
+  options.to = command.to;
+  options.to_end = command.to_end;
+  return options;
+}
+
+using ProgressCall = std::function<void(std::uint64_t ticks_done, std::uint64_t tick_count)>;
+
+/// `compared` (may be null) counts the ticks as they are compared: what a process that ends by a crash leaves behind.
+Report verify_trace(const std::string& file, const VerifyCommand& command, unsigned thread_count,
+                    const ProgressCall& progress, verifier::SharedCount* compared) {
+  Result<replay::TraceReader> reader = replay::TraceReader::open(file);
+  if (!reader) return verifier::open_error_report(file, reader.error());
+  const std::optional<std::uint64_t> tick_count = reader->tick_count_hint();
+  if (command.from)
+    if (const Status known = check_tick(file + ": --from", *command.from, tick_count); !known)
+      return verifier::open_error_report(file, known.error());
+  verifier::VerifyOptions options = walk_options(command);
+  options.simulation = verifier::find_simulation(reader->setup().simulation);
+  if (options.simulation != nullptr) options.tool = verifier::tool_words(options.simulation->name);
+  const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
+  options.thread_count = on_threads ? thread_count : 1;
+  options.in_segments = on_threads && command.jobs != 1;
+  SimulationInfo on_several;
+  if (command.thread_count > 1 && options.simulation != nullptr && options.simulation->make_on_threads) {
+    on_several = *options.simulation;
+    on_several.make = [&info = *options.simulation, &command](ByteView setup) {
+      return info.make_on_threads(setup, static_cast<unsigned>(command.thread_count));
+    };
+    options.simulation = &on_several;
+  }
+  options.search_single_bit = true;
+  options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
+    auto again = replay::TraceReader::open(file);
+    if (!again) return nullptr;
+    return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
+  };
+  if (progress) options.progress = [&](std::uint64_t ticks_done) { progress(ticks_done, tick_count.value_or(0)); };
+  if (compared != nullptr) options.on_compared = [compared](double time_s) { compared->add_tick(time_s); };
+  Report report = verifier::verify(*reader, options);
+  if (options.simulation == nullptr && report.hint.empty())
+    report.hint = "this build has " + verifier::simulation_names() +
+                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
+  if (!command.other_build.empty() && options.simulation != nullptr) {
+    verifier::AgainstOptions against;
+    against.binary = command.other_build;
+    against.timeout_s = static_cast<double>(command.timeout_s);
+    against.simulation = options.simulation;
+    report = verifier::compare_builds(*reader, std::move(report), against);
+  }
+  return report;
+}
+
+/// Mode twice on a scene: nothing was recorded, and nothing needs to be.
+Report verify_scene(const std::string& word, const VerifyCommand& command, const ProgressCall& progress) {
+  const auto refused = [&](const Error& error) {
+    Report report;
+    report.file = word;
+    report.verdict = Verdict::error;
+    report.reason = error.message;
+    report.hint = error.hint;
+    return report;
+  };
+  const Result<engine::Scene> scene = load_scene_argument(word);
+  if (!scene) return refused(scene.error());
+  const auto made = engine::make_engine(*scene, engine_options(command.thread_count));
+  if (!made) return refused(made.error());
+  auto inputs = open_session_inputs(*scene, command.inputs, command.tick_count);
+  if (!inputs) return refused(inputs.error());
+  if (const Status clock = use_clock(*inputs, {}, **made); !clock) return refused(clock.error());
+  verifier::SceneSource source(**made, *inputs->source, command.tick_count);
+  verifier::VerifyOptions options = walk_options(command);
+  options.simulation = verifier::find_simulation(engine::simulation_name);
+  if (progress) options.progress = [&](std::uint64_t done) { progress(done, inputs->ticks_expected); };
+  Report report = verifier::verify_source(source, options);
+  if (source.error()) return refused(*source.error());
+  report.file = word;
+  return report;
+}
+
+bool is_scene(const std::string& word) {
+  std::error_code failure;
+  const std::filesystem::path path(word);
+  if (path.extension() == ".json") return true;
+  return path.extension() != ".ttr" && !std::filesystem::exists(path, failure);
+}
+
+Report verify_word(const std::string& word, const VerifyCommand& command, unsigned thread_count,
+                   const ProgressCall& progress, verifier::SharedCount* compared = nullptr) {
+  const auto start = std::chrono::steady_clock::now();
+  Report report = command.mode == "twice" && is_scene(word)
+                      ? verify_scene(word, command, progress)
+                      : verify_trace(word, command, thread_count, progress, compared);
+  report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
+    report.hint.clear();
+    report.notes.push_back("accepted: every tick up to the cut matches (--allow-truncated)");
+  }
+  return report;
+}
+
+/// Whether the trace is run by a plug-in.
+bool needs_plugin(const std::string& file) {
+  if (verifier::plugin_simulations().empty()) return false;
+  const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
+  const SimulationInfo* info = reader ? verifier::find_simulation(reader->setup().simulation) : nullptr;
+  return info != nullptr && !verifier::runs_on_threads(*info);
+}
+
+/// What a plug-in does wrong is a finding in one file: the next one goes on.
+Report plugin_report(const std::string& file, const std::string& mode, const std::string& what,
+                     const verifier::SharedCount& compared) {
+  Report report;
+  report.file = file;
+  report.mode = mode;
+  report.verdict = Verdict::diverged;
+  report.reason = what;
+  report.ticks_compared = compared.ticks();
+  report.time_s = compared.time_s();
+  if (const auto reader = replay::TraceReader::open(file)) {
+    report.title = reader->setup().title;
+    report.simulation = reader->setup().simulation;
+    report.ticks_recorded = reader->tick_count_hint();
+    report.recorded_build = reader->facts();
+  }
+  return report;
+}
+
+/// In a process of its own.
+Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
+  verifier::SharedCount compared;
+  const verifier::GuardedPart done = verifier::run_part([&] {
+    Progress bar("verify " + file, 0);
+    try {
+      const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
+      return verifier::encode_report(verify_word(file, command, 1, show, &compared));
+    } catch (const verifier::PluginFailure& failure) {
+      return verifier::encode_report(plugin_report(file, command.mode, failure.what(), compared));
+    }
+  });
+  if (!done.message.empty()) {
+    Report report = plugin_report(file, command.mode, done.message, compared);
+    report.hint =
+        "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
+    return report;
+  }
+  Result<Report> report = verifier::decode_report(done.result);
+  return report ? std::move(*report) : plugin_report(file, command.mode, report.error().message, compared);
+}
+
+void print_report(const Report& report, const VerifyCommand& command) {
+  if (report.verdict == Verdict::error) {
+    print_error(Error{ErrorCode::io, report.reason, report.hint});
+    if (report.divergence && !command.json) print(verifier::report_text(report));
+  } else if (!command.json) {
+    print(verifier::report_text(report));
+  }
+}
+
+/// All files on all threads; reports are printed in the order of the files, each as soon as those before it are.
+Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, const VerifyCommand& command) {
+  const unsigned thread_count =
+      command.jobs == 0 ? core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
+  // With plug-ins one by one: they are not asked to be safe for threads, and a process with threads should not fork.
+  const bool in_threads = verifier::plugin_simulations().empty();
+  const auto at_once = static_cast<unsigned>(
+      std::min<std::size_t>(in_threads ? thread_count : 1, std::max<std::size_t>(1, files.size())));
+  // The largest first: else the last thread works on it alone while the others have nothing left.
+  std::vector<std::pair<std::uintmax_t, std::size_t>> order;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(files[i], failure);
+    order.emplace_back(failure || at_once == 1 ? 0 : size, i);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+
+  std::vector<std::optional<Report>> found(files.size());
+  std::size_t printed = 0;
+  std::mutex lock;
+  const bool one_by_one = at_once == 1;
+  std::optional<Progress> overall;
+  if (!one_by_one) overall.emplace("verify", files.size(), "traces");
+  const Status status = run_jobs(files.size(), at_once, [&](std::size_t job) {
+    const std::size_t i = order[job].second;
+    std::optional<Progress> bar;
+    const bool by_plugin = needs_plugin(files[i]);
+    if (one_by_one && !by_plugin) bar.emplace("verify " + files[i], 0);
+    const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
+    Report report =
+        by_plugin ? verify_by_plugin(files[i], command)
+                  : verify_word(files[i], command, std::max(1u, thread_count / at_once), bar ? show : ProgressCall{});
+    if (bar) bar->finish();
+    const std::lock_guard<std::mutex> guard(lock);
+    found[i] = std::move(report);
+    if (overall) overall->finish();
+    for (; printed < files.size() && found[printed]; ++printed) print_report(*found[printed], command);
+    if (overall) overall->update(printed);
+  });
+  if (overall) overall->finish();
+  if (!status) return status.error();
+  std::vector<Report> reports;
+  for (std::optional<Report>& report : found) reports.push_back(std::move(*report));
+  return reports;
+}
+
+void print_summary(const std::vector<Report>& reports) {
+  std::string text = std::to_string(reports.size()) + " traces:";
+  const char* separator = " ";
+  for (const verifier::VerdictInfo& info : verifier::verdicts) {
+    const auto count = std::count_if(reports.begin(), reports.end(),
+                                     [&](const Report& report) { return report.verdict == info.verdict; });
+    if (count == 0) continue;
+    text += separator + std::to_string(count) + " " + std::string(info.name);
+    separator = ", ";
+  }
+  print(text + "\n");
+}
+
+Status check_options(const VerifyCommand& command) {
+  const auto refuse = [](const std::string& what, const std::string& hint = "") {
+    return Error{ErrorCode::usage, what, hint};
+  };
+  if (command.from && command.to && *command.from > *command.to)
+    return refuse("--from: found " + std::to_string(*command.from) + ", expected at most --to " +
+                  std::to_string(*command.to));
+  if (const Status status = check_threads(command.thread_count); !status) return status;
+  if (command.thread_count > 1 && command.mode == "threads")
+    return refuse("--threads: found --mode threads, expected another", "it runs with 1, 2, 4 and 8");
+  if (command.to_end && command.mode != "restore")
+    return refuse("--to-end: found --mode " + command.mode + ", expected restore",
+                  "the other modes always run to the end");
+  if (command.mode == "twice" && command.from)
+    return refuse("--from: found --mode twice, expected replay or restore", "both runs begin with the setup");
+  if (!command.other_build.empty() && command.mode != "replay")
+    return refuse("--against-build: found --mode " + command.mode + ", expected replay");
+  if (command.mode != "twice" && (command.tick_count || !command.inputs.empty()))
+    return refuse("--ticks, --inputs: found --mode " + command.mode + ", expected twice",
+                  "they are for a scene; a trace has its own");
+  return {};
+}
+
+/// What continuous integration reads, beside the reports themselves.
+Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& command) {
+  if (!command.junit.empty()) {
+    auto file = verifier::DataFile::create(command.junit, true);
+    if (!file) return file.error();
+    if (const Status status = file->write(verifier::report_junit(reports, command.allow_truncated)); !status)
+      return status;
+    if (const Status status = file->close(); !status) return status;
+  }
+  if (!command.report_page.empty())
+    if (const Status status = write_failure_page(reports, command.report_page, command.allow_truncated); !status)
+      return status;
+  if (!command.github) return {};
+  // Annotations are messages: the runner reads them on either stream, and standard output may hold JSON.
+  const std::string lines = verifier::report_github(reports, command.allow_truncated);
+  std::fwrite(lines.data(), 1, lines.size(), stderr);
+  const char* summary = std::getenv("GITHUB_STEP_SUMMARY");
+  if (summary == nullptr || *summary == '\0') return {};
+  std::ofstream out(summary, std::ios::binary | std::ios::app);
+  out << verifier::report_markdown(reports, command.allow_truncated) << std::flush;
+  if (!out) return Error{ErrorCode::io, std::string(summary) + ": cannot write the summary of the step", ""};
+  return {};
+}
+
+int run_verify(const VerifyCommand& command) {
+  const auto exit_with = [&](int code) { return command.git_bisect ? verifier::git_bisect_exit_code(code) : code; };
+  if (const Status status = check_options(command); !status) return exit_with(fail_usage(status.error()));
+  Result<std::vector<std::string>> files = verifier::list_traces(command.files);
+  if (!files) return exit_with(fail_usage(files.error()));
+  for (const std::string& output : {command.junit, command.report_page})
+    if (const Status status = verifier::check_not_read(output, *files); !status)
+      return exit_with(fail_usage(status.error()));
+  if (!command.shard.empty()) {
+    const Result<verifier::Shard> shard = verifier::parse_shard(command.shard);
+    if (!shard) return exit_with(fail_usage(shard.error()));
+    const std::size_t whole = files->size();
+    *files = verifier::take_shard(*files, *shard);
+    print_note("shard " + command.shard + ": " + std::to_string(files->size()) + " of " + std::to_string(whole) +
+               " traces");
+  }
+
+  const Result<std::vector<Report>> reports = verify_all(*files, command);
+  if (!reports) return exit_with(fail_usage(reports.error()));
+  std::vector<int> codes;
+  for (const Report& report : *reports) codes.push_back(report.exit_code(command.allow_truncated));
+  if (command.json)
+    print(verifier::report_json(*reports, command.allow_truncated));
+  else if (reports->size() > 1)
+    print_summary(*reports);
+  if (const Status status = write_for_ci(*reports, command); !status) {
+    print_error(status.error());
+    codes.push_back(exit_usage);
+  }
+  return exit_with(worst_exit_code(codes));
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<VerifyCommand>();
+  CLI::App* command =
+      app.add_subcommand("verify", "Re-simulate a trace and report the first divergence")->group(group_session);
+  command
+      ->add_option("FILE", options->files,
+                   "Traces, or directories: then every *.ttr in them; with --mode twice scenes too")
+      ->required();
+  command->add_option("--mode", options->mode, mode_help())->check(CLI::IsMember(mode_names()))->capture_default_str();
+  add_number(*command, "--from", options->from,
+             "First tick to compare; the run begins at the last checkpoint before it");
+  add_number(*command, "--to", options->to, "Last tick to compare; the trace is not read beyond it");
+  command->add_flag("--to-end", options->to_end,
+                    "With --mode restore: run from each checkpoint to the end, not only to the next checkpoint");
+  add_number(*command, "-j,--jobs", options->jobs,
+             "Threads: for the files, and within one for the segments between its checkpoints (default: every core; "
+             "1: in order from the start, without loading a checkpoint)",
+             {1, 1024});
+  add_threads_option(*command, options->thread_count);
+  command
+      ->add_option("--shard", options->shard,
+                   "Part I of N of the sorted list of files: the parts of different machines make up the whole")
+      ->type_name("I/N");
+  command
+      ->add_option("--against-build", options->other_build,
+                   "Another build of ticktrue: run it on the same trace too; where the two part, both again with every "
+                   "state of that tick")
+      ->type_name("BINARY");
+  add_number(*command, "--timeout", options->timeout_s, "Seconds the other build may take for a run (default 600)",
+             {1, 1'000'000});
+  add_number(*command, "--ticks", options->tick_count, "Of a scene: how many ticks", {1, limits::tick_count_max});
+  command->add_option("--inputs", options->inputs, "Of a scene: inputs as JSON Lines, - for standard input")
+      ->type_name("FILE");
+  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
+      ->type_name("OUT.xml");
+  command
+      ->add_option("--report", options->report_page,
+                   "If a trace fails: write a page that shows the worst one (as `ticktrue report`), over an older file")
+      ->type_name("OUT.html");
+  command->add_flag("--github", options->github,
+                    "Annotations for GitHub Actions on standard error, and a table for the page of the run");
+  command->add_flag(
+      "--git-bisect", options->git_bisect,
+      "Exit with 125 (skip this commit) instead of 2, 4, 5 and 6: for `git bisect run`. 3 stays 3, which counts as "
+      "bad, unless --allow-truncated makes it 0");
+  command->add_flag("--allow-truncated", options->allow_truncated,
+                    "A trace that ends early is fine if every tick it has matches");
+  set_examples(*command,
+               "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
+               "ticktrue verify stack.ttr\n"
+               "ticktrue verify stack.ttr --mode restore\n"
+               "ticktrue verify stack.ttr --from 200 --to 300\n"
+               "ticktrue verify 'stack?boxes=10' --mode twice --ticks 300\n"
+               "ticktrue verify . -j 2 --json\n"
+               "ticktrue verify . --shard 1/2 --junit results.xml --github\n"
+               "ticktrue verify stack.ttr --against-build ticktrue\n"
+               "ticktrue verify stack.ttr --report failure.html\n"
+               "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
+               "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'");
+  command->callback([options, &context] { context.exit_code = run_verify(*options); });
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,141 @@
+// `ticktrue accuracy`: error against run time on problems whose answers are known.
+// SPDX-License-Identifier: MIT
+#include "tool/study/accuracy.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/parallel/jobs.h"
+#include "tool/cli/commands.h"
+#include "tool/cli/study/accuracy_peer.h"
+#include "tool/cli/study/accuracy_report.h"
+#include "tool/cli/study/study_output.h"
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::Problem;
+using verifier::StudyVerdict;
+using verifier::TextTable;
+
+struct AccuracyCommand {
+  std::vector<std::string> problems;
+  std::vector<std::string> precisions;
+  std::string peer;
+  std::uint64_t repeat_count = 7;
+  std::uint64_t thread_count = 0;  // 0: as many as there are cores
+  AccuracyView view;
+  bool list = false;
+  StudyFiles files;
+};
+
+Result<std::vector<Problem>> chosen_problems(const std::vector<std::string>& names) {
+  std::vector<Problem> all = verifier::verification_problems();
+  std::vector<Problem> shapes = verifier::shape_problems();
+  all.insert(all.end(), std::make_move_iterator(shapes.begin()), std::make_move_iterator(shapes.end()));
+  if (names.empty()) return all;
+  std::vector<std::string> known{"shapes"};
+  for (const Problem& problem : all) known.push_back(problem.name);
+  for (const std::string_view name : verifier::problem_class_names) known.emplace_back(name);
+  std::vector<Problem> chosen;
+  for (const std::string& name : names) {
+    const std::size_t before = chosen.size();
+    for (const Problem& problem : all)
+      if (problem.name == name ||
+          (problem.name != name && class_name(problem.kind) == name &&
+           std::none_of(all.begin(), all.end(), [&](const Problem& p) { return p.name == name; })) ||
+          (name == "shapes" && problem.corner_count >= 0))
+        chosen.push_back(problem);
+    if (chosen.size() > before) continue;
+    const std::string nearest = nearest_name(name, known);
+    return Error{ErrorCode::usage, "accuracy: found problem \"" + name + "\", expected one of --list",
+                 nearest.empty() ? "see `ticktrue accuracy --list`" : "did you mean " + nearest + "?"};
+  }
+  return chosen;
+}
+
+int list_problems(const std::vector<Problem>& problems) {
+  TextTable table({"problem", "class", "what", "reference"}, 4);
+  for (const Problem& problem : problems)
+    table.add({problem.name, std::string(class_name(problem.kind)), problem.summary, ""});
+  print(table.text());
+  return exit_ok;
+}
+
+int run_accuracy_command(const AccuracyCommand& command) {
+  const unsigned thread_count =
+      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  if (!command.peer.empty())
+    return run_accuracy_peer(command.problems, static_cast<int>(command.repeat_count), command.files);
+  const Result<std::vector<Problem>> problems = chosen_problems(command.problems);
+  if (!problems) return fail_usage(problems.error());
+  if (command.list) return list_problems(*problems);
+  verifier::AccuracyOptions options;
+  options.precisions.clear();
+  for (const std::string& name : command.precisions)
+    options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
+  options.repeat_max = command.view.no_times ? 1 : static_cast<int>(command.repeat_count);
+  options.thread_count = thread_count;
+  Progress progress("accuracy", 1, "curves");
+  options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  const auto curves = verifier::run_accuracy(*problems, options);
+  progress.finish();
+  if (!curves) return fail_usage(curves.error());
+  std::string command_line = "ticktrue accuracy";
+  for (const std::string& name : command.problems) command_line += " " + name;
+  for (const engine::Precision precision : options.precisions)
+    command_line += " --precision " + std::string(precision_name(precision));
+  if (command.view.brief) command_line += " --brief";
+  if (command.view.no_times)
+    command_line += " --no-times";
+  else
+    command_line += fmt::format(" --repeats {} -j {}", options.repeat_max, thread_count);
+  if (command.files.json)
+    print_json(accuracy_json(*problems, *curves, command_line));
+  else
+    print("accuracy  " + command_line + "\n" + accuracy_text(*problems, *curves, command.view, options.precisions));
+  if (const int code = write_study_files(command.files, accuracy_csv(*curves),
+                                         accuracy_plots(*problems, *curves, options.precisions));
+      code != exit_ok)
+    return code;
+  return verdicts_of(*curves).of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
+}
+
+}  // namespace
+
+void add_accuracy(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<AccuracyCommand>();
+  CLI::App* command =
+      app.add_subcommand("accuracy", "Error against run time on problems whose answers are known")->group(group_study);
+  command->add_option("PROBLEM", options->problems,
+                      "Problems or classes of --list, or shapes; default: all. With --peer: its scenes");
+  std::vector<std::string> names;
+  for (const auto& info : engine::precisions) names.emplace_back(info.name);
+  options->precisions = {"f64", "f32"};
+  command->add_option("--precision", options->precisions, "f64, f32; default: both")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
+  add_number(*command, "--repeats", options->repeat_count, "Timed runs of a point at most; default: 7", {1, 1000});
+  command->add_option("--peer", options->peer, "Error against time beside another engine on four scenes")
+      ->check(CLI::IsMember({"box2d"}));
+  command->add_flag("--points", options->view.points, "Every point of every curve, instead of one line a curve");
+  command->add_flag("--brief", options->view.brief, "One line a problem");
+  command->add_flag("--no-times", options->view.no_times, "What is the same on every machine, to the last digit");
+  command->add_flag("--list", options->list, "List the problems, run none");
+  add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core. 1 gives the quietest times",
+             {1, 1024});
+  add_study_files(*command, options->files);
+  set_examples(*command,
+               "ticktrue accuracy\n"
+               "ticktrue accuracy pendulum kepler --precision f64 --plot pendulum.svg\n"
+               "ticktrue accuracy shapes --csv shapes.csv\n"
+               "ticktrue accuracy --peer box2d");
+  command->callback([options, &context] { context.exit_code = run_accuracy_command(*options); });
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,122 @@
+// `ticktrue accuracy --peer box2d`: error against run time beside Box2D.
+// SPDX-License-Identifier: MIT
+#include "tool/cli/study/accuracy_peer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+#include "tool/study/peer_curves.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::short_number;
+using verifier::TextTable;
+
+Json peer_json(const std::vector<verifier::PeerCurves>& scenes) {
+  Json object;
+  object["schema"] = "ticktrue.accuracy_peer/1";
+  object["peer"] = {{"name", "Box2D"}, {"version", verifier::peer_version()}};
+  int passed = 0;
+  for (const auto& scene : scenes) passed += scene.holds ? 1 : 0;
+  object["passed"] = passed;
+  object["failed"] = static_cast<int>(scenes.size()) - passed;
+  object["expected"] = 0;
+  object["not_applicable"] = 0;
+  object["rows"] = Json::array();
+  for (const auto& scene : scenes) {
+    Json row{{"scene", scene.name}, {"measure", scene.measure}, {"verdict", scene.holds ? "pass" : "fail"}};
+    row["ratio"] = number_json(scene.ratio);
+    const auto points_json = [](const std::vector<verifier::PeerPoint>& points) {
+      Json array = Json::array();
+      for (const auto& point : points)
+        array.push_back({{"setting", point.setting},
+                         {"error_m", number_json(point.error)},
+                         {"error_max_m", number_json(point.error_max)},
+                         {"stands", point.stands},
+                         {"ms_per_tick",
+                          {{"min", point.time_ms.min}, {"median", point.time_ms.median}, {"iqr", point.time_ms.iqr}}}});
+      return array;
+    };
+    row["ours"] = points_json(scene.ours);
+    row["box2d"] = points_json(scene.box2d);
+    object["rows"].push_back(std::move(row));
+  }
+  return object;
+}
+
+std::string peer_text(const std::vector<verifier::PeerCurves>& scenes) {
+  std::string text = "accuracy  ticktrue accuracy --peer box2d  Box2D " + verifier::peer_version() + "\n";
+  for (const auto& scene : scenes) {
+    text += fmt::format("\n{}  {}\n", scene.name, scene.measure);
+    TextTable table(
+        {"engine", "setting", "error mm", "max mm", "ms/tick", "min", "IQR", "ours at no more time: error mm", "ratio"},
+        2);
+    const auto add = [&](std::string_view engine, const verifier::PeerPoint& point, bool is_peer) {
+      std::vector<std::string> row{std::string(engine),
+                                   point.setting,
+                                   point.stands        ? short_number(point.error * 1e3)
+                                   : point.error > 1e8 ? std::string("not finite")
+                                                       : "fell " + short_number(point.error * 1e3),
+                                   short_number(point.error_max * 1e3),
+                                   fmt::format("{:.4f}", point.time_ms.median),
+                                   fmt::format("{:.4f}", point.time_ms.min),
+                                   fmt::format("{:.4f}", point.time_ms.iqr)};
+      if (is_peer) {
+        const verifier::PeerPoint* ours = verifier::best_within(scene.ours, point.time_ms.min);
+        row.push_back(ours ? short_number(ours->error * 1e3) + " (" + ours->setting + ")" : "none so quick");
+        row.push_back(ours && point.error > 0 ? short_number(ours->error / point.error) : "-");
+      }
+      table.add(std::move(row));
+    };
+    for (const auto& point : scene.ours) add("tgs_soft", point, false);
+    for (const auto& point : scene.box2d) add("Box2D", point, true);
+    text += table.text();
+    text += verifier::wrapped(scene.conclusion, 4);
+  }
+  return text;
+}
+
+}  // namespace
+
+int run_accuracy_peer(const std::vector<std::string>& names, int repeat_count, const StudyFiles& files) {
+  Progress progress("accuracy --peer box2d", 1, "runs");
+  const auto scenes = verifier::run_peer_curves(
+      names, repeat_count, [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); });
+  progress.finish();
+  if (!scenes) return fail_usage(scenes.error());
+  if (files.json)
+    print_json(peer_json(*scenes));
+  else
+    print(peer_text(*scenes));
+  std::string csv = verifier::csv_line({"scene", "engine", "setting", "error_m", "error_max_m", "stands",
+                                        "ms_per_tick_min", "ms_per_tick_median", "ms_per_tick_iqr"});
+  std::vector<verifier::Plot> plots;
+  for (const auto& scene : *scenes) {
+    verifier::Plot plot{scene.name, "error, m", "ms per tick", true, true, {}};
+    for (const auto* points : {&scene.ours, &scene.box2d}) {
+      const std::string name = points == &scene.ours ? "tgs_soft" : "Box2D";
+      verifier::PlotCurve line{name, {}, {}, false};
+      for (const auto& point : *points) {
+        if (point.stands) {  // how far a heap is from the stack that it was says nothing
+          line.x.push_back(point.error);
+          line.y.push_back(point.time_ms.min);
+        }
+        csv += verifier::csv_line(
+            {scene.name, name, point.setting, verifier::full_number(point.error),
+             verifier::full_number(point.error_max), point.stands ? "1" : "0", verifier::full_number(point.time_ms.min),
+             verifier::full_number(point.time_ms.median), verifier::full_number(point.time_ms.iqr)});
+      }
+      plot.curves.push_back(std::move(line));
+    }
+    plots.push_back(std::move(plot));
+  }
+  if (const int code = write_study_files(files, csv, plots); code != exit_ok) return code;
+  return std::all_of(scenes->begin(), scenes->end(), [](const auto& scene) { return scene.holds; }) ? exit_ok
+                                                                                                    : exit_finding;
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,36 @@
+// What `ticktrue accuracy` prints and writes of its curves.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tool/cli/study/study_output.h"
+#include "tool/output/json_output.h"
+#include "tool/study/accuracy.h"
+
+namespace ticktrue::cli {
+
+/// How much is shown.
+struct AccuracyView {
+  bool points = false;    // every point of every curve, instead of one line a curve
+  bool brief = false;     // one line a problem
+  bool no_times = false;  // what is the same on every machine
+};
+
+std::string_view class_name(verifier::ProblemClass kind);
+verifier::VerdictCounts verdicts_of(const std::vector<verifier::AccuracyCurve>& curves);
+
+std::string accuracy_text(const std::vector<verifier::Problem>& problems,
+                          const std::vector<verifier::AccuracyCurve>& curves, const AccuracyView& view,
+                          const std::vector<engine::Precision>& precisions);
+Json accuracy_json(const std::vector<verifier::Problem>& problems, const std::vector<verifier::AccuracyCurve>& curves,
+                   const std::string& command_line);
+std::string accuracy_csv(const std::vector<verifier::AccuracyCurve>& curves);
+/// One diagram a problem and precision: error across, time upwards; the floor of rounding as a line.
+std::vector<verifier::Plot> accuracy_plots(const std::vector<verifier::Problem>& problems,
+                                           const std::vector<verifier::AccuracyCurve>& curves,
+                                           const std::vector<engine::Precision>& precisions);
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,375 @@
+// `ticktrue compare`: what integrators, clocks, solvers, substeps, precisions, steps and threads change on a scene.
+// SPDX-License-Identifier: MIT
+#include "tool/study/compare.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "base/hash.h"
+#include "base/limits.h"
+#include "base/parallel/jobs.h"
+#include "base/parallel/workers.h"
+#include "tool/cli/commands.h"
+#include "tool/cli/study/study_output.h"
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+#include "tool/session/host_frames.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::CompareReport;
+using verifier::CompareRow;
+using verifier::CompareSession;
+using verifier::CompareVerdict;
+using verifier::full_number;
+using verifier::short_number;
+using verifier::TextTable;
+
+struct CompareCommand {
+  std::string subject;
+  std::vector<std::string> integrators, clocks, solvers, substeps, precisions, dts, broad_phases, threads;
+  std::optional<std::uint64_t> tick_count;
+  double seconds = 10;
+  std::uint64_t twin_count = 3;
+  std::string host = "jitter_60";
+  std::uint64_t host_seed = 1;
+  std::uint64_t job_count = 0;  // 0: as many as there are cores, or one where threads of a tick are compared
+  StudyFiles files;
+};
+
+std::string_view verdict_name(CompareVerdict verdict) {
+  return verifier::compare_verdict_names[static_cast<std::size_t>(verdict)];
+}
+
+// As much of a name as the table has room for.
+std::string name_text(const CompareRow& row) {
+  constexpr std::size_t size_max = 36;
+  const std::string& name = row.variant.name;
+  return name.size() <= size_max ? name : name.substr(0, size_max - 3) + "...";
+}
+
+std::string bits_text(const CompareRow& row) {
+  if (row.verdict == CompareVerdict::same_bits) return "equal";
+  if (row.first_different) return fmt::format("tick {}", *row.first_different);
+  return "-";
+}
+
+std::string brief_verdict(const CompareRow& row) {
+  return row.verdict == CompareVerdict::not_applicable ? "n/a" : std::string(verdict_name(row.verdict));
+}
+
+void add_drift(TextTable& table, const CompareRow& row) {
+  if (row.verdict == CompareVerdict::not_applicable) {
+    table.add({name_text(row), "-", "-", "-", "-", "-", "-", "-", "n/a"});
+    return;
+  }
+  table.add({name_text(row), bits_text(row), std::to_string(row.tick_count), short_number(row.position_max),
+             short_number(row.position_rms), short_number(row.angle_max),
+             row.growth && row.position_max > 0 ? fmt::format("{:.2f}", *row.growth) : "-",
+             row.beyond_s ? fmt::format("{:.3f}", *row.beyond_s) : "-", brief_verdict(row)});
+}
+
+void add_outcome(TextTable& table, const CompareRow& row) {
+  if (row.verdict == CompareVerdict::not_applicable) return;
+  table.add({name_text(row), short_number(row.energy), short_number(row.momentum), short_number(row.overlap_max * 1e3),
+             short_number(row.joint_gap_max * 1e3), fmt::format("{} of {}", row.standing_count, row.placed_count),
+             fmt::format("{:.2f}", row.order), std::to_string(row.resting_count), std::to_string(row.elsewhere_count),
+             fmt::format("{:.3g}", row.ms_per_s)});
+}
+
+// Whole states at the end, where threads were compared: what they must not change.
+std::string hashes_text(const CompareReport& report) {
+  const auto has_threads = [](const CompareRow& row) { return row.variant.threads.has_value(); };
+  if (std::none_of(report.rows.begin(), report.rows.end(), has_threads)) return "";
+  TextTable table({"root hash at the end", "whole state"});
+  table.add({name_text(report.base), hex64(report.base.root_hash)});
+  for (const CompareRow& row : report.rows)
+    if (row.verdict != CompareVerdict::not_applicable) table.add({name_text(row), hex64(row.root_hash)});
+  return "\n" + table.text();
+}
+
+std::string report_text(const CompareReport& report, const CompareSession& session, const std::string& command_line) {
+  std::string text =
+      fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
+  text += verifier::wrapped(command_line, 2);
+  TextTable drift(
+      {"against the base", "bits", "ticks", "max m", "RMS m", "angle rad", "growth 1/s", "beyond s", "verdict"});
+  TextTable outcome(
+      {"variant", "energy J", "momentum", "overlap mm", "gap mm", "stands", "order", "rests", "elsewhere", "ms/s"});
+  add_outcome(outcome, report.base);
+  for (const CompareRow& row : report.twins) add_drift(drift, row);
+  for (const CompareRow& row : report.twins) add_outcome(outcome, row);
+  for (const CompareRow& row : report.rows) add_drift(drift, row);
+  for (const CompareRow& row : report.rows) add_outcome(outcome, row);
+  text += "\n" + drift.text() + "\n" + outcome.text() + hashes_text(report);
+  for (const CompareRow& row : report.rows)
+    if (!row.reason.empty())
+      text += verifier::wrapped(fmt::format("{}: {}: {}", row.variant.name, brief_verdict(row), row.reason), 4);
+  return text;
+}
+
+Json row_json(const CompareRow& row, bool is_twin) {
+  Json entry;
+  entry["variant"] = row.variant.name;
+  entry["twin"] = is_twin;
+  entry["verdict"] = verdict_name(row.verdict);
+  entry["reason"] = row.reason;
+  entry["same_ticks"] = row.same_ticks;
+  entry["bits_of"] = !row.same_ticks ? Json(nullptr) : Json(row.whole_state ? "state" : "bodies");
+  entry["root_hash"] = hex64(row.root_hash);
+  entry["first_different_tick"] = row.first_different ? Json(*row.first_different) : Json(nullptr);
+  entry["ticks"] = row.tick_count;
+  entry["position_max_m"] = number_json(row.position_max);
+  entry["position_rms_m"] = number_json(row.position_rms);
+  entry["angle_max_rad"] = number_json(row.angle_max);
+  entry["growth_per_s"] = optional_json(row.growth);
+  entry["beyond_twins_s"] = optional_json(row.beyond_s);
+  entry["energy_j"] = number_json(row.energy);
+  entry["momentum"] = number_json(row.momentum);
+  entry["overlap_max_m"] = number_json(row.overlap_max);
+  entry["joint_gap_max_m"] = number_json(row.joint_gap_max);
+  entry["placed"] = row.placed_count;
+  entry["standing"] = row.standing_count;
+  entry["order"] = number_json(row.order);
+  entry["resting"] = row.resting_count;
+  entry["elsewhere"] = row.elsewhere_count;
+  entry["ms_per_s"] = row.ms_per_s;
+  entry["samples"] = Json::array();
+  for (const auto& sample : row.samples)
+    entry["samples"].push_back({{"time_s", sample.time_s},
+                                {"position_max_m", number_json(sample.position_max)},
+                                {"position_rms_m", number_json(sample.position_rms)},
+                                {"angle_max_rad", number_json(sample.angle_max)},
+                                {"twins_rms_m", number_json(sample.twin_rms)}});
+  return entry;
+}
+
+Json report_json(const CompareReport& report, const CompareSession& session, const std::string& command_line) {
+  Json object;
+  object["schema"] = "ticktrue.compare/1";
+  object["command"] = command_line;
+  object["scene"] = session.scene.name;
+  object["seconds"] = session.seconds;
+  object["beyond_factor"] = verifier::beyond_factor;
+  Json counts;
+  for (const std::string_view name : verifier::compare_verdict_names) counts[std::string(name)] = 0;
+  for (const CompareRow& row : report.rows)
+    counts[std::string(verdict_name(row.verdict))] = counts[std::string(verdict_name(row.verdict))].get<int>() + 1;
+  object["verdicts"] = std::move(counts);
+  object["base"] = row_json(report.base, false);
+  object["rows"] = Json::array();
+  for (const CompareRow& row : report.twins) object["rows"].push_back(row_json(row, true));
+  for (const CompareRow& row : report.rows) object["rows"].push_back(row_json(row, false));
+  return object;
+}
+
+std::string csv_of(const CompareReport& report) {
+  std::string text = verifier::csv_line(
+      {"variant", "verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad", "twins_rms_m"});
+  for (const auto* rows : {&report.twins, &report.rows})
+    for (const CompareRow& row : *rows)
+      for (const auto& sample : row.samples)
+        text +=
+            verifier::csv_line({row.variant.name, std::string(verdict_name(row.verdict)), full_number(sample.time_s),
+                                full_number(sample.position_max), full_number(sample.position_rms),
+                                full_number(sample.angle_max), full_number(sample.twin_rms)});
+  return text;
+}
+
+std::vector<verifier::Plot> plots_of(const CompareReport& report, const CompareSession& session) {
+  verifier::Plot plot{session.scene.name + ": drift from the base", "s", "m (RMS over bodies)", false, true, {}};
+  const auto add = [&](const CompareRow& row, bool dashed) {
+    verifier::PlotCurve curve{row.variant.name, {}, {}, dashed};
+    for (const auto& sample : row.samples) {
+      curve.x.push_back(sample.time_s);
+      curve.y.push_back(sample.position_rms);
+    }
+    plot.curves.push_back(std::move(curve));
+  };
+  for (const CompareRow& row : report.twins) add(row, true);
+  for (const CompareRow& row : report.rows) add(row, false);
+  return {plot};
+}
+
+template <typename Table, typename Kind>
+void choose(const Table& table, const std::vector<std::string>& names, std::vector<Kind>& out) {
+  for (const std::string& name : names)
+    if (const auto* row = engine::find_choice(table, name)) out.push_back(row->kind);
+}
+
+// "1/120" or "0.005". Errors: usage.
+Result<double> parse_dt(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  char* end = nullptr;
+  double value = std::strtod(text.c_str(), &end);
+  bool whole = end != text.c_str();
+  if (slash != std::string::npos && whole && static_cast<std::size_t>(end - text.c_str()) == slash) {
+    const char* start = text.c_str() + slash + 1;
+    value /= std::strtod(start, &end);
+    whole = end != start;
+  }
+  if (!whole || *end != '\0' || !(value >= limits::dt_min_s && value <= limits::dt_max_s))
+    return Error{ErrorCode::usage, "--dt: found " + text + ", expected seconds such as 1/120 or 0.005", {}};
+  return value;
+}
+
+Result<verifier::CompareAxes> axes_of(const CompareCommand& command) {
+  verifier::CompareAxes axes;
+  choose(engine::integrators, command.integrators, axes.integrators);
+  choose(engine::clock_kinds, command.clocks, axes.clocks);
+  choose(engine::solvers, command.solvers, axes.solvers);
+  choose(engine::precisions, command.precisions, axes.precisions);
+  choose(engine::broad_phases, command.broad_phases, axes.broad_phases);
+  for (const std::string& text : command.dts) {
+    const Result<double> dt = parse_dt(text);
+    if (!dt) return dt.error();
+    axes.dts.push_back(*dt);
+  }
+  for (const std::string& text : command.substeps) {
+    const int count = text == "auto" ? 0 : std::atoi(text.c_str());
+    if (text != "auto" && (count < 1 || count > limits::substep_count_max || std::to_string(count) != text))
+      return Error{ErrorCode::usage, "--substeps: found " + text + ", expected 1..256 or auto", {}};
+    axes.substeps.push_back(count);
+  }
+  for (const std::string& text : command.threads) {
+    const unsigned count = text.size() <= 2 ? static_cast<unsigned>(std::max(0, std::atoi(text.c_str()))) : 0;
+    if (count < 1 || count > thread_count_max || std::to_string(count) != text)
+      return Error{ErrorCode::usage,
+                   "--threads: found " + text + ", expected 1.." + std::to_string(thread_count_max) + ", such as 1,2,4",
+                   {}};
+    axes.threads.push_back(count);
+  }
+  return axes;
+}
+
+std::string command_line_of(const CompareCommand& command, const CompareSession& session) {
+  std::string line = "ticktrue compare '" + command.subject + "'";
+  const auto add = [&](const char* name, const std::vector<std::string>& values) {
+    if (values.empty()) return;
+    line += std::string(" ") + name;
+    for (std::size_t i = 0; i < values.size(); ++i) line += (i == 0 ? " " : ",") + values[i];
+  };
+  add("--integrator", command.integrators);
+  add("--clock", command.clocks);
+  add("--solver", command.solvers);
+  add("--substeps", command.substeps);
+  add("--precision", command.precisions);
+  add("--dt", command.dts);
+  add("--broad-phase", command.broad_phases);
+  add("--threads", command.threads);
+  if (session.dts.empty()) line += " --seconds " + full_number(session.seconds);
+  line += " --twins " + std::to_string(command.twin_count);
+  if (!command.clocks.empty()) line += " --host " + command.host + " --host-seed " + std::to_string(command.host_seed);
+  return line;
+}
+
+bool is_trace(const std::string& path) {
+  return path.size() > 4 && path.compare(path.size() - 4, 4, ".ttr") == 0;
+}
+
+int run_compare(const CompareCommand& command) {
+  const auto axes = axes_of(command);
+  if (!axes) return fail_usage(axes.error());
+  const auto variants = verifier::product_of(*axes);
+  if (variants.empty())
+    return fail_usage(Error{ErrorCode::usage,
+                            "compare: found nothing to compare with, expected at least one of --integrator, --clock, "
+                            "--solver, --substeps, --precision, --dt, --broad-phase, --threads",
+                            "ticktrue compare pyramid --integrator velocity_verlet,rk4"});
+  CompareSession session;
+  if (is_trace(command.subject)) {
+    auto read = verifier::session_of_trace(command.subject);
+    if (!read) return fail(read.error());
+    session = std::move(*read);
+  } else {
+    const auto scene = load_scene_argument(command.subject);
+    if (!scene) return fail_usage(scene.error());
+    session.scene = *scene;
+    session.seconds =
+        command.tick_count ? static_cast<double>(*command.tick_count) * scene->settings.dt : command.seconds;
+  }
+  if (const Status host = verifier::check_host(command.host, command.host_seed); !host) return fail_usage(host.error());
+  verifier::CompareOptions options;
+  options.twin_count = static_cast<int>(command.twin_count);
+  options.host = command.host;
+  options.host_seed = command.host_seed;
+  options.wall_clock = !command.threads.empty();
+  const unsigned job_count = options.wall_clock ? 1 : core_count();
+  options.thread_count = command.job_count > 0 ? static_cast<unsigned>(command.job_count) : job_count;
+  Progress progress("compare " + session.scene.name, 1, "runs");
+  options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  const auto report = verifier::compare_variants(session, variants, options);
+  progress.finish();
+  if (!report) return fail_usage(report.error());
+  const std::string command_line = command_line_of(command, session);
+  if (command.files.json)
+    print_json(report_json(*report, session, command_line));
+  else
+    print(report_text(*report, session, command_line));
+  if (const int code = write_study_files(command.files, csv_of(*report), plots_of(*report, session)); code != exit_ok)
+    return code;
+  return report->base.verdict == CompareVerdict::not_finite ||
+                 std::any_of(report->rows.begin(), report->rows.end(),
+                             [](const CompareRow& row) { return row.verdict == CompareVerdict::not_finite; })
+             ? exit_finding
+             : exit_ok;
+}
+
+template <typename Table>
+void add_axis(CLI::App& command, const std::string& name, std::vector<std::string>& target, const Table& table,
+              const std::string& what) {
+  std::vector<std::string> names;
+  for (const auto& row : table) names.emplace_back(row.name);
+  command.add_option(name, target, what)->delimiter(',')->allow_extra_args(false)->check(CLI::IsMember(names));
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<CompareCommand>();
+  CLI::App* command =
+      app.add_subcommand("compare", "Run a scene in several ways and say what that changes")->group(group_study);
+  command
+      ->add_option("SCENE|TRACE", options->subject,
+                   "Scene file (.json), built-in scene, or a trace (.ttr) with its inputs")
+      ->required();
+  add_axis(*command, "--integrator", options->integrators, engine::integrators, "Integrators");
+  add_axis(*command, "--clock", options->clocks, engine::clock_kinds, "Clocks, on the frames of --host");
+  add_axis(*command, "--solver", options->solvers, engine::solvers, "Solvers");
+  command->add_option("--substeps", options->substeps, "Substeps, 1..256 or auto")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  add_axis(*command, "--precision", options->precisions, engine::precisions, "Precisions");
+  command->add_option("--dt", options->dts, "Lengths of a tick, s, such as 1/120")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  add_axis(*command, "--broad-phase", options->broad_phases, engine::broad_phases, "Broad phases");
+  command->add_option("--threads", options->threads, "Threads of a tick, 1..64")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  auto* seconds = command->add_option("--seconds", options->seconds, "Simulated time; of a trace: its own")
+                      ->check(CLI::Range(1e-3, 1e6))
+                      ->capture_default_str();
+  add_number(*command, "--ticks", options->tick_count, "The same in ticks of the base", {1, limits::tick_count_max})
+      ->excludes(seconds);
+  add_number(*command, "--twins", options->twin_count, "Runs of the base shifted by 1 ULP; default: 3", {1, 100});
+  command->add_option("--host", options->host, "Frames for --clock: a model of `ticktrue run --help`, or a file")
+      ->capture_default_str();
+  add_number(*command, "--host-seed", options->host_seed, "Of the model; default: 1");
+  add_number(*command, "-j,--jobs", options->job_count, "Runs at once; default: one a core, with --threads one",
+             {1, 1024});
+  add_study_files(*command, options->files);
+  set_examples(*command,
+               "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16\n"
+               "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
+               "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"
+               "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid --threads 1,2");
+  command->callback([options, &context] { context.exit_code = run_compare(*options); });
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,406 @@
+// `ticktrue crosscheck`: the same scene in Box2D 2.4.1 and in the engine, criterion by criterion.
+// SPDX-License-Identifier: MIT
+#include "tool/crosscheck/crosscheck.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel/jobs.h"
+#include "tool/cli/commands.h"
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+#include "tool/study/crosscheck_suite.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::Agreement;
+using verifier::CrosscheckReport;
+using verifier::CrosscheckRow;
+using verifier::CrosscheckSolver;
+
+constexpr std::size_t text_width = 116;  // of a line
+
+struct CrosscheckCommand {
+  std::vector<std::string> scenes;  // one scene, or scenes of the suite
+  bool suite = false;
+  bool match_skin = false;
+  std::vector<std::string> solvers;
+  std::uint64_t seed_count = 5;
+  double seconds = 0;              // 0: 20, or what the suite's scene says
+  std::uint64_t thread_count = 0;  // 0: as many as there are cores
+  bool json = false;
+};
+
+std::string_view verdict_name(Agreement verdict) {
+  return verifier::verdict_names[static_cast<std::size_t>(verdict)];
+}
+
+// Three digits, four decimals at most: the JSON has them all.
+std::string brief_number(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (std::fabs(value) >= 0.1) return fmt::format("{:.4g}", value);
+  std::string text = fmt::format("{:.4f}", value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+// Mean of the seeds, with their range where it shows; infinite values (never at rest) counted apart.
+std::string value_text(const std::vector<double>& values) {
+  if (values.empty()) return "-";
+  std::vector<double> finite;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
+  if (finite.empty()) return "never";
+  double mean = 0;
+  for (const double value : finite) mean += value / static_cast<double>(finite.size());
+  const auto [lowest, highest] = std::minmax_element(finite.begin(), finite.end());
+  const std::string low = brief_number(*lowest);
+  const std::string high = brief_number(*highest);
+  std::string text = brief_number(mean);
+  if (low != high) text += fmt::format(" ({}..{})", low, high);
+  if (finite.size() < values.size()) text += fmt::format(" {} never", values.size() - finite.size());
+  return text;
+}
+
+// Lines of at most text_width columns, indented.
+std::string wrapped(std::string_view text, std::size_t indent) {
+  std::string lines;
+  while (!text.empty()) {
+    std::size_t size = std::min(text.size(), text_width - indent);
+    if (size < text.size())
+      if (const std::size_t space = text.rfind(' ', size); space != std::string_view::npos && space > 0) size = space;
+    lines += std::string(indent, ' ') + std::string(text.substr(0, size)) + "\n";
+    text.remove_prefix(size);
+    if (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  }
+  return lines;
+}
+
+constexpr std::string_view row_format = "  {:<21}{:<24} {:<24} {:<8}{:<8}{:<14}{}\n";
+
+std::string row_text(const CrosscheckRow& row) {
+  if (row.verdict == Agreement::not_applicable)
+    return fmt::format("  {:<21}not applicable: {}\n", row.criterion, row.reason);
+  std::string text =
+      fmt::format(row_format, row.criterion, value_text(row.ours), value_text(row.box2d), brief_number(row.difference),
+                  brief_number(row.tolerance), row.unit, verdict_name(row.verdict));
+  if (!row.reason.empty()) text += wrapped(row.reason, 4);
+  return text;
+}
+
+std::string report_text(const CrosscheckReport& report) {
+  std::string text = fmt::format("crosscheck  {}  {} seeds of {:g} s ({} ticks), Box2D {} with {}/{} iterations\n",
+                                 report.scene, report.seed_count, report.seconds, report.tick_count,
+                                 report.box2d_version, report.velocity_iterations, report.position_iterations);
+  if (report.match_skin) text += "  Box2D's polygons rest where their geometry touches, not a skin of 2 cm apart\n";
+  if (report.length_scale != 1)
+    text += fmt::format("  lengths scaled by {:g} for Box2D, which is tuned for bodies of 0.1 m to 10 m\n",
+                        report.length_scale);
+  for (const CrosscheckSolver& solver : report.solvers) {
+    text += "\n" + fmt::format(row_format, "criterion", solver.solver, "Box2D", "apart", "allowed", "", "verdict");
+    for (const CrosscheckRow& row : report.rows)
+      if (row.solver == solver.solver) text += row_text(row);
+  }
+  text += "\n";
+  for (const CrosscheckSolver& solver : report.solvers) text += solver.summary + "\n";
+  return text;
+}
+
+Json numbers_json(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+  return array;
+}
+
+Json report_json(const CrosscheckReport& report) {
+  Json object;
+  object["schema"] = "ticktrue.crosscheck/1";
+  object["scene"] = report.scene;
+  object["seeds"] = report.seed_count;
+  object["seconds"] = report.seconds;
+  object["ticks"] = report.tick_count;
+  object["peer"] = {{"name", "Box2D"},
+                    {"version", report.box2d_version},
+                    {"velocity_iterations", report.velocity_iterations},
+                    {"position_iterations", report.position_iterations},
+                    {"length_scale", report.length_scale},
+                    {"match_skin", report.match_skin}};
+  int passed = 0;
+  int failed = 0;
+  int expected = 0;
+  int not_applicable = 0;
+  Json solvers = Json::array();
+  for (const CrosscheckSolver& solver : report.solvers) {
+    passed += solver.passed;
+    failed += solver.failed;
+    expected += solver.expected;
+    not_applicable += solver.not_applicable;
+    Json entry;
+    entry["solver"] = solver.solver;
+    entry["agrees"] = solver.failed == 0 && solver.passed + solver.expected > 0;
+    entry["passed"] = solver.passed;
+    entry["failed"] = solver.failed;
+    entry["expected"] = solver.expected;
+    entry["not_applicable"] = solver.not_applicable;
+    entry["stood"] = report.is_structure ? Json(solver.stood) : Json(nullptr);
+    entry["box2d_stood"] = report.is_structure ? Json(report.box2d_stood) : Json(nullptr);
+    entry["summary"] = solver.summary;
+    solvers.push_back(std::move(entry));
+  }
+  object["passed"] = passed;
+  object["failed"] = failed;
+  object["expected"] = expected;
+  object["not_applicable"] = not_applicable;
+  object["solvers"] = std::move(solvers);
+  Json rows = Json::array();
+  for (const CrosscheckRow& row : report.rows) {
+    Json entry;
+    entry["solver"] = row.solver;
+    entry["criterion"] = row.criterion;
+    entry["verdict"] = verdict_name(row.verdict);
+    entry["unit"] = row.unit;
+    entry["ours"] = numbers_json(row.ours);
+    entry["box2d"] = numbers_json(row.box2d);
+    entry["difference"] = std::isfinite(row.difference) ? Json(row.difference) : Json(nullptr);
+    entry["tolerance"] = row.tolerance;
+    entry["reason"] = row.reason;
+    rows.push_back(std::move(entry));
+  }
+  object["rows"] = std::move(rows);
+  return object;
+}
+
+verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
+  verifier::CrosscheckOptions options;
+  for (const std::string& name : command.solvers)
+    if (const engine::SolverInfo* info = engine::find_choice(engine::solvers, name))
+      options.solvers.push_back(info->kind);
+  options.seed_count = static_cast<std::uint32_t>(command.seed_count);
+  if (command.seconds > 0) options.seconds = command.seconds;
+  options.match_skin = command.match_skin;
+  options.thread_count =
+      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  return options;
+}
+
+// ---- The suite ----
+
+struct SuiteRow {
+  const verifier::SuiteScene* scene;
+  CrosscheckReport report;
+};
+
+// The verdict on a scene: the worst of its criteria.
+Agreement verdict_on(const CrosscheckSolver& solver) {
+  if (solver.failed > 0) return Agreement::differ;
+  if (solver.expected > 0) return Agreement::expected;
+  return solver.passed > 0 ? Agreement::agree : Agreement::not_applicable;
+}
+
+// As many names as fit the line, then how many more.
+std::string some_criteria(const CrosscheckReport& report, const std::string& solver, Agreement verdict) {
+  constexpr std::size_t width = 56;
+  std::string text;
+  int left_off = 0;
+  for (const CrosscheckRow& row : report.rows) {
+    if (row.solver != solver || row.verdict != verdict) continue;
+    const bool fits = left_off == 0 && text.size() + row.criterion.size() + 2 <= width;
+    if (fits)
+      text += (text.empty() ? "" : ", ") + row.criterion;
+    else
+      ++left_off;
+  }
+  return left_off > 0 ? text + fmt::format(" +{}", left_off) : text;
+}
+
+std::string suite_text(const std::vector<SuiteRow>& rows) {
+  constexpr std::string_view format = "{:<18}{:<10}{:<15}{:<8}{:<8}{}\n";
+  std::string text = fmt::format(format, "scene", "solver", "verdict", "stood", "Box2D", "criteria of this verdict");
+  for (const SuiteRow& row : rows) {
+    for (const CrosscheckSolver& solver : row.report.solvers) {
+      const Agreement verdict = verdict_on(solver);
+      const auto stood = [&](std::size_t count) {
+        return row.report.is_structure && verdict != Agreement::not_applicable
+                   ? fmt::format("{} of {}", count, row.report.seed_count)
+                   : std::string("-");
+      };
+      text += fmt::format(format, row.scene->name, solver.solver, verdict_name(verdict), stood(solver.stood),
+                          stood(row.report.box2d_stood),
+                          verdict == Agreement::agree ? "" : some_criteria(row.report, solver.solver, verdict));
+      while (text.size() > 1 && text[text.size() - 2] == ' ') text.erase(text.size() - 2, 1);
+    }
+  }
+  return text;
+}
+
+struct SuiteCount {
+  std::string solver;
+  int agree = 0, expected = 0, differ = 0, not_applicable = 0;
+};
+
+std::vector<SuiteCount> count_suite(const std::vector<SuiteRow>& rows) {
+  std::vector<SuiteCount> counts;
+  for (const SuiteRow& row : rows) {
+    for (const CrosscheckSolver& solver : row.report.solvers) {
+      const auto found = std::find_if(counts.begin(), counts.end(),
+                                      [&](const SuiteCount& count) { return count.solver == solver.solver; });
+      SuiteCount& count = found == counts.end() ? counts.emplace_back(SuiteCount{solver.solver}) : *found;
+      switch (verdict_on(solver)) {
+        case Agreement::agree:
+          ++count.agree;
+          break;
+        case Agreement::expected:
+          ++count.expected;
+          break;
+        case Agreement::differ:
+          ++count.differ;
+          break;
+        case Agreement::not_applicable:
+          ++count.not_applicable;
+          break;
+      }
+    }
+  }
+  return counts;
+}
+
+Json suite_json(const std::vector<SuiteRow>& rows, const std::vector<SuiteCount>& counts) {
+  Json object;
+  object["schema"] = "ticktrue.crosscheck_suite/1";
+  Json solvers = Json::array();
+  SuiteCount all;
+  for (const SuiteCount& count : counts) {
+    solvers.push_back({{"solver", count.solver},
+                       {"passed", count.agree},
+                       {"failed", count.differ},
+                       {"expected", count.expected},
+                       {"not_applicable", count.not_applicable}});
+    all.agree += count.agree;
+    all.differ += count.differ;
+    all.expected += count.expected;
+    all.not_applicable += count.not_applicable;
+  }
+  object["passed"] = all.agree;
+  object["failed"] = all.differ;
+  object["expected"] = all.expected;
+  object["not_applicable"] = all.not_applicable;
+  object["solvers"] = std::move(solvers);
+  Json list = Json::array();
+  for (const SuiteRow& row : rows) {
+    Json entry = report_json(row.report);
+    entry["scene"] = row.scene->name;
+    entry["outcome"] = row.scene->outcome;
+    list.push_back(std::move(entry));
+  }
+  object["rows"] = std::move(list);
+  return object;
+}
+
+int run_suite(const CrosscheckCommand& command) {
+  std::vector<const verifier::SuiteScene*> scenes;
+  for (const verifier::SuiteScene& scene : verifier::crosscheck_suite())
+    if (command.scenes.empty() ||
+        std::find(command.scenes.begin(), command.scenes.end(), scene.name) != command.scenes.end())
+      scenes.push_back(&scene);
+  for (const std::string& name : command.scenes)
+    if (std::none_of(scenes.begin(), scenes.end(), [&](const auto* scene) { return scene->name == name; })) {
+      std::string known;
+      for (const verifier::SuiteScene& scene : verifier::crosscheck_suite())
+        known += (known.empty() ? "" : " ") + std::string(scene.name);
+      return fail_usage({ErrorCode::usage, name + ": not a scene of the suite", "one of: " + known});
+    }
+
+  verifier::CrosscheckOptions options = options_of(command);
+  options.match_skin = true;
+  std::vector<SuiteRow> rows;
+  Progress progress("crosscheck", scenes.size(), "scenes");
+  for (const verifier::SuiteScene* scene : scenes) {
+    engine::Scene made = scene->make();
+    made.name = scene->name;
+    if (command.seconds == 0) options.seconds = scene->seconds;
+    Result<CrosscheckReport> report = verifier::crosscheck(made, options);
+    if (!report) return fail_usage(report.error());
+    rows.push_back({scene, std::move(*report)});
+    progress.update(rows.size());
+  }
+  progress.finish();
+
+  const std::vector<SuiteCount> counts = count_suite(rows);
+  if (command.json) {
+    print_json(suite_json(rows, counts));
+  } else {
+    print(suite_text(rows) + "\n");
+    for (const SuiteCount& count : counts)
+      print(fmt::format("{:<10} agree {} of {}{}\n", count.solver, count.agree + count.expected,
+                        count.agree + count.expected + count.differ,
+                        count.expected > 0 ? fmt::format(" ({} expected)", count.expected) : std::string()));
+  }
+  const bool differs = std::any_of(counts.begin(), counts.end(), [](const auto& count) { return count.differ > 0; });
+  return differs ? exit_finding : exit_ok;
+}
+
+int run_crosscheck(const CrosscheckCommand& command) {
+  if (command.suite) return run_suite(command);
+  if (command.scenes.size() != 1)
+    return fail_usage({ErrorCode::usage,
+                       fmt::format("SCENE: found {}, expected one, or --suite", command.scenes.size()),
+                       "ticktrue crosscheck --help shows examples"});
+  const Result<engine::Scene> scene = load_scene_argument(command.scenes.front());
+  if (!scene) return fail_usage(scene.error());
+  verifier::CrosscheckOptions options = options_of(command);
+  std::optional<Progress> progress;
+  std::uint64_t total_shown = 0;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    if (total != total_shown) progress.emplace("crosscheck " + scene->name, total);
+    total_shown = total;
+    progress->update(done);
+  };
+  const Result<CrosscheckReport> report = verifier::crosscheck(*scene, options);
+  progress.reset();
+  if (!report) return fail_usage(report.error());
+  if (command.json)
+    print_json(report_json(*report));
+  else
+    print(report_text(*report));
+  const bool failed = std::any_of(report->solvers.begin(), report->solvers.end(),
+                                  [](const CrosscheckSolver& solver) { return solver.failed > 0; });
+  return failed ? exit_finding : exit_ok;
+}
+
+}  // namespace
+
+void add_crosscheck(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<CrosscheckCommand>();
+  CLI::App* command =
+      app.add_subcommand("crosscheck", "Run a scene in Box2D 2.4.1 too and compare the outcome")->group(group_study);
+  command->add_option(
+      "SCENE", options->scenes,
+      "Scene file (.json) or built-in scene, with parameters: stack?boxes=20; with --suite: scenes of it");
+  command->add_flag("--suite", options->suite, "The suite of structures, or those named; Box2D's skin is matched");
+  command->add_flag("--match-skin", options->match_skin,
+                    "Give Box2D's polygons so thin a skin that they rest where their geometry touches");
+  std::vector<std::string> names;
+  for (const engine::SolverInfo& info : engine::solvers) names.emplace_back(info.name);
+  command->add_option("--solver", options->solvers, "Solver of ours, may be repeated; default: the scene's")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
+  add_number(*command, "--seeds", options->seed_count, "Jittered starts; the first is not jittered", {1, 1000});
+  command
+      ->add_option("--seconds", options->seconds,
+                   "Simulated time of each run, s; default: 20, in the suite each scene's")
+      ->check(CLI::Range(1e-3, 1e6));
+  add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
+  command->add_flag("--json", options->json, "One JSON object");
+  set_examples(*command,
+               "ticktrue crosscheck 'stack?boxes=10' --solver tgs_soft --solver impulse\n"
+               "ticktrue crosscheck 'pyramid?base=20' --seeds 3 --seconds 10 --json\n"
+               "ticktrue crosscheck --suite --solver tgs_soft,impulse");
+  command->callback([options, &context] { context.exit_code = run_crosscheck(*options); });
+}
+
+}  // namespace ticktrue::cli

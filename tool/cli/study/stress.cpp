@@ -1,0 +1,288 @@
+// `ticktrue stress`: stiff and extreme cases, with the number behind each verdict.
+// SPDX-License-Identifier: MIT
+#include "tool/study/stress/stress.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel/jobs.h"
+#include "tool/cli/commands.h"
+#include "tool/cli/study/study_output.h"
+#include "tool/output/json_output.h"
+#include "tool/output/progress.h"
+
+namespace ticktrue::cli {
+namespace {
+
+using verifier::full_number;
+using verifier::short_number;
+using verifier::StabilityRow;
+using verifier::StressRow;
+using verifier::StudyVerdict;
+using verifier::TextTable;
+using verifier::VerdictCounts;
+
+struct StressCommand {
+  std::vector<std::string> cases;
+  std::vector<std::string> precisions;
+  std::uint64_t thread_count = 0;  // 0: as many as there are cores
+  bool with_long = false;
+  bool no_limits = false;
+  bool limits_alone = false;
+  bool brief = false;
+  bool list = false;
+  StudyFiles files;
+};
+
+std::string bound_text(const StressRow& row) {
+  if (std::isinf(row.lower) || (row.lower == 0 && row.upper > 0)) return "<= " + short_number(row.upper);
+  return row.lower == row.upper ? "= " + short_number(row.upper)
+                                : short_number(row.lower) + ".." + short_number(row.upper);
+}
+
+// Beside a number that is outside its bounds.
+std::string_view mark_of(StudyVerdict verdict) {
+  return verdict == StudyVerdict::fail ? "!" : verdict == StudyVerdict::expected ? "~" : " ";
+}
+
+std::string cases_text(const std::vector<StressRow>& rows) {
+  std::string text;
+  for (std::size_t i = 0; i < rows.size();) {
+    const StressRow& first = rows[i];
+    text += fmt::format("\n{}  {}\n", first.name, precision_name(first.precision));
+    text += verifier::wrapped(fmt::format("{}; {} {}", first.what, bound_text(first), first.unit), 4);
+    if (!first.best_known.empty())
+      text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
+    for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
+      const StressRow& row = rows[i];
+      const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
+      std::string line = fmt::format("{:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
+                                     is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
+      while (line.back() == ' ') line.pop_back();
+      text += verifier::wrapped(line, 4);
+    }
+  }
+  return text;
+}
+
+// Rows and columns change places.
+std::vector<std::vector<std::string>> turned_over(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::vector<std::string>> out(rows[0].size());
+  for (const std::vector<std::string>& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) out[i].push_back(row[i]);
+  return out;
+}
+
+// One line a case, one table for cases of the same methods; of many methods, one line a method. Failures are marked.
+std::string brief_text(const std::vector<StressRow>& rows) {
+  constexpr std::size_t method_count_max = 5;
+  struct Group {
+    std::vector<std::string> methods;
+    std::vector<std::vector<std::string>> lines;
+  };
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < rows.size();) {
+    const StressRow& first = rows[i];
+    std::vector<std::string> methods;
+    std::vector<std::string> line{first.name, std::string(precision_name(first.precision)), bound_text(first)};
+    for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
+      methods.push_back(rows[i].method);
+      line.push_back(rows[i].verdict == StudyVerdict::not_applicable
+                         ? "n/a"
+                         : short_number(rows[i].value) + std::string(mark_of(rows[i].verdict)));
+    }
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.methods == methods; });
+    if (group == groups.end()) group = groups.insert(group, {std::move(methods), {}});
+    group->lines.push_back(std::move(line));
+  }
+  std::string text;
+  for (const Group& group : groups) {
+    std::vector<std::string> head{"case", "precision", "bounds"};
+    head.insert(head.end(), group.methods.begin(), group.methods.end());
+    const bool is_wide = group.methods.size() > method_count_max;
+    std::vector<std::vector<std::string>> all{std::move(head)};
+    all.insert(all.end(), group.lines.begin(), group.lines.end());
+    if (is_wide) all = turned_over(all);
+    TextTable table(all[0], is_wide ? 1 : 3);
+    for (std::size_t i = 1; i < all.size(); ++i) table.add(all[i]);
+    text += "\n" + table.text();
+  }
+  return text +
+         "    !: fails.  ~: outside the bounds, but expected: a baseline, or the other sort of substeps passes\n";
+}
+
+std::string limits_text(const std::vector<StabilityRow>& limits) {
+  if (limits.empty()) return {};
+  TextTable table({"integrator", "precision", "found", "theory", "verdict"}, 2);
+  for (const StabilityRow& row : limits)
+    table.add({std::string(engine::info_of(engine::integrators, row.integrator).name),
+               std::string(precision_name(row.precision)),
+               std::isinf(row.found) ? "none" : fmt::format("{:.3f}", row.found),
+               std::isinf(row.theory) ? "none" : fmt::format("{:.4f}", row.theory),
+               verifier::stability_holds(row) ? "pass" : "fail"});
+  return "\nstability limits  largest w h at which an undamped oscillation does not grow, by bisection\n" +
+         table.text();
+}
+
+VerdictCounts verdicts_of(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits) {
+  VerdictCounts counts;
+  for (const StressRow& row : rows) counts.add(row.verdict);
+  for (const StabilityRow& row : limits)
+    counts.add(verifier::stability_holds(row) ? StudyVerdict::pass : StudyVerdict::fail);
+  return counts;
+}
+
+std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts& counts) {
+  std::string text = "\n" + counts_text(counts) + "\n";
+  for (const StressRow& row : rows)
+    if (row.verdict == StudyVerdict::fail)
+      text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
+                          row.method, short_number(row.value), bound_text(row), row.unit);
+  return text + "spinning tops and gyroscopic terms: not applicable in two dimensions\n";
+}
+
+Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
+                 const std::string& command_line) {
+  Json object;
+  object["schema"] = "ticktrue.stress/1";
+  object["command"] = command_line;
+  add_counts(object, verdicts_of(rows, limits));
+  object["rows"] = Json::array();
+  for (const StressRow& row : rows)
+    object["rows"].push_back(
+        {{"case", row.name},
+         {"method", row.method},
+         {"precision", precision_name(row.precision)},
+         {"verdict", verdict_name(row.verdict)},
+         {"value", row.verdict == StudyVerdict::not_applicable ? Json(nullptr) : number_json(row.value)},
+         {"lower", number_json(row.lower)},
+         {"upper", number_json(row.upper)},
+         {"unit", row.unit},
+         {"what", row.what},
+         {"reason", row.reason},
+         {"best_known", row.best_known},
+         {"source", row.source}});
+  object["stability_limits"] = Json::array();
+  for (const StabilityRow& row : limits)
+    object["stability_limits"].push_back({{"integrator", engine::info_of(engine::integrators, row.integrator).name},
+                                          {"precision", precision_name(row.precision)},
+                                          {"found", number_json(row.found)},
+                                          {"theory", number_json(row.theory)},
+                                          {"verdict", verifier::stability_holds(row) ? "pass" : "fail"}});
+  return object;
+}
+
+std::string csv_of(const std::vector<StressRow>& rows) {
+  std::string text = verifier::csv_line(
+      {"case", "method", "precision", "verdict", "value", "lower", "upper", "unit", "reason", "best_known", "source"});
+  for (const StressRow& row : rows)
+    text += verifier::csv_line({row.name, row.method, std::string(precision_name(row.precision)),
+                                std::string(verdict_name(row.verdict)), full_number(row.value), full_number(row.lower),
+                                full_number(row.upper), row.unit, row.reason, row.best_known, row.source});
+  return text;
+}
+
+// One diagram a precision: how far each case is from its upper bound, per method.
+std::vector<verifier::Plot> plots_of(const std::vector<StressRow>& rows,
+                                     const std::vector<engine::Precision>& precisions) {
+  std::vector<verifier::Plot> plots;
+  for (const engine::Precision precision : precisions) {
+    verifier::Plot plot{
+        fmt::format("stress ({})", precision_name(precision)), "", "found over the upper bound", false, true, {}};
+    plot.joined = false;
+    plot.y_least = 1e-4;
+    plot.y_most = 1e4;
+    std::string name;
+    for (const StressRow& row : rows) {
+      if (row.precision != precision) continue;
+      if (row.name != name) plot.ticks.push_back(row.name);
+      name = row.name;
+      if (row.verdict == StudyVerdict::not_applicable || !(row.upper > 0)) continue;
+      auto curve =
+          std::find_if(plot.curves.begin(), plot.curves.end(), [&](const auto& c) { return c.name == row.method; });
+      if (curve == plot.curves.end()) curve = plot.curves.insert(curve, {row.method, {}, {}, false});
+      curve->x.push_back(static_cast<double>(plot.ticks.size()));
+      curve->y.push_back(row.value / row.upper);
+    }
+    plot.curves.push_back({"bound", {0.5, static_cast<double>(plot.ticks.size()) + 0.5}, {1, 1}, true});
+    plots.push_back(std::move(plot));
+  }
+  return plots;
+}
+
+int list_cases() {
+  TextTable table({"case", "what"}, 2);
+  for (const verifier::StressCase& each : verifier::stress_cases())
+    table.add({each.name + (each.is_long ? " (--long)" : ""), each.what});
+  print(table.text());
+  return exit_ok;
+}
+
+int run_stress_command(const StressCommand& command) {
+  if (command.list) return list_cases();
+  verifier::StressOptions options;
+  options.names = command.cases;
+  options.with_long = command.with_long;
+  options.thread_count =
+      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  options.precisions.clear();
+  for (const std::string& name : command.precisions)
+    options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);
+  Progress progress("stress", 1, "runs");
+  options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  Result<std::vector<StressRow>> rows = std::vector<StressRow>();
+  if (!command.limits_alone) rows = verifier::run_stress(options);
+  progress.finish();
+  if (!rows) return fail_usage(rows.error());
+  std::vector<StabilityRow> limits;
+  if (command.cases.empty() && !command.no_limits)
+    limits = verifier::stability_limits(options.precisions, options.thread_count);
+  std::string command_line = "ticktrue stress";
+  for (const std::string& name : command.cases) command_line += " " + name;
+  for (const engine::Precision precision : options.precisions)
+    command_line += " --precision " + std::string(precision_name(precision));
+  if (command.with_long) command_line += " --long";
+  if (command.brief) command_line += " --brief";
+  if (command.limits_alone) command_line += " --limits";
+  const VerdictCounts counts = verdicts_of(*rows, limits);
+  if (command.files.json)
+    print_json(report_json(*rows, limits, command_line));
+  else
+    print("stress  " + command_line + "\n" + (command.brief ? brief_text(*rows) : cases_text(*rows)) +
+          limits_text(limits) + summary_text(*rows, counts));
+  if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
+      code != exit_ok)
+    return code;
+  return counts.of(StudyVerdict::fail) > 0 ? exit_finding : exit_ok;
+}
+
+}  // namespace
+
+void add_stress(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<StressCommand>();
+  CLI::App* command = app.add_subcommand("stress", "Stiff and extreme cases: pass or fail, and the number behind it")
+                          ->group(group_study);
+  command->add_option("CASE", options->cases, "Cases of --list, or how their names begin; default: all");
+  std::vector<std::string> names;
+  for (const auto& info : engine::precisions) names.emplace_back(info.name);
+  options->precisions = {"f32"};
+  command->add_option("--precision", options->precisions, "f32, f64; default: f32")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
+  command->add_flag("--long", options->with_long, "Cases that take minutes too");
+  auto* no_limits = command->add_flag("--no-limits", options->no_limits, "Without the table of stability limits");
+  command->add_flag("--limits", options->limits_alone, "The table of stability limits alone")->excludes(no_limits);
+  command->add_flag("--brief", options->brief, "One line a case");
+  command->add_flag("--list", options->list, "List the cases, run none");
+  add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
+  add_study_files(*command, options->files);
+  set_examples(*command,
+               "ticktrue stress\nticktrue stress tower top_heavy --precision f32,f64\nticktrue stress spring --json");
+  command->callback([options, &context] { context.exit_code = run_stress_command(*options); });
+}
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,381 @@
+// Runs a scene in both engines over an ensemble of jittered starts, on all threads, and judges the outcome.
+// SPDX-License-Identifier: MIT
+#include "tool/crosscheck/crosscheck.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "base/limits.h"
+#include "base/parallel/jobs.h"
+#include "tool/box2d/box2d_peer.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Scene;
+using engine::SolverKind;
+
+constexpr double jitter_per_size = 0.001;
+constexpr double contact_window_s = 1;       // contacts are averaged over the last second,
+constexpr std::uint64_t contact_stride = 4;  // every fourth tick of it
+// To tell a difference of physics from one of convergence: Box2D with smaller steps, which do far more than iterations.
+constexpr std::array<int, 2> finer_steps_per_tick{4, 16};
+constexpr std::array<int, 2> own_substep_factors{2, 4};  // likewise ours
+constexpr std::size_t finest_body_count_max = 500;       // bounds the time the finest steps take
+
+// A number in [-1, 1) for a place in the sequence of a seed: one round of splitmix64.
+// Source: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
+double jitter_of(std::uint32_t seed, std::uint64_t place) {
+  std::uint64_t z = (static_cast<std::uint64_t>(seed) << 32) + place;
+  z = (z + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  z ^= z >> 31;
+  return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+}
+
+// One run to do: of the engine under a solver, or of Box2D.
+struct Job {
+  Scene scene;
+  bool is_box2d = false;
+  Box2dOptions box2d;
+};
+
+struct Outcome {
+  CrosscheckRun run;
+  std::size_t clamped_tick = 0;  // of Box2D
+  double length_scale = 1;
+  double skin = 0;
+};
+
+class Runner {
+ public:
+  Runner(const CrosscheckLayout& layout, std::uint64_t tick_count, const CrosscheckOptions& options)
+      : layout_(layout), tick_count_(tick_count), options_(options) {}
+
+  void expect_jobs(std::size_t count) { total_ += count * tick_count_; }
+
+  /// The outcome of each job, in order; the first error in that order.
+  Result<std::vector<Outcome>> run(const std::vector<Job>& jobs) {
+    std::vector<std::optional<Result<Outcome>>> results(jobs.size());
+    const Status ran =
+        run_jobs(jobs.size(), options_.thread_count, [&](std::size_t i) { results[i] = run_job(jobs[i]); });
+    if (!ran) return ran.error();
+
+    std::vector<Outcome> outcomes;
+    for (std::optional<Result<Outcome>>& result : results) {
+      if (!*result) return result->error();
+      outcomes.push_back(std::move(**result));
+    }
+    return outcomes;
+  }
+
+ private:
+  Result<Outcome> run_job(const Job& job) {
+    const engine::Settings& settings = job.scene.settings;
+    Outcome outcome;
+    if (job.is_box2d) {
+      Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(job.scene, job.box2d);
+      if (!peer) return peer.error();
+      outcome.skin = (*peer)->skin();
+      outcome.length_scale = (*peer)->length_scale();
+      CrosscheckMeasure measure(layout_, 0, outcome.skin);
+      watch(**peer, settings.dt, measure, [&] {
+        (*peer)->step();
+        return true;
+      });
+      outcome.clamped_tick = (*peer)->clamped_tick();
+      outcome.run = measure.finish();
+      return outcome;
+    }
+    Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(job.scene);
+    if (!made) return made.error();
+    engine::Engine& engine = **made;
+    CrosscheckMeasure measure(layout_, contact_hertz(settings), 0);
+    const TickInput input{settings.dt, {}};
+    Status accepted;
+    watch(engine, settings.dt, measure, [&] {
+      accepted = engine.accept(input);
+      if (accepted) engine.step(input, nullptr);
+      if (accepted) accepted = engine.last_step();
+      return accepted.has_value();
+    });
+    if (!accepted) return accepted.error();
+    outcome.run = measure.finish();
+    return outcome;
+  }
+
+  // Steps and looks: at bodies after every tick, at contacts now and then in the last second.
+  template <typename World, typename Step>
+  void watch(const World& world, double dt, CrosscheckMeasure& measure, Step step) {
+    const std::uint64_t window = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
+    for (std::uint64_t tick = 1; tick <= tick_count_; ++tick) {
+      if (!step()) return;
+      const std::uint64_t left = tick_count_ - tick;
+      const double time_s = static_cast<double>(tick) * dt;
+      if (left < window && left % contact_stride == 0) {
+        const std::vector<engine::ContactReport> contacts = world.contacts();
+        measure.add(time_s, world.bodies(), &contacts);
+      } else {
+        measure.add(time_s, world.bodies(), nullptr);
+      }
+      count_tick();
+    }
+  }
+
+  void count_tick() {
+    const std::uint64_t done = done_.fetch_add(1) + 1;
+    if (!options_.progress || done % 64 != 0) return;
+    if (is_reporting_.exchange(1) != 0) return;  // another thread tells the progress just now
+    options_.progress(done, total_);
+    is_reporting_ = 0;
+  }
+
+  // docs/physics.md, "tgs_soft": contact stiffness rises with the substep rate.
+  static double contact_hertz(const engine::Settings& settings) {
+    return settings.solver == SolverKind::tgs_soft ? 0.125 * settings.substeps / settings.dt : 0;
+  }
+
+  const CrosscheckLayout& layout_;
+  std::uint64_t tick_count_;
+  const CrosscheckOptions& options_;
+  std::uint64_t total_ = 0;
+  std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint32_t> is_reporting_{0};  // whole words: RISC-V exchanges no bytes
+};
+
+std::vector<CrosscheckRun> runs_of(const std::vector<Outcome>& outcomes, std::size_t first, std::size_t count) {
+  std::vector<CrosscheckRun> runs;
+  for (std::size_t i = first; i < first + count; ++i) runs.push_back(outcomes[i].run);
+  return runs;
+}
+
+std::size_t stood_count(const std::vector<CrosscheckRun>& runs) {
+  return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& run) { return run.stood; }));
+}
+
+bool has_difference(const std::vector<CrosscheckRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.verdict == Agreement::differ; });
+}
+
+bool is_of_bodies(const CrosscheckRow& row) {
+  return row.criterion == place_criterion || row.criterion == way_criterion;
+}
+
+// Where Box2D with finer steps agrees with ours, the difference is one of Box2D's convergence.
+void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<CrosscheckRow>& finer, int steps_per_tick) {
+  for (std::size_t i = 0; i < rows.size() && i < finer.size(); ++i) {
+    if (rows[i].verdict != Agreement::differ || rows[i].criterion != finer[i].criterion) continue;
+    if (is_of_bodies(rows[i])) continue;
+    if (finer[i].verdict != Agreement::agree && finer[i].verdict != Agreement::expected) continue;
+    double mean = 0;
+    for (const double value : finer[i].box2d) mean += value / static_cast<double>(finer[i].box2d.size());
+    rows[i].verdict = Agreement::expected;
+    rows[i].reason =
+        fmt::format("Box2D has not converged: with {} steps a tick it comes to {:.4g} too", steps_per_tick, mean);
+  }
+}
+
+CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& name,
+                           const std::vector<CrosscheckRow>& rows, std::size_t stood) {
+  CrosscheckSolver solver;
+  solver.solver = name;
+  solver.stood = stood;
+  for (const CrosscheckRow& row : rows) {
+    if (row.verdict == Agreement::agree) ++solver.passed;
+    if (row.verdict == Agreement::differ) ++solver.failed;
+    if (row.verdict == Agreement::expected) ++solver.expected;
+    if (row.verdict == Agreement::not_applicable) ++solver.not_applicable;
+  }
+  const int judged = solver.passed + solver.failed + solver.expected;
+  solver.summary = solver.failed == 0 ? fmt::format("{:<10} agrees with Box2D {} on {} of {} criteria", name,
+                                                    report.box2d_version, solver.passed + solver.expected, judged)
+                                      : fmt::format("{:<10} differs from Box2D {} on {} of {} criteria", name,
+                                                    report.box2d_version, solver.failed, judged);
+  if (solver.expected > 0) solver.summary += fmt::format(" ({} expected)", solver.expected);
+  if (report.is_structure)
+    solver.summary += fmt::format(": stood {} of {} (Box2D {} of {})", stood, report.seed_count, report.box2d_stood,
+                                  report.seed_count);
+  return solver;
+}
+
+// A solver's part of a report that says only why nothing can be compared.
+void add_not_applicable(CrosscheckReport& report, SolverKind kind, const std::string& reason) {
+  CrosscheckRow row;
+  row.solver = engine::info_of(engine::solvers, kind).name;
+  row.criterion = "scene";
+  row.reason = reason;
+  CrosscheckSolver solver;
+  solver.solver = row.solver;
+  solver.not_applicable = 1;
+  solver.summary = fmt::format("{:<10} not comparable with Box2D {}: {}", row.solver, report.box2d_version, reason);
+  report.solvers.push_back(std::move(solver));
+  report.rows.push_back(std::move(row));
+}
+
+CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vector<SolverKind>& solvers,
+                                       const std::string& reason) {
+  for (const SolverKind kind : solvers) add_not_applicable(report, kind, reason);
+  return report;
+}
+
+}  // namespace
+
+Scene jittered_scene(const Scene& scene, const CrosscheckLayout& layout, std::uint32_t seed) {
+  Scene jittered = scene;
+  if (seed == 0) return jittered;
+  for (std::size_t i = 0; i < jittered.bodies.size(); ++i) {
+    const CrosscheckBody& body = layout.bodies[i];
+    if (!body.is_dynamic) continue;
+    const double reach = jitter_per_size * std::min(body.width, body.height);
+    const double across = jitter_of(seed, 2 * i) * reach;
+    // Without gravity no direction is special, and a shift along one alone would keep a scene's symmetry.
+    const double up = layout.gravity > 0 ? 0 : jitter_of(seed, 2 * i + 1) * reach;
+    jittered.bodies[i].position.x += across * layout.right.x + up * layout.up.x;
+    jittered.bodies[i].position.y += across * layout.right.y + up * layout.up.y;
+  }
+  return jittered;
+}
+
+Scene scene_with_solver(const Scene& scene, SolverKind solver) {
+  Scene changed = scene;
+  if (solver == scene.settings.solver) return changed;
+  changed.settings.solver = solver;
+  const bool substeps = engine::info_of(engine::solvers, solver).substeps;
+  const bool substepped = engine::info_of(engine::solvers, scene.settings.solver).substeps;
+  if (!substeps) {
+    changed.settings.substeps = 1;
+    changed.settings.auto_substeps.reset();
+  }
+  if (substeps && !substepped) changed.settings.substeps = engine::Settings{}.substeps;
+  return changed;
+}
+
+Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions& options) {
+  if (box2d_version().empty()) return make_box2d_peer(scene).error();
+  if (options.seed_count < 1 || options.seed_count > 1000)
+    return Error{ErrorCode::usage, fmt::format("seeds: found {}, expected 1 to 1000", options.seed_count), {}};
+  const double ticks = std::ceil(options.seconds / scene.settings.dt - 1e-9);
+  if (!(ticks >= 1 && ticks <= 1e8))
+    return Error{
+        ErrorCode::usage,
+        fmt::format("seconds: found {:g}, expected 1 to 1e8 ticks of {:g} s", options.seconds, scene.settings.dt),
+        {}};
+
+  std::vector<SolverKind> solvers = options.solvers;
+  if (solvers.empty()) solvers.push_back(scene.settings.solver);
+  CrosscheckReport report;
+  report.scene = scene.name;
+  report.box2d_version = box2d_version();
+  report.velocity_iterations = Box2dOptions{}.velocity_iterations;
+  report.position_iterations = Box2dOptions{}.position_iterations;
+  report.match_skin = options.match_skin;
+  report.seed_count = options.seed_count;
+  report.tick_count = static_cast<std::uint64_t>(ticks);
+  report.seconds = ticks * scene.settings.dt;
+
+  const CrosscheckLayout layout = make_layout(scene);
+  if (layout.dynamic_count == 0)
+    return report_not_applicable(report, solvers, "the scene starts without moving bodies, and no inputs are given");
+  std::vector<SolverKind> fitting;
+  for (const SolverKind kind : solvers) {
+    const Result<std::unique_ptr<engine::Engine>> made = engine::make_engine(scene_with_solver(scene, kind));
+    if (made)
+      fitting.push_back(kind);
+    else if (made.error().code == ErrorCode::incompatible && solvers.size() > 1)
+      add_not_applicable(report, kind, made.error().message);
+    else
+      return made.error();
+  }
+  solvers = std::move(fitting);
+  if (Result<std::unique_ptr<Box2dPeer>> peer = make_box2d_peer(scene); !peer)
+    return report_not_applicable(report, solvers, peer.error().message);
+
+  std::vector<Scene> starts;
+  for (std::uint32_t seed = 0; seed < options.seed_count; ++seed) starts.push_back(jittered_scene(scene, layout, seed));
+  std::vector<Job> jobs;
+  Box2dOptions box2d_options;
+  box2d_options.match_skin = options.match_skin;
+  for (const Scene& start : starts) jobs.push_back({start, true, box2d_options});
+  for (const SolverKind kind : solvers)
+    for (const Scene& start : starts) jobs.push_back({scene_with_solver(start, kind), false, {}});
+  Runner runner(layout, report.tick_count, options);
+  runner.expect_jobs(jobs.size());
+  Result<std::vector<Outcome>> outcomes = runner.run(jobs);
+  if (!outcomes) return outcomes.error();
+
+  report.length_scale = outcomes->front().length_scale;
+  const double skin = outcomes->front().skin;
+  std::size_t clamped_tick = std::numeric_limits<std::size_t>::max();
+  for (const Outcome& outcome : *outcomes)
+    if (outcome.clamped_tick > 0) clamped_tick = std::min(clamped_tick, outcome.clamped_tick);
+  if (clamped_tick != std::numeric_limits<std::size_t>::max())
+    return report_not_applicable(report, solvers,
+                                 fmt::format("Box2D cuts movements of over 2 m or 90 degrees a step, first at {:.2f} s",
+                                             static_cast<double>(clamped_tick) * scene.settings.dt));
+
+  const std::vector<CrosscheckRun> box2d = runs_of(*outcomes, 0, starts.size());
+  report.is_structure = layout.is_structure;
+  report.box2d_stood = stood_count(box2d);
+  std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer;  // run when first needed
+  for (std::size_t i = 0; i < solvers.size(); ++i) {
+    const std::string name{engine::info_of(engine::solvers, solvers[i]).name};
+    const std::vector<CrosscheckRun> ours = runs_of(*outcomes, (i + 1) * starts.size(), starts.size());
+    std::vector<CrosscheckRow> rows = compare_runs(layout, ours, box2d, skin);
+    // Where Box2D's structure stands and ours does not, finer steps of Box2D can excuse nothing.
+    const bool ours_fell = layout.is_structure && stood_count(ours) < report.box2d_stood;
+    for (std::size_t level = 0; level < finer.size() && has_difference(rows) && !ours_fell; ++level) {
+      const int steps = finer_steps_per_tick[level];
+      if (level > 0 && layout.dynamic_count > finest_body_count_max) break;
+      if (finer[level].empty()) {
+        Box2dOptions finer_options = box2d_options;
+        finer_options.steps_per_tick = steps;
+        std::vector<Job> more;
+        for (const Scene& start : starts) more.push_back({start, true, finer_options});
+        runner.expect_jobs(more.size());
+        Result<std::vector<Outcome>> again = runner.run(more);
+        if (!again) return again.error();
+        finer[level] = runs_of(*again, 0, starts.size());
+      }
+      excuse_convergence(rows, compare_runs(layout, ours, finer[level], skin), steps);
+      const auto known = finer.begin() + static_cast<std::ptrdiff_t>(level) + 1;
+      for (const CrosscheckRow& again : compare_bodies(layout, ours, box2d, {finer.begin(), known}, {}, skin))
+        for (CrosscheckRow& row : rows)
+          if (row.criterion == again.criterion && row.verdict == Agreement::differ) row = again;
+    }
+    const bool is_substepped = engine::info_of(engine::solvers, solvers[i]).substeps;
+    const bool places_differ = std::any_of(rows.begin(), rows.end(), [](const CrosscheckRow& row) {
+      return row.criterion == place_criterion && row.verdict == Agreement::differ;
+    });
+    if (places_differ && is_substepped && !ours_fell && layout.dynamic_count <= finest_body_count_max) {
+      std::vector<std::vector<CrosscheckRun>> own_finer;
+      for (const int factor : own_substep_factors) {
+        std::vector<Job> more;
+        for (const Scene& start : starts) {
+          more.push_back({scene_with_solver(start, solvers[i]), false, {}});
+          int& substeps = more.back().scene.settings.substeps;
+          substeps = std::min(factor * substeps, limits::substep_count_max);
+        }
+        runner.expect_jobs(more.size());
+        Result<std::vector<Outcome>> again = runner.run(more);
+        if (!again) return again.error();
+        own_finer.push_back(runs_of(*again, 0, starts.size()));
+      }
+      const CrosscheckRow place = compare_bodies(layout, ours, box2d, {finer.begin(), finer.end()}, own_finer, skin)[0];
+      for (CrosscheckRow& row : rows)
+        if (row.criterion == place.criterion) row = place;
+    }
+    report.solvers.push_back(summarize(report, name, rows, stood_count(ours)));
+    for (CrosscheckRow& row : rows) {
+      row.solver = name;
+      report.rows.push_back(std::move(row));
+    }
+  }
+  return report;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,492 @@
+// The criteria: an ensemble of runs of the engine judged against Box2D's.
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tool/crosscheck/crosscheck.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+// Differences up to these agree, if the scatter of Box2D's own seeds does not ask for more (scatter_factor).
+constexpr double scatter_factor = 2;                // standard deviations of Box2D's seeds
+constexpr double stood_tolerance = 0.2;             // of the seeds: one of five may go the other way
+constexpr double standing_tolerance = 0.02;         // of the placed bodies, where Box2D's structure stands
+constexpr double collapsed_tolerance = 0.15;        // of the placed bodies, where Box2D's structure does not
+constexpr double top_tolerance = 0.01;              // of the height
+constexpr std::size_t heap_count_min = 10;          // bodies: fewer make no heap
+constexpr double top_explained_tolerance = 0.0025;  // of the height, once the gaps between shapes are taken out
+constexpr double tilt_tolerance_deg = 3;
+constexpr double settle_tolerance_share = 0.25;
+constexpr double settle_tolerance_min_s = 2;
+constexpr double penetration_tolerance = 0.02;  // of the smaller body's size
+constexpr double travel_tolerance_share = 0.025;
+constexpr double travel_tolerance_min = 0.05;  // of a body's size
+constexpr double force_tolerance = 0.02;       // of the weight
+constexpr double place_tolerance = 0.02;       // m
+constexpr double way_tolerance_share = 0.1;
+constexpr double way_tolerance_min = 1;  // m
+
+struct Statistics {
+  double mean = 0;
+  double deviation = 0;  // standard, of the sample
+};
+Statistics statistics_of(const std::vector<double>& values) {
+  Statistics s;
+  for (const double value : values) s.mean += value / static_cast<double>(values.size());
+  if (values.size() < 2) return s;
+  double sum = 0;
+  for (const double value : values) sum += (value - s.mean) * (value - s.mean);
+  s.deviation = std::sqrt(sum / static_cast<double>(values.size() - 1));
+  return s;
+}
+
+template <typename Field>
+std::vector<double> each(const std::vector<CrosscheckRun>& runs, Field field) {
+  std::vector<double> values;
+  for (const CrosscheckRun& run : runs) values.push_back(static_cast<double>(field(run)));
+  return values;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return statistics_of(values).mean;
+}
+
+template <typename Condition>
+bool all(const std::vector<CrosscheckRun>& runs, Condition condition) {
+  return std::all_of(runs.begin(), runs.end(), condition);
+}
+
+CrosscheckRow not_applicable(std::string criterion, std::string reason) {
+  CrosscheckRow row;
+  row.criterion = std::move(criterion);
+  row.reason = std::move(reason);
+  return row;
+}
+
+// Means compared; more than the tolerance apart differs, unless Box2D's own seeds scatter as far.
+CrosscheckRow compare_means(std::string criterion, std::string unit, std::vector<double> ours,
+                            std::vector<double> box2d, double tolerance) {
+  CrosscheckRow row;
+  row.criterion = std::move(criterion);
+  row.unit = std::move(unit);
+  const Statistics reference = statistics_of(box2d);
+  row.difference = std::fabs(mean_of(ours) - reference.mean);
+  row.tolerance = std::max(tolerance, scatter_factor * reference.deviation);
+  row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
+  row.ours = std::move(ours);
+  row.box2d = std::move(box2d);
+  return row;
+}
+
+// Distance between two distributions: mean difference of what stands at the same rank. Runs in which bodies were lost
+// have fewer; ranks are then matched by share.
+double rank_distance(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.empty() || b.empty()) return a.size() == b.size() ? 0 : std::numeric_limits<double>::infinity();
+  const std::size_t count = std::max(a.size(), b.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += std::fabs(a[i * a.size() / count] - b[i * b.size() / count]);
+  return sum / static_cast<double>(count);
+}
+
+// Rank by rank over the ensemble.
+std::vector<double> mean_ranks(const std::vector<CrosscheckRun>& runs, std::vector<double> CrosscheckRun::*field) {
+  std::size_t count = 0;
+  for (const CrosscheckRun& run : runs) count = std::max(count, (run.*field).size());
+  std::vector<double> ranks(count, 0);
+  for (const CrosscheckRun& run : runs) {
+    const std::vector<double>& values = run.*field;
+    if (values.empty()) continue;
+    for (std::size_t i = 0; i < count; ++i)
+      ranks[i] += values[i * values.size() / count] / static_cast<double>(runs.size());
+  }
+  return ranks;
+}
+
+struct Judge {
+  const CrosscheckLayout& layout;
+  const std::vector<CrosscheckRun>& ours;
+  const std::vector<CrosscheckRun>& box2d;
+  double skin;
+
+  bool box2d_stood() const {
+    return all(box2d, [](const CrosscheckRun& run) { return run.stood; });
+  }
+  double standing_share() const { return box2d_stood() ? standing_tolerance : collapsed_tolerance; }
+
+  // Many bodies that fall together, from the air or because their structure gives way.
+  bool is_heap() const { return layout.dynamic_count >= heap_count_min && !(layout.is_structure && box2d_stood()); }
+
+  // Empty if the criteria of structures apply.
+  std::string not_a_structure() const {
+    if (layout.gravity == 0) return "no gravity";
+    if (layout.is_structure) return {};
+    return fmt::format("{} of {} moving bodies start at rest on something", layout.placed_count, layout.dynamic_count);
+  }
+
+  CrosscheckRow stands() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("stands or falls", reason);
+    const auto stood = [](const CrosscheckRun& run) { return run.stood ? 1 : 0; };
+    CrosscheckRow row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
+    row.tolerance = stood_tolerance + 1e-9;
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
+    return row;
+  }
+
+  CrosscheckRow standing() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("standing bodies", reason);
+    const auto count = [](const CrosscheckRun& run) { return run.standing_count; };
+    const double placed = static_cast<double>(layout.placed_count);
+    return compare_means("standing bodies", fmt::format("of {}", layout.placed_count), each(ours, count),
+                         each(box2d, count), std::max(0.5, standing_share() * placed));
+  }
+
+  CrosscheckRow top() const {
+    if (layout.gravity == 0) return not_applicable("top height", "no gravity");
+    const auto height = [](const CrosscheckRun& run) { return run.top; };
+    // What flies or falls far is measured against how far.
+    const double reach = std::max(layout.height, std::fabs(mean_of(each(box2d, height))));
+    // The top of a heap is whichever body ended up there: one body higher or lower is the same heap.
+    const double heap = is_heap() ? layout.size : 0;
+    CrosscheckRow row = compare_means("top height", "m", each(ours, height), each(box2d, height),
+                                      std::max(top_tolerance * reach, heap));
+    if (row.verdict != Agreement::differ) return row;
+    const auto chained = [](const CrosscheckRun& run) { return run.has_chain; };
+    if (!all(ours, chained) || !all(box2d, chained)) return row;
+    const auto gap = [](const CrosscheckRun& run) { return run.chain_gap; };
+    const auto bare = [](const CrosscheckRun& run) { return run.top - run.chain_gap; };
+    const double without = std::fabs(mean_of(each(ours, bare)) - mean_of(each(box2d, bare)));
+    const double skin_max = skin;
+    const bool gaps_are_skin =
+        all(box2d, [&](const CrosscheckRun& run) { return run.chain_gap_max <= 1.05 * skin_max; });
+    const bool overlaps_are_softness =
+        all(ours, [](const CrosscheckRun& run) { return run.penetration_unexplained <= penetration_tolerance; });
+    if (without > top_explained_tolerance * reach || !gaps_are_skin || !overlaps_are_softness) return row;
+    row.verdict = Agreement::expected;
+    row.reason = fmt::format(
+        "gaps from the top down: ours {:+.4f} m (soft contacts), Box2D {:+.4f} m (skin); without them {:.4f} m apart",
+        mean_of(each(ours, gap)), mean_of(each(box2d, gap)), without);
+    return row;
+  }
+
+  CrosscheckRow order() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("order upwards", reason);
+    const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(), [&](const CrosscheckBody& body) {
+      return std::any_of(body.supports.begin(), body.supports.end(),
+                         [&](std::uint32_t support) { return layout.bodies[support].is_dynamic; });
+    });
+    if (!any) return not_applicable("order upwards", "no moving body lies on another");
+    const auto share = [](const CrosscheckRun& run) { return 100 * run.order; };
+    return compare_means("order upwards", "% kept", each(ours, share), each(box2d, share), 100 * standing_share());
+  }
+
+  CrosscheckRow tilt() const {
+    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("largest tilt", reason);
+    const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(),
+                                 [](const CrosscheckBody& body) { return body.is_placed && body.shows_tilt; });
+    if (!any) return not_applicable("largest tilt", "only circles");
+    const auto degrees = [](const CrosscheckRun& run) { return run.tilt_deg; };
+    return compare_means("largest tilt", "deg, up to 45", each(ours, degrees), each(box2d, degrees),
+                         tilt_tolerance_deg);
+  }
+
+  CrosscheckRow settle() const {
+    if (layout.is_structure && !box2d_stood())
+      return not_applicable("comes to rest", "Box2D's structure falls or slides: when that ends is chance");
+    const auto settled = [](const CrosscheckRun& run) { return std::isfinite(run.settle_s) ? 1.0 : 0.0; };
+    const double ours_settled = mean_of(each(ours, settled));
+    const double box2d_settled = mean_of(each(box2d, settled));
+    const auto time = [](const CrosscheckRun& run) { return run.settle_s; };
+    CrosscheckRow row;
+    row.criterion = "comes to rest";
+    row.unit = "s";
+    row.ours = each(ours, time);
+    row.box2d = each(box2d, time);
+    row.tolerance = settle_tolerance_min_s;
+    if ((ours_settled > 0.5) != (box2d_settled > 0.5)) {
+      // Seeds that go either way in Box2D decide nothing.
+      const bool split = box2d_settled > 0.25 && box2d_settled < 0.75 && ours_settled > 0.2 && ours_settled < 0.8;
+      row.verdict = split ? Agreement::agree : Agreement::differ;
+      row.difference = std::numeric_limits<double>::infinity();
+      row.reason = split ? ""
+                         : fmt::format("at rest in {:.0f} % of the seeds, Box2D in {:.0f} %", 100 * ours_settled,
+                                       100 * box2d_settled);
+      return row;
+    }
+    if (ours_settled <= 0.5) {  // neither comes to rest
+      row.verdict = Agreement::agree;
+      return row;
+    }
+    const auto finite = [](std::vector<double> values) {
+      values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
+                   values.end());
+      return values;
+    };
+    const Statistics reference = statistics_of(finite(row.box2d));
+    row.difference = std::fabs(mean_of(finite(row.ours)) - reference.mean);
+    row.tolerance = std::max(
+        {settle_tolerance_min_s, settle_tolerance_share * reference.mean, scatter_factor * reference.deviation});
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
+    return row;
+  }
+
+  CrosscheckRow penetration() const {
+    const auto depth = [](const CrosscheckRun& run) { return 100 * run.penetration; };
+    CrosscheckRow row = compare_means("deepest overlap", "% of size", each(ours, depth), each(box2d, depth),
+                                      100 * penetration_tolerance);
+    if (row.verdict != Agreement::differ) return row;
+    const auto rest = [](const CrosscheckRun& run) { return 100 * run.penetration_unexplained; };
+    const double without = mean_of(each(ours, rest)) - mean_of(row.box2d);
+    if (mean_of(row.ours) < mean_of(row.box2d) || without > row.tolerance) return row;
+    row.verdict = Agreement::expected;
+    row.reason = fmt::format("soft contacts give way by force / (stiffness * mass); without that {:.2f} %",
+                             mean_of(each(ours, rest)));
+    return row;
+  }
+
+  CrosscheckRow travel_by(std::vector<double> CrosscheckRun::*field) const {
+    CrosscheckRow row;
+    row.criterion = "slides or holds";
+    row.unit = "m across";
+    const auto mean = [&](const CrosscheckRun& run) { return (run.*field).empty() ? 0 : mean_of(run.*field); };
+    row.ours = each(ours, mean);
+    row.box2d = each(box2d, mean);
+    const std::vector<double> reference = mean_ranks(box2d, field);
+    double scatter = 0;
+    for (const CrosscheckRun& run : box2d)
+      scatter += rank_distance(run.*field, reference) / static_cast<double>(box2d.size());
+    row.difference = rank_distance(mean_ranks(ours, field), reference);
+    row.tolerance =
+        std::max({travel_tolerance_min * layout.size,
+                  travel_tolerance_share * (reference.empty() ? 0 : mean_of(reference)), scatter_factor * scatter});
+    row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
+    return row;
+  }
+
+  CrosscheckRow travel() const {
+    CrosscheckRow row = travel_by(&CrosscheckRun::travel);
+    if (row.verdict != Agreement::differ || !box2d_stood()) return row;
+    const CrosscheckRow closed = travel_by(&CrosscheckRun::travel_closed);
+    if (closed.verdict != Agreement::agree) return row;
+    row.verdict = Agreement::expected;
+    row.reason = fmt::format("Box2D's skin pushes rows of touching bodies apart; with its gaps closed {:.4f} m apart",
+                             closed.difference);
+    return row;
+  }
+
+  // ---- Body by body ----
+
+  using Runs = std::vector<CrosscheckRun>;
+
+  static bool is_left(const Runs& runs, std::size_t id) {
+    return all(runs, [&](const CrosscheckRun& run) { return id < run.places.size() && run.places[id].is_left; });
+  }
+  static bool rests(const Runs& runs, std::size_t id) {
+    return all(runs, [&](const CrosscheckRun& run) { return run.places[id].rests; });
+  }
+  static double mean_at(const Runs& runs, std::size_t id, double CrosscheckPlace::*field) {
+    return mean_of(each(runs, [&](const CrosscheckRun& run) { return run.places[id].*field; }));
+  }
+  static void raise(std::vector<double>& values, const std::vector<double>& others) {
+    values.resize(others.size(), 0);
+    for (std::size_t i = 0; i < others.size(); ++i) values[i] = std::max(values[i], others[i]);
+  }
+
+  // Where an ensemble has a body on average.
+  struct Rest {
+    bool exists = false;   // it rests, in every seed
+    bool certain = false;  // within 1 cm of the average
+    double across = 0;     // m
+    double up = 0;
+    double gap = 0;
+    double gap_max = 0;
+    std::vector<double> scatter;  // by seed, m from the average
+    double off(const Rest& other) const { return std::hypot(across - other.across, up - other.up); }
+  };
+  static std::vector<double> distances(const Runs& runs, std::size_t id, const Rest& rest) {
+    return each(runs, [&](const CrosscheckRun& run) {
+      return std::hypot(run.places[id].across - rest.across, run.places[id].up - rest.up);
+    });
+  }
+  static Rest rest_of(const Runs& runs, std::size_t id) {
+    Rest rest;
+    rest.exists = is_left(runs, id) && rests(runs, id);
+    if (!rest.exists) return rest;
+    rest.across = mean_at(runs, id, &CrosscheckPlace::across);
+    rest.up = mean_at(runs, id, &CrosscheckPlace::up);
+    rest.gap = mean_at(runs, id, &CrosscheckPlace::chain_gap);
+    for (const CrosscheckRun& run : runs) rest.gap_max = std::max(rest.gap_max, run.places[id].chain_gap_max);
+    rest.scatter = distances(runs, id, rest);
+    rest.certain = *std::max_element(rest.scatter.begin(), rest.scatter.end()) <= 0.5 * place_tolerance;
+    return rest;
+  }
+  // Half the length of the row that a body starts in, in skins: as far as the skin may push it.
+  double row_slack(std::uint32_t id) const {
+    for (const std::vector<std::uint32_t>& row : layout.rows)
+      if (std::find(row.begin(), row.end(), id) != row.end()) return 0.5 * skin * static_cast<double>(row.size() - 1);
+    return 0;
+  }
+  bool is_same(const Rest& own, const Rest& theirs) const { return own.off(theirs) <= place_tolerance; }
+  // Without what the skin keeps apart and soft contacts press together.
+  bool is_same_without_gaps(std::uint32_t id, const Rest& own, const Rest& theirs) const {
+    const double across = std::max(0.0, std::fabs(own.across - theirs.across) - row_slack(id));
+    const double up = (own.up - own.gap) - (theirs.up - theirs.gap);
+    return theirs.gap_max <= 1.05 * skin && std::hypot(across, up) <= place_tolerance;
+  }
+
+  // `finer`: Box2D with smaller steps, as far as it was run; `own_finer`: likewise ours.
+  CrosscheckRow same_place(const std::vector<Runs>& finer, const std::vector<Runs>& own_finer) const {
+    enum class Found { same, same_without_gaps, converges, unsettled, differs };
+    const auto judge = [&](std::uint32_t id, const Rest& own, const Rest& theirs) {
+      if (is_same(own, theirs)) return Found::same;
+      if (is_same_without_gaps(id, own, theirs)) return Found::same_without_gaps;
+      bool settled = true;
+      for (const Runs& runs : finer) {
+        const Rest fine = rest_of(runs, id);
+        if (fine.certain && (is_same(own, fine) || is_same_without_gaps(id, own, fine))) return Found::converges;
+        settled &= fine.certain && is_same(fine, theirs);
+      }
+      for (const Runs& runs : own_finer) {
+        const Rest fine = rest_of(runs, id);
+        settled &= fine.certain && is_same(fine, own);
+      }
+      return settled ? Found::differs : Found::unsettled;
+    };
+
+    CrosscheckRow row;
+    row.criterion = place_criterion;
+    row.tolerance = place_tolerance;
+    row.verdict = Agreement::agree;
+    std::size_t judged = 0, uncertain = 0, explained = 0, converging = 0, unsettled = 0;
+    double most = 0;
+    for (std::uint32_t id = 0; id < layout.bodies.size(); ++id) {
+      const Rest own = rest_of(ours, id);
+      const Rest theirs = rest_of(box2d, id);
+      if (!own.exists || !theirs.exists) continue;
+      const Found found = theirs.certain ? judge(id, own, theirs) : Found::unsettled;
+      uncertain += theirs.certain ? 0 : 1;
+      unsettled += found == Found::unsettled ? 1 : 0;
+      if (found == Found::unsettled) continue;
+      ++judged;
+      explained += found == Found::same_without_gaps ? 1 : 0;
+      converging += found == Found::converges ? 1 : 0;
+      raise(row.ours, distances(ours, id, theirs));
+      raise(row.box2d, theirs.scatter);
+      row.difference = std::max(row.difference, own.off(theirs));
+      if (found != Found::differs) continue;
+      row.verdict = Agreement::differ;
+      if (own.off(theirs) <= most) continue;
+      most = own.off(theirs);
+      row.reason = fmt::format("body {} rests {:+.3f} m across and {:+.3f} m up from where Box2D's does", id,
+                               own.across - theirs.across, own.up - theirs.up);
+    }
+    if (judged == 0)
+      return not_applicable(row.criterion,
+                            fmt::format("of {} bodies that rest in both Box2D knows no place", unsettled));
+    row.unit = fmt::format("m, {} of {}", judged, layout.dynamic_count);
+    if (row.verdict == Agreement::differ) return row;
+    const std::size_t moved = unsettled - uncertain;  // by smaller steps
+    if (explained + converging + moved > 0) row.verdict = Agreement::expected;
+    if (explained > 0)
+      row.reason = fmt::format("{} but for the gaps of Box2D's skin and the overlaps of soft contacts; ", explained);
+    if (converging > 0) row.reason += fmt::format("{} where Box2D comes to with smaller steps; ", converging);
+    if (moved > 0) row.reason += fmt::format("{} not judged: smaller steps put them elsewhere; ", moved);
+    if (row.verdict == Agreement::expected) row.reason.erase(row.reason.size() - 2);
+    return row;
+  }
+
+  CrosscheckRow same_way(const std::vector<Runs>& finer) const {
+    CrosscheckRow row;
+    row.criterion = way_criterion;
+    row.verdict = Agreement::agree;
+    std::size_t judged = 0, unsettled = 0;
+    double worst = -1;
+    for (std::uint32_t id = 0; id < layout.bodies.size(); ++id) {
+      if (!is_left(ours, id) || !is_left(box2d, id) || (rests(ours, id) && rests(box2d, id))) continue;
+      const auto way = [&](const CrosscheckRun& run) { return run.places[id].moved; };
+      std::vector<double> theirs = each(box2d, way);
+      std::vector<double> own = each(ours, way);
+      const double tolerance = std::max(way_tolerance_min, way_tolerance_share * mean_of(theirs));
+      const auto [least, most] = std::minmax_element(theirs.begin(), theirs.end());
+      if (*most - *least > tolerance) continue;  // Box2D does not know it itself
+      const double difference = std::fabs(mean_of(own) - mean_of(theirs));
+      const bool is_settled = std::all_of(finer.begin(), finer.end(), [&](const Runs& runs) {
+        return is_left(runs, id) && std::fabs(mean_of(each(runs, way)) - mean_of(theirs)) <= tolerance;
+      });
+      if (difference > tolerance && !is_settled) {
+        ++unsettled;
+        continue;
+      }
+      ++judged;
+      if (difference / tolerance <= worst) continue;
+      worst = difference / tolerance;
+      row.ours = std::move(own);
+      row.box2d = std::move(theirs);
+      row.difference = difference;
+      row.tolerance = tolerance;
+      row.reason = difference > tolerance ? fmt::format("body {} is the farthest off", id) : "";
+      row.verdict = difference > tolerance ? Agreement::differ : Agreement::agree;
+    }
+    if (judged == 0) return not_applicable(row.criterion, "nothing moves on of which Box2D knows how far it comes");
+    row.unit = fmt::format("m, {} of {}", judged, layout.dynamic_count);
+    if (row.verdict == Agreement::agree && unsettled > 0) {
+      row.verdict = Agreement::expected;
+      row.reason = fmt::format("{} not judged: with smaller steps Box2D's come elsewhere", unsettled);
+    }
+    return row;
+  }
+
+  CrosscheckRow column() const {
+    if (!layout.is_column) return not_applicable("weights in the stack", "not a single stack");
+    const auto error = [](const CrosscheckRun& run) { return 100 * run.column_error; };
+    CrosscheckRow row =
+        compare_means("weights in the stack", "% off", each(ours, error), each(box2d, error), 100 * force_tolerance);
+    if (mean_of(row.box2d) > 100 * force_tolerance)
+      return not_applicable("weights in the stack", "Box2D's own stack does not rest");
+    row.tolerance = 100 * force_tolerance;
+    row.verdict = mean_of(row.ours) <= row.tolerance ? Agreement::agree : Agreement::differ;
+    return row;
+  }
+
+  CrosscheckRow ground() const {
+    if (layout.gravity == 0) return not_applicable("weight on the ground", "no gravity");
+    if (!all(box2d, [](const CrosscheckRun& run) { return std::isfinite(run.settle_s); }))
+      return not_applicable("weight on the ground", "Box2D does not come to rest");
+    if (!all(box2d, [](const CrosscheckRun& run) { return run.ground_is_flat; }))
+      return not_applicable("weight on the ground", "slopes or walls carry a part by friction");
+    const auto share = [](const CrosscheckRun& run) { return 100 * run.ground_force; };
+    return compare_means("weight on the ground", "% of weight", each(ours, share), each(box2d, share),
+                         100 * force_tolerance);
+  }
+};
+
+}  // namespace
+
+std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                        const std::vector<CrosscheckRun>& box2d, double box2d_skin) {
+  const auto finite = [](const CrosscheckRun& run) { return run.is_finite; };
+  if (!all(box2d, finite)) return {not_applicable("scene", "Box2D's state becomes non-finite")};
+  if (!all(ours, finite)) {
+    CrosscheckRow row = not_applicable("scene", "a state becomes non-finite");
+    row.verdict = Agreement::differ;
+    return {row};
+  }
+  const Judge judge{layout, ours, box2d, box2d_skin};
+  std::vector<CrosscheckRow> rows{judge.stands(), judge.standing(),    judge.top(),    judge.order(),  judge.tilt(),
+                                  judge.settle(), judge.penetration(), judge.travel(), judge.column(), judge.ground()};
+  for (CrosscheckRow& row : compare_bodies(layout, ours, box2d, {}, {}, box2d_skin)) rows.push_back(std::move(row));
+  return rows;
+}
+
+std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                          const std::vector<CrosscheckRun>& box2d,
+                                          const std::vector<std::vector<CrosscheckRun>>& finer,
+                                          const std::vector<std::vector<CrosscheckRun>>& own_finer, double box2d_skin) {
+  const Judge judge{layout, ours, box2d, box2d_skin};
+  return {judge.same_place(finer, own_finer), judge.same_way(finer)};
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,50 @@
+// The ddmin algorithm.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/ddmin.h"
+
+#include <algorithm>
+
+namespace ticktrue::verifier::soak {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+/// Part `part` of `part_count` about equal ones: its first and last position.
+std::pair<std::size_t, std::size_t> part_of(std::size_t size, std::size_t part, std::size_t part_count) {
+  return {size * part / part_count, size * (part + 1) / part_count};
+}
+
+}  // namespace
+
+Indices ddmin(std::size_t count, const std::function<bool(const Indices&)>& fails) {
+  Indices kept;
+  for (std::size_t i = 0; i < count; ++i) kept.push_back(i);
+  if (count == 0 || fails({})) return {};
+  std::size_t part_count = 2;
+  while (kept.size() >= 2) {
+    part_count = std::min(part_count, kept.size());
+    bool is_smaller = false;
+    for (std::size_t part = 0; part < part_count && !is_smaller; ++part) {
+      const auto [begin, end] = part_of(kept.size(), part, part_count);
+      const auto at = [&](std::size_t i) { return kept.begin() + static_cast<std::ptrdiff_t>(i); };
+      const Indices alone(at(begin), at(end));
+      Indices without(kept.begin(), at(begin));
+      without.insert(without.end(), at(end), kept.end());
+      if (fails(alone)) {
+        kept = alone;
+        part_count = 2;
+        is_smaller = true;
+      } else if (part_count > 2 && fails(without)) {
+        kept = without;
+        part_count = std::max<std::size_t>(part_count - 1, 2);
+        is_smaller = true;
+      }
+    }
+    if (is_smaller) continue;
+    if (part_count == kept.size()) break;
+    part_count *= 2;
+  }
+  return kept;
+}
+
+}  // namespace ticktrue::verifier::soak

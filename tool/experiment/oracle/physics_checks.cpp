@@ -1,0 +1,189 @@
+// Momentum, energy, joint gaps and overlaps of a world.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/oracle/physics_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+
+#include "tool/experiment/shrink.h"
+#include "tool/study/measures.h"
+#include "tool/study/table.h"
+
+namespace ticktrue::verifier::soak {
+namespace {
+
+using engine::Body;
+using engine::BodyReport;
+using engine::BodyType;
+using engine::Joint;
+using engine::JointKind;
+using engine::Point;
+using engine::Scene;
+
+constexpr double energy_rise_max = 0.05;  // of the largest kinetic energy so far
+constexpr double joint_gap_max = 0.1;     // m
+constexpr double overlap_max = 0.1;       // m
+constexpr std::uint64_t sample_ticks = 8;
+constexpr std::uint64_t settling_ticks = 32;  // worlds may begin with overlaps
+
+/// Whether energy only changes by contacts and by joints that store none.
+bool is_undriven(const SoakCase& soak_case) {
+  const Scene& scene = soak_case.scene;
+  const auto moves_itself = [](const Body& body) {
+    const bool is_kinematic = body.type == BodyType::kinematic_body;
+    return is_kinematic || std::any_of(body.shapes.begin(), body.shapes.end(),
+                                       [](const engine::Shape& shape) { return shape.material.tangent_speed != 0; });
+  };
+  const auto drives = [](const Joint& joint) {
+    return joint.motor || joint.spring || joint.linear_spring || joint.kind == JointKind::motor ||
+           joint.kind == JointKind::target;
+  };
+  return soak_case.inputs.empty() && scene.forces.empty() && !scene.bounds &&
+         std::none_of(scene.bodies.begin(), scene.bodies.end(), moves_itself) &&
+         std::none_of(scene.joints.begin(), scene.joints.end(), drives);
+}
+
+/// For each body, by id: rows of constraints that act on it.
+std::map<std::uint32_t, double> constraint_rows(const StateView& state) {
+  std::map<std::uint32_t, double> rows;
+  const auto add = [&](std::string_view name, std::size_t first_column, std::size_t second_column, double count) {
+    const auto found = state.schema->find_table(name);
+    if (!found) return;
+    const TableSchema& table = state.schema->tables[*found];
+    for (std::size_t row = 0; row < state.tables[*found].row_count; ++row)
+      for (const std::size_t column : {first_column, second_column}) {
+        std::uint32_t id = 0;
+        std::memcpy(&id, state.tables[*found].data + row * table.row_size + table.columns[column].offset, sizeof id);
+        rows[id] += count;
+      }
+  };
+  add("contacts", 0, 2, 4);  // body_a, body_b: two points, normal and tangent
+  add("joints", 2, 3, 6);
+  return rows;
+}
+
+double epsilon_of(engine::Precision precision) {
+  return precision == engine::Precision::f32 ? double{std::numeric_limits<float>::epsilon()}
+                                             : std::numeric_limits<double>::epsilon();
+}
+
+double substeps_max(const Scene& scene) {
+  return scene.settings.auto_substeps ? scene.settings.auto_substeps->substeps_max : scene.settings.substeps;
+}
+
+/// Largest velocity inside a tick, at least 1 m/s. What pushes overlapping bodies apart is gone at the end of the
+/// substep and shows in how far they moved; impulses on one body may cancel each other.
+double speed_inside(const Scene& scene, const Bodies& before, const Bodies& after) {
+  double way = 0;
+  for (std::size_t i = 0; i < before.size() && i < after.size(); ++i)
+    way = std::max(way, std::hypot(after[i].center.x - before[i].center.x, after[i].center.y - before[i].center.y));
+  return std::max({1.0, fastest(before), fastest(after), way * substeps_max(scene) / scene.settings.dt});
+}
+
+double momentum_bound(const Scene& scene, const StateView& state, const Bodies& before, const Bodies& after) {
+  const double speed = speed_inside(scene, before, after);
+  const double passes =
+      scene.settings.solver == engine::SolverKind::pgs ? scene.settings.iterations : 4 * substeps_max(scene);
+  const auto rows = constraint_rows(state);
+  double sum = 0;
+  for (const BodyReport& body : after) {
+    const auto found = rows.find(body.id);
+    const double changes = passes * (1 + (found == rows.end() ? 0 : found->second));
+    sum += body.mass * speed * changes * 3 * epsilon_of(scene.settings.precision);
+  }
+  return sum;
+}
+
+std::string cause_of(const Scene& scene, const BaseRun& base) {
+  const auto has = [&](const char* table) {
+    return std::find(base.tables_with_rows.begin(), base.tables_with_rows.end(), table) != base.tables_with_rows.end();
+  };
+  return std::string(info_of(engine::solvers, scene.settings.solver).name) + " " +
+         std::string(info_of(engine::integrators, scene.settings.integrator).name) +
+         (has("joints")     ? " with joints"
+          : has("contacts") ? " with contacts"
+                            : " free");
+}
+
+}  // namespace
+
+std::optional<SoakCase> in_free_space(const SoakCase& soak_case) {
+  std::vector<std::size_t> dynamic;
+  for (std::size_t i = 0; i < soak_case.scene.bodies.size(); ++i)
+    if (soak_case.scene.bodies[i].type == BodyType::dynamic_body) dynamic.push_back(i);
+  if (dynamic.size() < 2) return std::nullopt;
+  SoakCase space = with_bodies(soak_case, dynamic);
+  std::vector<std::size_t> joints;
+  for (std::size_t i = 0; i < space.scene.joints.size(); ++i)
+    if (space.scene.joints[i].kind != JointKind::target) joints.push_back(i);
+  space = with_joints(space, joints);
+  space.inputs.clear();
+  Scene& scene = space.scene;
+  scene.forces.clear();
+  scene.gravity = {};
+  scene.bounds.reset();
+  scene.settings.sleep.reset();
+  for (Body& body : scene.bodies) body.linear_damping = 0;
+  if (!check_scene(scene, "free space")) return std::nullopt;
+  return space;
+}
+
+std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& base) {
+  const auto space = in_free_space(context.soak_case);
+  if (!space) return std::nullopt;
+  const auto made = context.make(space->scene, {});
+  if (!made) return std::nullopt;
+  engine::Engine& engine = **made;
+  const Variant variant{CheckKind::momentum};
+  const CaseInputs no_inputs(*space);
+  Bodies before = engine.bodies();
+  for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
+    if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) return failed;
+    if (find_non_finite(engine.state())) return std::nullopt;  // of another world than check `finite` looks at
+    Bodies after = engine.bodies();
+    const Point p = momentum_of(before), q = momentum_of(after);
+    const double change = std::max(std::abs(q.x - p.x), std::abs(q.y - p.y));
+    const double bound = momentum_bound(space->scene, engine.state(), before, after);
+    if (!(change <= bound)) {
+      Finding finding;
+      finding.variant = variant;
+      finding.tick = tick;
+      finding.what = "momentum in free space changes by " + full_number(change) + " N s in a tick: expected at most " +
+                     full_number(bound);
+      return finding;
+    }
+    before = std::move(after);
+  }
+  return std::nullopt;
+}
+
+PhysicsCounts count_physics(const RunContext& context, const BaseRun& base) {
+  PhysicsCounts counts;
+  const Scene& scene = context.soak_case.scene;
+  counts.cause = cause_of(scene, base);
+  counts.broken[3] = base.ran_away;
+  counts.broken[4] = base.joints_failed;
+  const auto made = context.make(scene, {});
+  if (!made) return counts;
+  engine::Engine& engine = **made;
+  const bool is_closed = is_undriven(context.soak_case);
+  double lowest = std::numeric_limits<double>::infinity();
+  double kinetic = 0;
+  for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
+    if (step_tick(engine, context.inputs.at(tick), tick, {})) return counts;
+    if (tick % sample_ticks != sample_ticks - 1) continue;
+    const Bodies bodies = engine.bodies();
+    const double energy = energy_of(scene, bodies);
+    kinetic = std::max(kinetic, kinetic_energy(bodies));
+    lowest = std::min(lowest, energy);
+    if (is_closed && energy > lowest + energy_rise_max * kinetic) counts.broken[0] = true;
+    if (!scene.joints.empty() && largest(joint_gaps(scene, bodies)) > joint_gap_max) counts.broken[1] = true;
+    if (tick >= settling_ticks && deepest_overlap(engine.contacts()) > overlap_max) counts.broken[2] = true;
+  }
+  return counts;
+}
+
+}  // namespace ticktrue::verifier::soak

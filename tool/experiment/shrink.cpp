@@ -1,0 +1,299 @@
+// Parts of a world that can be left out, and the search for the smallest that fails.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/shrink.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "tool/experiment/ddmin.h"
+
+namespace ticktrue::verifier::soak {
+namespace {
+
+using engine::Input;
+using engine::InputKind;
+using engine::Scene;
+using Indices = std::vector<std::size_t>;
+
+constexpr std::uint32_t gone = 0xffffffff;
+
+/// New index of each of `count` old ones; gone where it is not kept.
+std::vector<std::uint32_t> renumbering(std::size_t count, const Indices& kept) {
+  std::vector<std::uint32_t> to(count, gone);
+  for (std::size_t i = 0; i < kept.size(); ++i) to[kept[i]] = static_cast<std::uint32_t>(i);
+  return to;
+}
+
+template <typename T>
+std::vector<T> select(const std::vector<T>& all, const Indices& kept) {
+  std::vector<T> some;
+  for (const std::size_t i : kept) some.push_back(all[i]);
+  return some;
+}
+
+bool has_body(const Input& input) {
+  return info_of(engine::input_kinds, input.kind).has_body;
+}
+
+class Shrinker {
+ public:
+  Shrinker(const SoakCase& failing, const CaseFails& still_fails, const ShrinkOptions& options)
+      : smallest_(failing), still_fails_(still_fails), options_(options) {}
+
+  ShrinkResult run() {
+    if (options_.first_wrong_tick) cut_ticks(*options_.first_wrong_tick + 1);
+    std::size_t size = 0;
+    do {
+      size = size_of(smallest_);
+      cut_inputs();
+      cut_bodies();
+      cut_joints();
+      cut_forces();
+      cut_prototypes();
+      set_defaults();
+      search_ticks();
+    } while (size_of(smallest_) < size && !is_over());
+    return {std::move(smallest_), test_count_};
+  }
+
+ private:
+  static std::size_t size_of(const SoakCase& soak_case) {
+    const Scene& scene = soak_case.scene;
+    return soak_case.inputs.size() + scene.bodies.size() + scene.joints.size() + scene.forces.size() +
+           scene.prototypes.size() + static_cast<std::size_t>(soak_case.tick_count);
+  }
+
+  bool is_over() const { return test_count_ >= options_.test_count_max || (options_.is_over && options_.is_over()); }
+
+  bool fails(const SoakCase& candidate) {
+    if (is_over() || candidate.tick_count == 0 || !engine::check_scene(candidate.scene, "shrink")) return false;
+    ++test_count_;
+    return still_fails_(candidate);
+  }
+  bool take_if_fails(SoakCase candidate) {
+    if (!fails(candidate)) return false;
+    smallest_ = std::move(candidate);
+    return true;
+  }
+
+  bool cut_ticks(std::uint64_t tick_count) {
+    if (tick_count >= smallest_.tick_count) return false;
+    SoakCase candidate = smallest_;
+    candidate.tick_count = tick_count;
+    std::erase_if(candidate.inputs, [&](const Input& input) { return input.tick >= tick_count; });
+    return take_if_fails(std::move(candidate));
+  }
+  /// Halves, then ever smaller steps: a world may fail at several ticks.
+  void search_ticks() {
+    for (std::uint64_t step = smallest_.tick_count / 2; step > 0; step /= 2)
+      while (step < smallest_.tick_count && cut_ticks(smallest_.tick_count - step)) {
+      }
+  }
+
+  void cut_list(std::size_t count, SoakCase (*with)(const SoakCase&, const Indices&)) {
+    const SoakCase before = smallest_;
+    const Indices kept = ddmin(count, [&](const Indices& some) { return fails(with(before, some)); });
+    if (kept.size() < count) smallest_ = with(before, kept);
+  }
+  void cut_inputs() { cut_list(smallest_.inputs.size(), with_inputs); }
+  void cut_bodies() { cut_list(smallest_.scene.bodies.size(), with_bodies); }
+  void cut_joints() { cut_list(smallest_.scene.joints.size(), with_joints); }
+  void cut_forces() {
+    cut_list(smallest_.scene.forces.size(), [](const SoakCase& all, const Indices& kept) {
+      SoakCase some = all;
+      some.scene.forces = select(all.scene.forces, kept);
+      return some;
+    });
+  }
+
+  /// Prototypes that nothing spawns.
+  void cut_prototypes() {
+    SoakCase candidate = smallest_;
+    Indices kept;
+    for (std::size_t i = 0; i < candidate.scene.prototypes.size(); ++i) {
+      const auto spawns = [&](const Input& input) { return input.kind == InputKind::spawn && input.prototype == i; };
+      const bool is_spawned = std::any_of(candidate.inputs.begin(), candidate.inputs.end(), spawns);
+      const std::string& name = candidate.scene.prototypes[i].name;
+      const bool is_pressed = candidate.scene.pointer && std::count(candidate.scene.pointer->spawns.begin(),
+                                                                    candidate.scene.pointer->spawns.end(), name) > 0;
+      if (is_spawned || is_pressed) kept.push_back(i);
+    }
+    if (kept.size() == candidate.scene.prototypes.size()) return;
+    const auto to = renumbering(candidate.scene.prototypes.size(), kept);
+    candidate.scene.prototypes = select(candidate.scene.prototypes, kept);
+    for (Input& input : candidate.inputs)
+      if (input.kind == InputKind::spawn) input.prototype = static_cast<std::uint16_t>(to[input.prototype]);
+    take_if_fails(std::move(candidate));
+  }
+
+  template <typename Change>
+  void try_change(const Change& change) {
+    SoakCase candidate = smallest_;
+    change(candidate);
+    if (candidate.scene == smallest_.scene && candidate.inputs == smallest_.inputs) return;
+    take_if_fails(std::move(candidate));
+  }
+  template <typename Change>
+  void try_settings(const Change& change) {
+    try_change([&](SoakCase& candidate) { change(candidate.scene.settings); });
+  }
+  template <typename Change>
+  void try_bodies(const Change& change) {
+    try_change([&](SoakCase& candidate) {
+      for (engine::Body& body : candidate.scene.bodies) change(body);
+      for (engine::Body& body : candidate.scene.prototypes) change(body);
+    });
+  }
+
+  void set_defaults() {
+    set_default_settings();
+    set_default_scene();
+    try_bodies([](engine::Body& body) { body.linear_damping = body.angular_damping = 0; });
+    try_bodies([](engine::Body& body) { body.gravity_scale = 1; });
+    try_bodies([](engine::Body& body) { body.fixed_rotation = false; });
+    try_bodies([](engine::Body& body) { body.bullet = false; });
+    try_bodies([](engine::Body& body) { body.can_sleep = true; });
+    try_bodies([](engine::Body& body) { body.mass.reset(); });
+    try_bodies([](engine::Body& body) { body.angular_velocity = 0; });
+    const auto try_shapes = [this](const auto& change) {
+      try_bodies([&](engine::Body& body) {
+        for (engine::Shape& shape : body.shapes) change(shape);
+      });
+    };
+    try_shapes([](engine::Shape& shape) { shape.material = {}; });
+    try_shapes([](engine::Shape& shape) { shape.filter = {}; });
+    try_shapes([](engine::Shape& shape) { shape.sensor = false; });
+    try_shapes([](engine::Shape& shape) { shape.density = 1; });
+  }
+  void set_default_settings() {
+    using engine::Settings;
+    const Settings usual;
+    try_settings([&](Settings& settings) { settings.auto_substeps.reset(); });
+    try_settings([&](Settings& settings) { settings.sleep.reset(); });
+    try_settings([&](Settings& settings) { settings.events = false; });
+    try_settings([&](Settings& settings) { settings.locate_impacts = false; });
+    try_settings([&](Settings& settings) { settings.continuous = true; });
+    try_settings([&](Settings& settings) { settings.clock = usual.clock; });
+    try_settings([&](Settings& settings) { settings.precision = usual.precision; });
+    try_settings([&](Settings& settings) { settings.solver = usual.solver; });
+    try_settings([&](Settings& settings) { settings.integrator = usual.integrator; });
+    try_settings([&](Settings& settings) { settings.broad_phase = usual.broad_phase; });
+    try_settings([&](Settings& settings) { settings.substeps = usual.substeps; });
+    try_settings([&](Settings& settings) { settings.iterations = usual.iterations; });
+    try_settings([&](Settings& settings) { settings.friction_mix = usual.friction_mix; });
+    try_settings([&](Settings& settings) { settings.restitution_mix = usual.restitution_mix; });
+    try_settings([&](Settings& settings) { settings.restitution_threshold = usual.restitution_threshold; });
+    try_settings([&](Settings& settings) { settings.dt = usual.dt; });
+  }
+  void set_default_scene() {
+    try_change([](SoakCase& candidate) { candidate.scene.bounds.reset(); });
+    try_change([](SoakCase& candidate) { candidate.scene.spawned_max.reset(); });
+    try_change([](SoakCase& candidate) { candidate.scene.gravity = {}; });
+    try_change([](SoakCase& candidate) {
+      const auto uses_pointer = [](InputKind kind) {
+        return kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
+      };
+      candidate.scene.pointer.reset();
+      std::erase_if(candidate.scene.inputs, uses_pointer);
+      std::erase_if(candidate.inputs, [&](const Input& input) { return uses_pointer(input.kind); });
+    });
+    try_change([](SoakCase& candidate) {
+      std::erase_if(candidate.scene.inputs, [&](InputKind kind) {
+        const auto is_of = [&](const Input& input) { return input.kind == kind; };
+        return std::none_of(candidate.inputs.begin(), candidate.inputs.end(), is_of);
+      });
+    });
+    try_change([](SoakCase& candidate) {
+      for (engine::Joint& joint : candidate.scene.joints) joint.limits.reset();
+    });
+    try_change([](SoakCase& candidate) {
+      for (engine::Joint& joint : candidate.scene.joints) joint.motor.reset();
+    });
+    try_change([](SoakCase& candidate) {
+      for (engine::Joint& joint : candidate.scene.joints) joint.collide_connected = false;
+    });
+  }
+
+  SoakCase smallest_;
+  const CaseFails& still_fails_;
+  const ShrinkOptions& options_;
+  std::size_t test_count_ = 0;
+};
+
+}  // namespace
+
+SoakCase with_bodies(const SoakCase& soak_case, const Indices& kept) {
+  SoakCase some = soak_case;
+  Scene& scene = some.scene;
+  const std::size_t count = scene.bodies.size();
+  const auto to = renumbering(count, kept);
+  scene.bodies = select(scene.bodies, kept);
+  Indices joints;
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+    const engine::Joint& joint = scene.joints[i];
+    const bool has_a = joint.kind == engine::JointKind::target || to[joint.body_a] != gone;
+    if (has_a && to[joint.body_b] != gone) joints.push_back(i);
+  }
+  some = with_joints(some, joints);
+  for (engine::Joint& joint : scene.joints) {
+    joint.body_a = joint.kind == engine::JointKind::target ? joint.body_a : to[joint.body_a];
+    joint.body_b = to[joint.body_b];
+  }
+  std::erase_if(scene.forces, [&](const engine::Force& force) {
+    return (force.body && to[*force.body] == gone) || (force.other && to[*force.other] == gone);
+  });
+  for (engine::Force& force : scene.forces) {
+    if (force.body) force.body = to[*force.body];
+    if (force.other) force.other = to[*force.other];
+  }
+  std::erase_if(some.inputs,
+                [&](const Input& input) { return has_body(input) && input.body < count && to[input.body] == gone; });
+  const auto fewer = static_cast<std::uint32_t>(count - kept.size());
+  for (Input& input : some.inputs)
+    if (has_body(input)) input.body = input.body < count ? to[input.body] : input.body - fewer;
+  return some;
+}
+
+SoakCase with_joints(const SoakCase& soak_case, const Indices& kept) {
+  SoakCase some = soak_case;
+  const auto to = renumbering(soak_case.scene.joints.size(), kept);
+  some.scene.joints = select(soak_case.scene.joints, kept);
+  const auto is_of_joint = [](const Input& input) { return info_of(engine::input_kinds, input.kind).has_joint; };
+  std::erase_if(some.inputs, [&](const Input& input) {
+    return is_of_joint(input) && (input.joint >= to.size() || to[input.joint] == gone);
+  });
+  for (Input& input : some.inputs)
+    if (is_of_joint(input)) input.joint = to[input.joint];
+  return some;
+}
+
+SoakCase with_inputs(const SoakCase& soak_case, const Indices& kept) {
+  SoakCase some = soak_case;
+  // The nth spawn makes the body with the nth id behind those of the scene.
+  const auto first_id = static_cast<std::uint32_t>(soak_case.scene.bodies.size());
+  Indices spawns;
+  std::vector<bool> is_kept(soak_case.inputs.size());
+  for (const std::size_t i : kept) is_kept[i] = true;
+  std::size_t spawn_count = 0;
+  for (std::size_t i = 0; i < soak_case.inputs.size(); ++i) {
+    if (soak_case.inputs[i].kind != InputKind::spawn) continue;
+    if (is_kept[i]) spawns.push_back(spawn_count);
+    ++spawn_count;
+  }
+  const auto to = renumbering(spawn_count, spawns);
+  some.inputs = select(soak_case.inputs, kept);
+  const auto spawn_of = [&](const Input& input) { return std::size_t{input.body} - first_id; };
+  const auto is_of_spawned = [&](const Input& input) {
+    return has_body(input) && input.body >= first_id && spawn_of(input) < spawn_count;
+  };
+  std::erase_if(some.inputs, [&](const Input& input) { return is_of_spawned(input) && to[spawn_of(input)] == gone; });
+  for (Input& input : some.inputs)
+    if (is_of_spawned(input)) input.body = first_id + to[spawn_of(input)];
+  return some;
+}
+
+ShrinkResult shrink(const SoakCase& failing, const CaseFails& still_fails, const ShrinkOptions& options) {
+  return Shrinker(failing, still_fails, options).run();
+}
+
+}  // namespace ticktrue::verifier::soak

@@ -1,0 +1,42 @@
+// Makes a world that fails as small as it can be while it still fails.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "tool/experiment/soak_case.h"
+
+namespace ticktrue::verifier::soak {
+
+/// Whether the world still shows what is looked for. It is only asked about worlds that check_scene accepts.
+using CaseFails = std::function<bool(const SoakCase&)>;
+
+struct ShrinkOptions {
+  std::size_t test_count_max = 3000;              // calls of the predicate
+  std::function<bool()> is_over;                  // asked before each call: true ends the search; may be empty
+  std::optional<std::uint64_t> first_wrong_tick;  // where known: no later tick is tried
+};
+
+struct ShrinkResult {
+  SoakCase smallest;
+  std::size_t test_count = 0;  // calls of the predicate
+};
+
+/// Cuts ticks, inputs, bodies (with their joints, forces and inputs; ids follow), joints, forces and prototypes, and
+/// sets what is left back to the defaults, until nothing more can be left out or no more tests may be made.
+/// Requires: still_fails(failing).
+ShrinkResult shrink(const SoakCase& failing, const CaseFails& still_fails, const ShrinkOptions& options = {});
+
+/// The case with these bodies alone, by index, ascending. Joints, forces and inputs that refer to another go; ids of
+/// spawned bodies follow.
+SoakCase with_bodies(const SoakCase& soak_case, const std::vector<std::size_t>& kept);
+/// The same for joints, and inputs to them.
+SoakCase with_joints(const SoakCase& soak_case, const std::vector<std::size_t>& kept);
+/// The same for inputs. Ids follow where only `spawn` makes bodies.
+SoakCase with_inputs(const SoakCase& soak_case, const std::vector<std::size_t>& kept);
+
+}  // namespace ticktrue::verifier::soak

@@ -1,0 +1,68 @@
+// What a soak has counted so far: kept in a file, so that a soak can be resumed.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/caches.h"
+#include "tool/experiment/oracle/checks.h"
+#include "tool/experiment/oracle/physics_checks.h"
+#include "tool/experiment/oracle/runs.h"
+
+namespace ticktrue::verifier::soak {
+
+/// A world in which a check found something.
+struct FailedWorld {
+  std::uint64_t index = 0;       // of the soak's seed
+  std::uint64_t world_seed = 0;  // of the generator
+  std::string variant;           // variant_text
+  std::uint64_t tick = 0;        // in the world as it was generated
+  std::string what;
+  std::string folder;            // of the shrunk world; empty: not shrunk
+  std::uint64_t body_count = 0;  // of the shrunk world
+  std::uint64_t tick_count = 0;
+  std::uint64_t test_count = 0;  // runs that shrinking took
+};
+
+struct RowCoverage {
+  std::uint64_t active = 0;    // worlds that have the row
+  std::uint64_t measured = 0;  // of these, worlds that were run without it
+  std::uint64_t effect = 0;    // of these, worlds whose states differ without it
+};
+
+/// How many rows with an effect are enough: then no more worlds are run without the row.
+inline constexpr std::uint64_t effect_count_wanted = 500;
+
+struct SoakCounters {
+  std::uint64_t world_count = 0;  // worlds 0..world_count - 1 are done
+  std::uint64_t tick_count = 0;   // of the base runs
+  std::uint64_t body_ticks = 0;   // of the base runs
+  std::array<std::uint64_t, check_table.size()> run_counts{};
+  engine::CacheReport caches{};  // of the base runs
+  CacheTally while_hit{};
+  std::map<std::string, RowCoverage> rows;
+  std::map<std::pair<std::string, std::string>, std::uint64_t> pairs;  // worlds that have both rows
+  std::map<std::pair<std::string, std::string>, std::uint64_t> known;  // (cause, check): worlds
+  std::uint64_t ran_away_count = 0;       // worlds whose base run ended for BaseRun::ran_away
+  std::uint64_t joints_failed_count = 0;  // likewise
+  std::vector<FailedWorld> failures;
+};
+
+/// What the counters belong to; a soak resumes only its own.
+struct SoakIdentity {
+  std::uint64_t seed = 0;
+  std::string checks;  // variants and names, separated by commas
+  std::string commit;  // of the build
+  bool operator==(const SoakIdentity&) const = default;
+};
+
+std::string print_progress(const SoakIdentity& identity, const SoakCounters& counters);
+/// `place` is what messages name first. Errors: corrupt; incompatible (of another soak).
+Result<SoakCounters> parse_progress(const std::string& text, const SoakIdentity& identity, const std::string& place);
+
+}  // namespace ticktrue::verifier::soak

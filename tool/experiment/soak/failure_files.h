@@ -1,0 +1,28 @@
+// A world that failed: shrunk, and written down with the command that shows it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/result.h"
+#include "tool/experiment/oracle/oracle.h"
+#include "tool/experiment/soak/counters.h"
+
+namespace ticktrue::verifier::soak {
+
+struct FailureOptions {
+  std::string folder;         // is made
+  double shrink_time_s = 60;  // 0: the world is written as it is
+  OracleOptions oracle;
+};
+
+/// Shrinks the world with the variant that found something and writes scene.json, inputs.jsonl and command. Where the
+/// files cannot be written, `folder` of the result is empty and `what` says why.
+FailedWorld write_failure(const SoakCase& soak_case, std::uint64_t world_seed, const Finding& finding,
+                          const FailureOptions& options);
+
+/// Reads scene.json and inputs.jsonl. Errors: those of reading a scene and its inputs.
+Result<SoakCase> read_case(const engine::Scene& scene, const std::string& inputs_path, std::uint64_t tick_count);
+
+}  // namespace ticktrue::verifier::soak

@@ -1,0 +1,203 @@
+// Worlds in blocks, over threads; their counts are summed in order.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/soak/soak.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "base/build_info.h"
+#include "base/parallel/jobs.h"
+#include "tool/experiment/oracle/physics_checks.h"
+#include "tool/experiment/soak/failure_files.h"
+#include "tool/experiment/soak/row_effects.h"
+#include "verifier/runs/data_file.h"
+
+namespace ticktrue::verifier::soak {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// All that one world adds to the counters.
+struct WorldOutcome {
+  bool is_done = false;
+  SoakCounters counts;
+};
+
+/// A file that exists while a world is examined: what is left of it names the world that ended the process.
+class RunningMark {
+ public:
+  RunningMark(const SoakOptions& options, std::uint64_t index)
+      : path_(options.folder + "/running_" + std::to_string(index)) {
+    std::ofstream(path_) << "ticktrue soak --seed " << options.seed << " --world " << index << "\n";
+  }
+  RunningMark(const RunningMark&) = delete;
+  ~RunningMark() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+
+ private:
+  std::string path_;
+};
+
+class Soak {
+ public:
+  explicit Soak(const SoakOptions& options)
+      : options_(options), identity_{options.seed, options.checks_text, build_info().commit} {}
+
+  Result<SoakReport> run() {
+    std::error_code failed;
+    std::filesystem::create_directories(options_.folder, failed);
+    if (failed) return Error{ErrorCode::io, options_.folder + ": cannot be made: " + failed.message(), ""};
+    if (options_.resume)
+      if (const Status read = read_progress(); !read) return read.error();
+    const std::uint64_t first = options_.only_world.value_or(counters_.world_count);
+    const std::uint64_t end = options_.only_world ? first + 1 : options_.world_count;
+    std::uint64_t index = first;
+    while (index < end && !is_over()) {
+      const std::uint64_t block_end = std::min(end, (index / worlds_per_block + 1) * worlds_per_block);
+      const Result<std::uint64_t> done = run_block(index, block_end);
+      if (!done) return done.error();
+      index += *done;
+      if (index < block_end) break;
+      if (index % worlds_per_block == 0 || index == end)
+        if (const Status saved = save_progress(); !saved) return saved.error();
+    }
+    return SoakReport{std::move(counters_), seconds_since(start_), index - first, index >= end};
+  }
+
+ private:
+  std::string progress_path() const { return options_.folder + "/progress.json"; }
+
+  Status read_progress() {
+    std::ifstream file(progress_path(), std::ios::binary);
+    if (!file) return {};  // nothing was done yet
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    Result<SoakCounters> read = parse_progress(text, identity_, progress_path());
+    if (!read) return read.error();
+    counters_ = *std::move(read);
+    return {};
+  }
+
+  Status save_progress() const {
+    if (options_.only_world) return {};
+    Result<DataFile> file = DataFile::create(progress_path(), true);
+    if (!file) return file.error();
+    if (const Status written = file->write(print_progress(identity_, counters_)); !written) return written;
+    return file->close();
+  }
+
+  bool is_over() const {
+    if (counters_.failures.size() >= options_.failure_count_max || stopped_) return true;
+    return options_.time_s > 0 && seconds_since(start_) >= options_.time_s;
+  }
+
+  /// Worlds done: all of the block, or those before the time was over.
+  Result<std::uint64_t> run_block(std::uint64_t begin, std::uint64_t end) {
+    const std::vector<std::string> wanted = rows_to_measure(options_.worlds, counters_.rows);
+    std::vector<WorldOutcome> outcomes(end - begin);
+    const Status ran = run_jobs(outcomes.size(), options_.thread_count, [&](std::size_t i) {
+      const bool is_late = options_.time_s > 0 && seconds_since(start_) >= options_.time_s;
+      if (!is_late) outcomes[i] = run_world(begin + i, wanted);
+    });
+    if (!ran) return ran.error();
+    std::uint64_t done = 0;
+    while (done < outcomes.size() && outcomes[done].is_done && !stopped_) {
+      add(outcomes[done].counts);
+      ++done;
+      counters_.world_count = options_.only_world ? 1 : begin + done;
+      if (options_.progress && !options_.progress(counters_, seconds_since(start_))) stopped_ = true;
+      if (counters_.failures.size() >= options_.failure_count_max) break;
+    }
+    return done;
+  }
+
+  WorldOutcome run_world(std::uint64_t index, const std::vector<std::string>& wanted_rows) const {
+    const RunningMark mark(options_, index);
+    const std::uint64_t seed = world_seed(options_.seed, index);
+    WorldSource::World world = options_.worlds.make(seed);
+    OracleOptions oracle = options_.oracle;
+    oracle.files.path = options_.folder + "/world_" + std::to_string(index) + ".ttr";
+    const WorldResult result = examine(world.soak_case, seed, oracle);
+    WorldOutcome outcome;
+    outcome.is_done = true;
+    SoakCounters& counts = outcome.counts;
+    counts.tick_count = result.base.tick_count;
+    counts.body_ticks = result.base.body_ticks;
+    counts.ran_away_count = result.base.ran_away ? 1 : 0;
+    counts.joints_failed_count = result.base.joints_failed ? 1 : 0;
+    counts.run_counts = result.run_counts;
+    counts.caches = result.base.caches;
+    for (const engine::CacheInfo& info : engine::cache_kinds)
+      engine::count_uses(counts.caches, info.kind, result.tally.caches[static_cast<std::size_t>(info.kind)]);
+    counts.while_hit = result.tally.while_hit;
+    count_rows(options_.worlds, world, seed, result.base, wanted_rows, options_.oracle.make, counts);
+    if (index < options_.known_world_count) {
+      const CaseInputs inputs(world.soak_case);
+      const PhysicsCounts physics = count_physics({world.soak_case, inputs, oracle.make}, result.base);
+      for (std::size_t i = 0; i < physics_checks.size(); ++i)
+        if (physics.broken[i]) ++counts.known[{physics.cause, std::string(physics_checks[i])}];
+    }
+    for (const Finding& finding : result.findings) {
+      world.soak_case.tick_count = std::max(result.base.tick_count, finding.tick + 1);
+      std::string folder = options_.folder + "/" + std::to_string(seed);
+      if (!counts.failures.empty())
+        folder += "_" + std::string(check_table[static_cast<std::size_t>(finding.variant.check)].name);
+      const FailureOptions failure_options{std::move(folder), options_.shrink_time_s, oracle};
+      FailedWorld failure = write_failure(world.soak_case, seed, finding, failure_options);
+      failure.index = index;
+      counts.failures.push_back(std::move(failure));
+      if (counts.failures.size() == 2) break;  // of one world: the others have most likely the same cause
+    }
+    return outcome;
+  }
+
+  void add(const SoakCounters& counts) {
+    counters_.tick_count += counts.tick_count;
+    counters_.body_ticks += counts.body_ticks;
+    counters_.ran_away_count += counts.ran_away_count;
+    counters_.joints_failed_count += counts.joints_failed_count;
+    for (std::size_t i = 0; i < check_table.size(); ++i) counters_.run_counts[i] += counts.run_counts[i];
+    for (std::size_t i = 0; i < engine::cache_kind_count; ++i) {
+      counters_.caches[i].hits += counts.caches[i].hits;
+      counters_.caches[i].invalidations += counts.caches[i].invalidations;
+      counters_.while_hit[i] += counts.while_hit[i];
+    }
+    for (const auto& [name, row] : counts.rows) {
+      RowCoverage& sum = counters_.rows[name];
+      sum.active += row.active;
+      sum.measured += row.measured;
+      sum.effect += row.effect;
+    }
+    for (const auto& [names, count] : counts.pairs) counters_.pairs[names] += count;
+    for (const auto& [names, count] : counts.known) counters_.known[names] += count;
+    counters_.failures.insert(counters_.failures.end(), counts.failures.begin(), counts.failures.end());
+  }
+
+  const SoakOptions& options_;
+  SoakIdentity identity_;
+  Clock::time_point start_ = Clock::now();
+  bool stopped_ = false;
+  SoakCounters counters_;
+};
+
+}  // namespace
+
+std::uint64_t world_seed(std::uint64_t seed, std::uint64_t index) {
+  return mix(seed, index);
+}
+
+Result<SoakReport> run_soak(const SoakOptions& options) {
+  return Soak(options).run();
+}
+
+}  // namespace ticktrue::verifier::soak

@@ -1,0 +1,67 @@
+// A soak: random worlds, one after the other, each examined by the oracle; what fails is shrunk and written down.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "tool/experiment/oracle/oracle.h"
+#include "tool/experiment/soak/counters.h"
+#include "tool/experiment/soak_case.h"
+
+namespace ticktrue::verifier::soak {
+
+/// Where worlds come from: engine/random_worlds, or a test.
+struct WorldSource {
+  struct World {
+    SoakCase soak_case;
+    std::vector<std::string> rows;  // "joint/weld": what the world has of the tables of choices
+  };
+  std::function<World(std::uint64_t world_seed)> make;
+  /// The world without a row; nothing where there is none.
+  std::function<std::optional<SoakCase>(std::uint64_t world_seed, const std::string& row)> without;
+  std::vector<std::string> rows;                                 // all there are, so that missing ones are seen
+  std::function<bool(const std::string& row)> row_changes_bits;  // false: only its use is counted
+};
+/// Those of engine/random_worlds.
+WorldSource random_worlds();
+
+struct SoakOptions {
+  std::uint64_t seed = 1;
+  std::uint64_t world_count = 1000;
+  std::optional<std::uint64_t> only_world;  // this index alone; no progress is kept
+  double time_s = 0;                        // begin no world later; 0: no limit
+  unsigned thread_count = 1;                // over worlds
+  bool resume = false;
+  std::string folder;                   // for progress and failures; made where it is missing
+  std::size_t failure_count_max = 8;    // worlds; then the soak ends
+  double shrink_time_s = 30;            // of one failure
+  std::uint64_t known_world_count = 0;  // count physics in so many first worlds
+  std::string checks_text;              // part of the identity of the progress
+  OracleOptions oracle;
+  WorldSource worlds;
+  std::function<bool(const SoakCounters& counters, double seconds)> progress;  // false stops; may be empty
+};
+
+struct SoakReport {
+  SoakCounters counters;
+  double seconds = 0;            // of this run, not of those before it
+  std::uint64_t new_worlds = 0;  // of this run
+  bool is_whole = false;         // all worlds that were asked for are done
+};
+
+/// Generator seed of a world: SplitMix64 of the soak's seed and the index (mix).
+std::uint64_t world_seed(std::uint64_t seed, std::uint64_t index);
+
+/// Errors: io (folder, progress), corrupt and incompatible (progress), unsupported (check_float_behaviour).
+Result<SoakReport> run_soak(const SoakOptions& options);
+
+/// Worlds between two savings of the progress. What counts rows with an effect looks only at what was known at the
+/// last one, so that a soak that was resumed counts the same as one that was not.
+inline constexpr std::uint64_t worlds_per_block = 16;
+
+}  // namespace ticktrue::verifier::soak

@@ -1,0 +1,32 @@
+// Recorded mouse sessions of people as pointer inputs.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/scene/input.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::verifier {
+
+struct MouseImportOptions {
+  std::optional<engine::Bounds>
+      window;                  // the part of the world the screen covers; absent: the pointer's window, else the bounds
+  bool right_presses = false;  // the right button presses, drags and releases as the left one does
+};
+
+/// The inputs of a session in the format of the Balabit Mouse Dynamics Challenge: lines of `record timestamp, client
+/// timestamp, button, state, x, y`, with that header. docs/scenes.md, "Mouse sessions", has the rules.
+/// Errors: invalid_input (with `source`:line), incompatible (the scene has no pointer), usage (no window).
+Result<std::vector<engine::Input>> import_mouse(std::string_view csv, const std::string& source,
+                                                const engine::Scene& scene, const MouseImportOptions& options = {});
+
+/// The part of the world that a pointer's screen shows: its window, else the scene's bounds.
+/// Errors: incompatible (no pointer), usage (neither window nor bounds).
+Result<engine::Bounds> pointer_window(const engine::Scene& scene);
+
+}  // namespace ticktrue::verifier

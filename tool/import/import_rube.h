@@ -1,0 +1,26 @@
+// Scenes drawn in the R.U.B.E. Box2D editor as scenes of ours.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::verifier {
+
+struct RubeImport {
+  engine::Scene scene;
+  std::vector<std::string> notes;  // one line each: what was left out or changed, by name; at most rube_note_count_max
+};
+inline constexpr std::size_t rube_note_count_max = 100;  // the last one then says how many more there are
+inline constexpr std::size_t rube_file_size_max = 64u << 20;
+
+/// The scene of a "raw info" JSON export. docs/scenes.md, "Scenes of R.U.B.E.", has the rules. `source` is what
+/// messages name first, `name` becomes the scene's. The result keeps the format's rules, not all of a scene's: call
+/// check_scene. Errors: invalid_scene (with the JSON path, what was found and expected), limit, unsupported.
+Result<RubeImport> import_rube(std::string_view json, const std::string& source, const std::string& name);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,46 @@
+// The view at the start of a scene.
+// SPDX-License-Identifier: MIT
+#include "tool/play/picture/view.h"
+
+#include <vector>
+
+#include "tool/drawing/drawing.h"
+
+namespace ticktrue::play {
+namespace {
+
+/// What the bodies that move would cover if they turned on the spot.
+verifier::WorldBox turned_bodies(const engine::Engine& engine) {
+  const verifier::Drawing drawing(engine.scene(), *engine.state().schema);
+  std::vector<verifier::DrawnBody> bodies;
+  drawing.read(engine.state(), bodies);
+  verifier::WorldBox box;
+  for (const verifier::DrawnBody& body : bodies) {
+    const verifier::Figure& figure = drawing.figures()[body.figure];
+    if (figure.type == engine::BodyType::static_body || !body.is_finite) continue;
+    box.add(body.center.x - figure.reach, body.center.y - figure.reach);
+    box.add(body.center.x + figure.reach, body.center.y + figure.reach);
+  }
+  return box;
+}
+
+}  // namespace
+
+View first_view(const engine::Engine& engine, int width, int height) {
+  View view;
+  view.width = width;
+  view.height = height;
+  const engine::Scene& scene = engine.scene();
+  if (scene.pointer && scene.pointer->window) {
+    const engine::Bounds& window = *scene.pointer->window;
+    verifier::WorldBox box;
+    box.add(window.lower.x, window.lower.y);
+    box.add(window.upper.x, window.upper.y);
+    view.fit(box);
+  } else {
+    view.fit(verifier::choose_view(engine, turned_bodies(engine)));
+  }
+  return view;
+}
+
+}  // namespace ticktrue::play

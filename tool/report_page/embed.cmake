@@ -1,0 +1,16 @@
+# cmake -D FOLDER=... -D OUT=... -P embed.cmake: the page and its parts as string literals of C++.
+# Scripts are put together in this order; they share one scope.
+set(scripts base facts player world timeline plots hands)
+set(text "// The sources of the page of `ticktrue report`, as embed.cmake found them.\n")
+string(APPEND text "#include \"tool/report_page/page_parts.h\"\n\nnamespace ticktrue::verifier {\n\n")
+foreach(name html css)
+  file(READ ${FOLDER}/page.${name} content)
+  string(APPEND text "const std::string_view page_${name} = R\"page(${content})page\";\n\n")
+endforeach()
+string(APPEND text "const std::string_view page_js =")
+foreach(name ${scripts})
+  file(READ ${FOLDER}/page_${name}.js content)
+  string(APPEND text "\n    R\"page(${content})page\"")
+endforeach()
+string(APPEND text ";\n\n}  // namespace ticktrue::verifier\n")
+file(WRITE ${OUT} "${text}")

@@ -1,0 +1,37 @@
+// `run` and `record` of a plug-in's simulation: setup and inputs as bytes, since only the plug-in knows what they mean.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "replay/trace_reader.h"
+#include "tool/session/session.h"
+
+namespace ticktrue::cli {
+
+struct PluginSession {
+  std::string
+      scene;  // the setup: the bytes of this file, or of the word itself; or a trace, whose session is run again
+  std::string inputs;  // JSON Lines {"tick": N, "bytes": "hex"}, ticks ascending; "dt": s, from that tick on; or empty
+  std::optional<std::uint64_t> tick_count;
+  verifier::TraceChoices choices;  // record
+  std::string output;              // record
+  bool compress = true;
+  bool force = false;
+  bool json = false;
+};
+
+/// Whether SCENE is meant for a plug-in.
+bool has_plugin();
+/// The exit code. Require: has_plugin().
+int run_plugin(const PluginSession& session);
+int record_plugin(const PluginSession& session);
+
+/// `replay` of a plug-in's trace: after each of the ticks first..last, every n-th, its tables as lines of text, or as
+/// one JSON object. Whether the trace is one of a loaded plug-in says is_plugin_trace.
+bool is_plugin_trace(const replay::TraceSetup& setup);
+int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
+
+}  // namespace ticktrue::cli

@@ -1,0 +1,63 @@
+// A session of the engine: runs it from inputs and measures it, and says what a trace of it must hold.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "base/state/non_finite.h"
+#include "engine/engine.h"
+#include "replay/recorder.h"
+#include "replay/trace.h"
+
+namespace ticktrue::verifier {
+
+/// What is chosen at recording.
+struct TraceChoices {
+  replay::Detail detail = replay::Detail::root;
+  std::uint64_t full_first = 0;  // with Detail::full
+  std::uint64_t full_last = 0;   // inclusive
+  std::uint32_t checkpoint_interval = 600;
+};
+
+/// What a trace must say of the engine in its present state, so that it can be made again.
+replay::TraceSetup make_trace_setup(const engine::Engine& engine, const TraceChoices& choices);
+
+/// The facts about this build that go into traces.
+replay::BuildFacts make_build_facts();
+
+/// Times of ticks in bounded memory: a histogram of logarithmic buckets, 1 % wide.
+class TickTimes {
+ public:
+  void add(double seconds);
+  /// To within 1 %; 0 without ticks.
+  double median_s() const { return quantile_s(0.5); }
+  double quantile_s(double share) const;
+  double sum_s() const { return sum_s_; }
+
+ private:
+  std::array<std::uint64_t, 2400> counts_{};  // 10 ns .. 230 s
+  std::uint64_t count_ = 0;
+  double sum_s_ = 0;
+};
+
+struct RunResult {
+  std::uint64_t tick_count = 0;
+  TickTimes times;
+  std::uint64_t root_hash = 0;
+  bool stopped = false;  // progress said so
+  std::optional<NonFinite> non_finite;
+};
+
+/// Runs without recording, until `tick_count` ticks are done, the source ends, or a value is not finite. `progress`
+/// (ticks done) may be empty; false stops. Errors: unsupported
+/// (check_float_behaviour), io, invalid_input, limit.
+Result<RunResult> run_session(engine::Engine& engine, replay::InputSource& source,
+                              std::optional<std::uint64_t> tick_count,
+                              const std::function<bool(std::uint64_t)>& progress);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,34 @@
+// The simulations this build can make from a trace, those of loaded plug-ins with them: the only list of them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/state/simulation.h"
+#include "engine/engine.h"
+
+namespace ticktrue::verifier {
+
+std::vector<const SimulationInfo*> simulations();
+
+/// The simulation with this name, or null.
+const SimulationInfo* find_simulation(std::string_view name);
+
+/// Where this environment variable is 1, every engine that the tool makes for a session or a trace checks its cached
+/// structures in every tick (EngineOptions::check_caches). Read once.
+inline constexpr const char* check_caches_variable = "TICKTRUE_CHECK_CACHES";
+engine::EngineOptions engine_options_of_environment();
+
+/// Whether simulations of it may run on several threads at once. Only what is part of this build is known to share
+/// nothing between them.
+bool runs_on_threads(const SimulationInfo& info);
+
+/// How commands for traces of this simulation begin: "ticktrue", and --plugin where a plug-in brought it.
+std::string tool_words(std::string_view simulation);
+
+/// "a, b or c": for error messages.
+std::string simulation_names();
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,526 @@
+// Error against run time: every verification problem over a sweep of methods and steps.
+// SPDX-License-Identifier: MIT
+#include "tool/study/accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "base/hash.h"
+#include "base/parallel/jobs.h"
+#include "engine/math/trig.h"
+#include "replay/recorder.h"
+#include "tool/session/clocked_inputs.h"
+
+namespace ticktrue::verifier {
+
+using engine::ClockKind;
+using engine::IntegratorKind;
+using engine::Precision;
+using engine::SolverKind;
+
+namespace {
+
+// What is observed of one run of one point.
+struct Observed {
+  std::vector<double> times;
+  std::vector<std::vector<double>> samples;
+  AccuracyPoint point;
+  double step_time_s = 0;
+};
+
+engine::Scene scene_of(const Problem& problem, const Method& method, const Setting& setting, Precision precision) {
+  engine::Scene scene = problem.scene(precision);
+  engine::Settings& settings = scene.settings;
+  settings.solver = method.solver;
+  settings.integrator = method.integrator;
+  settings.dt = setting.dt;
+  settings.substeps = setting.substeps;
+  if (method.automatic) {
+    settings.auto_substeps.emplace();
+    settings.auto_substeps->target_error = setting.target;
+  }
+  if (!method.locates) settings.locate_impacts = false;
+  if (method.clock) {
+    settings.clock.kind = *method.clock;
+    if (*method.clock == ClockKind::adaptive) settings.clock.tolerance = setting.target;
+  }
+  return scene;
+}
+
+void note_sample(const Problem& problem, const engine::Engine& engine, Observed& observed) {
+  observed.times.push_back(engine.time_s());
+  observed.samples.push_back(problem.observe(engine));
+  if (problem.kind == ProblemClass::smooth) return;
+  const Bodies bodies = engine.bodies();
+  observed.point.overlap_max = std::max(observed.point.overlap_max, deepest_overlap(engine.contacts()));
+  observed.point.joint_gap_max = std::max(observed.point.joint_gap_max, largest(joint_gaps(engine.scene(), bodies)));
+}
+
+// The largest substep count of the state's table `substeps`; 0 without one.
+int substeps_most(const engine::Engine& engine) {
+  const StateView& view = engine.state();
+  const auto table = view.schema->find_table("substeps");
+  if (!table) return 0;
+  std::uint32_t most = 0;
+  const TableSchema& schema = view.schema->tables[*table];
+  for (const Column& column : schema.columns) {
+    if (column.name != "count") continue;
+    for (std::size_t row = 0; row < view.tables[*table].row_count; ++row) {
+      std::uint32_t value = 0;
+      const std::uint8_t* at = view.tables[*table].data + row * schema.row_size + column.offset;
+      std::copy(at, at + sizeof value, reinterpret_cast<std::uint8_t*>(&value));
+      most = std::max(most, value);
+    }
+  }
+  return static_cast<int>(most);
+}
+
+void run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
+  const double ticks = problem.duration / run.engine().scene().settings.dt / problem.sample_count;
+  for (int sample = 0; sample < problem.sample_count; ++sample) {
+    run.advance(static_cast<std::uint64_t>(std::lround(ticks)));
+    note_sample(problem, run.engine(), observed);
+    // The sum of the ticks' lengths has rounding of its own.
+    observed.times.back() = problem.duration * (sample + 1) / problem.sample_count;
+  }
+  observed.step_time_s = run.step_time_s();
+}
+
+// Every tick is a sample: a clock need not meet equal times.
+Status run_on_frames(const Problem& problem, const Method& method, const Setting& setting, Run& run,
+                     Observed& observed) {
+  auto frames = open_host(setting.host.empty() ? method.host : setting.host, 1);
+  if (!frames) return frames.error();
+  ClockedInputs inputs(run.engine(), std::make_unique<replay::NoInputs>(setting.dt), std::move(*frames));
+  for (std::uint64_t tick = 0; run.engine().time_s() < problem.duration; ++tick) {
+    const double start = computed_s();
+    const auto input = inputs.next(tick);
+    if (!input) return input.error();
+    if (!*input) break;
+    run.engine().step(**input, nullptr);
+    if (const Status did = run.engine().last_step(); !did) return did.error();
+    observed.step_time_s += computed_s() - start;
+    note_sample(problem, run.engine(), observed);
+  }
+  return {};
+}
+
+Result<Observed> observe(const Problem& problem, const Method& method, const Setting& setting, Precision precision) {
+  Result<Run> made = Run::make(scene_of(problem, method, setting, precision));
+  if (!made) return made.error();
+  Run& run = *made;
+  Observed observed;
+  const Bodies before = run.bodies();
+  if (method.clock) {
+    if (Status status = run_on_frames(problem, method, setting, run, observed); !status) return status.error();
+  } else {
+    run_on_ticks(problem, run, observed);
+  }
+  const engine::Engine& engine = run.engine();
+  const Bodies after = run.bodies();
+  AccuracyPoint& point = observed.point;
+  point.setting = setting;
+  const engine::Point p = momentum_of(before), q = momentum_of(after);
+  point.energy = energy_of(engine.scene(), after) - energy_of(engine.scene(), before);
+  point.momentum = std::hypot(q.x, q.y) - std::hypot(p.x, p.y);
+  point.tick_count = engine.tick();
+  point.substeps_most = substeps_most(engine);
+  point.hash = root_hash(engine.state());
+  if (!all_finite(after)) point.state = PointState::not_finite;
+  return observed;
+}
+
+double apart(const Problem& problem, double a, double b) {
+  const double d = problem.is_angle ? std::remainder(a - b, 2 * engine::pi) : a - b;
+  return std::isfinite(d) ? d : HUGE_VAL;
+}
+
+// What the same run in f32 is off from f64: rounding. f64 rounds 2^-29 as coarsely, but no less than a random walk of
+// one rounding a tick.
+double rounding_floor(const Problem& problem, const Method& method, const Observed& f64, const Observed& f32,
+                      Precision precision) {
+  if (f64.samples.size() != f32.samples.size() || f64.samples.empty()) return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < f64.samples.size(); ++i)
+    for (std::size_t k = 0; k < f64.samples[i].size(); ++k) {
+      const double d = apart(problem, f64.samples[i][k], f32.samples[i][k]);
+      sum += d * d;
+    }
+  const double floor = std::sqrt(sum / static_cast<double>(f64.samples.size())) / problem.scale;
+  if (precision == Precision::f32) return floor;
+  const auto tick_count = static_cast<double>(f64.point.tick_count);
+  // A clock's samples are at the sum of its ticks' lengths, each of which rounds the same way.
+  return std::max(floor * 0x1p-29, 0x1p-53 * (method.clock ? tick_count : std::sqrt(tick_count)));
+}
+
+Result<AccuracyPoint> timed_point(const Problem& problem, const Method& method, const Setting& setting,
+                                  Precision precision, const AccuracyOptions& options, Observed& kept) {
+  Result<Observed> first = observe(problem, method, setting, precision);
+  if (!first) return first.error();
+  kept = std::move(*first);
+  AccuracyPoint point = kept.point;
+  const SampleError error = sample_error(problem, kept.times, kept.samples);
+  point.error = error.rms;
+  point.error_max = error.max;
+  std::vector<double> times;
+  const double simulated_s = kept.times.empty() ? problem.duration : kept.times.back();
+  double sum_s = 0;
+  while (static_cast<int>(times.size()) < options.repeat_max && (times.size() < 3 || sum_s < options.repeat_s)) {
+    if (!times.empty() && kept.step_time_s > 0.1) break;  // long enough to be timed once
+    const Result<Observed> again = observe(problem, method, setting, precision);
+    if (!again) return again.error();
+    if (again->point.hash != point.hash) point.state = PointState::not_repeatable;
+    times.push_back(again->step_time_s * 1e3 / simulated_s);
+    sum_s += again->step_time_s;
+  }
+  point.time_ms = spread_of(std::move(times));
+  return point;
+}
+
+AccuracyCurve empty_curve(const Problem& problem, const Method& method, Precision precision) {
+  AccuracyCurve curve;
+  curve.problem = problem.name;
+  curve.kind = problem.kind;
+  curve.corner_count = problem.corner_count;
+  curve.precision = precision;
+  curve.method = method;
+  return curve;
+}
+
+void judge_curve(const Problem& problem, AccuracyCurve& curve) {
+  std::vector<double> steps, errors, floors;
+  for (const AccuracyPoint& point : curve.points) {
+    steps.push_back(point.setting.h());
+    errors.push_back(point.error);
+    floors.push_back(point.floor);
+  }
+  for (const AccuracyPoint& point : curve.points)
+    if (point.state == PointState::not_repeatable) {
+      curve.judgement = {StudyVerdict::fail, {}, {}, "two runs gave different bits"};
+      return;
+    }
+  if (curve.method.automatic && problem.size > 0) {
+    const auto broken = std::find_if(curve.points.begin(), curve.points.end(), [&](const AccuracyPoint& point) {
+      return point.error * problem.scale > point.setting.target * problem.size;
+    });
+    curve.judgement = {};
+    if (broken == curve.points.end())
+      curve.judgement.verdict = StudyVerdict::pass;
+    else
+      curve.judgement.reason = "target_error bounds how far contacts and joints give way, not the order of time steps";
+    if (broken != curve.points.end() && problem.slope && *problem.slope == 2)
+      curve.judgement = {StudyVerdict::fail, {}, {}, "target_error is not kept"};
+    return;
+  }
+  curve.judgement = judge(expectation_of(problem, curve.method), steps, errors, floors);
+}
+
+// In f32 rounding may leave only coarse steps above the floor, where no curve has its order yet: then f64 shows the
+// same slope over the same steps, and theory's over finer ones.
+void explain_by_f64(const Problem& problem, const std::vector<double>& f64_errors,
+                    const std::vector<double>& f64_floors, AccuracyCurve& curve) {
+  Judgement& judgement = curve.judgement;
+  if (curve.precision != Precision::f32 || judgement.verdict != StudyVerdict::fail || !judgement.slope) return;
+  std::vector<double> steps, left_out;
+  for (const AccuracyPoint& point : curve.points) {
+    steps.push_back(point.setting.h());
+    left_out.push_back(shows_order(point.error, point.floor) ? 0 : HUGE_VAL);
+  }
+  const std::optional<double> same_steps = fitted_slope(steps, f64_errors, left_out);
+  const Judgement f64 = judge(expectation_of(problem, curve.method), steps, f64_errors, f64_floors);
+  if (f64.verdict != StudyVerdict::pass || !same_steps) return;
+  if (std::fabs(*same_steps - *judgement.slope) > slope_tolerance) return;
+  judgement.verdict = StudyVerdict::expected;
+  judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
+}
+
+// One method in the wanted precisions; both are run, since their difference is the rounding floor.
+std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& method, const AccuracyOptions& options) {
+  std::vector<AccuracyCurve> curves;
+  for (const Precision precision : options.precisions) curves.push_back(empty_curve(problem, method, precision));
+  std::vector<double> f64_errors, f64_floors;
+  for (const Setting& setting : settings_of(problem, method)) {
+    Observed kept[2];
+    AccuracyPoint points[2];
+    bool wanted[2]{};
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      const std::size_t at = static_cast<std::size_t>(precision);
+      wanted[at] =
+          std::find(options.precisions.begin(), options.precisions.end(), precision) != options.precisions.end();
+      if (wanted[at]) {
+        Result<AccuracyPoint> point = timed_point(problem, method, setting, precision, options, kept[at]);
+        if (!point) {
+          for (AccuracyCurve& curve : curves)
+            curve.judgement = {StudyVerdict::not_applicable, {}, {}, point.error().message};
+          return curves;
+        }
+        points[at] = *point;
+      } else if (Result<Observed> other = observe(problem, method, setting, precision)) {
+        kept[at] = std::move(*other);
+      }
+    }
+    f64_errors.push_back(sample_error(problem, kept[1].times, kept[1].samples).rms);
+    f64_floors.push_back(rounding_floor(problem, method, kept[1], kept[0], Precision::f64));
+    for (AccuracyCurve& curve : curves) {
+      AccuracyPoint point = points[static_cast<std::size_t>(curve.precision)];
+      point.floor = rounding_floor(problem, method, kept[1], kept[0], curve.precision);
+      curve.points.push_back(point);
+    }
+  }
+  for (AccuracyCurve& curve : curves) {
+    judge_curve(problem, curve);
+    explain_by_f64(problem, f64_errors, f64_floors, curve);
+  }
+  return curves;
+}
+
+bool has_clocks(const Problem& problem) {
+  return problem.name == "oscillator" || problem.name == "pendulum" || problem.name == "kepler";
+}
+
+}  // namespace
+
+SampleError sample_error(const Problem& problem, const std::vector<double>& times,
+                         const std::vector<std::vector<double>>& samples) {
+  SampleError error;
+  double sum = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::vector<double> exact = problem.exact(times[i]);
+    double squares = 0;
+    for (std::size_t k = 0; k < samples[i].size(); ++k) {
+      const double d = apart(problem, samples[i][k], exact[k]);
+      squares += d * d;
+    }
+    sum += squares;
+    error.max = std::max(error.max, std::sqrt(squares) / problem.scale);
+  }
+  error.rms = samples.empty() ? HUGE_VAL : std::sqrt(sum / static_cast<double>(samples.size())) / problem.scale;
+  return error;
+}
+
+bool shows_order(double error, double floor) {
+  return error > 10 * floor && error > 0 && error < error_coarse;
+}
+
+std::optional<double> fitted_slope(const std::vector<double>& steps, const std::vector<double>& errors,
+                                   const std::vector<double>& floors, std::size_t count) {
+  std::vector<double> x, y;
+  for (std::size_t i = steps.size(); i-- > 0 && x.size() < count;) {
+    if (!shows_order(errors[i], floors[i])) continue;
+    x.push_back(std::log2(steps[i]));
+    y.push_back(std::log2(errors[i]));
+  }
+  if (x.size() < 3) return {};
+  double mx = 0, my = 0, xx = 0, xy = 0;
+  const auto n = static_cast<double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mx += x[i] / n;
+    my += y[i] / n;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mx) * (x[i] - mx);
+    xy += (x[i] - mx) * (y[i] - my);
+  }
+  if (xx == 0) return {};
+  return xy / xx;
+}
+
+Expectation expectation_of(const Problem& problem, const Method& method) {
+  Expectation out;
+  if (problem.is_exact) {
+    // Impacts in a row, hit at the end of their tick, are hit at once.
+    out.is_exact = problem.kind != ProblemClass::impact || method.locates || problem.is_pair;
+    if (!out.is_exact) out.reason = "impacts are not located: those of one tick happen at once";
+    return out;
+  }
+  const auto& integrator = engine::info_of(engine::integrators, method.integrator);
+  if (problem.kind == ProblemClass::smooth) {
+    if (method.clock && *method.clock == ClockKind::adaptive) {
+      out.reason = "the step follows the tolerance";
+      return out;
+    }
+    out.is_exact = problem.name == "projectile" && integrator.order >= 2;
+    if (!out.is_exact) out.slope = integrator.order;
+    return out;
+  }
+  if (method.solver != SolverKind::tgs_soft) {
+    out.reason = "a baseline: no order is claimed";
+    return out;
+  }
+  if (method.automatic) {
+    out.reason = "the substeps follow the target";
+    return out;
+  }
+  // Constraints hold at the ends of steps: an integrator lifts the order only where their forces are constant.
+  const bool bounces = problem.kind == ProblemClass::impact || problem.kind == ProblemClass::bounce;
+  if (method.locates || !bounces) {
+    out.slope = integrator.order >= 2 && problem.slope_of_higher ? problem.slope_of_higher : problem.slope;
+    out.reason = problem.why_no_slope;
+    return out;
+  }
+  out.reason = "the impact is met at the end of its tick: each shifts all that follows";
+  return out;
+}
+
+Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
+                const std::vector<double>& floors) {
+  Judgement out;
+  out.slope = fitted_slope(steps, errors, floors);
+  out.expected = expectation.slope;
+  out.reason = expectation.reason;
+  if (expectation.is_exact) {
+    // Rounding alone: ten floors, or a thousand roundings of one.
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (!(errors[i] <= std::max(10 * floors[i], 1000 * 0x1p-53))) {
+        out.verdict = StudyVerdict::fail;
+        out.reason = "an exact scheme has an error beyond rounding";
+        return out;
+      }
+    out.verdict = StudyVerdict::pass;
+    return out;
+  }
+  if (!expectation.slope) return out;
+  if (!out.slope) {
+    int coarse_count = 0, rounded_count = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      coarse_count += !(errors[i] < error_coarse) ? 1 : 0;
+      rounded_count += errors[i] < error_coarse && !shows_order(errors[i], floors[i]) ? 1 : 0;
+    }
+    out.reason = coarse_count > rounded_count
+                     ? "too coarse for an order: fewer than three points have an error below 10 %"
+                     : "rounding hides the order: fewer than three points are above ten times its floor";
+    return out;
+  }
+  out.verdict = std::fabs(*out.slope - *expectation.slope) <= slope_tolerance ? StudyVerdict::pass : StudyVerdict::fail;
+  out.reason = out.verdict == StudyVerdict::pass ? "" : "the slope is not the theory's";
+  return out;
+}
+
+std::vector<Method> methods_of(const Problem& problem) {
+  std::vector<Method> methods;
+  if (problem.kind == ProblemClass::smooth) {
+    for (const engine::IntegratorInfo& info : engine::integrators)
+      methods.push_back({std::string(info.name), SolverKind::free_flight, info.kind});
+    if (!has_clocks(problem)) return methods;
+    for (const IntegratorKind kind :
+         {IntegratorKind::semi_implicit_euler, IntegratorKind::velocity_verlet, IntegratorKind::rk4}) {
+      const std::string name(engine::info_of(engine::integrators, kind).name);
+      const std::string brief = kind == IntegratorKind::semi_implicit_euler ? "semi_implicit" : name;
+      methods.push_back({brief + " fixed", SolverKind::free_flight, kind, false, true, ClockKind::fixed, "jitter_60"});
+      methods.push_back({brief + " variable", SolverKind::free_flight, kind, false, true, ClockKind::variable, ""});
+      methods.push_back(
+          {brief + " adaptive", SolverKind::free_flight, kind, false, true, ClockKind::adaptive, "jitter_60"});
+    }
+    methods.push_back({"semi_implicit semi_fixed", SolverKind::free_flight, IntegratorKind::semi_implicit_euler, false,
+                       true, ClockKind::semi_fixed, "stutter"});
+    return methods;
+  }
+  const bool locates = problem.scene(Precision::f64).settings.locate_impacts;
+  methods.push_back({"tgs_soft", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler});
+  if (locates) {
+    methods.push_back({"tgs_soft unlocated", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, false, false});
+  }
+  if (problem.corner_count < 0) {
+    methods.push_back({"tgs_soft verlet", SolverKind::tgs_soft, IntegratorKind::velocity_verlet, false, !locates});
+    methods.push_back({"tgs_soft rk4", SolverKind::tgs_soft, IntegratorKind::rk4, false, !locates});
+  }
+  methods.push_back({"tgs_soft auto", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, true});
+  methods.push_back({"pgs", SolverKind::pgs, IntegratorKind::semi_implicit_euler, false, false});
+  methods.push_back({"impulse", SolverKind::impulse, IntegratorKind::semi_implicit_euler, false, false});
+  return methods;
+}
+
+std::vector<Setting> settings_of(const Problem& problem, const Method& method) {
+  std::vector<Setting> settings;
+  if (method.clock) {
+    switch (*method.clock) {
+      case ClockKind::fixed:
+      case ClockKind::semi_fixed:
+        for (int i = 0; i < 6; ++i) settings.push_back({1.0 / (60 << i), 1, 0, {}});
+        break;
+      case ClockKind::variable:
+        settings.push_back({1.0 / 30, 1, 0, "steady_30"});
+        settings.push_back({1.0 / 60, 1, 0, "steady_60"});
+        settings.push_back({1.0 / 144, 1, 0, "steady_144"});
+        break;
+      case ClockKind::adaptive:
+        for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) settings.push_back({1.0 / 60, 1, tolerance, {}});
+        break;
+    }
+    return settings;
+  }
+  if (problem.kind == ProblemClass::smooth) {
+    for (int i = 0; i < 7; ++i) settings.push_back({problem.duration / (problem.step_count << i), 1, 0, {}});
+    return settings;
+  }
+  if (method.automatic) {
+    for (const double target : {0.05, 0.02, 0.01, 0.005, 0.002, 0.001}) settings.push_back({1.0 / 60, 4, target, {}});
+    return settings;
+  }
+  const bool substeps = method.solver == SolverKind::tgs_soft;
+  if (substeps && method.locates)
+    for (int count = 1; count <= problem.substeps_max; count *= 2) settings.push_back({1.0 / 60, count, 0, {}});
+  else
+    for (int i = 0; i < 6; ++i) settings.push_back({1.0 / (60 << i), substeps ? 4 : 1, 0, {}});
+  return settings;
+}
+
+Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& problems, const AccuracyOptions& options) {
+  struct Job {
+    const Problem* problem;
+    Method method;
+  };
+  std::vector<Job> jobs;
+  for (const Problem& problem : problems)
+    for (Method& method : methods_of(problem)) jobs.push_back({&problem, std::move(method)});
+  std::vector<std::vector<AccuracyCurve>> done(jobs.size());
+  std::mutex mutex;
+  std::uint64_t done_count = 0;
+  const Status ran = run_jobs(jobs.size(), options.thread_count, [&](std::size_t i) {
+    done[i] = run_method(*jobs[i].problem, jobs[i].method, options);
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++done_count;
+    if (options.progress) options.progress(done_count, jobs.size());
+  });
+  if (!ran) return ran.error();
+  std::vector<AccuracyCurve> curves;
+  for (const Problem& problem : problems)
+    for (std::size_t precision = 0; precision < options.precisions.size(); ++precision)
+      for (std::size_t i = 0; i < jobs.size(); ++i)
+        if (jobs[i].problem == &problem) curves.push_back(std::move(done[i][precision]));
+  return curves;
+}
+
+const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error) {
+  const AccuracyPoint* best = nullptr;
+  for (const AccuracyPoint& point : curve.points)
+    if (point.state == PointState::ok && point.error <= error && (!best || point.time_ms.min < best->time_ms.min))
+      best = &point;
+  return best;
+}
+
+const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error) {
+  const auto found = std::find_if(curve.points.begin(), curve.points.end(), [error](const AccuracyPoint& point) {
+    return point.state == PointState::ok && point.error <= error;
+  });
+  return found == curve.points.end() ? nullptr : &*found;
+}
+
+std::string setting_text(const Method& method, const Setting& setting) {
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return std::string(text);
+  };
+  if (!setting.host.empty()) return setting.host;
+  if (method.automatic) return "target " + number(setting.target);
+  if (method.clock && *method.clock == ClockKind::adaptive) return "tol " + number(setting.target);
+  if (method.solver == SolverKind::tgs_soft && method.locates) return std::to_string(setting.substeps) + " sub";
+  char text[32];
+  std::snprintf(text, sizeof text, "1/%.*g", 1 / setting.dt < 1000 ? 4 : 6,
+                1 / setting.dt < 1000 ? 1 / setting.dt : std::round(1 / setting.dt));
+  return text;
+}
+
+}  // namespace ticktrue::verifier

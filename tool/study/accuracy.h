@@ -1,0 +1,138 @@
+// Error against run time: every verification problem over a sweep of methods and steps, with slopes and floors.
+// SPDX-License-Identifier: MIT
+// Source: Hairer, Wanner, "Solving Ordinary Differential Equations II", 1996, IV.10 (work-precision diagrams);
+// Macklin et al., "Small Steps in Physics Simulation", 2019 (substeps against iterations).
+//
+// Verified: the error of each point (the same bits on every repeat, checked by the hash of the last state), the slope
+// of the finest four points above ten times the rounding floor. Not verified: run times, which are the machine's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "tool/study/measures.h"
+#include "tool/study/problems.h"
+#include "tool/study/verdict.h"
+
+namespace ticktrue::verifier {
+
+/// One curve of a diagram.
+struct Method {
+  std::string name;
+  engine::SolverKind solver = engine::SolverKind::tgs_soft;
+  engine::IntegratorKind integrator = engine::IntegratorKind::semi_implicit_euler;
+  bool automatic = false;                       // target_error is swept
+  bool locates = true;                          // where the scene locates impacts, so does this method
+  std::optional<engine::ClockKind> clock = {};  // ticks come from the frames of a host
+  std::string host = {};                        // of the clock
+};
+
+/// What is swept of a method. Fields that do not apply keep the scene's values.
+struct Setting {
+  double dt = 1.0 / 60;  // s
+  int substeps = 1;
+  double target = 0;      // relative: of automatic substeps; m: the tolerance of the adaptive clock
+  std::string host = {};  // of a clock that takes its ticks from the frames
+  double h() const { return dt / substeps; }
+};
+
+enum class PointState : std::uint8_t { ok, not_finite, not_repeatable };
+
+struct AccuracyPoint {
+  Setting setting;
+  double error = 0;          // root mean square over samples, relative to the problem's scale
+  double error_max = 0;      // relative
+  double floor = 0;          // what rounding puts into the error: relative, root mean square
+  double energy = 0;         // J, at the end less at the start; of kinetic energy and gravity
+  double momentum = 0;       // kg m/s, the same of its length
+  double overlap_max = 0;    // m, at samples
+  double joint_gap_max = 0;  // m, at samples
+  std::uint64_t tick_count = 0;
+  int substeps_most = 0;   // of automatic substeps: what was chosen
+  SampleSpread time_ms;    // per simulated second
+  std::uint64_t hash = 0;  // of the last state
+  PointState state = PointState::ok;
+};
+
+struct Judgement {
+  StudyVerdict verdict = StudyVerdict::expected;
+  std::optional<double> slope;     // observed
+  std::optional<double> expected;  // by theory
+  std::string reason;              // of every verdict but pass
+};
+
+struct AccuracyCurve {
+  std::string problem;
+  ProblemClass kind = ProblemClass::smooth;
+  int corner_count = -1;
+  engine::Precision precision = engine::Precision::f64;
+  Method method;
+  std::vector<AccuracyPoint> points;  // from coarse to fine
+  Judgement judgement;
+};
+
+inline constexpr double slope_tolerance = 0.15;
+inline constexpr double error_coarse = 0.1;  // relative: points above it do not show an order yet
+
+/// Least squares slope of log error over log h of the finest `count` points above ten times their floor and
+/// below error_coarse; nothing where
+/// fewer than three are left.
+std::optional<double> fitted_slope(const std::vector<double>& steps, const std::vector<double>& errors,
+                                   const std::vector<double>& floors, std::size_t count = 4);
+
+/// What theory says of a method on a problem: the slope of its error, or that it is exact, or why there is none.
+struct Expectation {
+  std::optional<double> slope;
+  bool is_exact = false;
+  std::string reason;
+};
+Expectation expectation_of(const Problem& problem, const Method& method);
+
+/// Whether a point shows an order: above ten floors and below error_coarse.
+bool shows_order(double error, double floor);
+
+/// The verdict on one curve, whoever computed its errors. `steps` fall, errors and floors belong to them.
+Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
+                const std::vector<double>& floors);
+
+/// Error of observed values against the problem's exact ones.
+struct SampleError {
+  double rms = 0;
+  double max = 0;
+};
+/// `samples[i]` was observed at `times[i]`. Relative to the scale.
+SampleError sample_error(const Problem& problem, const std::vector<double>& times,
+                         const std::vector<std::vector<double>>& samples);
+
+/// The methods that a problem is run with.
+std::vector<Method> methods_of(const Problem& problem);
+/// The sweep of a method, from coarse to fine.
+std::vector<Setting> settings_of(const Problem& problem, const Method& method);
+
+struct AccuracyOptions {
+  std::vector<engine::Precision> precisions{engine::Precision::f64, engine::Precision::f32};
+  int repeat_max = 7;      // timed runs of a point, after one that is not
+  double repeat_s = 0.02;  // enough of them once they took so long together
+  unsigned thread_count = 1;
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // curves; from one thread at a time
+};
+
+/// All curves of the problems, in their order, precision by precision. Methods that a scene refuses are
+/// not_applicable, with the reason. Errors: check_float_behaviour.
+Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& problems, const AccuracyOptions& options);
+
+/// The point of a curve with at most this error that takes the least time; null if none.
+const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error);
+/// The same without looking at times: the coarsest one.
+const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error);
+
+/// "1/240" (s), "8 sub", "tol 1e-3": how a setting of a method is written.
+std::string setting_text(const Method& method, const Setting& setting);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,480 @@
+// Compares ways to simulate one scene: runs them, aligns them by simulated time, judges them beside twins.
+// SPDX-License-Identifier: MIT
+#include "tool/study/compare.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include "base/hash.h"
+#include "base/parallel/jobs.h"
+#include "base/random.h"
+#include "engine/math/trig.h"
+#include "engine/scene/input.h"
+#include "engine/scene/scene_binary.h"
+#include "replay/trace_reader.h"
+#include "tool/session/clocked_inputs.h"
+
+namespace ticktrue::verifier {
+
+using engine::BodyReport;
+using engine::BodyType;
+using engine::Engine;
+using engine::Scene;
+
+Result<CompareSession> session_of_trace(const std::string& path) {
+  auto reader = replay::TraceReader::open(path);
+  if (!reader) return reader.error();
+  if (reader->setup().simulation != engine::simulation_name)
+    return Error{ErrorCode::incompatible,
+                 path + ": simulation: found " + reader->setup().simulation + ", expected " +
+                     std::string(engine::simulation_name),
+                 "compare needs the scene, which only traces of the engine hold"};
+  auto scene = engine::decode_scene(reader->setup().setup);
+  if (!scene) return scene.error();
+  CompareSession session;
+  session.scene = std::move(*scene);
+  session.seconds = 0;
+  std::vector<engine::Input> inputs;
+  for (;;) {
+    const replay::TraceReader::Item& item = reader->next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (!record) continue;
+    if (record->inputs.size() > 0) {
+      if (Status decoded = engine::decode_inputs(session.scene, record->inputs, inputs); !decoded)
+        return decoded.error();
+      for (const engine::Input& input : inputs) session.inputs.push_back({session.seconds, input});
+    }
+    session.dts.push_back(record->dt);
+    session.seconds += record->dt;
+  }
+  if (session.dts.empty())
+    return Error{ErrorCode::truncated, path + ": found no whole tick, expected at least one", {}};
+  return session;
+}
+
+std::vector<Variant> product_of(const CompareAxes& axes) {
+  std::vector<Variant> variants{Variant{}};
+  const auto multiply = [&](const auto& values, auto set) {
+    if (values.empty()) return;
+    std::vector<Variant> more;
+    for (const Variant& variant : variants)
+      for (const auto& value : values) {
+        Variant next = variant;
+        const std::string name = set(next, value);
+        next.name += (next.name.empty() ? "" : ", ") + name;
+        more.push_back(std::move(next));
+      }
+    variants = std::move(more);
+  };
+  multiply(axes.integrators, [](Variant& v, engine::IntegratorKind kind) {
+    v.integrator = kind;
+    return std::string(engine::info_of(engine::integrators, kind).name);
+  });
+  multiply(axes.solvers, [](Variant& v, engine::SolverKind kind) {
+    v.solver = kind;
+    for (const auto& info : engine::solvers)
+      if (info.kind == kind) return std::string(info.name);
+    return std::string();
+  });
+  multiply(axes.substeps, [](Variant& v, int count) {
+    v.substeps = count;
+    return count == 0 ? std::string("auto sub") : std::to_string(count) + " sub";
+  });
+  multiply(axes.precisions, [](Variant& v, engine::Precision kind) {
+    v.precision = kind;
+    return std::string(engine::info_of(engine::precisions, kind).name);
+  });
+  multiply(axes.dts, [](Variant& v, double dt) {
+    v.dt = dt;
+    char text[32];
+    std::snprintf(text, sizeof text, "dt %.4g", dt);
+    return std::string(text);
+  });
+  multiply(axes.clocks, [](Variant& v, engine::ClockKind kind) {
+    v.clock = kind;
+    return std::string(engine::info_of(engine::clock_kinds, kind).name);
+  });
+  multiply(axes.broad_phases, [](Variant& v, engine::BroadPhaseKind kind) {
+    v.broad_phase = kind;
+    return std::string(engine::info_of(engine::broad_phases, kind).name);
+  });
+  multiply(axes.threads, [](Variant& v, unsigned count) {
+    v.threads = count;
+    return std::to_string(count) + (count == 1 ? " thread" : " threads");
+  });
+  if (variants.size() == 1 && variants[0].name.empty()) variants.clear();
+  return variants;
+}
+
+Scene twin_of(const Scene& scene, std::uint64_t seed) {
+  Scene twin = scene;
+  std::uint64_t bits = seed * 0x9e3779b97f4a7c15ull + 1;
+  for (engine::Body& body : twin.bodies) {
+    if (body.type != BodyType::dynamic_body) continue;
+    bits = bits * 6364136223846793005ull + 1442695040888963407ull;
+    const double sign = (bits >> 63) != 0 ? 1 : -1;
+    double size = std::fabs(body.position.x);
+    for (const engine::Shape& shape : body.shapes) size = std::max({size, shape.radius, shape.half_size.x});
+    const int mantissa = scene.settings.precision == engine::Precision::f32 ? 23 : 52;
+    if (size > 0) body.position.x += sign * std::ldexp(1.0, std::ilogb(size) - mantissa);
+  }
+  return twin;
+}
+
+std::optional<double> growth_rate(const std::vector<CompareSample>& samples) {
+  double most = 0;
+  for (const CompareSample& sample : samples) most = std::max(most, sample.position_rms);
+  double n = 0, st = 0, sy = 0, stt = 0, sty = 0;
+  for (const CompareSample& sample : samples) {
+    if (sample.position_rms <= 0) continue;
+    const double y = std::log(sample.position_rms);
+    n += 1;
+    st += sample.time_s;
+    sy += y;
+    stt += sample.time_s * sample.time_s;
+    sty += sample.time_s * y;
+    if (sample.position_rms >= 0.1 * most) break;
+  }
+  const double spread = n * stt - st * st;
+  if (n < 3 || spread <= 0) return {};
+  return (n * sty - st * sy) / spread;
+}
+
+std::optional<double> first_beyond(const std::vector<CompareSample>& samples) {
+  for (const CompareSample& sample : samples)
+    if (sample.position_rms > beyond_factor * sample.twin_rms) return sample.time_s;
+  return {};
+}
+
+namespace {
+
+// One run, as far as comparisons need it.
+struct Course {
+  std::string why_not;  // not empty: it was refused, and why
+  bool is_finite = true;
+  bool has_clock = false;
+  std::vector<double> dts;          // s, of the ticks
+  std::vector<std::uint64_t> bits;  // of the bodies after each tick
+  std::vector<std::uint64_t> root;  // of the whole state after each tick
+  std::vector<Bodies> samples;      // at the common times
+  CompareRow row;                   // what needs no base
+  CrosscheckRun outcome;
+};
+
+Scene scene_of(const CompareSession& session, const Variant& variant) {
+  Scene scene = session.scene;
+  engine::Settings& settings = scene.settings;
+  if (variant.solver) scene = scene_with_solver(scene, *variant.solver);
+  if (variant.integrator) settings.integrator = *variant.integrator;
+  if (variant.substeps && *variant.substeps > 0) {
+    settings.auto_substeps.reset();
+    settings.substeps = *variant.substeps;
+  }
+  if (variant.substeps && *variant.substeps == 0) settings.auto_substeps.emplace();
+  if (variant.precision) settings.precision = *variant.precision;
+  if (variant.dt) settings.dt = *variant.dt;
+  if (variant.clock) settings.clock.kind = *variant.clock;
+  if (variant.broad_phase) settings.broad_phase = *variant.broad_phase;
+  return scene;
+}
+
+/// What it changes is no state: every column must keep its bits.
+bool keeps_state(const Variant& v) {
+  return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt;
+}
+
+std::uint64_t bits_of(const StateView& view) {
+  const auto table = view.schema->find_table("bodies");
+  if (!table) return 0;
+  return hash64(
+      ByteView(view.tables[*table].data, view.tables[*table].row_count * view.schema->tables[*table].row_size));
+}
+
+// Gives the ticks of a run their length and inputs: the recorded ones, those of a clock, or the scene's.
+class TickMaker {
+ public:
+  TickMaker(const CompareSession& session, const Variant& variant, const CompareOptions& options, Engine& engine)
+      : session_(session), engine_(engine), uses_record_(!variant.dt && !variant.clock && !session.dts.empty()) {
+    if (!variant.clock) return;
+    auto frames = open_host(options.host, options.host_seed);
+    if (!frames) {
+      error_ = frames.error().message;
+      return;
+    }
+    clock_.emplace(engine, std::make_unique<replay::NoInputs>(engine.scene().settings.dt), std::move(*frames));
+  }
+
+  /// Errors: what the clock refuses.
+  Result<TickInput> next(std::uint64_t tick) {
+    if (!error_.empty()) return Error{ErrorCode::io, error_, {}};
+    double dt = engine_.scene().settings.dt;
+    if (uses_record_ && tick < session_.dts.size()) dt = session_.dts[tick];
+    if (clock_) {
+      const auto input = clock_->next(tick);
+      if (!input) return input.error();
+      if (*input) dt = (*input)->dt;
+    }
+    collect(engine_.time_s());
+    return TickInput{dt, bytes_};
+  }
+
+ private:
+  // The inputs whose time has come, numbered anew: several recorded ticks may fall into one.
+  void collect(double time_s) {
+    bytes_.clear();
+    std::vector<engine::Input> due;
+    while (next_ < session_.inputs.size() && session_.inputs[next_].time_s <= time_s + 1e-9)
+      due.push_back(session_.inputs[next_++].input);
+    if (due.empty()) return;
+    std::stable_sort(due.begin(), due.end(), [](const auto& a, const auto& b) { return a.player < b.player; });
+    for (std::size_t i = 0; i < due.size(); ++i)
+      due[i].sequence = i > 0 && due[i].player == due[i - 1].player ? due[i - 1].sequence + 1 : 0;
+    engine::encode_inputs(due, bytes_);
+  }
+
+  const CompareSession& session_;
+  Engine& engine_;
+  bool uses_record_;
+  std::string error_;
+  std::optional<ClockedInputs> clock_;
+  std::size_t next_ = 0;
+  Bytes bytes_;
+};
+
+// Where bodies are at `time_s`, between two ticks: a cubic through both poses and velocities.
+Bodies between(const Bodies& before, double before_s, const Bodies& after, double after_s, double time_s) {
+  const double length = after_s - before_s;
+  if (length <= 0 || std::fabs(after_s - time_s) < 1e-9) return after;
+  const double s = (time_s - before_s) / length;
+  const double a = (1 + 2 * s) * (1 - s) * (1 - s), b = s * (1 - s) * (1 - s), c = s * s * (3 - 2 * s),
+               d = s * s * (s - 1);
+  Bodies out;
+  std::size_t k = 0;
+  for (const BodyReport& body : after) {
+    while (k < before.size() && before[k].id < body.id) ++k;
+    BodyReport mixed = body;
+    if (k < before.size() && before[k].id == body.id) {
+      const BodyReport& old = before[k];
+      mixed.center.x =
+          a * old.center.x + b * length * old.velocity.x + c * body.center.x + d * length * body.velocity.x;
+      mixed.center.y =
+          a * old.center.y + b * length * old.velocity.y + c * body.center.y + d * length * body.velocity.y;
+      mixed.angle = old.angle + s * std::remainder(body.angle - old.angle, 2 * engine::pi);
+    }
+    out.push_back(std::move(mixed));
+  }
+  return out;
+}
+
+Course run_course(const CompareSession& session, const Variant& variant, const Scene& scene,
+                  const CrosscheckLayout& layout, const CompareOptions& options) {
+  Course course;
+  course.has_clock = variant.clock.has_value();
+  course.row.variant = variant;
+  engine::EngineOptions choices;
+  choices.thread_count = variant.threads.value_or(1);
+  Result<Run> made = Run::make(scene, choices);
+  if (!made) {
+    course.why_not = made.error().message;
+    return course;
+  }
+  Run& run = *made;
+  Engine& engine = run.engine();
+  TickMaker ticks(session, variant, options, engine);
+  CrosscheckMeasure measure(layout, 0, 0);
+  Bodies now = run.bodies();
+  const Bodies start = now;
+  double step_time_s = 0;
+  for (int sample = 1; sample <= options.sample_count; ++sample) {
+    const double time_s = session.seconds * sample / options.sample_count;
+    Bodies before = now;
+    double before_s = engine.time_s();
+    while (engine.time_s() < time_s - 1e-9) {
+      const auto input = ticks.next(engine.tick());
+      if (!input) {
+        course.why_not = input.error().message;
+        return course;
+      }
+      if (Status accepted = engine.accept(*input); !accepted) {
+        course.why_not = accepted.error().message;
+        return course;
+      }
+      before_s = engine.time_s();
+      if (before_s + input->dt >= time_s - 1e-9) before = run.bodies();
+      const auto wall = std::chrono::steady_clock::now();
+      const double computed_s = run.step(*input);
+      step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
+                                        : computed_s;
+      if (const Status did = engine.last_step(); !did) {
+        course.why_not = did.error().message;
+        return course;
+      }
+      course.dts.push_back(input->dt);
+      course.bits.push_back(bits_of(engine.state()));
+      course.root.push_back(root_hash(engine.state()));
+    }
+    now = run.bodies();
+    if (!all_finite(now)) {
+      course.is_finite = false;
+      break;
+    }
+    course.samples.push_back(between(before, before_s, now, engine.time_s(), time_s));
+    const auto contacts = engine.contacts();
+    course.row.overlap_max = std::max(course.row.overlap_max, deepest_overlap(contacts));
+    course.row.joint_gap_max = std::max(course.row.joint_gap_max, largest(joint_gaps(scene, now)));
+    measure.add(time_s, now, time_s > session.seconds - 1 ? &contacts : nullptr);
+  }
+  course.row.tick_count = engine.tick();
+  course.row.root_hash = root_hash(engine.state());
+  course.row.energy = energy_of(scene, now) - energy_of(scene, start);
+  const engine::Point momentum = momentum_of(now);
+  course.row.momentum = std::hypot(momentum.x, momentum.y);
+  course.row.ms_per_s = step_time_s * 1e3 / session.seconds;
+  if (!course.is_finite) return course;
+  course.outcome = measure.finish();
+  course.row.placed_count = layout.placed_count;
+  course.row.standing_count = course.outcome.standing_count;
+  course.row.order = course.outcome.order;
+  for (const CrosscheckPlace& place : course.outcome.places) course.row.resting_count += place.rests ? 1 : 0;
+  return course;
+}
+
+CompareSample apart(const Bodies& a, const Bodies& b, double time_s) {
+  CompareSample sample;
+  sample.time_s = time_s;
+  double squares = 0;
+  std::size_t count = 0, k = 0;
+  for (const BodyReport& body : a) {
+    while (k < b.size() && b[k].id < body.id) ++k;
+    if (k >= b.size() || b[k].id != body.id || body.type != BodyType::dynamic_body) continue;
+    const double distance = std::hypot(body.center.x - b[k].center.x, body.center.y - b[k].center.y);
+    sample.position_max = std::max(sample.position_max, distance);
+    sample.angle_max = std::max(sample.angle_max, std::fabs(std::remainder(body.angle - b[k].angle, 2 * engine::pi)));
+    squares += distance * distance;
+    ++count;
+  }
+  if (count > 0) sample.position_rms = std::sqrt(squares / static_cast<double>(count));
+  return sample;
+}
+
+std::size_t elsewhere(const CrosscheckRun& a, const CrosscheckRun& b, double size) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < std::min(a.places.size(), b.places.size()); ++i) {
+    if (!a.places[i].rests || !b.places[i].rests) continue;
+    const double distance = std::hypot(a.places[i].across - b.places[i].across, a.places[i].up - b.places[i].up);
+    if (distance > size / 2) ++count;
+  }
+  return count;
+}
+
+// Fills what needs the base. `twin_rms[i]`: the largest of the twins' at sample i and before.
+CompareRow against(const Course& base, const Course& course, const std::vector<double>& twin_rms,
+                   const CompareSession& session, double size) {
+  CompareRow row = course.row;
+  if (!course.why_not.empty()) {
+    row.reason = course.why_not;
+    return row;
+  }
+  row.same_ticks = course.dts == base.dts;
+  const bool same_rows = row.same_ticks && session.scene.settings.precision ==
+                                               row.variant.precision.value_or(session.scene.settings.precision);
+  row.whole_state = same_rows && keeps_state(row.variant);
+  const std::vector<std::uint64_t>& bits = row.whole_state ? course.root : course.bits;
+  const std::vector<std::uint64_t>& base_bits = row.whole_state ? base.root : base.bits;
+  if (same_rows)
+    for (std::size_t i = 0; i < std::min(bits.size(), base_bits.size()); ++i)
+      if (bits[i] != base_bits[i]) {
+        row.first_different = i;
+        break;
+      }
+  const std::size_t count = std::min(base.samples.size(), course.samples.size());
+  const double interval = session.seconds / static_cast<double>(std::max<std::size_t>(1, base.samples.size()));
+  for (std::size_t i = 0; i < count; ++i) {
+    CompareSample sample = apart(base.samples[i], course.samples[i], interval * static_cast<double>(i + 1));
+    if (i < twin_rms.size()) sample.twin_rms = twin_rms[i];
+    row.position_max = std::max(row.position_max, sample.position_max);
+    row.angle_max = std::max(row.angle_max, sample.angle_max);
+    row.position_rms = sample.position_rms;
+    row.samples.push_back(sample);
+  }
+  row.growth = growth_rate(row.samples);
+  row.elsewhere_count = elsewhere(base.outcome, course.outcome, size);
+  if (!course.is_finite) {
+    row.verdict = CompareVerdict::not_finite;
+    row.reason = "a value is not finite after tick " + std::to_string(course.bits.empty() ? 0 : course.bits.size() - 1);
+    return row;
+  }
+  if (same_rows && !row.first_different && course.bits.size() == base.bits.size()) {
+    row.verdict = CompareVerdict::same_bits;
+    return row;
+  }
+  row.beyond_s = first_beyond(row.samples);
+  row.verdict = row.beyond_s ? CompareVerdict::drift : CompareVerdict::within_twins;
+  return row;
+}
+
+// Whether a person would call the outcome another one.
+bool differs_in_outcome(const CompareRow& base, const CompareRow& row) {
+  const double placed = static_cast<double>(std::max<std::size_t>(1, base.placed_count));
+  const double standing = std::fabs(static_cast<double>(base.standing_count) - static_cast<double>(row.standing_count));
+  return standing > 0.02 * placed || (base.placed_count > 0 && std::fabs(base.order - row.order) > 0.02) ||
+         row.elsewhere_count > 0;
+}
+
+}  // namespace
+
+Result<CompareReport> compare_variants(const CompareSession& session, const std::vector<Variant>& variants,
+                                       const CompareOptions& options) {
+  const CrosscheckLayout layout = make_layout(session.scene);
+  const std::size_t twin_count = static_cast<std::size_t>(options.twin_count);
+  std::vector<Course> courses(1 + twin_count + variants.size());
+  std::mutex mutex;
+  std::uint64_t done_count = 0;
+  const Status ran = run_jobs(courses.size(), options.thread_count, [&](std::size_t i) {
+    Variant variant;
+    variant.name = i == 0 ? "base" : "twin " + std::to_string(i);
+    if (i > twin_count) variant = variants[i - 1 - twin_count];
+    Scene scene = i == 0 ? session.scene : i <= twin_count ? twin_of(session.scene, i) : scene_of(session, variant);
+    courses[i] = run_course(session, variant, scene, layout, options);
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (options.progress) options.progress(++done_count, courses.size());
+  });
+  if (!ran) return ran.error();
+  const Course& base = courses[0];
+  if (!base.why_not.empty()) return Error{ErrorCode::invalid_scene, "compare: the base: " + base.why_not, {}};
+
+  CompareReport report;
+  report.size = layout.size;
+  report.base = base.row;
+  report.base.verdict = base.is_finite ? CompareVerdict::same_bits : CompareVerdict::not_finite;
+  std::vector<double> twin_rms(base.samples.size(), 0);
+  std::size_t twins_apart = 0;
+  for (std::size_t i = 1; i <= twin_count; ++i) {
+    report.twins.push_back(against(base, courses[i], {}, session, layout.size));
+    CompareRow& twin = report.twins.back();
+    for (std::size_t k = 0; k < twin.samples.size() && k < twin_rms.size(); ++k)
+      twin_rms[k] = std::max(twin_rms[k], twin.samples[k].position_rms);
+    if (twin.verdict == CompareVerdict::drift) twin.verdict = CompareVerdict::within_twins;
+    twin.beyond_s.reset();
+    if (differs_in_outcome(report.base, twin)) ++twins_apart;
+  }
+  for (std::size_t k = 1; k < twin_rms.size(); ++k) twin_rms[k] = std::max(twin_rms[k], twin_rms[k - 1]);
+  for (std::size_t i = 1 + twin_count; i < courses.size(); ++i) {
+    CompareRow row = against(base, courses[i], twin_rms, session, layout.size);
+    const bool is_judged = row.verdict == CompareVerdict::drift || row.verdict == CompareVerdict::within_twins;
+    if (is_judged && differs_in_outcome(report.base, row)) {
+      if (twins_apart == 0) row.verdict = CompareVerdict::other_outcome;
+      row.reason = twins_apart == 0 ? "the twins all end as the base does"
+                                    : "the outcome is another one, but so is that of " + std::to_string(twins_apart) +
+                                          " of the twins";
+    }
+    report.rows.push_back(std::move(row));
+  }
+  return report;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,416 @@
+// Towers, walls, arches, slopes, levers and chains, in SI units, on a floor of 40 m.
+// SPDX-License-Identifier: MIT
+#include "tool/study/crosscheck_suite.h"
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/math/trig.h"
+#include "tool/study/worlds.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Body;
+using engine::BodyType;
+using engine::JointKind;
+using engine::Point;
+using engine::Scene;
+using engine::Shape;
+
+Shape box(double width, double height) {
+  return worlds::box(width / 2, height / 2);
+}
+
+// A scene being built: bodies are dynamic unless said otherwise.
+struct Builder {
+  Scene scene;
+
+  Builder() {
+    scene.settings.auto_substeps.emplace();
+    add_static({0, -1}, box(40, 2));
+  }
+
+  Body& add(Point at, Shape shape, double angle = 0) {
+    scene.bodies.push_back(worlds::body(std::move(shape), at));
+    scene.bodies.back().angle = angle;
+    return scene.bodies.back();
+  }
+  Body& add_static(Point at, Shape shape, double angle = 0) {
+    Body& body = add(at, std::move(shape), angle);
+    body.type = BodyType::static_body;
+    return body;
+  }
+  void tower(double x, double y, int count, double width, double height, double density = 1) {
+    for (int i = 0; i < count; ++i) {
+      Shape shape = box(width, height);
+      shape.density = density;
+      add({x, y + (i + 0.5) * height}, std::move(shape));
+    }
+  }
+  void friction(double value) {
+    for (Body& body : scene.bodies)
+      for (Shape& shape : body.shapes) shape.material.friction = value;
+  }
+  // A link is pinned at its upper end to the lower end of the one above, or to the peg.
+  void pin(std::uint32_t a, std::uint32_t b, Point anchor_a, Point anchor_b) {
+    scene.joints.push_back(worlds::joint(JointKind::revolute, a, b, anchor_a, anchor_b));
+  }
+  std::uint32_t last() const { return static_cast<std::uint32_t>(scene.bodies.size() - 1); }
+};
+
+template <int count>
+Scene tower() {
+  Builder built;
+  built.tower(0, 0, count, 1, 1);
+  return built.scene;
+}
+
+Scene slabs() {
+  Builder built;
+  built.tower(0, 0, 10, 2, 0.4);
+  return built.scene;
+}
+
+Scene pillar() {
+  Builder built;
+  built.tower(0, 0, 4, 0.6, 1.2);
+  return built.scene;
+}
+
+Scene two_towers() {
+  Builder built;
+  built.tower(-2, 0, 5, 1, 1);
+  built.tower(2, 0, 5, 1, 1);
+  built.add({0, 5.2}, box(6, 0.4));
+  built.tower(-1.5, 5.4, 1, 1, 1);
+  built.tower(1.5, 5.4, 1, 1, 1);
+  return built.scene;
+}
+
+template <int base>
+Scene pyramid() {
+  Builder built;
+  for (int row = 0; row < base; ++row)
+    for (int i = 0; i + row < base; ++i) built.add({1.1 * (i + 0.5 * row - 0.5 * (base - 1)), row + 0.5}, box(1, 1));
+  return built.scene;
+}
+
+// Bricks in running bond; every other course ends in halves.
+Scene wall() {
+  Builder built;
+  const int columns = 6;
+  for (int row = 0; row < 8; ++row) {
+    const double y = 0.5 * row + 0.25;
+    if (row % 2 == 0) {
+      for (int i = 0; i < columns; ++i) built.add({i - 0.5 * (columns - 1), y}, box(0.98, 0.5));
+      continue;
+    }
+    built.add({-0.5 * columns + 0.25, y}, box(0.48, 0.5));
+    for (int i = 0; i + 1 < columns; ++i) built.add({i - 0.5 * (columns - 2), y}, box(0.98, 0.5));
+    built.add({0.5 * columns - 0.25, y}, box(0.48, 0.5));
+  }
+  return built.scene;
+}
+
+// Posts and lintels, three floors.
+Scene gates() {
+  Builder built;
+  for (int floor = 0; floor < 3; ++floor) {
+    const double y = 2.4 * floor;
+    built.add({-1.2, y + 1}, box(0.5, 2));
+    built.add({1.2, y + 1}, box(0.5, 2));
+    built.add({0, y + 2.2}, box(3.2, 0.4));
+  }
+  return built.scene;
+}
+
+// A half ring of wedge-shaped stones on two fixed feet.
+Scene arch() {
+  const int stones = 7;
+  const double inner = 2, outer = 3;
+  Builder built;
+  built.add_static({-0.5 * (inner + outer), 0.5}, box(outer - inner, 1));
+  built.add_static({0.5 * (inner + outer), 0.5}, box(outer - inner, 1));
+  for (int i = 0; i < stones; ++i) {
+    const double from = engine::pi * i / stones;
+    const double to = engine::pi * (i + 1) / stones;
+    const engine::SinCos middle = engine::sin_cos(0.5 * (from + to));
+    const double radius = 0.5 * (inner + outer);
+    const Point at{radius * middle.cos, 1 + radius * middle.sin};
+    std::vector<Point> corners;
+    for (const double angle : {from, to})
+      for (const double reach : {inner, outer}) {
+        const engine::SinCos turn = engine::sin_cos(angle);
+        corners.push_back({reach * turn.cos - at.x, 1 + reach * turn.sin - at.y});
+      }
+    built.add(at, worlds::polygon(std::move(corners)));
+  }
+  built.friction(0.9);
+  return built.scene;
+}
+
+// Two cards lean against each other; friction holds their feet.
+Scene tent_of(double friction) {
+  Builder built;
+  const double lean = 0.35;  // rad, from upright
+  const engine::SinCos turn = engine::sin_cos(lean);
+  const double length = 2, thickness = 0.1;
+  const double x = 0.5 * (length * turn.sin + thickness * turn.cos);
+  const double y = 0.5 * (length * turn.cos + thickness * turn.sin);
+  built.add({-x, y}, box(thickness, length), -lean);
+  built.add({x, y}, box(thickness, length), lean);
+  built.friction(friction);
+  return built.scene;
+}
+Scene tent_stands() {
+  return tent_of(0.8);
+}
+Scene tent_slips() {
+  return tent_of(0.05);  // tan(0.35) / 2 = 0.18 would hold its feet
+}
+
+Scene dominoes_of(double push) {
+  Builder built;
+  for (int i = 0; i < 10; ++i) built.add({0.6 * i - 2.7, 0.5}, box(0.16, 1));
+  Body& first = built.scene.bodies[1];
+  first.velocity = {0.5 * push, 0};
+  first.angular_velocity = -push;
+  return built.scene;
+}
+Scene dominoes_standing() {
+  return dominoes_of(0);
+}
+Scene dominoes_falling() {
+  return dominoes_of(3);
+}
+
+Scene top_heavy() {
+  Builder built;
+  built.add({0, 0.5}, box(1, 1));
+  built.add({0, 1.5}, box(1.4, 1));
+  built.add({0, 2.5}, box(1.8, 1));
+  built.add({0, 3.5}, box(2.2, 1));
+  return built.scene;
+}
+
+// Ten times the density, floor by floor: 1, 10.
+Scene heavy_on_light() {
+  Builder built;
+  built.tower(0, 0, 1, 1, 1);
+  built.tower(0, 1, 1, 1, 1, 10);
+  return built.scene;
+}
+
+Scene light_on_heavy() {
+  Builder built;
+  built.tower(0, 0, 1, 1, 1, 100);
+  built.tower(0, 1, 4, 1, 1);
+  return built.scene;
+}
+
+// Each brick reaches out by a share of what the harmonic series allows: below 1 they hold, above they fall.
+Scene overhang_of(double share) {
+  Builder built;
+  const int count = 4;
+  double x = 0;
+  std::vector<double> places(count);
+  for (int i = count; i-- > 0;) {
+    places[static_cast<std::size_t>(i)] = x;
+    x -= share * 1.0 / (count - i);  // half a brick of 2 m over the number of bricks above the joint
+  }
+  built.add_static({places[0] - share * 0.25, 0.5}, box(2, 1));
+  for (int i = 0; i < count; ++i) built.add({places[static_cast<std::size_t>(i)], 1.25 + 0.5 * i}, box(2, 0.5));
+  return built.scene;
+}
+Scene overhang_holds() {
+  return overhang_of(0.6);
+}
+Scene overhang_falls() {
+  return overhang_of(1.3);
+}
+
+// A tower whose courses step aside: it stands while its centre is over its foot.
+Scene leaning_of(double step) {
+  Builder built;
+  for (int i = 0; i < 6; ++i) built.add({step * i, i + 0.5}, box(1, 1));
+  return built.scene;
+}
+Scene leaning_holds() {
+  return leaning_of(0.06);
+}
+Scene leaning_falls() {
+  return leaning_of(0.3);
+}
+
+// A box lies edge down in the groove of two wedges that friction on the floor keeps together.
+Scene wedges_hold() {
+  Builder built;
+  built.add({-1, 0}, worlds::polygon({{-1, 0}, {1, 0}, {1, 0.2}, {-0.8, 2}, {-1, 2}}));
+  built.add({1, 0}, worlds::polygon({{1, 0}, {-1, 0}, {-1, 0.2}, {0.8, 2}, {1, 2}}));
+  const double half_diagonal = 0.70710678118654752;
+  built.add({0, 0.2 + half_diagonal}, box(1, 1), engine::pi / 4);
+  built.friction(0.9);
+  return built.scene;
+}
+
+Scene mixed_tower() {
+  Builder built;
+  built.add({0, 0.5}, box(1.6, 1));
+  built.add({0, 1 + 0.5 * 0.86602540378443865}, worlds::polygon({{-0.9, -0.43301270189221933},
+                                                                 {0.9, -0.43301270189221933},
+                                                                 {0.6, 0.43301270189221933},
+                                                                 {-0.6, 0.43301270189221933}}));
+  built.add({0, 1.86602540378443865 + 0.6 * 0.92387953251128674}, worlds::regular(8, 0.6));
+  built.add({0, 1.86602540378443865 + 1.2 * 0.92387953251128674 + 0.25}, box(1, 0.5));
+  return built.scene;
+}
+
+Scene octagons() {
+  Builder built;
+  const double apothem = worlds::apothem(8, 0.5);
+  for (int i = 0; i < 4; ++i) built.add({0, apothem * (2 * i + 1)}, worlds::regular(8, 0.5));
+  return built.scene;
+}
+
+// Discs in a tray: the row below carries the row above, the walls hold it together.
+Scene disc_tray() {
+  Builder built;
+  built.add_static({-2.6, 0.6}, box(0.2, 1.2));
+  built.add_static({2.6, 0.6}, box(0.2, 1.2));
+  for (int row = 0; row < 3; ++row)
+    for (int i = 0; i + row < 5; ++i)
+      built.add({i + 0.5 * row - 2, 0.5 + 0.86602540378443865 * row}, worlds::disc(0.5));
+  return built.scene;
+}
+
+// A floor inclined by `angle`, with boxes standing on it.
+Scene slope_of(double angle, double friction, int boxes) {
+  Builder built;
+  const engine::SinCos turn = engine::sin_cos(angle);
+  const Point foot{0, 6};
+  built.add_static({foot.x + turn.sin, foot.y - turn.cos}, box(20, 2), angle);
+  for (int i = 0; i < boxes; ++i) {
+    const double up = i + 0.5;
+    built.add({foot.x - up * turn.sin, foot.y + up * turn.cos}, box(1, 1), angle);
+  }
+  built.friction(friction);
+  return built.scene;
+}
+Scene slope_holds() {
+  return slope_of(0.35, 0.5, 1);  // tan 0.35 = 0.365
+}
+Scene slope_slides() {
+  Scene scene = slope_of(0.5, 0.4, 1);  // tan 0.5 = 0.546; 10 m in 4 s
+  scene.bodies[1].shapes[0].half_size = {30, 1};
+  return scene;
+}
+Scene slope_tower() {
+  return slope_of(0.15, 0.5, 3);
+}
+Scene slope_topples() {
+  return slope_of(0.35, 0.9, 4);  // its centre is 0.73 m beside its foot's middle
+}
+
+// A plank on an edge, with equal or unequal loads.
+Scene lever_of(double right_density) {
+  Builder built;
+  built.add_static({0, 0.5}, worlds::polygon({{-0.5, -0.5}, {0.5, -0.5}, {0.2, 0.5}, {-0.2, 0.5}}));
+  built.add({0, 1.1}, box(6, 0.2));
+  built.add({-2.5, 1.7}, box(1, 1));
+  Shape right = box(1, 1);
+  right.density = right_density;
+  built.add({2.5, 1.7}, std::move(right));
+  built.friction(0.9);
+  if (right_density != 1) {
+    built.pin(1, 2, {0, 0.6}, {0, 0});           // so that it turns in place,
+    built.add_static({2.5, 0.35}, box(1, 0.7));  // and not far
+  }
+  return built.scene;
+}
+Scene lever_balances() {
+  return lever_of(1);
+}
+Scene lever_tips() {
+  return lever_of(3);
+}
+
+Scene hanging_chain() {
+  Builder built;
+  built.add_static({0, 12}, box(0.4, 0.4));
+  std::uint32_t above = built.last();
+  for (int i = 0; i < 10; ++i) {
+    built.add({0, 11.5 - i}, box(0.2, 0.9));
+    built.pin(above, built.last(), i == 0 ? Point{0, 0} : Point{0, -0.5}, {0, 0.5});
+    above = built.last();
+  }
+  return built.scene;
+}
+
+// Ten planks between two pegs, held up as a V and let go: it swings until friction in the air is all that is left.
+Scene hanging_bridge() {
+  Builder built;
+  const engine::SinCos half = {2.1794494717703369 / 5, 0.9};  // five planks come down 2.18 m on 4.5 m
+  const double angle = engine::arc_tangent(half.sin, half.cos);
+  built.add_static({-4.5, 5}, box(0.4, 0.4));
+  std::uint32_t before = built.last();
+  for (int i = 0; i < 10; ++i) {
+    const double along = i < 5 ? i + 0.5 : 9.5 - i;
+    const Point at{(i < 5 ? -1 : 1) * (4.5 - along * half.cos), 5 - along * half.sin};
+    Body& plank = built.add(at, box(0.9, 0.2), i < 5 ? -angle : angle);
+    plank.angular_damping = 2;
+    built.pin(before, built.last(), i == 0 ? Point{0, 0} : Point{0.5, 0}, {-0.5, 0});
+    before = built.last();
+  }
+  built.add_static({4.5, 5}, box(0.4, 0.4));
+  built.pin(before, built.last(), {0.5, 0}, {0, 0});
+  return built.scene;
+}
+
+constexpr std::array<SuiteScene, 35> scenes{{
+    {"tower_5", "stands", 10, tower<5>},
+    {"tower_10", "stands", 10, tower<10>},
+    {"tower_15", "stands", 10, tower<15>},
+    {"slabs", "stands", 10, slabs},
+    {"pillar", "stands", 10, pillar},
+    {"two_towers", "stands, bridged by a plank that carries two boxes", 10, two_towers},
+    {"pyramid_5", "stands", 10, pyramid<5>},
+    {"pyramid_10", "stands", 10, pyramid<10>},
+    {"pyramid_15", "stands", 10, pyramid<15>},
+    {"wall", "stands", 10, wall},
+    {"gates", "stand", 10, gates},
+    {"arch", "stands", 10, arch},
+    {"tent_stands", "stands", 10, tent_stands},
+    {"tent_slips", "slips apart until it lies flat", 10, tent_slips},
+    {"dominoes_standing", "stand", 10, dominoes_standing},
+    {"dominoes_falling", "fall, one after the other", 10, dominoes_falling},
+    {"top_heavy", "stands", 10, top_heavy},
+    {"heavy_on_light", "stands", 10, heavy_on_light},
+    {"light_on_heavy", "stands", 10, light_on_heavy},
+    {"overhang_holds", "stands", 10, overhang_holds},
+    {"overhang_falls", "falls", 8, overhang_falls},
+    {"leaning_holds", "stands", 10, leaning_holds},
+    {"leaning_falls", "falls", 2, leaning_falls},
+    {"wedges_hold", "hold the box", 10, wedges_hold},
+    {"mixed_tower", "stands", 10, mixed_tower},
+    {"octagons", "stand", 10, octagons},
+    {"disc_tray", "stands between its walls", 10, disc_tray},
+    {"slope_holds", "holds", 10, slope_holds},
+    {"slope_slides", "slides", 4, slope_slides},
+    {"slope_tower", "stands", 10, slope_tower},
+    {"slope_topples", "topples", 6, slope_topples},
+    {"lever_balances", "balances", 10, lever_balances},
+    {"lever_tips", "tips to the heavy side", 10, lever_tips},
+    {"hanging_chain", "hangs", 10, hanging_chain},
+    {"hanging_bridge", "sags into a curve", 10, hanging_bridge},
+}};
+
+}  // namespace
+
+std::span<const SuiteScene> crosscheck_suite() {
+  return scenes;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,192 @@
+// Verification problems of joints: pendulums, chains, springs, sliders.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "engine/math/trig.h"
+#include "tool/study/problem_families.h"
+#include "tool/study/reference_numbers.h"
+#include "tool/study/worlds.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::BodyReport;
+using engine::Engine;
+using engine::JointKind;
+using engine::JointMotor;
+using engine::JointSpring;
+using engine::pi;
+using engine::Point;
+using engine::Precision;
+using engine::Scene;
+
+Problem of_joints(std::string name, std::string summary, std::string reference, double duration) {
+  Problem problem;
+  problem.name = std::move(name);
+  problem.summary = std::move(summary);
+  problem.reference = std::move(reference);
+  problem.kind = ProblemClass::joint;
+  problem.duration = duration;
+  problem.size = 0.2;  // discs of 0.1 m, links of 0.1 m half width; angles are of arms of 1 m
+  return problem;
+}
+
+// An almost pointlike body.
+engine::Body bob(Point position) {
+  return worlds::weighted(worlds::disc(0.1), position, 1, 0.01);
+}
+
+double angle_below(const Point& from, const Point& to) {
+  return std::atan2(to.x - from.x, from.y - to.y);
+}
+
+Problem pendulum_joint() {
+  Problem problem =
+      of_joints("pendulum_rod", "1 kg on a rod of 1 m, from 60 degrees, 4 s: angle", "closed form (Jacobi's sn)", 4);
+  problem.is_angle = true;
+  problem.scale = pi / 3;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::peg({0, 0}), bob({std::sin(pi / 3), -0.5})};
+    scene.joints = {worlds::joint(JointKind::distance, 0, 1)};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    return std::vector<double>{angle_below({0, 0}, engine.bodies()[1].center)};
+  };
+  problem.exact = [](double t) { return std::vector<double>{pendulum_angle(pi / 3, std::sqrt(10.0), t)}; };
+  problem.slope = 1;
+  problem.limit = 0.02;
+  return problem;
+}
+
+Problem double_pendulum(std::string name, double start, const double* numbers) {
+  Problem problem = of_joints(
+      std::move(name),
+      "two points of 1 kg on rods of 1 m, both from " + std::string(start < 2 ? "90" : "120") + " degrees, 2 s: angles",
+      "long double integration, 17 digits (reference_numbers.h)", 2);
+  problem.is_angle = true;
+  problem.scale = start;
+  problem.scene = [start](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    const Point first{std::sin(start), -std::cos(start)};
+    scene.bodies = {worlds::peg({0, 0}), bob(first), bob({2 * first.x, 2 * first.y})};
+    scene.joints = {worlds::joint(JointKind::distance, 0, 1), worlds::joint(JointKind::distance, 1, 2)};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) {
+    const std::vector<BodyReport> bodies = engine.bodies();
+    return std::vector<double>{angle_below({0, 0}, bodies[1].center), angle_below(bodies[1].center, bodies[2].center)};
+  };
+  problem.exact = [numbers](double t) {
+    const int sample = static_cast<int>(std::lround(t * 10)) - 1;
+    return std::vector<double>{numbers[2 * sample], numbers[2 * sample + 1]};
+  };
+  problem.slope = 1;
+  return problem;
+}
+
+// A spring without damping, given in N/m. The scheme's roots are those of the exact solution to y^5, y = w h.
+Problem spring_joint() {
+  Problem problem = of_joints("spring_joint", "1 kg on a spring joint of 100 N/m, no damping, 2 s", "closed form", 2);
+  problem.scale = 0.1;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.gravity = {0, 0};
+    scene.bodies = {worlds::peg({0, 0}), bob({1.1, 0})};
+    scene.joints = {worlds::joint(JointKind::distance, 0, 1)};
+    scene.joints[0].spring = JointSpring{true, 0, 0, 100, 0};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies()[1].center.x - 1}; };
+  problem.exact = [](double t) { return std::vector<double>{0.1 * std::cos(10 * t)}; };
+  problem.slope = 1;
+  return problem;
+}
+
+// Motors add the same impulse every substep: x = F t (t + h) / 2 m.
+Problem slider_motor() {
+  Problem problem = of_joints("slider_motor", "2 kg on a rail, driven by 6 N from rest, 2 s", "closed form", 2);
+  problem.scale = 6;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.gravity = {0, 0};
+    scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(0.1), {0, 0}, 2, 0.01)};
+    scene.joints = {worlds::joint(JointKind::prismatic, 0, 1)};
+    scene.joints[0].motor = JointMotor{1000, 6};
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies()[1].center.x}; };
+  problem.exact = [](double t) { return std::vector<double>{1.5 * t * t}; };
+  problem.slope = 1;
+  problem.limit = 0.01;
+  return problem;
+}
+
+// Link i from the middle leans by atan((i + 1/2) / H), H found from the span.
+Problem catenary() {
+  Problem problem = of_joints("catenary", "20 links of 0.6 m between pegs 10 m apart, hung for 20 s: lowest point",
+                              "exact equations of the links (sag 2.927214753 m)", 20);
+  problem.sample_count = 1;
+  problem.scale = 2.927214753;
+  problem.size = 0.1;
+  problem.scene = worlds::catenary;
+  problem.observe = [](const Engine& engine) {
+    const BodyReport link = engine.bodies()[10];
+    return std::vector<double>{-(link.center.y + 0.3 * std::sin(link.angle))};
+  };
+  problem.exact = [](double) { return std::vector<double>{2.927214753}; };
+  problem.slope = 2;
+  problem.limit = 0.01;
+  return problem;
+}
+
+Problem straight_chain() {
+  Problem problem =
+      of_joints("chain", "20 links of 1 m hang straight down for 10 s: where the last one is", "geometry", 10);
+  problem.sample_count = 1;
+  problem.scale = 1;
+  problem.scene = [](Precision precision) { return worlds::chain(precision, 20, {0, -1}, 1); };
+  problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies().back().center.y}; };
+  problem.exact = [](double) { return std::vector<double>{-19.5}; };
+  problem.slope = 2;
+  problem.limit = 0.03;
+  return problem;
+}
+
+Problem cantilever() {
+  Problem problem =
+      of_joints("cantilever", "5 planks of 1 m welded into a beam from a wall, 10 s: its end", "geometry", 10);
+  problem.sample_count = 1;
+  problem.scale = 1;
+  problem.scene = [](Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies.push_back(worlds::peg({0, 0}));
+    for (std::uint32_t i = 0; i < 5; ++i) {
+      scene.bodies.push_back(worlds::weighted(worlds::box(0.5, 0.1), {i + 0.5, 0}, 1));
+      scene.bodies.back().angular_damping = 1;
+      scene.joints.push_back(worlds::joint(JointKind::weld, i, i + 1, i == 0 ? Point{0, 0} : Point{0.5, 0}, {-0.5, 0}));
+    }
+    return scene;
+  };
+  problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies().back().center.y}; };
+  problem.exact = [](double) { return std::vector<double>{0}; };
+  problem.slope = 2;
+  return problem;
+}
+
+}  // namespace
+
+std::vector<Problem> joint_problems() {
+  return {pendulum_joint(),
+          double_pendulum("double_pendulum", pi / 2, double_pendulum_90),
+          double_pendulum("double_pendulum_120", 2 * pi / 3, double_pendulum_120),
+          spring_joint(),
+          slider_motor(),
+          catenary(),
+          straight_chain(),
+          cantilever()};
+}
+
+}  // namespace ticktrue::verifier

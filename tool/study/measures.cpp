@@ -1,0 +1,177 @@
+// What a study measures on a run: time of the steps, energy, momentum, overlaps, gaps of joints.
+// SPDX-License-Identifier: MIT
+#include "tool/study/measures.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "engine/math/trig.h"
+
+namespace ticktrue::verifier {
+
+using engine::BodyReport;
+using engine::BodyType;
+using engine::Joint;
+using engine::JointKind;
+using engine::Point;
+
+double kinetic_energy(const Bodies& bodies) {
+  double sum = 0;
+  for (const BodyReport& body : bodies)
+    sum += 0.5 * body.mass * (body.velocity.x * body.velocity.x + body.velocity.y * body.velocity.y) +
+           0.5 * body.inertia * body.angular_velocity * body.angular_velocity;
+  return sum;
+}
+
+double energy_of(const engine::Scene& scene, const Bodies& bodies) {
+  double sum = kinetic_energy(bodies);
+  for (const BodyReport& body : bodies) {
+    const double scale = body.id < scene.bodies.size() ? scene.bodies[body.id].gravity_scale : 1;
+    sum -= body.mass * scale * (scene.gravity.x * body.center.x + scene.gravity.y * body.center.y);
+  }
+  return sum;
+}
+
+Point momentum_of(const Bodies& bodies) {
+  Point sum;
+  for (const BodyReport& body : bodies) {
+    sum.x += body.mass * body.velocity.x;
+    sum.y += body.mass * body.velocity.y;
+  }
+  return sum;
+}
+
+double deepest_overlap(const std::vector<engine::ContactReport>& contacts) {
+  double deepest = 0;
+  for (const engine::ContactReport& contact : contacts)
+    for (int i = 0; i < contact.point_count; ++i) deepest = std::max(deepest, -contact.separation[i]);
+  return deepest;
+}
+
+namespace {
+
+Point turned(double angle, const Point& p) {
+  const engine::SinCos turn = engine::sin_cos(angle);
+  return {turn.cos * p.x - turn.sin * p.y, turn.sin * p.x + turn.cos * p.y};
+}
+
+Point place_of(const BodyReport& body, const Point& anchor) {
+  const Point arm = turned(body.angle, anchor);
+  return {body.origin.x + arm.x, body.origin.y + arm.y};
+}
+
+double gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b) {
+  const Point at_a = place_of(a, joint.anchor_a);
+  const Point at_b = place_of(b, joint.anchor_b);
+  const Point d{at_b.x - at_a.x, at_b.y - at_a.y};
+  const double apart = std::hypot(d.x, d.y);
+  const Point axis = turned(a.angle, joint.axis);
+  switch (joint.kind) {
+    case JointKind::revolute:
+      return apart;
+    case JointKind::weld:
+      return joint.linear_spring ? 0 : apart;
+    case JointKind::prismatic:
+    case JointKind::wheel:
+      return std::fabs(d.y * axis.x - d.x * axis.y) / std::hypot(axis.x, axis.y);
+    case JointKind::distance:
+      return !joint.spring && !joint.limits && !joint.motor ? std::fabs(apart - joint.length) : 0;
+    case JointKind::motor:
+    case JointKind::friction:
+    case JointKind::target:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies) {
+  std::vector<const BodyReport*> by_id(scene.bodies.size(), nullptr);
+  for (const BodyReport& body : bodies)
+    if (body.id < by_id.size()) by_id[body.id] = &body;
+  std::vector<double> gaps;
+  for (const Joint& joint : scene.joints) {
+    const BodyReport* b = by_id[joint.body_b];
+    const BodyReport* a = joint.kind == JointKind::target ? b : by_id[joint.body_a];
+    gaps.push_back(a && b ? gap_of(joint, *a, *b) : 0);
+  }
+  return gaps;
+}
+
+double largest(const std::vector<double>& values) {
+  double out = 0;
+  for (const double value : values) out = std::max(out, value);
+  return out;
+}
+
+bool all_finite(const Bodies& bodies) {
+  return std::all_of(bodies.begin(), bodies.end(), [](const BodyReport& body) {
+    return std::isfinite(body.center.x) && std::isfinite(body.center.y) && std::isfinite(body.velocity.x) &&
+           std::isfinite(body.velocity.y) && std::isfinite(body.angle) && std::isfinite(body.angular_velocity);
+  });
+}
+
+double speed_of(const BodyReport& body) {
+  return std::hypot(body.velocity.x, body.velocity.y);
+}
+
+double fastest(const Bodies& bodies) {
+  double out = 0;
+  for (const BodyReport& body : bodies)
+    if (body.type == BodyType::dynamic_body) out = std::max(out, speed_of(body));
+  return out;
+}
+
+Result<Run> Run::make(const engine::Scene& scene, const engine::EngineOptions& options) {
+  auto made = engine::make_engine(scene, options);
+  if (!made) return made.error();
+  Run run;
+  run.engine_ = std::move(*made);
+  return run;
+}
+
+double computed_s() {
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+  timespec now{};
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0)
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+#endif
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Run::advance(std::uint64_t tick_count, double dt) {
+  const TickInput input{dt > 0 ? dt : engine_->scene().settings.dt, {}};
+  const double start = computed_s();
+  for (std::uint64_t i = 0; i < tick_count; ++i) engine_->step(input, nullptr);
+  step_time_s_ += computed_s() - start;
+}
+
+void Run::advance_s(double seconds) {
+  const double count = std::round(seconds / engine_->scene().settings.dt);
+  advance(count < 1 ? 1 : static_cast<std::uint64_t>(count));
+}
+
+double Run::step(const TickInput& input) {
+  const double start = computed_s();
+  engine_->step(input, nullptr);
+  const double seconds = computed_s() - start;
+  step_time_s_ += seconds;
+  return seconds;
+}
+
+SampleSpread spread_of(std::vector<double> samples) {
+  std::sort(samples.begin(), samples.end());
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(samples.size() - 1);
+    const std::size_t below = static_cast<std::size_t>(place);
+    const std::size_t above = std::min(below + 1, samples.size() - 1);
+    return samples[below] + (place - static_cast<double>(below)) * (samples[above] - samples[below]);
+  };
+  return {samples.front(), at(0.5), at(0.75) - at(0.25)};
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,15 @@
+// The parts that the list of verification problems is put together from.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "tool/study/problems.h"
+
+namespace ticktrue::verifier {
+
+std::vector<Problem> joint_problems();
+/// Impacts, friction, rest.
+std::vector<Problem> contact_problems();
+
+}  // namespace ticktrue::verifier

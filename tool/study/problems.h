@@ -1,0 +1,71 @@
+// The verification problems: scenes whose course is known from a closed form or from high-precision numbers.
+// SPDX-License-Identifier: MIT
+//
+// Errors are relative to a length, angle, speed or force of the problem, its scale. References never come from the
+// engine. Each smooth problem also states its equation of motion, so that a stand-in for an integrator can be judged by
+// the same functions.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/engine.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::verifier {
+
+enum class ProblemClass : std::uint8_t { smooth, joint, impact, friction, rest, roll, slide, stack, bounce };
+inline constexpr std::array<std::string_view, 9> problem_class_names{"smooth", "joint", "impact", "friction", "rest",
+                                                                     "roll",   "slide", "stack",  "bounce"};
+
+struct Problem {
+  std::string name;
+  std::string summary;
+  std::string reference;  // where the exact values come from
+  ProblemClass kind = ProblemClass::smooth;
+  double duration = 1;    // s
+  int sample_count = 20;  // at equal times, the last at the end
+  double scale = 1;       // what errors are relative to
+  int step_count = 60;    // smooth: of the coarsest run, a multiple of sample_count
+  int substeps_max = 64;  // the finest of the sweep, a power of two
+  bool is_angle = false;  // values are angles: differences count modulo a turn
+  double limit = 0;       // largest error of the default method at its default setting; 0: none is set
+  double size = 0;        // m, of the smallest shape, where errors are lengths; 0: they are not
+  int corner_count = -1;  // of the shape families: 0 a disc, 3..16
+
+  std::function<engine::Scene(engine::Precision)> scene;
+  std::function<std::vector<double>(const engine::Engine&)> observe;
+  std::function<std::vector<double>(double time_s)> exact;
+
+  /// Slope that theory gives the default solver's error over h; absent: none, and `why_no_slope` says why.
+  std::optional<double> slope;
+  /// The same under integrators of order 2 or more, where it is another one.
+  std::optional<double> slope_of_higher;
+  std::string why_no_slope;
+  bool is_exact = false;  // of the scheme itself: what is left is rounding
+  bool is_pair = false;   // an impact of two bodies: exact also where it is not located
+
+  /// Smooth problems: the start and the acceleration, of a point or (x alone) an angle.
+  engine::Point start;
+  engine::Point start_velocity;
+  std::function<engine::Point(engine::Point position, engine::Point velocity)> acceleration;
+};
+
+/// All but the shape families, in the order in which they are shown.
+std::vector<Problem> verification_problems();
+/// A disc and regular polygons of 3..16 corners, each of 1 kg: rolling, sliding, stacked, bouncing.
+std::vector<Problem> shape_problems();
+
+/// sn(u, k) by descending Landen transformation.
+double jacobi_sn(double u, double k);
+/// Angle of a pendulum of small frequency `w` rad/s let go at `amplitude` rad.
+double pendulum_angle(double amplitude, double w, double time_s);
+/// Height over the floor of a ball dropped from `height` that bounces with `restitution`, g = 10. Requires: < 1 or
+/// few bounces.
+double bouncing_height(double height, double restitution, double time_s);
+
+}  // namespace ticktrue::verifier

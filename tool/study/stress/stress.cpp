@@ -1,0 +1,172 @@
+// Runs the stress cases, judges them, and finds stability limits by bisection.
+// SPDX-License-Identifier: MIT
+#include "tool/study/stress/stress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "base/parallel/jobs.h"
+#include "tool/study/measures.h"
+#include "tool/study/worlds.h"
+
+namespace ticktrue::verifier {
+
+using engine::IntegratorKind;
+using engine::Precision;
+using engine::SolverKind;
+
+std::vector<StressMethod> contact_methods() {
+  return {{"tgs_soft", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, false, false},
+          {"tgs_soft auto", SolverKind::tgs_soft, IntegratorKind::semi_implicit_euler, true, false},
+          {"pgs", SolverKind::pgs, IntegratorKind::semi_implicit_euler, false, true},
+          {"impulse", SolverKind::impulse, IntegratorKind::semi_implicit_euler, false, true}};
+}
+
+std::vector<StressMethod> integrator_methods() {
+  std::vector<StressMethod> methods;
+  for (const engine::IntegratorInfo& info : engine::integrators)
+    methods.push_back({std::string(info.name), SolverKind::free_flight, info.kind, false, info.stability_limit == 0});
+  return methods;
+}
+
+StudyVerdict judge(const StressCase& stress_case, const StressValue& value) {
+  if (!value.why_not.empty()) return StudyVerdict::not_applicable;
+  const bool passes = value.is_finite && value.value >= stress_case.lower && value.value <= stress_case.upper;
+  return passes ? StudyVerdict::pass : StudyVerdict::fail;
+}
+
+void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods) {
+  bool auto_passes = false, default_passes = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool passes = rows[i].verdict == StudyVerdict::pass && !methods[i].is_baseline;
+    (methods[i].automatic ? auto_passes : default_passes) |= passes;
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].verdict != StudyVerdict::fail) continue;
+    if (methods[i].is_baseline) {
+      rows[i].verdict = StudyVerdict::expected;
+      rows[i].reason = "a method to compare with";
+    } else if (auto_passes && !methods[i].automatic) {
+      rows[i].verdict = StudyVerdict::expected;
+      rows[i].reason = "passes with automatic substeps";
+    } else if (default_passes && methods[i].automatic) {
+      rows[i].verdict = StudyVerdict::expected;
+      rows[i].reason = "passes with the default's substeps";
+    }
+  }
+}
+
+Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
+  std::vector<StressCase> cases;
+  const auto is_chosen = [&](const std::string& name) {
+    return options.names.empty() || std::any_of(options.names.begin(), options.names.end(), [&](const std::string& n) {
+             return name.compare(0, n.size(), n) == 0;
+           });
+  };
+  for (const std::string& name : options.names) {
+    bool found = false;
+    for (const StressCase& each : stress_cases()) found = found || each.name.compare(0, name.size(), name) == 0;
+    if (!found)
+      return Error{ErrorCode::usage,
+                   "stress: found case \"" + name + "\", expected one of --list, or how its name begins",
+                   "see `ticktrue stress --list`"};
+  }
+  for (StressCase& each : stress_cases())
+    if (is_chosen(each.name) && (!each.is_long || options.with_long)) cases.push_back(std::move(each));
+
+  struct Job {
+    std::size_t stress_case;
+    std::size_t method;
+    Precision precision;
+  };
+  std::vector<Job> jobs;
+  for (std::size_t c = 0; c < cases.size(); ++c)
+    for (const Precision precision : options.precisions)
+      for (std::size_t m = 0; m < cases[c].methods.size(); ++m) jobs.push_back({c, m, precision});
+  std::vector<StressRow> rows(jobs.size());
+  std::mutex mutex;
+  std::uint64_t done_count = 0;
+  const Status ran = run_jobs(jobs.size(), options.thread_count, [&](std::size_t i) {
+    const StressCase& each = cases[jobs[i].stress_case];
+    const StressMethod& method = each.methods[jobs[i].method];
+    const StressValue value = each.run(method, jobs[i].precision);
+    rows[i] = {each.name,  method.name, jobs[i].precision, judge(each, value), value.value,     each.lower,
+               each.upper, each.unit,   each.what,         value.why_not,      each.best_known, each.source};
+    if (!value.is_finite) rows[i].reason = "a value is not finite";
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++done_count;
+    if (options.progress) options.progress(done_count, jobs.size());
+  });
+  if (!ran) return ran.error();
+  std::vector<StressRow> out;
+  for (std::size_t i = 0; i < rows.size();) {
+    const std::vector<StressMethod>& methods = cases[jobs[i].stress_case].methods;
+    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(i);
+    std::vector<StressRow> group(first, first + static_cast<std::ptrdiff_t>(methods.size()));
+    excuse(group, methods);
+    out.insert(out.end(), group.begin(), group.end());
+    i += methods.size();
+  }
+  return out;
+}
+
+namespace {
+
+// Largest distance from rest of an oscillator of 1 rad/s in steps of `wh`, at most 1e5; 1 at the start. The far end of
+// the spring is far enough that the line never turns round.
+double amplitude_after(IntegratorKind kind, Precision precision, double wh, int step_count) {
+  engine::Scene scene = worlds::flight(precision, {1, 0}, {0, 0});
+  scene.settings.integrator = kind;
+  // Steps are at most 1 s long: stiffness instead of time makes w h.
+  scene.settings.dt = 0.5;
+  engine::Force spring;
+  spring.kind = engine::ForceKind::spring;
+  spring.body = 0;
+  spring.point = {0, 0};
+  spring.rest_length = 0;
+  spring.stiffness = wh * wh / (scene.settings.dt * scene.settings.dt);
+  scene.forces.push_back(spring);
+  Result<Run> run = Run::make(scene);
+  if (!run) return HUGE_VAL;
+  double largest = 0;
+  for (int i = 0; i < step_count && largest < 1e5; ++i) {
+    run->advance(1);
+    const double x = std::fabs(run->bodies()[0].center.x);
+    largest = std::isfinite(x) ? std::max(largest, x) : 1e5;
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<StabilityRow> stability_limits(const std::vector<Precision>& precisions, unsigned thread_count) {
+  std::vector<StabilityRow> rows;
+  for (const Precision precision : precisions)
+    for (const engine::IntegratorInfo& info : engine::integrators)
+      rows.push_back({info.kind, precision, 0, info.stability_limit});
+  const Status ran = run_jobs(rows.size(), thread_count, [&](std::size_t i) {
+    StabilityRow& row = rows[i];
+    // A step at most multiplies by sqrt(1 + w^2 h^2 / 2) what grows at all: 12 after 4000 steps of 0.05.
+    if (amplitude_after(row.integrator, row.precision, 0.05, 4000) > 10) return;
+    if (amplitude_after(row.integrator, row.precision, 1000, 2000) < 2) {
+      row.found = engine::always_stable;
+      return;
+    }
+    double stable = 0.05, unstable = 8;
+    while (unstable - stable > 0.001) {
+      const double middle = (stable + unstable) / 2;
+      (amplitude_after(row.integrator, row.precision, middle, 10000) < 1000 ? stable : unstable) = middle;
+    }
+    row.found = stable;
+  });
+  if (!ran) rows.clear();
+  return rows;
+}
+
+bool stability_holds(const StabilityRow& row) {
+  if (std::isinf(row.theory) || row.theory == 0) return row.found == row.theory;
+  return std::fabs(row.found - row.theory) <= 0.01 * row.theory;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,305 @@
+// Stress cases of joints: springs from soft to stiff, hanging and swinging chains, bridges, grids, ropes, beams.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/math/trig.h"
+#include "tool/study/stress/stress_parts.h"
+#include "tool/study/worlds.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Engine;
+using engine::JointKind;
+using engine::JointSpring;
+using engine::Point;
+using engine::Precision;
+using engine::Range;
+using engine::Scene;
+
+StressCase joint_case(std::string name, std::string what, std::string unit, double lower, double upper,
+                      std::string best_known, std::string source) {
+  StressCase out;
+  out.name = std::move(name);
+  out.what = std::move(what);
+  out.unit = std::move(unit);
+  out.lower = lower;
+  out.upper = upper;
+  out.best_known = std::move(best_known);
+  out.source = source.empty() || source == "own" ? std::move(source) : "accuracy study of 2026-11: " + source;
+  out.methods = contact_methods();
+  return out;
+}
+
+// 1 kg hangs on a spring joint from a peg; it starts `start` m below the peg's end of the relaxed spring of 1 m.
+Scene hanging_weight(double stiffness, double damping, double start) {
+  Scene scene = worlds::empty(Precision::f64);
+  scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(0.1), {0, -1 - start}, 1, 0.01)};
+  scene.joints = {worlds::joint(JointKind::distance, 0, 1)};
+  scene.joints[0].spring = JointSpring{true, 0, 0, stiffness, damping};
+  return scene;
+}
+
+void add_springs(std::vector<StressCase>& cases) {
+  for (double stiffness = 1e2; stiffness < 2e9; stiffness *= 10) {
+    const double sag = 10 / stiffness;
+    StressCase keeps =
+        joint_case("spring_keeps_" + plain_number(stiffness),
+                   "1 kg on " + plain_number(stiffness) +
+                       " N/m without damping, f64, 60 s: amplitude of the last over that of the first 10 s",
+                   "of 1", stiffness < 2e6 ? 0.99 : 0, stiffness < 2e6 ? 1.01 : 1.42,
+                   stiffness < 500 ? "0.02; AVBD 0.0005" : "stable, amplitude lost",
+                   "Box2D HEAD after 10 s, section 6 cases 1, 2");
+    keeps.run = [stiffness, sag](const StressMethod& method, Precision) {
+      double first = 0, last = 0;
+      int tick = 0;
+      return run_case(
+          with_method(hanging_weight(stiffness, 0, 2 * sag), method), 60,
+          [&](const Bodies& bodies) {
+            const double off = std::fabs(-1 - sag - bodies[1].center.y);
+            if (++tick <= 600) first = std::max(first, off);
+            if (tick > 3000) last = std::max(last, off);
+            return true;
+          },
+          [&](const Engine&, const Bodies&, const Bodies&) { return last / first; });
+    };
+    cases.push_back(std::move(keeps));
+    // Beyond, ticks see one phase of a swing of four substeps: all that can be asked is that nothing grows.
+    StressCase sags =
+        joint_case("spring_sag_" + plain_number(stiffness),
+                   "1 kg on " + plain_number(stiffness) +
+                       " N/m, critically damped, from twice its sag, f64, 10 s: error of the sag",
+                   "of 1", 0, 0.01, stiffness < 2e6 ? "0.003; AVBD wrong above 3e4 N/m" : "below what floats resolve",
+                   "Box2D HEAD, section 6 case 1");
+    sags.run = [stiffness, sag](const StressMethod& method, Precision) {
+      return run_case(with_method(hanging_weight(stiffness, 2 * std::sqrt(stiffness), 2 * sag), method), 10, {},
+                      [sag](const Engine&, const Bodies&, const Bodies& end) {
+                        return std::fabs((-1 - end[1].center.y) / sag - 1);
+                      });
+    };
+    cases.push_back(std::move(sags));
+  }
+  for (const double ratio : {0.01, 1.0, 10.0, 1e3, 1e6}) {
+    StressCase c = joint_case(
+        "spring_damping_" + plain_number(ratio),
+        "100 N/m of damping ratio " + plain_number(ratio) +
+            ", let go 0.1 m off, f64, 10 s: how far it goes to the other side, of what the exact solution does",
+        "m", 0, ratio < 1 ? 0.1 : 1e-6, "implicit 1/(1 + h c) form: monotone", "section 6 case 3, derived");
+    c.run = [ratio](const StressMethod& method, Precision) {
+      Scene scene = hanging_weight(100, 20 * ratio, 0.1);
+      scene.gravity = {0, 0};
+      double beyond = 0;
+      return run_case(
+          with_method(std::move(scene), method), 10,
+          [&](const Bodies& bodies) {
+            beyond = std::max(beyond, bodies[1].center.y + 1);
+            return true;
+          },
+          [&](const Engine&, const Bodies&, const Bodies&) { return beyond; });
+    };
+    cases.push_back(std::move(c));
+  }
+  StressCase ratio = joint_case(
+      "spring_ratio",
+      "8 bodies of 1 kg on springs of 1e3 and 1e6 N/m in turn, damping ratio 0.1, let go hanging, 10 s: kinetic energy",
+      "J", 0, 10, "5.8 J", "AVBD, section 6 case 4");
+  ratio.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies.push_back(worlds::peg({0, 0}));
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      scene.bodies.push_back(worlds::weighted(worlds::disc(0.1), {0, -0.5 * (i + 1)}, 1, 0.01));
+      engine::Joint joint = worlds::joint(JointKind::distance, i, i + 1);
+      const double stiffness = i % 2 == 0 ? 1e3 : 1e6;
+      joint.length = 0.5;
+      joint.spring = JointSpring{true, 0, 0, stiffness, 0.2 * std::sqrt(stiffness)};
+      scene.joints.push_back(joint);
+    }
+    return run_case(with_method(std::move(scene), method), 10, {},
+                    [](const Engine&, const Bodies&, const Bodies& end) { return kinetic_energy(end); });
+  };
+  cases.push_back(std::move(ratio));
+}
+
+// Worst gap of the joints after `settle` s of the run.
+StressValue worst_gap(const Scene& scene, double seconds, double settle, double size) {
+  double most = 0, time = 0;
+  return run_case(
+      scene, seconds,
+      [&](const Bodies& bodies) {
+        time += scene.settings.dt;
+        if (time >= settle) most = std::max(most, largest(joint_gaps(scene, bodies)));
+        return true;
+      },
+      [&](const Engine&, const Bodies&, const Bodies&) { return most / size; });
+}
+
+void add_chains(std::vector<StressCase>& cases) {
+  for (const int links : {10, 20})
+    for (const double end_mass : {1.0, 1e1, 1e2, 1e3, 1e4, 1e6}) {
+      StressCase c =
+          joint_case("hanging_" + std::to_string(links) + "_r" + plain_number(end_mass),
+                     std::to_string(links) + " links of 1 m and 1 kg hang, " + plain_number(end_mass) +
+                         " kg at the end, the last 5 of 10 s: widest gap",
+                     "of a link", 0, 0.01, "holds to 4.2e4 (AVBD, 160 iterations), 9.6e3 (Box2D HEAD, hertz lifted)",
+                     "section 3.4, hanging chains");
+      c.run = [links, end_mass](const StressMethod& method, Precision precision) {
+        return worst_gap(with_method(worlds::chain(precision, links, {0, -1}, end_mass), method), 10, 5, 1);
+      };
+      cases.push_back(std::move(c));
+    }
+  for (const double end_mass : {1.0, 1e1, 1e2, 1e3, 1e4}) {
+    StressCase c = joint_case(
+        "swinging_10_r" + plain_number(end_mass),
+        "10 links of 1 m and 1 kg let go level, " + plain_number(end_mass) + " kg at the end, 10 s: widest gap",
+        "of a link", 0, 0.01, "holds to 1.1e3 (AVBD, 40 iterations), 3.5e3 (Box2D HEAD, hertz lifted, 64 sub)",
+        "section 6 case 9");
+    c.run = [end_mass](const StressMethod& method, Precision precision) {
+      return worst_gap(with_method(worlds::chain(precision, 10, {1, 0}, end_mass), method), 10, 0, 1);
+    };
+    cases.push_back(std::move(c));
+    StressCase energy = joint_case("swinging_energy_r" + plain_number(end_mass),
+                                   "the same: largest energy over the start's, as a share of the fall's", "of 1", -1,
+                                   0.01, "", "section 6 case 9");
+    energy.run = [end_mass](const StressMethod& method, Precision precision) {
+      const Scene scene = with_method(worlds::chain(precision, 10, {1, 0}, end_mass), method);
+      double most = -HUGE_VAL;
+      return run_case(
+          scene, 10,
+          [&](const Bodies& bodies) {
+            most = std::max(most, energy_of(scene, bodies));
+            return true;
+          },
+          [&](const Engine&, const Bodies& start, const Bodies&) {
+            double fall = 0;
+            for (const auto& body : start) fall += 10 * body.mass * body.center.x;
+            return (most - energy_of(scene, start)) / fall;
+          });
+    };
+    cases.push_back(std::move(energy));
+  }
+  StressCase stretched = joint_case(
+      "stretched_chain", "40 links of 0.4 m made 1 m apart at every joint, the last quarter of 20 s: widest gap", "m",
+      0, 0.04, "0.005 m (TGS_NGS), 0.022 (TGS_Soft); PGS blew up", "Solver2D, Stretched Chain");
+  stretched.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies.push_back(worlds::peg({0, 0}));
+    for (std::uint32_t i = 0; i < 40; ++i) {
+      scene.bodies.push_back(worlds::weighted(worlds::box(0.2, 0.1), {1.4 * (i + 1), 0}, 1));
+      scene.joints.push_back(worlds::joint(JointKind::revolute, i, i + 1, i == 0 ? Point{} : Point{0.2, 0}, {-0.2, 0}));
+    }
+    return worst_gap(with_method(std::move(scene), method), 20, 15, 1);
+  };
+  cases.push_back(std::move(stretched));
+  StressCase bridge =
+      joint_case("bridge_160", "160 planks of 1 m pinned between two pegs, the last 5 of 20 s: widest gap",
+                 "of a plank", 0, 0.01, "0.037 m (SoftStep), 0.048 (TGS_NGS)", "Solver2D, Bridge");
+  bridge.run = [](const StressMethod& method, Precision precision) {
+    auto scene = engine::make_builtin_scene("bridge?planks=160");
+    if (!scene) return StressValue{0, true, scene.error().message};
+    scene->settings.precision = precision;
+    return worst_gap(with_method(*scene, method), 20, 15, 1);
+  };
+  cases.push_back(std::move(bridge));
+  for (const int columns : {25, 100}) {
+    StressCase grid =
+        joint_case("joint_grid_" + std::to_string(columns),
+                   "a square net of " + std::to_string(columns * columns) +
+                       " pinned discs, gravity doubled, 20 s: widest gap at the end",
+                   "m", 0, 0.1, "100 x 100: none; 4.2-25 m, TGS_NGS not finite", "Solver2D, section 6 case 29");
+    grid.is_long = true;
+    grid.run = [columns](const StressMethod& method, Precision precision) {
+      auto scene = engine::make_builtin_scene("joint_grid?columns=" + std::to_string(columns));
+      if (!scene) return StressValue{0, true, scene.error().message};
+      scene->settings.precision = precision;
+      scene->gravity = {0, -20};
+      const Scene set = with_method(*scene, method);
+      return run_case(set, 20, {},
+                      [&](const Engine&, const Bodies&, const Bodies& end) { return largest(joint_gaps(set, end)); });
+    };
+    cases.push_back(std::move(grid));
+  }
+}
+
+void add_others(std::vector<StressCase>& cases) {
+  StressCase beam = joint_case(
+      "cantilever_10", "10 planks of 1 m and 1 kg welded into a beam from a wall, 10 s: how far its end hangs down",
+      "of its length", 0, 0.01, "", "own");
+  beam.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies.push_back(worlds::peg({0, 0}));
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      scene.bodies.push_back(worlds::weighted(worlds::box(0.5, 0.1), {i + 0.5, 0}, 1));
+      scene.joints.push_back(worlds::joint(JointKind::weld, i, i + 1, i == 0 ? Point{0, 0} : Point{0.5, 0}, {-0.5, 0}));
+    }
+    return run_case(with_method(std::move(scene), method), 10, {}, [](const Engine&, const Bodies&, const Bodies& end) {
+      return std::fabs(end.back().center.y) / 10;
+    });
+  };
+  cases.push_back(std::move(beam));
+  StressCase rope = joint_case(
+      "rope_catch", "100 kg falls 5 m into a rope between 1 kg rings, 5 m long, 5 s: longest over its length", "of 1",
+      0, 1.01, "", "own");
+  rope.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::peg({0, 0}), worlds::weighted(worlds::disc(0.2), {0.5, 0}, 100)};
+    scene.joints = {worlds::joint(JointKind::distance, 0, 1)};
+    scene.joints[0].length = 5;
+    scene.joints[0].limits = Range{0, 5};
+    scene.joints[0].spring = JointSpring{true, 0, 0, 0, 0};
+    double most = 0;
+    return run_case(
+        with_method(std::move(scene), method), 5,
+        [&](const Bodies& bodies) {
+          most = std::max(most, std::hypot(bodies[1].center.x, bodies[1].center.y) / 5);
+          return true;
+        },
+        [&](const Engine&, const Bodies&, const Bodies&) { return most; });
+  };
+  rope.what = "100 kg falls into a rope of 5 m, 5 s: its greatest length over that";
+  cases.push_back(std::move(rope));
+  StressCase whirl =
+      joint_case("whirl", "100 kg on an arm of 1 kg and 1 m whirls at 30 rad/s, no gravity, 5 s: widest gap", "m", 0,
+                 0.01, "", "own");
+  whirl.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::chain(precision, 2, {1, 0}, 100);
+    scene.gravity = {0, 0};
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      scene.bodies[i].angular_velocity = 30;
+      scene.bodies[i].velocity = {0, 30 * scene.bodies[i].position.x};
+    }
+    return worst_gap(with_method(std::move(scene), method), 5, 0, 1);
+  };
+  cases.push_back(std::move(whirl));
+  StressCase pendulum = joint_case(
+      "pendulum_energy", "1 kg on a rod of 1 m from 60 degrees: energy of the last period of 60 s over the start's",
+      "of 1", 0.99, 1.01, "0.983 (4 sub), 0.9993 with hertz lifted (8 sub); AVBD 0", "Box2D HEAD, section 2.3");
+  pendulum.run = [](const StressMethod& method, Precision precision) {
+    Scene scene = worlds::empty(precision);
+    scene.bodies = {worlds::peg({0, 0}),
+                    worlds::weighted(worlds::disc(0.1), {std::sin(engine::pi / 3), -0.5}, 1, 0.01)};
+    scene.joints = {worlds::joint(JointKind::distance, 0, 1)};
+    double sum = 0;
+    int tick = 0;
+    return run_case(
+        with_method(std::move(scene), method), 60,
+        [&](const Bodies& bodies) {
+          const double v = speed_of(bodies[1]);
+          if (++tick > 3600 - 128) sum += (0.5 * v * v + 10 * (bodies[1].center.y + 1)) / 5 / 128;
+          return true;
+        },
+        [&](const Engine&, const Bodies&, const Bodies&) { return sum; });
+  };
+  cases.push_back(std::move(pendulum));
+}
+
+}  // namespace
+
+void add_joint_cases(std::vector<StressCase>& cases) {
+  add_springs(cases);
+  add_chains(cases);
+  add_others(cases);
+}
+
+}  // namespace ticktrue::verifier

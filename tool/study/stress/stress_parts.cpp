@@ -1,0 +1,77 @@
+// What all stress cases share: the scene set as a method says, runs, and how far bodies moved.
+// SPDX-License-Identifier: MIT
+#include "tool/study/stress/stress_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace ticktrue::verifier {
+
+using engine::BodyType;
+using engine::Engine;
+using engine::Scene;
+
+std::vector<StressCase> stress_cases() {
+  std::vector<StressCase> cases;
+  add_contact_cases(cases);
+  add_joint_cases(cases);
+  add_motion_cases(cases);
+  return cases;
+}
+
+Scene with_method(Scene scene, const StressMethod& method) {
+  scene.settings.solver = method.solver;
+  scene.settings.integrator = method.integrator;
+  if (method.automatic) scene.settings.auto_substeps.emplace();
+  if (!engine::info_of(engine::solvers, method.solver).substeps) {
+    scene.settings.substeps = 1;
+    scene.settings.auto_substeps.reset();
+    scene.settings.locate_impacts = false;
+  }
+  return scene;
+}
+
+StressValue run_case(const Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
+                     const std::function<double(const Engine&, const Bodies&, const Bodies&)>& finish) {
+  StressValue out;
+  Result<Run> run = Run::make(scene);
+  if (!run) {
+    out.why_not = run.error().message;
+    return out;
+  }
+  const Bodies start = run->bodies();
+  const auto tick_count = static_cast<std::uint64_t>(std::lround(seconds / scene.settings.dt));
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    run->advance(1);
+    if (!watch && tick + 1 < tick_count && tick % 60 != 59) continue;
+    const Bodies bodies = run->bodies();
+    if (!all_finite(bodies)) {
+      out.is_finite = false;
+      out.value = std::nan("");
+      return out;
+    }
+    if (watch && !watch(bodies)) break;
+  }
+  out.value = finish(run->engine(), start, run->bodies());
+  out.is_finite = std::isfinite(out.value);
+  return out;
+}
+
+double moved_share(const Bodies& start, const Bodies& end, double across_max, double down_max) {
+  double share = start.size() == end.size() ? 0 : HUGE_VAL;
+  for (std::size_t i = 0; i < std::min(start.size(), end.size()); ++i) {
+    if (start[i].type != BodyType::dynamic_body) continue;
+    share = std::max(share, std::fabs(end[i].center.x - start[i].center.x) / across_max);
+    share = std::max(share, std::fabs(end[i].center.y - start[i].center.y) / down_max);
+  }
+  return share;
+}
+
+std::string plain_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+}  // namespace ticktrue::verifier

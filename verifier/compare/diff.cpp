@@ -1,0 +1,420 @@
+// Two traces side by side: setup, inputs, states.
+// SPDX-License-Identifier: MIT
+#include "verifier/compare/diff.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/hash.h"
+#include "replay/payload.h"
+#include "verifier/locate/compare_tick.h"
+#include "verifier/locate/locate.h"
+#include "verifier/locate/locate_cells.h"
+#include "verifier/locate/schema_difference.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using replay::CheckpointRecord;
+using replay::TickRecord;
+using replay::TraceCondition;
+using replay::TraceSetup;
+
+/// One of the two traces, tick by tick.
+class Side {
+ public:
+  explicit Side(replay::TraceReader& reader) : reader_(reader) { reader_.rewind(); }
+
+  /// The next tick, or null at the end. Keeps the checkpoint it passes on the way.
+  const TickRecord* advance() {
+    checkpoint_.reset();
+    if (ended_) return nullptr;
+    for (;;) {
+      const replay::TraceReader::Item& item = reader_.next();
+      if (const auto* record = std::get_if<TickRecord>(&item)) {
+        ++ticks_;
+        return record;
+      }
+      if (std::holds_alternative<std::monostate>(item)) {
+        ended_ = true;
+        return nullptr;
+      }
+      checkpoint_ = keep(std::get<CheckpointRecord>(item));
+      if (keeps_last_) last_ = checkpoint_;
+    }
+  }
+
+  /// The one passed on the way to the present tick, if it holds the state with so many ticks done.
+  const StoredCheckpoint* checkpoint_at(std::uint64_t ticks_done) const {
+    return checkpoint_ && checkpoint_->tick == ticks_done ? &*checkpoint_ : nullptr;
+  }
+  std::uint64_t ticks() const { return ticks_; }
+  /// The last checkpoint passed, until keep_last.
+  const std::optional<StoredCheckpoint>& last() const { return last_; }
+  void keep_last() { keeps_last_ = false; }
+  const replay::TraceTail& tail() const { return reader_.tail(); }
+
+ private:
+  replay::TraceReader& reader_;
+  std::optional<StoredCheckpoint> checkpoint_;
+  std::optional<StoredCheckpoint> last_;
+  bool keeps_last_ = true;
+  std::uint64_t ticks_ = 0;
+  bool ended_ = false;
+};
+
+constexpr std::uint64_t spread_ticks = 64;
+constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
+
+/// What to run, each with the build that recorded it, for the values behind a difference of two traces.
+std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
+                                 const std::string& tool) {
+  const std::string number = std::to_string(tick);
+  if (tool.empty())
+    return "record both again with detail full:" + number + ".." + number +
+           ", each with the program that recorded it; then ticktrue diff a.ttr b.ttr";
+  const auto record = [&](const std::string& file, const char* out) {
+    return tool + " record " + shell_word(file) + " --ticks " + std::to_string(tick + 1) + " --detail full:" + number +
+           ".." + number + " -o " + out;
+  };
+  return record(a, "a.ttr") + " and " + record(b, "b.ttr") +
+         ", each with the build that recorded it; then ticktrue diff a.ttr b.ttr";
+}
+
+std::string number_text(double value) {
+  return lane_text(ScalarType::f64, bits_of(value));
+}
+
+std::string bytes_summary(const Bytes& bytes) {
+  return std::to_string(bytes.size()) + " bytes, hash " + hex64(hash64(bytes));
+}
+
+std::string stages_summary(const std::vector<std::string>& stages) {
+  std::string text;
+  for (const std::string& stage : stages) text += (text.empty() ? "" : ", ") + stage;
+  return text;
+}
+
+/// Differences that keep the two from being compared at all come first; returns how many those are.
+std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector<SetupDifference>& out) {
+  if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
+  if (a.physics_version != b.physics_version)
+    out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
+  // Of one setup, another range is another build's; of two, it may be that of what they hold.
+  const Ranges ranges = a.setup == b.setup ? Ranges::any : Ranges::same;
+  if (const auto precision = precision_difference(a.schema, b.schema))
+    out.push_back({precision->place, precision->a, precision->b});
+  else if (const auto difference = first_schema_difference(a.schema, b.schema, ranges))
+    out.push_back({"schema: " + difference->place, difference->a, difference->b});
+  const std::size_t blocking = out.size();
+  if (a.stages != b.stages) out.push_back({"stages", stages_summary(a.stages), stages_summary(b.stages)});
+  if (a.title != b.title) out.push_back({"title", a.title, b.title});
+  if (bits_of(a.dt) != bits_of(b.dt)) out.push_back({"dt", number_text(a.dt), number_text(b.dt)});
+  if (a.setup != b.setup) out.push_back({"setup", bytes_summary(a.setup), bytes_summary(b.setup)});
+  return blocking;
+}
+
+/// Ticks of which the parts are stored.
+void count_parts(const TickRecord& record, ComparedParts& counts) {
+  ++counts.ticks;
+  counts.stage_hashes += record.stage_hashes.empty() ? 0 : 1;
+  counts.images += record.image ? 1 : 0;
+  counts.cells += record.cells.empty() ? 0 : 1;
+}
+
+class Differ {
+ public:
+  Differ(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options)
+      : setup_a_(a.setup()), setup_b_(b.setup()), a_(a), b_(b), options_(options), comparer_(setup_a_.schema) {
+    report_.a.file = a.name();
+    report_.b.file = b.name();
+    report_.a.build = a.facts();
+    report_.b.build = b.facts();
+    if (options.simulation != nullptr && options.simulation->name == setup_a_.simulation)
+      if (Result<std::unique_ptr<Simulation>> made = options.simulation->make(setup_a_.setup))
+        words_ = std::move(*made);
+  }
+
+  DiffReport run() {
+    comparable_ = compare_setups(setup_a_, setup_b_, report_.setup) == 0;
+    walk();
+    finish();
+    return std::move(report_);
+  }
+
+ private:
+  std::string inputs_text(std::uint64_t tick, ByteView inputs) const {
+    return words_ ? words_->inputs_text(tick, inputs) : "";
+  }
+
+  void walk() {
+    const TickRecord* a = a_.advance();
+    const TickRecord* b = b_.advance();
+    double time_s = 0;
+    std::uint64_t tick = 0;
+    if (comparable_) compare_checkpoints(0, time_s);
+    while (a != nullptr && b != nullptr) {
+      compare_inputs(tick, *a, *b);
+      // Hashes of different schemas say nothing about each other.
+      const bool found = comparable_ && !report_.divergence && differ(*a, *b);
+      if (found) {
+        Divergence divergence;
+        divergence.tick = tick;
+        divergence.time_s = time_s;
+        divergence.inputs = inputs_text(tick, a->inputs);
+        report_.divergence = std::move(divergence);
+      } else if (report_.divergence && comparable_) {
+        follow_spread(*a, *b);
+      }
+      if (found || (comparable_ && a->root_hash != b->root_hash)) note_differing(tick);
+      time_s += a->dt;
+      ++tick;
+      if (comparable_) ++report_.ticks_compared;
+      if (options_.progress) options_.progress(tick);
+      a = a_.advance();
+      b = b_.advance();
+      if (found)
+        locate(tick);
+      else if (comparable_ && !report_.divergence)
+        compare_checkpoints(tick, time_s);
+    }
+    while (a != nullptr) a = a_.advance();
+    while (b != nullptr) b = b_.advance();
+  }
+
+  void note_differing(std::uint64_t tick) {
+    std::vector<TickRange>& ranges = report_.differing;
+    if (!ranges.empty() && (ranges.back().last + 1 >= tick || ranges.size() == differing_ranges_max))
+      ranges.back().last = tick;
+    else
+      ranges.push_back({tick, tick});
+  }
+
+  void compare_inputs(std::uint64_t tick, const TickRecord& a, const TickRecord& b) {
+    if (report_.inputs) return;
+    if (bits_of(a.dt) == bits_of(b.dt) &&
+        std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end()))
+      return;
+    report_.inputs = InputDifference{tick, a.dt, b.dt, inputs_text(tick, a.inputs), inputs_text(tick, b.inputs)};
+  }
+
+  /// Hashes after the stages are compared where both have the same stages.
+  TickSide stored_side(const TickRecord& record) const {
+    TickSide side = side_of(record);
+    if (setup_a_.stages != setup_b_.stages) side.stage_hashes = {};
+    return side;
+  }
+
+  bool differ(const TickRecord& a, const TickRecord& b) {
+    count_parts(a, stored_[0]);
+    count_parts(b, stored_[1]);
+    const TickSide sides[] = {stored_side(a), stored_side(b)};
+    const auto difference = comparer_.compare(sides);
+    root_ = a.root_hash;
+    if (!difference) return false;
+    part_ = difference->part;
+    differing_[0] = keep(a);
+    differing_[1] = keep(b);
+    a_.keep_last();
+    b_.keep_last();
+    return true;
+  }
+
+  /// The checkpoints with so many ticks done, with each other and with the tick before.
+  void compare_checkpoints(std::uint64_t ticks_done, double time_s) {
+    const StoredCheckpoint* a = a_.checkpoint_at(ticks_done);
+    const StoredCheckpoint* b = b_.checkpoint_at(ticks_done);
+    if (a == nullptr && b == nullptr) return;
+    if (a != nullptr && b != nullptr) ++report_.checkpoints_compared;
+    const bool is_start = ticks_done == 0;
+    std::vector<TickSide> sides;
+    for (const StoredCheckpoint* checkpoint : {a, b})
+      if (checkpoint != nullptr) sides.push_back(side_of(*checkpoint));
+    const bool same = !TickComparer(setup_a_.schema).compare(sides);
+    const bool of_its_tick = is_start || ((a == nullptr || holds(*a, root_)) && (b == nullptr || holds(*b, root_)));
+    if (same && of_its_tick) return;
+    Divergence divergence;
+    divergence.tick = ticks_done;
+    divergence.time_s = time_s;
+    const TickSide tick_before{root_};
+    describe(a != nullptr ? side_of(*a) : tick_before, b != nullptr ? side_of(*b) : tick_before, plain_words(),
+             divergence);
+    divergence.stage = std::string(is_start ? stage_setup : std::string_view("checkpoint"));
+    divergence.stage_note = is_start ? "they begin with different states"
+                            : same   ? "the hash of the tick before is not that of the checkpoint"
+                                     : "the hashes of the tick before agree, the checkpoints do not";
+    report_.divergence = std::move(divergence);
+    if (!is_start) note_differing(ticks_done - 1);
+  }
+
+  /// Whether the checkpoint is a state with this hash.
+  bool holds(const StoredCheckpoint& checkpoint, std::uint64_t root) const {
+    const Result<ImageState> state = ImageState::of(setup_a_.schema, checkpoint.image);
+    return checkpoint.root_hash == root && state && root_hash(state->view()) == root;
+  }
+
+  void describe(const TickSide& a, const TickSide& b, const TickWords& words, Divergence& divergence) {
+    if (const Status described = describe_tick(words, a, b, divergence); !described)
+      report_.notes.push_back("a stored state cannot be read: " + described.error().message);
+  }
+
+  /// The sides stand behind the checkpoints, if any, that hold the states with `ticks_done` ticks done. Rows of cells
+  /// are tried among those of the last state both store before.
+  void locate(std::uint64_t ticks_done) {
+    Divergence& divergence = *report_.divergence;
+    for (const auto& [side, stored] : {std::pair(&a_, &differing_[0]), std::pair(&b_, &differing_[1])})
+      if (const StoredCheckpoint* checkpoint = side->checkpoint_at(ticks_done); checkpoint != nullptr && !stored->image)
+        stored->image = checkpoint->image;
+    TickWords words = plain_words();
+    std::optional<ImageState> rows;
+    const bool has_images = differing_[0].image && differing_[1].image;
+    const bool has_cells = !differing_[0].cells.empty() && !differing_[1].cells.empty();
+    if (!has_images && has_cells && a_.last()) {
+      if (Result<ImageState> state = ImageState::of(words.schema, a_.last()->image)) rows.emplace(std::move(*state));
+      if (rows) words.rows = &rows->view();
+      if (words_ && words_->load(a_.last()->image))
+        words.row_name = [this](std::size_t table, std::size_t row) { return words_->row_name(table, row); };
+      report_.notes.push_back("rows are those of the state stored before tick " + std::to_string(a_.last()->tick) +
+                              ": later ones cannot be named");
+    }
+    TickSide a = side_of(differing_[0]);
+    TickSide b = side_of(differing_[1]);
+    if (setup_a_.stages != setup_b_.stages) a.stage_hashes = b.stage_hashes = {};
+    describe(a, b, words, divergence);
+    if (const std::string contradiction = contradiction_text(divergence.tick, part_); !contradiction.empty())
+      report_.notes.push_back(contradiction);
+    if (!has_images && has_cells && cell_count(differing_[0]) != cell_count(differing_[1]))
+      report_.notes.push_back("rows cannot be named: the traces have another number of cells for this tick");
+    differing_[0] = differing_[1] = {};
+  }
+
+  std::uint32_t cell_count(const StoredTick& stored) const {
+    return replay::decode_cells(setup_a_.schema, stored.cells).partition_cells;
+  }
+
+  TickWords plain_words() const {
+    TickWords words{setup_a_.schema, setup_a_.stages, {}, options_.row_count_max};
+    words.no_stages = "not known: not both store a hash after each stage of this tick";
+    return words;
+  }
+
+  /// At 1, 2, 4, 8, ... ticks behind the divergence.
+  void follow_spread(const TickRecord& a, const TickRecord& b) {
+    Divergence& divergence = *report_.divergence;
+    const std::uint64_t behind = a.tick - divergence.tick;
+    if (behind == 0 || (behind & (behind - 1)) != 0 || behind > spread_ticks) return;
+    if (!a.cells.empty() && !b.cells.empty()) {
+      const StateCells cells_a = replay::decode_cells(setup_a_.schema, a.cells);
+      const StateCells cells_b = replay::decode_cells(setup_a_.schema, b.cells);
+      if (cells_a.partition_cells == cells_b.partition_cells)
+        divergence.spread.push_back(spread_of_cells(setup_a_.schema, cells_a, cells_b, a.tick));
+    } else if (a.image && b.image) {
+      if (const auto spread = spread_of_images(setup_a_.schema, *a.image, *b.image, a.tick))
+        divergence.spread.push_back(*spread);
+    }
+  }
+
+  /// What only one of the two stores is not compared, and the report says so.
+  void note_not_compared() {
+    const ComparedParts& done = report_.compared;
+    const auto note = [&](TickPart part, std::uint64_t a, std::uint64_t b, std::uint64_t compared) {
+      if (std::max(a, b) <= compared) return;
+      report_.notes.push_back(std::string(name_of(part)) + ": a stores them for " + std::to_string(a) +
+                              " ticks, b for " + std::to_string(b) + "; compared for " + std::to_string(compared));
+    };
+    note(TickPart::stage_hashes, stored_[0].stage_hashes, stored_[1].stage_hashes, done.stage_hashes);
+    note(TickPart::image, stored_[0].images, stored_[1].images, done.images);
+    note(TickPart::cells, stored_[0].cells, stored_[1].cells, done.cells);
+  }
+
+  void finish() {
+    report_.compared = comparer_.take_compared();
+    if (comparable_ && !report_.divergence) note_not_compared();
+    for (const auto& [side, out] : {std::pair<Side*, DiffSide*>{&a_, &report_.a}, {&b_, &report_.b}}) {
+      out->ticks = side->ticks();
+      out->end.tail = side->tail();
+      const replay::TraceTail& tail = out->end.tail;
+      if (tail.has_pending_inputs) out->end.pending_inputs = inputs_text(tail.ticks_intact, tail.pending_inputs);
+    }
+    const auto either = [&](TraceCondition condition) {
+      return a_.tail().condition == condition || b_.tail().condition == condition;
+    };
+    const bool whole = !either(TraceCondition::damaged) && !either(TraceCondition::truncated);
+    if (!comparable_) {
+      report_.verdict = DiffVerdict::not_comparable;
+      report_.reason = report_.setup.front().what + ": " + report_.setup.front().a + " and " + report_.setup.front().b;
+    } else if (report_.divergence || report_.inputs || !report_.setup.empty()) {
+      report_.verdict = DiffVerdict::different;
+      if (!report_.divergence && report_.ticks_compared > 0) report_.reason = "states equal; " + what_differs();
+    } else if (whole && ended_early(shorter())) {
+      report_.verdict = DiffVerdict::incomplete;
+      report_.reason = "equal as far as both go; " + (&shorter() == &a_ ? report_.a.file : report_.b.file) +
+                       " ended early, after " + std::to_string(shorter().ticks()) + " ticks";
+    } else if (whole && a_.ticks() != b_.ticks()) {
+      report_.verdict = DiffVerdict::different;
+      report_.reason = "lengths: " + std::to_string(a_.ticks()) + " and " + std::to_string(b_.ticks()) +
+                       " ticks; equal as far as both go";
+    } else if (either(TraceCondition::damaged)) {
+      report_.verdict = DiffVerdict::damaged;
+      report_.reason = "equal as far as both are intact";
+    } else if (either(TraceCondition::truncated)) {
+      report_.verdict = DiffVerdict::incomplete;
+      report_.reason = "equal as far as both go";
+    } else if (report_.ticks_compared == 0) {
+      report_.verdict = DiffVerdict::incomplete;
+      report_.reason = "no tick was compared";
+    }
+    if (report_.divergence && report_.divergence->rows.empty() && comparable_)
+      report_.again.push_back(
+          more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
+  }
+
+  const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }
+
+  /// Whether the recorder of the side was stopped, or died, before the other one ended.
+  bool ended_early(const Side& side) const {
+    if (a_.ticks() == b_.ticks() || !side.tail().end) return false;
+    const replay::EndReason reason = side.tail().end->reason;
+    return reason == replay::EndReason::recovered || reason == replay::EndReason::interrupted;
+  }
+
+  /// Where the states do not.
+  std::string what_differs() const {
+    if (report_.setup.empty()) return "the inputs differ";
+    return report_.inputs ? "the setups and the inputs differ" : "the setups differ";
+  }
+
+  const TraceSetup& setup_a_;
+  const TraceSetup& setup_b_;
+  Side a_;
+  Side b_;
+  const DiffOptions& options_;
+  std::unique_ptr<Simulation> words_;  // only to put inputs into words
+  DiffReport report_;
+  bool comparable_ = true;
+  TickComparer comparer_;
+  std::uint64_t root_ = 0;                    // of the tick before, on both sides
+  TickPart part_ = TickPart::root_hash;       // that differs
+  std::array<StoredTick, 2> differing_;       // the first tick that differs
+  std::array<ComparedParts, 2> stored_ = {};  // up to there
+};
+
+}  // namespace
+
+const DiffVerdictInfo& diff_verdict_info(DiffVerdict verdict) {
+  const auto found = std::find_if(diff_verdicts.begin(), diff_verdicts.end(),
+                                  [&](const DiffVerdictInfo& info) { return info.verdict == verdict; });
+  TICKTRUE_ASSERT(found != diff_verdicts.end());
+  return *found;
+}
+
+int DiffReport::exit_code(bool allow_truncated) const {
+  if (allow_truncated && verdict == DiffVerdict::incomplete && ticks_compared > 0) return exit_ok;
+  return diff_verdict_info(verdict).exit_code;
+}
+
+DiffReport diff(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options) {
+  return Differ(a, b, options).run();
+}
+
+}  // namespace ticktrue::verifier

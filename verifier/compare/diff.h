@@ -1,0 +1,93 @@
+// Compares two traces with each other, without running anything.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/state/simulation.h"
+#include "replay/trace_reader.h"
+#include "verifier/report/report.h"
+
+namespace ticktrue::verifier {
+
+enum class DiffVerdict : std::uint8_t { equal, different, damaged, incomplete, not_comparable };
+struct DiffVerdictInfo {
+  DiffVerdict verdict;
+  std::string_view name;
+  int exit_code;
+  std::string_view summary;
+};
+inline constexpr std::array<DiffVerdictInfo, 5> diff_verdicts{{
+    {DiffVerdict::equal, "equal", exit_ok, "same setup, inputs and states at every tick"},
+    {DiffVerdict::different, "different", exit_finding, "setup, inputs, states or length differ"},
+    {DiffVerdict::damaged, "damaged", exit_damaged, "equal as far as both are intact; one is damaged behind that"},
+    {DiffVerdict::incomplete, "incomplete", exit_incomplete, "equal as far as both go; one ends early"},
+    {DiffVerdict::not_comparable, "not_comparable", exit_not_comparable, "of different simulations or schemas"},
+}};
+const DiffVerdictInfo& diff_verdict_info(DiffVerdict verdict);
+
+/// One fact of the setup that differs.
+struct SetupDifference {
+  std::string what;
+  std::string a;
+  std::string b;
+};
+
+/// The first tick whose inputs or dt differ.
+struct InputDifference {
+  std::uint64_t tick = 0;
+  double dt_a = 0;  // s
+  double dt_b = 0;
+  std::string inputs_a;  // JSON Lines
+  std::string inputs_b;
+};
+
+/// Ticks in a row, inclusive.
+struct TickRange {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+struct DiffSide {
+  std::string file;
+  std::optional<std::uint64_t> ticks;  // readable
+  TraceEnd end;
+  replay::BuildFacts build;
+};
+
+struct DiffReport {
+  DiffVerdict verdict = DiffVerdict::equal;
+  std::string reason;
+  DiffSide a, b;
+  std::uint64_t ticks_compared = 0;
+  std::uint64_t checkpoints_compared = 0;  // up to the first difference
+  ComparedParts compared;                  // the same
+  std::vector<SetupDifference> setup;
+  std::optional<InputDifference> inputs;
+  std::optional<Divergence> divergence;  // expected: of a, got: of b
+  std::vector<TickRange> differing;      // ticks with other states; the last range may hold equal ones too
+  std::vector<std::string> notes;
+  std::vector<std::string> again;
+
+  int exit_code(bool allow_truncated = false) const;
+};
+
+struct DiffOptions {
+  const SimulationInfo* simulation = nullptr;  // puts inputs into words; may be null
+  std::size_t row_count_max = 64;
+  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+  /// As of VerifyOptions; empty: only the program that recorded the traces can do so again.
+  std::string tool = "ticktrue";
+};
+
+/// Reads both traces to their ends.
+DiffReport diff(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options);
+
+std::string diff_text(const DiffReport& report);
+std::string diff_json(const DiffReport& report);  // schema ticktrue.diff/1
+
+}  // namespace ticktrue::verifier

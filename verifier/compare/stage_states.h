@@ -1,0 +1,38 @@
+// One tick of a trace in full detail: the state before it and after each of its stages, as this build computes them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/state/simulation.h"
+#include "verifier/verify/trace_source.h"
+
+namespace ticktrue::verifier {
+
+struct StageState {
+  std::string stage;  // empty: the state before the tick
+  std::uint64_t root_hash = 0;
+  Bytes image;
+};
+
+struct StageStates {
+  std::uint64_t tick = 0;
+  std::uint64_t start_tick = 0;  // the checkpoint from which the tick was reached; 0: from the setup
+  bool as_recorded = true;       // the state before the tick has the recorded hash
+  std::string inputs;            // of the tick, JSON Lines
+  std::vector<StageState> states;
+};
+
+/// Runs from the last checkpoint at or before `tick` through that tick.
+/// Errors: usage (no such tick), incompatible (inputs or a checkpoint are refused here), and those of make.
+Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info, std::uint64_t tick);
+
+/// JSON Lines, schema ticktrue.stages/1: a head, then a line for each state with its image in hexadecimal.
+std::string stage_states_lines(const StageStates& states);
+/// Errors: corrupt.
+Result<StageStates> parse_stage_states(std::string_view lines);
+
+}  // namespace ticktrue::verifier

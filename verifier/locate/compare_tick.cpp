@@ -1,0 +1,167 @@
+// The parts of a tick, side by side.
+// SPDX-License-Identifier: MIT
+#include "verifier/locate/compare_tick.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "replay/payload.h"
+#include "verifier/locate/locate.h"
+#include "verifier/locate/locate_cells.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+bool equal_bytes(ByteView a, ByteView b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+/// The first two of the sides with the part between which it differs. `count`: whether two sides have it.
+template <typename Has, typename Same>
+std::optional<TickDifference> first_difference(std::span<const TickSide> sides, TickPart part, std::uint64_t& count,
+                                               Has has, Same same) {
+  std::size_t first = 0;
+  while (first < sides.size() && !has(sides[first])) ++first;
+  bool is_counted = false;
+  for (std::size_t i = first + 1; i < sides.size(); ++i) {
+    if (!has(sides[i])) continue;
+    if (!is_counted) ++count;
+    is_counted = true;
+    if (!same(sides[first], sides[i])) return TickDifference{part, first, i};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+StoredTick keep(const replay::TickRecord& record) {
+  StoredTick kept;
+  kept.tick = record.tick;
+  kept.dt = record.dt;
+  kept.inputs.assign(record.inputs.begin(), record.inputs.end());
+  kept.root_hash = record.root_hash;
+  kept.stage_hashes = record.stage_hashes;
+  if (record.image) kept.image = Bytes(record.image->begin(), record.image->end());
+  kept.cells.assign(record.cells.begin(), record.cells.end());
+  return kept;
+}
+
+StoredCheckpoint keep(const replay::CheckpointRecord& record) {
+  return {record.tick, record.root_hash, Bytes(record.image.begin(), record.image.end())};
+}
+
+TickSide side_of(const StoredTick& stored) {
+  TickSide side{stored.root_hash, stored.stage_hashes};
+  if (stored.image) side.image = ByteView(*stored.image);
+  side.cells = stored.cells;
+  return side;
+}
+
+TickSide side_of(const replay::TickRecord& record) {
+  TickSide side{record.root_hash, record.stage_hashes};
+  side.image = record.image;
+  side.cells = record.cells;
+  return side;
+}
+
+TickSide side_of(const StoredCheckpoint& checkpoint) {
+  TickSide side{checkpoint.root_hash};
+  side.image = ByteView(checkpoint.image);
+  return side;
+}
+
+std::string_view name_of(TickPart part) {
+  for (const TickPartInfo& info : tick_parts)
+    if (info.part == part) return info.name;
+  return "";
+}
+
+std::optional<TickDifference> TickComparer::compare(std::span<const TickSide> sides) {
+  const auto all = [](const TickSide&) { return true; };
+  const auto same_root = [](const TickSide& a, const TickSide& b) { return a.root_hash == b.root_hash; };
+  if (const auto found = first_difference(sides, TickPart::root_hash, compared_.ticks, all, same_root)) return found;
+
+  const auto has_stages = [](const TickSide& side) { return !side.stage_hashes.empty(); };
+  const auto same_stages = [](const TickSide& a, const TickSide& b) {
+    return std::equal(a.stage_hashes.begin(), a.stage_hashes.end(), b.stage_hashes.begin(), b.stage_hashes.end());
+  };
+  if (const auto found =
+          first_difference(sides, TickPart::stage_hashes, compared_.stage_hashes, has_stages, same_stages))
+    return found;
+
+  const bool any_image = std::any_of(sides.begin(), sides.end(), [](const TickSide& s) { return s.image.has_value(); });
+  const auto has_image = [&](const TickSide& side) { return side.image || (any_image && side.state != nullptr); };
+  const auto same_image = [&](const TickSide& a, const TickSide& b) { return same_images(a, b); };
+  if (const auto found = first_difference(sides, TickPart::image, compared_.images, has_image, same_image))
+    return found;
+
+  const bool any_cells = std::any_of(sides.begin(), sides.end(), [](const TickSide& s) { return !s.cells.empty(); });
+  const auto has_cells = [&](const TickSide& side) {
+    return !side.cells.empty() || (any_cells && side.state != nullptr);
+  };
+  const auto same_cell = [&](const TickSide& a, const TickSide& b) { return same_cells(a, b); };
+  return first_difference(sides, TickPart::cells, compared_.cells, has_cells, same_cell);
+}
+
+bool TickComparer::same_images(const TickSide& a, const TickSide& b) {
+  if (a.image && b.image) return equal_bytes(*a.image, *b.image);
+  const TickSide& stored = a.image ? a : b;
+  const TickSide& running = a.image ? b : a;
+  if (!stored.image) return true;  // two states with the same root hash
+  encode_image(*running.state, image_);
+  return equal_bytes(*stored.image, image_);
+}
+
+StateCells TickComparer::cells_of_side(const TickSide& side, std::uint32_t partition_cells) {
+  if (!side.cells.empty()) return replay::decode_cells(schema_, side.cells);
+  if (!hasher_) hasher_.emplace(schema_);
+  StateCells cells;
+  hasher_->hash(*side.state, partition_cells, cells);
+  return cells;
+}
+
+bool TickComparer::same_cells(const TickSide& a, const TickSide& b) {
+  const bool first_is_stored = !a.cells.empty();
+  const StateCells stored = cells_of_side(first_is_stored ? a : b, 0);
+  const StateCells other = cells_of_side(first_is_stored ? b : a, stored.partition_cells);
+  if (stored.partition_cells == other.partition_cells) return stored == other;
+  return stored.row_counts == other.row_counts && stored.columns == other.columns;
+}
+
+Status describe_tick(const TickWords& words, const TickSide& expected, const TickSide& got, Divergence& divergence) {
+  divergence.expected_root = expected.root_hash;
+  divergence.got_root = got.root_hash;
+  if (expected.stage_hashes.empty() || got.stage_hashes.empty())
+    divergence.stage_note = words.no_stages;
+  else
+    locate_stage(words.stages, expected.stage_hashes, got.stage_hashes, divergence);
+
+  Bytes made;
+  std::optional<ByteView> got_image = got.image;
+  if (expected.image && !got_image && got.state != nullptr) {
+    encode_image(*got.state, made);
+    got_image = ByteView(made);
+  }
+  if (expected.image && got_image)
+    return locate_lanes(words.schema, *expected.image, *got_image, words.row_name, words.row_count_max, divergence);
+  if (expected.cells.empty() || (got.cells.empty() && got.state == nullptr)) return {};
+  const StateCells there = replay::decode_cells(words.schema, expected.cells);
+  StateCells here;
+  if (!got.cells.empty())
+    here = replay::decode_cells(words.schema, got.cells);
+  else
+    CellHasher(words.schema).hash(*got.state, there.partition_cells, here);
+  const StateView* rows = words.rows != nullptr ? words.rows : got.state;
+  locate_cells(words.schema, there, here, rows, words.row_name, words.row_count_max, divergence);
+  return {};
+}
+
+std::string contradiction_text(std::uint64_t tick, TickPart part) {
+  if (part == TickPart::root_hash) return "";
+  return "tick " + std::to_string(tick) + ": the root hash agrees, the " + std::string(name_of(part)) +
+         (part == TickPart::image ? " does not" : " do not") +
+         (part == TickPart::stage_hashes ? ": the stages do other work to the same end, or the record was changed"
+                                         : ": the record contradicts itself, as if it was changed");
+}
+
+}  // namespace ticktrue::verifier

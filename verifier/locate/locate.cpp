@@ -1,0 +1,91 @@
+// Names the stage, table, columns, rows and lanes in which two states differ.
+// SPDX-License-Identifier: MIT
+#include "verifier/locate/locate.h"
+
+#include <algorithm>
+
+namespace ticktrue::verifier {
+namespace {
+
+// Bounds the memory of a report when everything differs; more than that many lanes tell nobody more.
+constexpr std::size_t lane_count_max = 1'000'000;
+
+/// The row of `table` with the keys of row `row` of `other`. Nothing if there is none.
+std::optional<std::size_t> find_row(const TableSchema& schema, const ImageTable& other, std::size_t row,
+                                    const ImageTable& table) {
+  for (std::size_t candidate = 0; candidate < table.row_count; ++candidate) {
+    bool equal = true;
+    for (std::size_t c = 0; c < schema.key_column_count && equal; ++c)
+      equal = lane_bits(schema, other.rows, {0, row, c, 0}) == lane_bits(schema, table.rows, {0, candidate, c, 0});
+    if (equal) return candidate;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Status locate_lanes(const StateSchema& schema, ByteView expected, ByteView got, const RowNamer& row_name,
+                    std::size_t row_count_max, Divergence& divergence) {
+  const Result<std::vector<ImageTable>> expected_tables = split_image(schema, expected);
+  if (!expected_tables) return expected_tables.error();
+  const Result<std::vector<ImageTable>> got_tables = split_image(schema, got);
+  if (!got_tables) return got_tables.error();
+
+  const std::vector<LaneDifference> lanes = diff_images(schema, *expected_tables, *got_tables, lane_count_max);
+  divergence.lane_count = lanes.size();
+  divergence.tables.clear();
+  divergence.rows.clear();
+  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+    std::vector<bool> differs(schema.tables[t].columns.size());
+    bool any = false;
+    for (const LaneDifference& lane : lanes)
+      if (lane.place.table == t) any = differs[lane.place.column] = true;
+    if (!any) continue;
+    TableDifference difference;
+    difference.table = schema.tables[t].name;
+    for (std::size_t c = 0; c < differs.size(); ++c)
+      if (differs[c]) difference.columns.push_back(schema.tables[t].columns[c].name);
+    divergence.tables.push_back(std::move(difference));
+  }
+  for (std::size_t i = 0; i < std::min(lanes.size(), row_count_max); ++i) {
+    const LaneDifference& lane = lanes[i];
+    const TableSchema& table = schema.tables[lane.place.table];
+    const Column& column = table.columns[lane.place.column];
+    LaneReport row;
+    row.table = table.name;
+    row.column = column.name;
+    row.row = lane.place.row;
+    row.id = lane.id;
+    row.lane = static_cast<std::uint32_t>(lane.place.lane);
+    row.lane_count = column.lane_count;
+    row.type = column.type;
+    row.expected = lane.expected;
+    row.got = lane.got;
+    if (row_name && lane.got) {
+      // Names are those of the state here, where a row may stand elsewhere than in the recorded one.
+      std::size_t here = lane.place.row;
+      const ImageTable& rows_there = (*expected_tables)[lane.place.table];
+      const ImageTable& rows_here = (*got_tables)[lane.place.table];
+      if (lane.expected && table.key_column_count > 0 && rows_here.row_count != rows_there.row_count)
+        here = find_row(table, rows_there, here, rows_here).value_or(here);
+      if (here < rows_here.row_count) row.name = row_name(lane.place.table, here);
+    }
+    divergence.rows.push_back(std::move(row));
+  }
+  return {};
+}
+
+void locate_stage(std::span<const std::string> stages, std::span<const std::uint64_t> expected,
+                  std::span<const std::uint64_t> got, Divergence& divergence) {
+  divergence.stage.reset();
+  for (std::size_t i = 0; i < std::min(stages.size(), expected.size()); ++i) {
+    if (i < got.size() && expected[i] == got[i]) continue;
+    divergence.stage = stages[i];
+    divergence.stage_note = "first stage whose output differs";
+    if (i > 0) divergence.stage_note += "; " + stages[i - 1] + (i > 1 ? " and before agree" : " agrees");
+    return;
+  }
+  divergence.stage_note = "every stage agrees: the difference comes after the last one";
+}
+
+}  // namespace ticktrue::verifier

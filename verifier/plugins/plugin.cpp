@@ -1,0 +1,379 @@
+// Loading plug-ins, checking what they say, and driving them.
+// SPDX-License-Identifier: MIT
+#include "verifier/plugins/plugin.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/limits.h"
+#include "base/state/gathered_state.h"
+#include "include/ticktrue.h"
+#include "verifier/runs/plugin_guard.h"
+
+#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
+#include <dlfcn.h>
+#define TICKTRUE_CAN_LOAD 1
+#endif
+
+/// What a plug-in's `columns` writes to.
+struct ticktrue_columns {
+  ticktrue::GatheredState& state;
+  ticktrue::Status failure;
+};
+
+/// What a plug-in's `step` says its stages to.
+struct ticktrue_stages {
+  void* simulation;  // ticktrue::verifier::PluginSimulation
+  ticktrue::StageObserver* observer;
+  std::uint32_t next;  // stage expected
+};
+
+namespace ticktrue::verifier {
+namespace {
+
+constexpr std::size_t text_size_max = 64 * 1024;  // of inputs as text; messages and names are shorter
+
+/// A loaded library. One call at a time: plug-ins are not asked to be safe for threads.
+struct Plugin {
+  std::string path;
+  ticktrue_plugin functions{};
+  std::string name;
+  std::vector<std::string> stages;
+  SimulationInfo info;
+  std::recursive_mutex mutex;
+};
+
+Error plugin_error(ErrorCode code, const std::string& path, const std::string& what, const std::string& hint = "") {
+  return {code, "plug-in " + path + ": " + what, hint};
+}
+
+std::string_view bounded(const char* text) {
+  return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
+}
+
+/// Room for a plug-in's words.
+class TextBuffer {
+ public:
+  explicit TextBuffer(std::size_t size) : text_(size, '\0') {}
+  char* data() { return text_.data(); }
+  std::size_t size() const { return text_.size(); }
+  std::string take() {
+    text_.back() = '\0';
+    return std::string(text_.c_str());
+  }
+
+ private:
+  std::string text_;
+};
+
+int host_column(ticktrue_columns* columns, const char* table, const char* name, void* data, int type,
+                std::uint32_t lanes, std::uint32_t rows, std::size_t stride) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
+  ColumnSource source;
+  source.data = data;
+  source.writable = data;
+  source.type = static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+  source.lane_count = lanes;
+  source.row_count = rows;
+  source.stride = stride;
+  columns->failure = columns->state.column(bounded(table), bounded(name), source);
+  return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+int host_key(ticktrue_columns* columns, const char* table, std::uint32_t key_columns) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
+  columns->failure = columns->state.key(bounded(table), key_columns);
+  return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+int host_reference(ticktrue_columns* columns, const char* table, const char* column, const char* target) {
+  if (columns == nullptr || !columns->failure) return TICKTRUE_FAILED;
+  columns->failure = columns->state.reference(bounded(table), bounded(column), bounded(target));
+  return columns->failure ? TICKTRUE_OK : TICKTRUE_FAILED;
+}
+
+void host_stage_done(ticktrue_stages* stages, std::uint32_t stage);
+
+constexpr ticktrue_host host{sizeof(ticktrue_host), TICKTRUE_API_VERSION, host_column, host_key,
+                             host_reference,        host_stage_done};
+
+class PluginSimulation : public Simulation {
+ public:
+  static Result<std::unique_ptr<Simulation>> make(Plugin& plugin, ByteView setup) {
+    auto made = std::make_unique<PluginSimulation>(plugin);
+    TextBuffer text(limits::name_size_max);
+    {
+      const std::lock_guard lock(plugin.mutex);
+      const WatchedCall call(PluginCall::create);
+      if (plugin.functions.create(&host, setup.data(), setup.size(), &made->simulation_, text.data(), text.size()) != 0)
+        return plugin_error(ErrorCode::invalid_scene, plugin.path, "create: refused the setup: " + text.take());
+    }
+    if (made->simulation_ == nullptr)
+      return plugin_error(ErrorCode::invalid_scene, plugin.path, "create: found success and no simulation");
+    if (const Status status = made->gather(); !status) return status.error();
+    return std::unique_ptr<Simulation>(std::move(made));
+  }
+
+  explicit PluginSimulation(Plugin& plugin) : plugin_(plugin) {}
+  PluginSimulation(const PluginSimulation&) = delete;
+  PluginSimulation& operator=(const PluginSimulation&) = delete;
+  ~PluginSimulation() override {
+    if (simulation_ == nullptr) return;
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::destroy);
+    plugin_.functions.destroy(simulation_);
+  }
+
+  Status accept(const TickInput& input) const override {
+    if (plugin_.functions.accept == nullptr) return {};
+    TextBuffer text(limits::name_size_max);
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::accept, tick_);
+    if (plugin_.functions.accept(simulation_, input.dt, input.inputs.data(), input.inputs.size(), text.data(),
+                                 text.size()) == 0)
+      return {};
+    return Error{ErrorCode::invalid_input, "tick " + std::to_string(tick_) + ": inputs: refused: " + text.take(), ""};
+  }
+
+  void step(const TickInput& input, StageObserver* observer) override {
+    TextBuffer text(limits::name_size_max);
+    ticktrue_stages stages{this, observer, 0};
+    int failed = 0;
+    {
+      const std::lock_guard lock(plugin_.mutex);
+      const WatchedCall call(PluginCall::step, tick_);
+      failed = plugin_.functions.step(simulation_, input.dt, input.inputs.data(), input.inputs.size(), &host, &stages,
+                                      text.data(), text.size());
+    }
+    if (failed != 0) throw PluginFailure(place("step of tick " + std::to_string(tick_) + ": failed: " + text.take()));
+    if (stages.next != plugin_.stages.size())
+      throw PluginFailure(place("step of tick " + std::to_string(tick_) + ": stages said to be done: found " +
+                                std::to_string(stages.next) + ", expected " + std::to_string(plugin_.stages.size()) +
+                                " in their order"));
+    ++tick_;
+    if (const Status status = gather(); !status) throw PluginFailure(status.error().message);
+  }
+
+  void after_stage(std::uint32_t stage, ticktrue_stages& stages) {
+    if (stage != stages.next || stage >= plugin_.stages.size()) {
+      stages.next = static_cast<std::uint32_t>(plugin_.stages.size()) + 1;  // told when step returns
+      return;
+    }
+    ++stages.next;
+    if (stages.observer == nullptr) return;
+    if (!gather()) return;  // told when step returns
+    stages.observer->after_stage(stage, state_.view());
+  }
+
+  const StateView& state() const override { return state_.view(); }
+
+  Status load(ByteView image) override {
+    if (plugin_.functions.loaded == nullptr)
+      return Error{ErrorCode::unsupported, place("its state can only be observed, not loaded"), ""};
+    const Result<std::vector<ImageTable>> tables = check_image(state_.schema(), image);
+    if (!tables) return tables.error();
+    for (std::size_t t = 0; t < tables->size(); ++t)
+      if (const Status status = resize(t, (*tables)[t].row_count); !status) return status;
+    if (const Status status = register_columns(); !status) return status;
+    for (std::size_t t = 0; t < tables->size(); ++t) {
+      if (state_.row_count(t) != (*tables)[t].row_count) return row_count_error(t, (*tables)[t].row_count);
+      state_.scatter(t, (*tables)[t]);
+    }
+    TextBuffer text(limits::name_size_max);
+    {
+      const std::lock_guard lock(plugin_.mutex);
+      const WatchedCall call(PluginCall::loaded);
+      if (plugin_.functions.loaded(simulation_, text.data(), text.size()) != 0)
+        return Error{ErrorCode::corrupt, place("loaded: refused the state: " + text.take()), ""};
+    }
+    return gather();
+  }
+
+  std::span<const std::string> stage_names() const override { return plugin_.stages; }
+
+  std::string row_name(std::size_t table, std::size_t row) const override {
+    if (plugin_.functions.row_name == nullptr) return "";
+    TextBuffer text(limits::name_size_max);
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::names);
+    const int failed = plugin_.functions.row_name(simulation_, state_.schema().tables[table].name.c_str(),
+                                                  static_cast<std::uint32_t>(row), text.data(), text.size());
+    return failed == 0 ? text.take() : "";
+  }
+
+  std::string inputs_text(std::uint64_t tick, ByteView inputs) const override {
+    if (plugin_.functions.inputs_text == nullptr || inputs.empty()) return "";
+    TextBuffer text(text_size_max);
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::names);
+    const int failed =
+        plugin_.functions.inputs_text(simulation_, tick, inputs.data(), inputs.size(), text.data(), text.size());
+    return failed == 0 ? text.take() : "";
+  }
+
+ private:
+  std::string place(const std::string& what) const { return "plug-in " + plugin_.path + ": " + what; }
+
+  Status register_columns() {
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::columns, tick_);
+    ticktrue_columns columns{state_, {}};
+    const int failed = plugin_.functions.columns(simulation_, &host, &columns);
+    if (!columns.failure)
+      return plugin_error(ErrorCode::usage, plugin_.path, columns.failure.error().message,
+                          columns.failure.error().hint);
+    if (failed != 0) return plugin_error(ErrorCode::usage, plugin_.path, "columns: failed");
+    return {};
+  }
+
+  Status gather() {
+    if (const Status status = register_columns(); !status) return status;
+    if (!state_.is_frozen())
+      if (const Status status = state_.freeze(); !status)
+        return plugin_error(ErrorCode::usage, plugin_.path, status.error().message, status.error().hint);
+    const Status status = state_.gather();
+    return status ? status
+                  : plugin_error(status.error().code, plugin_.path, status.error().message, status.error().hint);
+  }
+
+  Error row_count_error(std::size_t table, std::uint32_t wanted) const {
+    return plugin_error(ErrorCode::corrupt, plugin_.path,
+                        "load: table " + state_.schema().tables[table].name + ": rows: found " +
+                            std::to_string(state_.row_count(table)) + ", expected " + std::to_string(wanted),
+                        "a state with other row counts needs `resize`");
+  }
+
+  Status resize(std::size_t table, std::uint32_t rows) {
+    if (state_.row_count(table) == rows) return {};
+    if (plugin_.functions.resize == nullptr) return row_count_error(table, rows);
+    const std::lock_guard lock(plugin_.mutex);
+    const WatchedCall call(PluginCall::resize);
+    if (plugin_.functions.resize(simulation_, state_.schema().tables[table].name.c_str(), rows) == 0) return {};
+    return row_count_error(table, rows);
+  }
+
+  Plugin& plugin_;
+  void* simulation_ = nullptr;
+  GatheredState state_;
+  std::uint64_t tick_ = 0;  // ticks done since it was made
+};
+
+void host_stage_done(ticktrue_stages* stages, std::uint32_t stage) {
+  if (stages != nullptr) static_cast<PluginSimulation*>(stages->simulation)->after_stage(stage, *stages);
+}
+
+std::vector<std::unique_ptr<Plugin>>& plugins() {
+  static std::vector<std::unique_ptr<Plugin>> list;
+  return list;
+}
+
+std::vector<const SimulationInfo*>& plugin_infos() {
+  static std::vector<const SimulationInfo*> list;
+  return list;
+}
+
+struct Entry {
+  ticktrue_plugin_entry_function call = nullptr;
+};
+
+#ifdef TICKTRUE_CAN_LOAD
+Result<Entry> find_entry(const std::string& path) {
+  // A name without a slash would be looked for in the system's folders.
+  const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    const char* reason = dlerror();
+    return plugin_error(ErrorCode::io, path, std::string("cannot be loaded: ") + (reason != nullptr ? reason : "?"));
+  }
+  void* entry = dlsym(library, "ticktrue_plugin_entry");
+  if (entry == nullptr)
+    return plugin_error(ErrorCode::io, path, "found no function ticktrue_plugin_entry",
+                        "declare it with TICKTRUE_PLUGIN_API, and extern \"C\" in C++");
+  return Entry{reinterpret_cast<ticktrue_plugin_entry_function>(entry)};
+}
+#else
+Result<Entry> find_entry(const std::string& path) {
+  return plugin_error(ErrorCode::io, path, "this system loads no plug-ins");
+}
+#endif
+
+/// Copies what the plug-in says of itself, as far as it and we know it.
+Status read_plugin(const ticktrue_plugin& given, Plugin& plugin) {
+  constexpr std::size_t size_min = offsetof(ticktrue_plugin, inputs_text) + sizeof(void*);
+  if (given.struct_size < size_min || given.struct_size > 4096)
+    return plugin_error(ErrorCode::incompatible, plugin.path,
+                        "struct_size: found " + std::to_string(given.struct_size) +
+                            ", expected sizeof(ticktrue_plugin), " + std::to_string(sizeof(ticktrue_plugin)));
+  std::memcpy(&plugin.functions, &given, std::min(given.struct_size, sizeof given));
+  const ticktrue_plugin& functions = plugin.functions;
+  if (functions.api_version == 0 || functions.api_version > TICKTRUE_API_VERSION)
+    return plugin_error(ErrorCode::incompatible, plugin.path,
+                        "interface version: found " + std::to_string(functions.api_version) + ", expected 1.." +
+                            std::to_string(TICKTRUE_API_VERSION),
+                        "use a newer ticktrue, or build the plug-in with this one's header");
+  plugin.name = std::string(bounded(functions.name));
+  if (const Status status = check_name("name", plugin.name); !status)
+    return plugin_error(ErrorCode::usage, plugin.path, status.error().message);
+  if (functions.flags != 0)
+    return plugin_error(ErrorCode::usage, plugin.path,
+                        "flags: found " + std::to_string(functions.flags) + ", expected 0");
+  if (functions.create == nullptr || functions.destroy == nullptr || functions.columns == nullptr ||
+      functions.step == nullptr)
+    return plugin_error(ErrorCode::usage, plugin.path,
+                        "found a null function, expected create, destroy, columns and step");
+  if (functions.stage_count > limits::stage_count_max || (functions.stage_count > 0 && functions.stages == nullptr))
+    return plugin_error(ErrorCode::usage, plugin.path,
+                        "stages: found " + std::to_string(functions.stage_count) + ", expected at most " +
+                            std::to_string(limits::stage_count_max) + " and their names");
+  for (std::uint32_t i = 0; i < functions.stage_count; ++i) {
+    plugin.stages.emplace_back(bounded(functions.stages[i]));
+    if (const Status status = check_name("stage " + std::to_string(i), plugin.stages.back()); !status)
+      return plugin_error(ErrorCode::usage, plugin.path, status.error().message);
+  }
+  return {};
+}
+
+}  // namespace
+
+Status load_plugin(const std::string& path, const std::function<bool(std::string_view)>& is_taken) {
+  auto plugin = std::make_unique<Plugin>();
+  plugin->path = path;
+  const ticktrue_plugin* given = nullptr;
+  {
+    const WatchedCall call(PluginCall::open);
+    const Result<Entry> entry = find_entry(path);
+    if (!entry) return entry.error();
+    given = entry->call(TICKTRUE_API_VERSION);
+  }
+  if (given == nullptr)
+    return plugin_error(ErrorCode::incompatible, path,
+                        "it does not work with interface version " + std::to_string(TICKTRUE_API_VERSION),
+                        "use a newer ticktrue");
+  if (const Status status = read_plugin(*given, *plugin); !status) return status;
+  if (is_taken(plugin->name))
+    return plugin_error(ErrorCode::usage, path,
+                        "simulation " + plugin->name + ": found another one of this name, expected one of each");
+  Plugin* loaded = plugin.get();
+  loaded->info.name = loaded->name;
+  loaded->info.physics_version = loaded->functions.version;
+  loaded->info.make = [loaded](ByteView setup) { return PluginSimulation::make(*loaded, setup); };
+  plugin_infos().push_back(&loaded->info);
+  plugins().push_back(std::move(plugin));
+  return {};
+}
+
+std::span<const SimulationInfo* const> plugin_simulations() {
+  return plugin_infos();
+}
+
+std::string plugin_path(std::string_view simulation) {
+  for (const std::unique_ptr<Plugin>& plugin : plugins())
+    if (plugin->name == simulation) return plugin->path;
+  return "";
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,23 @@
+// JSON of the parts that the reports of verify and diff share.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "replay/trace.h"
+#include "verifier/report/report.h"
+
+namespace ticktrue::verifier {
+
+nlohmann::ordered_json facts_json(const replay::BuildFacts& facts);
+nlohmann::ordered_json build_json();
+nlohmann::ordered_json lane_json(const LaneReport& row);
+nlohmann::ordered_json compared_json(const ComparedParts& compared);
+nlohmann::ordered_json divergence_json(const Divergence& divergence);
+nlohmann::ordered_json non_finite_json(const NonFinite& found);
+nlohmann::ordered_json end_json(const TraceEnd& end);
+/// JSON Lines as an array of strings, one a line.
+nlohmann::ordered_json input_lines_json(const std::string& lines);
+
+}  // namespace ticktrue::verifier

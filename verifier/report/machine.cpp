@@ -1,0 +1,95 @@
+// CPU, instruction set and control word, for people: nothing is decided by them (base/float_behaviour.h decides).
+// SPDX-License-Identifier: MIT
+#include "verifier/report/machine.h"
+
+#include <cstdint>
+#include <cstdio>
+
+namespace ticktrue::verifier {
+namespace {
+
+/// Linux's own words; other systems have no such file.
+std::string cpu_name() {
+  std::FILE* file = std::fopen("/proc/cpuinfo", "rb");
+  if (file == nullptr) return "";
+  std::string name;
+  char line[512];
+  while (name.empty() && std::fgets(line, sizeof line, file) != nullptr) {
+    const std::string text = line;
+    const std::size_t colon = text.find(": ");
+    const bool is_name =
+        text.compare(0, 10, "model name") == 0 || text.compare(0, 4, "cpu\t") == 0 || text.compare(0, 4, "uarch") == 0;
+    if (is_name && colon != std::string::npos) name = text.substr(colon + 2, text.find_last_not_of("\r\n") - colon - 1);
+  }
+  std::fclose(file);
+  return name;
+}
+
+std::string instruction_set() {
+#if defined(__AVX512F__)
+  return "AVX-512";
+#elif defined(__AVX2__)
+  return "AVX2";
+#elif defined(__AVX__)
+  return "AVX";
+#elif defined(__SSE2__)
+  return "SSE2";
+#elif defined(__ARM_NEON)
+  return "NEON";
+#elif defined(__VSX__)
+  return "VSX";
+#elif defined(__ALTIVEC__)
+  return "AltiVec";
+#elif defined(__wasm_simd128__)
+  return "SIMD128";
+#elif defined(__VX__)
+  return "vector facility";
+#else
+  return "scalar";
+#endif
+}
+
+#if defined(__x86_64__) || defined(__SSE__) || defined(__aarch64__) || defined(__arm__) || defined(__riscv) || \
+    defined(__s390x__) || defined(__powerpc64__)
+std::string with_name(const char* name, std::uint64_t word) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%s %08llx", name, static_cast<unsigned long long>(word));
+  return text;
+}
+#endif
+
+std::string control_word() {
+#if defined(__x86_64__) || defined(__SSE__)
+  return with_name("MXCSR", __builtin_ia32_stmxcsr());
+#elif defined(__aarch64__)
+  std::uint64_t word = 0;
+  __asm__ volatile("mrs %0, fpcr" : "=r"(word));
+  return with_name("FPCR", word);
+#elif defined(__arm__)
+  std::uint32_t word = 0;
+  __asm__ volatile("vmrs %0, fpscr" : "=r"(word));
+  return with_name("FPSCR", word);
+#elif defined(__riscv)
+  std::uint64_t word = 0;
+  __asm__ volatile("frcsr %0" : "=r"(word));
+  return with_name("FCSR", word);
+#elif defined(__s390x__)
+  std::uint32_t word = 0;
+  __asm__ volatile("efpc %0" : "=d"(word));
+  return with_name("FPC", word);
+#elif defined(__powerpc64__)
+  double word = 0;
+  __asm__ volatile("mffs %0" : "=d"(word));
+  return with_name("FPSCR", __builtin_bit_cast(std::uint64_t, word));
+#else
+  return "";
+#endif
+}
+
+}  // namespace
+
+MachineFacts machine_facts() {
+  return {cpu_name(), instruction_set(), control_word()};
+}
+
+}  // namespace ticktrue::verifier

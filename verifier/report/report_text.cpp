@@ -1,0 +1,239 @@
+// A report as text for people: one headline, then indented lines with a label each.
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <cstdio>
+
+#include "base/build_info.h"
+#include "base/hash.h"
+#include "base/plain_text.h"
+#include "verifier/report/report.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+constexpr std::size_t rows_shown_max = 8;
+constexpr std::size_t inputs_shown_max = 8;
+
+std::string seconds(double time_s) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f s", time_s);
+  return text;
+}
+
+std::string plural(std::uint64_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// Indented lines, each with a label.
+class Lines {
+ public:
+  void add(std::string label, const std::string& content) {
+    if (label.size() < 7) label.resize(7, ' ');
+    text_ += "  " + label + " ";
+    // Names and notes come from the file: nothing in them may steer a terminal.
+    text_ += plain_line(content) + "\n";
+  }
+  /// At most `shown_max` of the lines, and how many more there are.
+  void add_inputs(const std::string& inputs, std::size_t shown_max) {
+    const std::vector<std::string> lines = split_lines(inputs);
+    for (std::size_t i = 0; i < std::min(lines.size(), shown_max); ++i) add("input", lines[i]);
+    if (lines.size() > shown_max) add("", "and " + plural(lines.size() - shown_max, "more input"));
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string of_recorded(const Report& report) {
+  return report.ticks_recorded ? " of " + std::to_string(*report.ticks_recorded) : "";
+}
+
+std::string headline(const Report& report) {
+  std::string text(verdict_info(report.verdict).name);
+  if (!report.file.empty()) text += "  " + plain_line(report.file);
+  if (report.divergence)
+    return text + "  tick " + std::to_string(report.divergence->tick) + of_recorded(report) + " (" +
+           seconds(report.divergence->time_s) + ")";
+  if (!report.ticks_recorded && report.ticks_compared == 0) return text;
+  return text + "  " + std::to_string(report.ticks_compared) + of_recorded(report) + " ticks compared (" +
+         seconds(report.time_s) + ")";
+}
+
+std::string lane_name(const LaneReport& row) {
+  std::string text = "row " + std::to_string(row.row);
+  if (row.id || !row.name.empty()) {
+    text += " (";
+    if (row.id) text += "id " + std::to_string(*row.id);
+    if (row.id && !row.name.empty()) text += ", ";
+    if (!row.name.empty()) text += "name \"" + row.name + "\"";
+    text += ")";
+  }
+  if (row.lane_count > 1) text += ", lane " + std::to_string(row.lane);
+  return text;
+}
+
+std::string value_text(const LaneReport& row, const std::optional<std::uint64_t>& bits) {
+  return bits ? lane_hex(row.type, *bits) + " (" + lane_text(row.type, *bits) + ")" : "no such row";
+}
+
+std::string values(const LaneReport& row, const std::string& expected_name, const std::string& got_name) {
+  std::string text =
+      expected_name + " " + value_text(row, row.expected) + ".  " + got_name + " " + value_text(row, row.got);
+  if (row.expected && row.got)
+    if (const auto ulp = ulp_distance(row.type, *row.expected, *row.got)) text += ".  " + std::to_string(*ulp) + " ulp";
+  return text;
+}
+
+std::string candidate_name(const Candidate& candidate) {
+  std::string text = candidate.table + " row " + std::to_string(candidate.row);
+  if (!candidate.id && candidate.name.empty()) return text;
+  text += " (";
+  if (candidate.id) text += "id " + std::to_string(*candidate.id);
+  if (candidate.id && !candidate.name.empty()) text += ", ";
+  if (!candidate.name.empty()) text += "name \"" + candidate.name + "\"";
+  return text + ")";
+}
+
+/// What cells say of the rows.
+void add_candidates(const Divergence& divergence, const std::string& expected_name, const std::string& got_name,
+                    Lines& lines) {
+  for (const RowCountDifference& table : divergence.row_counts)
+    lines.add("rows", table.table + ": " + expected_name + " " + std::to_string(table.expected) + ", " + got_name +
+                          " " + std::to_string(table.got));
+  if (!divergence.from_cells) return;
+  for (std::size_t i = 0; i < std::min(divergence.candidates.size(), rows_shown_max); ++i)
+    lines.add("where", candidate_name(divergence.candidates[i]));
+  const std::size_t shown = std::min(divergence.candidates.size(), rows_shown_max);
+  if (divergence.candidate_count > shown)
+    lines.add("", "and " + plural(divergence.candidate_count - shown, "more row") + " (--json lists the first)");
+  if (divergence.owner_count == 0) return;
+  std::string text = std::to_string(divergence.candidate_count) + " of " + plural(divergence.owner_count, "row") +
+                     " can have differed, with the rows that refer to them";
+  if (divergence.candidate_count == 0 && divergence.unexplained_cells == 0)
+    text = "every row has the values it should have: rows stand in another order";
+  else if (divergence.unexplained_cells > 0)
+    text += "; " + plural(divergence.unexplained_cells, "cell") + " differ" +
+            (divergence.unexplained_cells == 1 ? "s" : "") + " by a row that is not there";
+  lines.add("", text);
+}
+
+/// At the ticks 1, 2, 4, 8, ... behind the divergence and the last one looked at.
+void add_spread(const Divergence& divergence, Lines& lines) {
+  std::string text;
+  for (const Spread& spread : divergence.spread) {
+    text += text.empty() ? "" : "; ";
+    text += "tick " + std::to_string(spread.tick) + ": ";
+    if (spread.row_count == 0)
+      text += "none";
+    else if (spread.row_count == spread.of)
+      text += "all of " + std::to_string(spread.of);
+    else
+      text += (spread.estimated && spread.row_count > 4 ? "about " : "") + std::to_string(spread.row_count) + " of " +
+              std::to_string(spread.of);
+  }
+  if (!text.empty()) lines.add("spread", text);
+}
+
+void add_divergence(const Divergence& divergence, const std::string& expected_name, const std::string& got_name,
+                    Lines& lines) {
+  constexpr std::size_t column_width = 16;
+  const auto padded = [](std::string text) {
+    if (text.size() < column_width) text.resize(column_width, ' ');
+    return text + "  ";
+  };
+  if (divergence.stage)
+    lines.add("stage", padded(*divergence.stage) + divergence.stage_note);
+  else if (!divergence.stage_note.empty())
+    lines.add("stage", divergence.stage_note);
+
+  if (divergence.rows.empty() && divergence.tables.empty())
+    lines.add("column", divergence.from_cells ? "none: the hash of every column agrees"
+                        : divergence.expected_root == divergence.got_root && divergence.got_root != 0
+                            ? "none: the state at the end of the tick agrees"
+                            : "not known: the trace stores only a hash of this tick");
+  for (const TableDifference& table : divergence.tables) {
+    std::string columns;
+    for (const std::string& column : table.columns)
+      columns += (columns.empty() ? "" : ", ") + table.table + "." + column;
+    // One column and one lane: the line below says all of it.
+    if (divergence.lane_count != 1) lines.add("columns", columns);
+  }
+  for (std::size_t i = 0; i < divergence.rows.size() && i < rows_shown_max; ++i) {
+    const LaneReport& row = divergence.rows[i];
+    lines.add("column", padded(row.table + "." + row.column) + lane_name(row));
+    lines.add("value", values(row, expected_name, got_name));
+  }
+  add_candidates(divergence, expected_name, got_name, lines);
+  const std::size_t shown = std::min(divergence.rows.size(), rows_shown_max);
+  if (divergence.lane_count > shown)
+    lines.add("", "and " + plural(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
+  if (divergence.expected_root != divergence.got_root)
+    lines.add("hash", expected_name + " " + hex64(divergence.expected_root) + ".  " + got_name + " " +
+                          hex64(divergence.got_root));
+
+  lines.add_inputs(divergence.inputs, inputs_shown_max);
+  add_spread(divergence, lines);
+}
+
+std::string range_text(const replay::IntactRange& range) {
+  return "ticks " + std::to_string(range.first_tick) + ".." + std::to_string(range.last_tick) +
+         (range.has_checkpoint ? " (with a checkpoint)" : "");
+}
+
+void add_end(const Report& report, Lines& lines) {
+  const replay::TraceTail& tail = report.end->tail;
+  if (tail.condition == replay::TraceCondition::complete) {
+    if (!tail.end) return;
+    for (const replay::EndReasonInfo& info : replay::end_reasons)
+      if (info.reason == tail.end->reason && info.reason != replay::EndReason::complete)
+        lines.add("end", std::string(info.name) + ": " + std::string(info.summary) +
+                             (tail.end->note.empty() ? "" : " (" + tail.end->note + ")"));
+    return;
+  }
+  lines.add("end", std::string(tail.condition == replay::TraceCondition::damaged ? "damaged" : "cut off") +
+                       (tail.message.empty() ? "" : ": " + tail.message));
+  lines.add("proven", tail.ticks_intact == 0
+                          ? std::string("no tick is intact")
+                          : "last good tick " + std::to_string(tail.ticks_intact - 1) + ": ticks 0.." +
+                                std::to_string(tail.ticks_intact - 1) + " are intact");
+  for (const replay::IntactRange& range : tail.intact_after) lines.add("", "behind the damage: " + range_text(range));
+  if (tail.has_pending_inputs) {
+    lines.add("pending", "tick " + std::to_string(tail.ticks_intact) + " was in flight, " +
+                             (tail.pending_inputs.empty()
+                                  ? "without inputs"
+                                  : std::to_string(tail.pending_inputs.size()) + " bytes of inputs were written"));
+    lines.add_inputs(report.end->pending_inputs, inputs_shown_max);
+  }
+}
+
+}  // namespace
+
+std::string divergence_text(const Divergence& divergence, const char* expected_name, const char* got_name) {
+  Lines lines;
+  add_divergence(divergence, expected_name, got_name, lines);
+  return lines.take();
+}
+
+std::string report_text(const Report& report) {
+  Lines lines;
+  const bool end_says_it = report.end && !report.end->tail.message.empty() && report.reason == report.end->tail.message;
+  if (!report.reason.empty() && !end_says_it) lines.add("reason", report.reason);
+  const bool between_builds = report.against && report.against->is_expected;
+  if (report.divergence)
+    add_divergence(*report.divergence, between_builds ? "there" : "expected", between_builds ? "here" : "got", lines);
+  if (report.end) add_end(report, lines);
+  for (const std::string& note : report.notes) lines.add("note", note);
+  for (const std::string& warning : report.warnings) lines.add("warning", warning);
+  const bool judged_by_build = report.verdict != Verdict::match && report.verdict != Verdict::error;
+  if (judged_by_build && !report.recorded_build.empty()) {
+    lines.add("builds", "recorded " + facts_line(report.recorded_build));
+    lines.add("", "here " + build_line());
+    if (report.against && !report.against->facts.empty()) lines.add("", "there " + facts_line(report.against->facts));
+  }
+  if (!report.hint.empty()) lines.add("next", report.hint);
+  for (const std::string& command : report.again) lines.add("again", command);
+  return headline(report) + "\n" + lines.take();
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,117 @@
+// Output files: created exclusively or beside what they replace, checked at every write, flush and close.
+// SPDX-License-Identifier: MIT
+#include "verifier/runs/data_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace ticktrue::verifier {
+namespace {
+
+Error exists_error(const std::string& path) {
+  return Error{ErrorCode::io, path + ": cannot create: found an existing file, expected none",
+               "give another name, or --force to replace it"};
+}
+
+}  // namespace
+
+std::string system_message(int error_number) {
+  return std::generic_category().message(error_number);
+}
+
+Status check_writable_target(const std::string& path, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (fs::is_directory(status))
+    return Error{ErrorCode::io, path + ": cannot write: found a directory, expected a file name", ""};
+  if (fs::exists(status)) {
+    if (!overwrite) return exists_error(path);
+    return {};
+  }
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, code))
+    return Error{ErrorCode::io, path + ": cannot create: found no directory " + folder.string(), ""};
+  return {};
+}
+
+Status check_not_read(const std::string& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code code;
+    if (std::filesystem::equivalent(output, input, code))
+      return Error{ErrorCode::io, output + ": cannot write: it is what the command reads", "give another name"};
+  }
+  return {};
+}
+
+Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
+  namespace fs = std::filesystem;
+  if (const Status target = check_writable_target(path, overwrite); !target) return target.error();
+  DataFile file;
+  file.path_ = path;
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  // What a link points at is replaced, not the link.
+  if (fs::is_symlink(fs::symlink_status(path, code)) && fs::is_regular_file(status))
+    file.path_ = fs::canonical(path, code).string();
+  file.new_path_ = file.path_;
+  const char* mode = "wbx";  // x: fails if somebody created it meanwhile
+  if (fs::exists(status)) {
+    mode = "wb";
+    file.removable_ = fs::is_regular_file(status);
+    if (file.removable_) file.new_path_ = file.path_ + ".ticktrue-new";
+  }
+  file.file_ = std::fopen(file.new_path_.c_str(), mode);
+  if (file.file_ == nullptr) {
+    const int error_number = errno;
+    file.removable_ = false;
+    if (error_number == EEXIST) return exists_error(path);
+    return Error{ErrorCode::io, path + ": cannot create: " + system_message(error_number), ""};
+  }
+  return file;
+}
+
+DataFile::DataFile(DataFile&& other) noexcept
+    : file_(std::exchange(other.file_, nullptr)),
+      path_(std::move(other.path_)),
+      new_path_(std::move(other.new_path_)),
+      removable_(other.removable_),
+      size_(other.size_) {}
+
+DataFile::~DataFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  if (removable_) std::remove(new_path_.c_str());
+}
+
+Error DataFile::failure(int error_number) const {
+  return Error{ErrorCode::io, path_ + ": cannot write: " + system_message(error_number),
+               removable_ ? "nothing was left behind" : ""};
+}
+
+Status DataFile::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) return failure(errno);
+  size_ += text.size();
+  return {};
+}
+
+Status DataFile::close() {
+  if (std::fflush(file_) != 0) return failure(errno);
+  std::FILE* closing = std::exchange(file_, nullptr);
+  if (std::fclose(closing) != 0) {
+    const int error_number = errno;
+    if (removable_) std::remove(new_path_.c_str());
+    return failure(error_number);
+  }
+  if (new_path_ != path_ && std::rename(new_path_.c_str(), path_.c_str()) != 0) {
+    const int error_number = errno;
+    std::remove(new_path_.c_str());
+    return failure(error_number);
+  }
+  return {};
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,30 @@
+// Running up to a mismatch once more: tells a difference between builds from chance, and finds the stage.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "verifier/verify/walk.h"
+
+namespace ticktrue::verifier {
+
+/// What a second run up to the end of the mismatching tick gave.
+struct Rerun {
+  bool done = false;                        // it got as far as the tick of the mismatch
+  bool same = false;                        // and ended in the same state by the same stages, bit for bit
+  std::optional<std::uint64_t> differs_at;  // first tick known to differ between the two runs
+  std::optional<Divergence> divergence;     // where the second run left the recorded one before the first did
+  std::optional<Divergence> between;        // done, not same: what differs between the two runs
+  std::optional<Divergence> located;        // with cells that no row here explains: once more, with the rows before
+};
+
+/// Runs from `start` to the end of the tick of the mismatch. Moves `source`.
+Rerun run_again(const WalkContext& context, TraceSource& source, const Start& start, const Mismatch& mismatch,
+                Findings& findings, const std::function<void(std::uint64_t ticks_done)>& progress);
+
+/// The verdict on a mismatch, from a second run: diverged where both runs here are the same, else not reproducible.
+void judge_mismatch(const Mismatch& mismatch, const Rerun& rerun, Findings& findings);
+
+/// Puts the source just behind the checkpoint of the start, or to its beginning; takes the image of the checkpoint
+/// where the start has none yet. False: there is no such checkpoint (any more).
+bool go_to_start(TraceSource& source, Start& start);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,12 @@
+// Two simulations of one setup, fed the same inputs side by side and compared after every tick.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "verifier/verify/walk.h"
+
+namespace ticktrue::verifier {
+
+/// Walks `source` from its start. Of its records only dt and inputs are used.
+WalkResult walk_twice(const WalkContext& context, TraceSource& source);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,436 @@
+// The verify run: what can be compared at all, which way to walk the trace, and the verdict.
+// SPDX-License-Identifier: MIT
+#include "verifier/verify/verify.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "verifier/locate/locate_cells.h"
+#include "verifier/verify/comparable.h"
+#include "verifier/verify/rerun.h"
+#include "verifier/verify/segments.h"
+#include "verifier/verify/single_change.h"
+#include "verifier/verify/twice.h"
+#include "verifier/verify/walk.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using replay::CheckpointRecord;
+using replay::TraceCondition;
+
+// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking. It
+// does not depend on the number of threads, so that the same checkpoints are loaded whatever that is.
+constexpr std::size_t segment_count_max = 128;
+
+// For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
+constexpr unsigned compared_thread_counts[] = {2, 4, 8};
+
+std::string count_text(std::uint64_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// What a run that began with a checkpoint found. A divergence only if a run from the setup has a finding as well.
+struct Suspicion {
+  Start start;
+  WalkResult found;
+};
+
+/// Of what the walk found: the tick whose end differs, or the ticks done.
+std::uint64_t tick_of(const WalkResult& result) {
+  return result.mismatch ? result.mismatch->expected.tick : result.tick;
+}
+
+class Verifier {
+ public:
+  Verifier(TraceSource& source, const VerifyOptions& options)
+      : source_(source), setup_(source.setup()), options_(options), context_{setup_, options_} {}
+
+  Report run() {
+    report_.title = setup_.title;
+    report_.simulation = setup_.simulation;
+    for (const VerifyModeInfo& info : verify_modes)
+      if (info.mode == options_.mode) report_.mode = info.name;
+    report_.ticks_recorded = source_.tick_count_hint();
+    report_.first_tick = options_.from;
+    if (check_comparable(context_, findings_)) {
+      switch (options_.mode) {
+        case VerifyMode::replay:
+          run_replay();
+          break;
+        case VerifyMode::restore:
+          run_restore();
+          break;
+        case VerifyMode::twice:
+          take(walk_twice(context_, source_));
+          break;
+        case VerifyMode::threads:
+          run_threads();
+          break;
+      }
+    }
+    conclude();
+    return std::move(report_);
+  }
+
+ private:
+  void not_comparable(const std::string& reason, const std::string& hint = "") {
+    findings_.decide(Verdict::not_comparable, reason, hint);
+  }
+
+  /// The last checkpoint at or before `tick`; else the setup's state.
+  Start find_start(std::uint64_t tick) {
+    if (tick > 0 && can_load(context_, findings_) && source_.seek(tick)) {
+      if (const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
+          checkpoint != nullptr && checkpoint->tick > 0) {
+        const std::uint64_t found = checkpoint->tick;
+        // Ticks may have different dt: the time of the checkpoint is known only by adding them up.
+        double time_s = 0;
+        source_.rewind();
+        for (;;) {
+          const auto& item = source_.next();
+          if (const auto* record = std::get_if<replay::TickRecord>(&item)) time_s += record->dt;
+          const auto* again = std::get_if<CheckpointRecord>(&item);
+          if (again != nullptr && again->tick == found) return start_at(*again, time_s);
+          if (std::holds_alternative<std::monostate>(item)) break;
+        }
+      }
+    }
+    return Start{};
+  }
+
+  /// Adds what a walk found to the report.
+  void take(WalkResult result) {
+    report_.ticks_compared += result.ticks_compared;
+    report_.checkpoints_compared += result.checkpoints_compared;
+    report_.compared += result.compared;
+    report_.time_s = result.last_tick_s;
+    if (result.root_hash) report_.root_hash = *result.root_hash;
+    changed_ = changed_ || result.changed;
+    tick_ = result.tick;
+    if (result.trace_end && !report_.end) report_.end = std::move(result.trace_end);
+    take(std::move(result.findings));
+  }
+  void take(Findings found) {
+    for (std::string& warning : found.warnings) findings_.warnings.push_back(std::move(warning));
+    for (std::string& note : found.notes) findings_.notes.push_back(std::move(note));
+    if (found.non_finite) findings_.non_finite = std::move(found.non_finite);
+    if (!found.decided) return;
+    findings_.decide(found.verdict, std::move(found.reason), std::move(found.hint));
+    findings_.divergence = std::move(found.divergence);
+  }
+
+  void read_tail() {
+    if (report_.end || options_.to) return;
+    while (!std::holds_alternative<std::monostate>(source_.next())) {
+    }
+    report_.end = TraceEnd{source_.tail(), ""};
+  }
+
+  void run_replay() {
+    const Start first = find_start(options_.from);
+    if (findings_.decided) return;
+    std::optional<Suspicion> suspicion;
+    if (walks_segments() && replay_segments(first, suspicion)) return;
+    if (findings_.decided) return;
+    if (!first.loaded) return run_straight(std::move(suspicion));
+    WalkResult result = walk_from(first);
+    if (!is_clean(result, true)) return run_straight(Suspicion{first, std::move(result)});
+    if (suspicion) return run_straight(std::move(suspicion));
+    take(std::move(result));
+  }
+
+  /// In order, from `start` to the end.
+  WalkResult walk_from(const Start& start) {
+    Stretch whole;
+    whole.start = start;
+    whole.count_from = options_.from;
+    whole.progress = options_.progress;
+    if (!go_to_start(source_, whole.start)) source_.rewind();
+    return walk(context_, source_, whole);
+  }
+
+  /// The run from the setup has the last word. What a run that began with a checkpoint found is a divergence only if
+  /// this one has a finding too.
+  void run_straight(std::optional<Suspicion> suspicion) {
+    if (suspicion && !options_.confirm_from_start) return conclude_walk(std::move(suspicion->found), suspicion->start);
+    WalkResult straight = walk_from(Start{});
+    if (!suspicion) return conclude_walk(std::move(straight), Start{});
+    report_.ticks_compared = report_.checkpoints_compared = 0;
+    report_.compared = {};
+    if (is_clean(straight, true)) {
+      take(std::move(straight));
+      return judge_suspicion(*suspicion);
+    }
+    const std::uint64_t tick = tick_of(straight);
+    if (tick >= options_.from) return conclude_walk(std::move(straight), Start{});
+    findings_.notes.push_back("the run from the start leaves the recording at tick " + std::to_string(tick) +
+                              ", before the first tick compared");
+    conclude_walk(std::move(suspicion->found), suspicion->start);
+  }
+
+  /// Everything in a run from the setup is as recorded.
+  void judge_suspicion(const Suspicion& suspicion) {
+    const Start& start = suspicion.start;
+    const WalkResult& found = suspicion.found;
+    if (found.mismatch) {
+      read_tail();
+      judge_mismatch(*found.mismatch, run_again(context_, source_, start, *found.mismatch, findings_, {}), findings_);
+    } else {
+      take(found.findings);
+    }
+    if (findings_.verdict == Verdict::not_reproducible) return;
+    report_.checkpoint = start.tick;
+    const std::string what = findings_.reason.empty() ? "" : ": " + findings_.reason;
+    findings_.decide(Verdict::state_incomplete,
+                     "the run from the start matches, the run from the checkpoint of tick " +
+                         std::to_string(start.tick) + " does not" + what,
+                     "something that a later tick reads is in no column, or load does not restore it: find what these "
+                     "values are computed from, and show and load all of it");
+    if (findings_.divergence) return;
+    Divergence divergence;
+    divergence.tick = tick_of(found);
+    divergence.time_s = found.time_s;
+    divergence.stage_note = "not known: the run from the checkpoint could not do this tick";
+    findings_.divergence = std::move(divergence);
+  }
+
+  void conclude_walk(WalkResult result, const Start& first) {
+    const std::optional<Mismatch> mismatch = std::move(result.mismatch);
+    const Start near{result.last_checkpoint, result.last_checkpoint_s, true, {}, 0};
+    take(std::move(result));
+    if (!mismatch) return;
+    read_tail();
+    judge(*mismatch, first, near);
+  }
+
+  /// Replays with one thread, then with each other number of them.
+  void run_threads() {
+    run_replay();
+    if (findings_.decided) return;
+    read_tail();
+    for (const unsigned thread_count : compared_thread_counts) {
+      SimulationInfo info = *options_.simulation;
+      info.make = [&](ByteView setup) { return options_.simulation->make_on_threads(setup, thread_count); };
+      VerifyOptions options = options_;
+      options.simulation = &info;
+      const WalkContext context{setup_, options};
+      Stretch whole;
+      whole.start = find_start(options_.from);
+      whole.progress = options_.progress;
+      if (!go_to_start(source_, whole.start)) source_.rewind();
+      WalkResult result = walk(context, source_, whole);
+      const std::string with = "with " + std::to_string(thread_count) + " threads: ";
+      if (result.mismatch) {
+        findings_.not_reproducible(with + "tick " + std::to_string(result.mismatch->expected.tick) +
+                                   " ends in another state than with one");
+        findings_.divergence = std::move(result.mismatch->divergence);
+      } else if (result.findings.decided) {
+        findings_.decide(result.findings.verdict, with + result.findings.reason, result.findings.hint);
+        findings_.divergence = std::move(result.findings.divergence);
+      }
+      if (findings_.decided) return;
+    }
+    findings_.notes.push_back("the same with 1, 2, 4 and 8 threads");
+  }
+
+  /// The second run begins at the checkpoint next to the mismatch; only where it ends in another state than the first
+  /// the whole is run again.
+  void judge(const Mismatch& mismatch, const Start& first, const Start& near) {
+    Rerun rerun;
+    if (near.tick > first.tick) {
+      Findings of_shortcut;
+      rerun = run_again(context_, source_, near, mismatch, of_shortcut, {});
+    }
+    if (!rerun.same) rerun = run_again(context_, source_, first, mismatch, findings_, options_.progress);
+    judge_mismatch(mismatch, rerun, findings_);
+    if (options_.search_single_bit) explain_by_single_bit(context_, mismatch, findings_);
+  }
+
+  bool walks_segments() {
+    const bool wanted = (options_.thread_count > 1 && options_.reopen) || options_.in_segments;
+    return wanted && !options_.wrap && can_load(context_, findings_);
+  }
+
+  /// False: something has to be walked in order. What was found behind a loaded checkpoint is a suspicion.
+  bool replay_segments(const Start& first, std::optional<Suspicion>& suspicion) {
+    const StretchPlan plan = plan_stretches(context_, source_, first, segment_count_max);
+    if (plan.cuts.size() < 2) return false;
+    auto results = walk_stretches(context_, source_, plan, {options_.thread_count});
+    if (!results) {
+      not_comparable(results.error().message, results.error().hint);
+      return true;
+    }
+    std::size_t found = 0;
+    while (found + 1 < results->size() && is_clean((*results)[found], false)) ++found;
+    WalkResult& last = (*results)[found];
+    const Start& start = plan.marks[plan.cuts[found]];
+    if (!is_clean(last, found + 1 == results->size()) && start.loaded) {
+      if (last.mismatch || last.findings.decided) suspicion = Suspicion{start, std::move(last)};
+      return false;
+    }
+    for (std::size_t i = 0; i < found; ++i) take(std::move((*results)[i]));
+    if (plan.tail && !last.trace_end) report_.end = TraceEnd{*plan.tail, ""};
+    report_.stretches = found + 1;
+    conclude_walk(std::move(last), first);
+    return true;
+  }
+
+  void run_restore() {
+    if (!can_load(context_, findings_)) {
+      if (!findings_.decided) refuse_loading(context_, findings_);
+      return;
+    }
+    // The start of the whole is a checkpoint too: the one at tick 0 is loaded, not made.
+    Start first = find_start(options_.from);
+    if (findings_.decided) return;
+    if (!first.loaded) {
+      source_.rewind();
+      const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
+      if (checkpoint == nullptr) {
+        findings_.reason = "no checkpoint could be read";
+        return;
+      }
+      first = start_at(*checkpoint, 0);
+    }
+    const StretchPlan plan = plan_stretches(context_, source_, first, std::numeric_limits<std::size_t>::max());
+    std::optional<Suspicion> suspicion;
+    bool clean = restore_stretches(plan, {options_.thread_count, false, true, true}, suspicion);
+    if (clean && options_.to_end) {
+      // Each tick counts once: the runs to the end are only compared.
+      StretchPlan later = plan;
+      later.cuts.erase(later.cuts.begin());
+      if (!later.cuts.empty()) clean = restore_stretches(later, {options_.thread_count, true, false, true}, suspicion);
+    }
+    if (suspicion) run_straight(std::move(suspicion));
+  }
+
+  /// False: not all was walked and as recorded.
+  bool restore_stretches(const StretchPlan& plan, const StretchOptions& stretch_options,
+                         std::optional<Suspicion>& suspicion) {
+    auto results = walk_stretches(context_, source_, plan, stretch_options);
+    if (!results) {
+      not_comparable(results.error().message, results.error().hint);
+      return false;
+    }
+    for (std::size_t i = 0; i < results->size(); ++i) {
+      WalkResult& result = (*results)[i];
+      const bool clean = is_clean(result, i + 1 == results->size() || stretch_options.to_end);
+      if (!clean && (result.mismatch || result.findings.decided)) {
+        suspicion = Suspicion{plan.marks[plan.cuts[i]], std::move(result)};
+        return false;
+      }
+      take(std::move(result));
+      if (plan.tail && !report_.end) report_.end = TraceEnd{*plan.tail, ""};
+      if (!clean) return false;
+    }
+    return true;
+  }
+
+  void conclude() {
+    read_tail();
+    if (!report_.ticks_recorded && report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
+    if (!findings_.decided) judge_end();
+    report_.verdict = findings_.verdict;
+    report_.reason = findings_.reason;
+    report_.hint = findings_.hint;
+    report_.divergence = std::move(findings_.divergence);
+    report_.non_finite = std::move(findings_.non_finite);
+    for (std::string& note : findings_.notes) report_.notes.push_back(std::move(note));
+    for (std::string& warning : findings_.warnings) report_.warnings.push_back(std::move(warning));
+  }
+
+  /// All that was compared is the same: how much was it?
+  void judge_end() {
+    const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
+    const bool any = report_.ticks_compared > 0;
+    if (tail != nullptr && tail->condition == TraceCondition::damaged) {
+      findings_.verdict = Verdict::damaged;
+      findings_.reason = tail->message;
+      if (any)
+        findings_.hint = "ticks " + std::to_string(options_.from) + ".." + std::to_string(tick_ - 1) +
+                         " are intact and match: verify them alone with --to " + std::to_string(tick_ - 1);
+    } else if (tail != nullptr && tail->condition == TraceCondition::truncated) {
+      findings_.verdict = Verdict::incomplete;
+      findings_.reason = tail->message;
+      if (any)
+        findings_.hint =
+            "every tick up to the cut matches: --allow-truncated accepts that; `ticktrue recover` makes a "
+            "complete trace of it";
+    } else if (!any) {
+      findings_.verdict = Verdict::incomplete;
+      if (findings_.reason.empty())
+        findings_.reason = findings_.non_finite ? "no tick was compared: the first one is not finite, as recorded"
+                                                : "no tick was compared";
+    } else {
+      findings_.verdict = Verdict::match;
+    }
+    if (any && !changed_)
+      findings_.warnings.push_back("no state outside table world changed in " +
+                                   count_text(report_.ticks_compared, "tick") +
+                                   ": does the simulation show all of its state?");
+  }
+
+  TraceSource& source_;
+  const replay::TraceSetup& setup_;
+  const VerifyOptions& options_;
+  const WalkContext context_;
+  Report report_;
+  Findings findings_;
+  bool changed_ = false;
+  std::uint64_t tick_ = 0;  // ticks done
+};
+
+/// The commands that would tell more.
+void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
+  const std::string file = shell_word(report.file);
+  const std::string verify_words = options.tool + " verify " + file;
+  if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
+    report.again.push_back(verify_words + " --mode twice");
+  if (report.verdict == Verdict::incomplete && report.end &&
+      report.end->tail.condition == replay::TraceCondition::truncated)
+    report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
+  const bool is_incomplete = report.verdict == Verdict::state_incomplete;
+  if ((report.verdict != Verdict::diverged && !is_incomplete) || !report.divergence) return;
+  const std::uint64_t tick = report.divergence->tick;
+  const std::uint64_t interval = setup.checkpoint_interval;
+  const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
+  report.again.push_back(verify_words + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
+                         std::to_string(from) + " --to " + std::to_string(tick));
+  if (!report.divergence->rows.empty()) return;
+  const std::string number = std::to_string(tick);
+  report.again.push_back(is_incomplete ? options.tool + " record " + file + " --ticks " + std::to_string(tick + 1) +
+                                             " --detail full:" + number + ".." + number + " --checkpoint-interval " +
+                                             std::to_string(interval) + " -o full.ttr; then " + options.tool +
+                                             " verify full.ttr --mode restore"
+                                       : more_detail_command(report.file, tick, options.tool));
+}
+
+}  // namespace
+
+Report verify_source(TraceSource& source, const VerifyOptions& options) {
+  return Verifier(source, options).run();
+}
+
+Report verify(replay::TraceReader& reader, const VerifyOptions& options) {
+  ReaderSource source(reader);
+  reader.rewind();
+  Report report = verify_source(source, options);
+  report.file = reader.name();
+  report.recorded_build = reader.facts();
+  suggest(reader.setup(), options, report);
+  return report;
+}
+
+Report open_error_report(const std::string& file, const Error& error) {
+  Report report;
+  report.file = file;
+  report.verdict = verdict_of_open_error(error.code);
+  report.reason = error.message;
+  report.hint = error.hint;
+  return report;
+}
+
+}  // namespace ticktrue::verifier

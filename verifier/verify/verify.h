@@ -1,0 +1,79 @@
+// Re-simulates a trace and compares every tick with what was recorded.
+// SPDX-License-Identifier: MIT
+//
+// Verified: of every tick all that the trace stores of it: root hash, hash after each stage, state image, cells; every
+// checkpoint; that the state made from the setup is the recorded one; that a divergence shows again in a second run. In
+// segments each run begins with a recorded checkpoint, and its end is compared with the checkpoint where the next one
+// begins. What a run from a checkpoint finds is a divergence only if a run from the setup has a finding as well; else
+// the state is incomplete.
+// Not verified in order (one thread, from the start): that a run from a checkpoint goes the same way.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "base/state/simulation.h"
+#include "replay/trace_reader.h"
+#include "verifier/report/report.h"
+#include "verifier/verify/trace_source.h"
+
+namespace ticktrue::verifier {
+
+enum class VerifyMode : std::uint8_t { replay, restore, twice, threads };
+struct VerifyModeInfo {
+  VerifyMode mode;
+  std::string_view name;
+  std::string_view summary;
+};
+inline constexpr std::array<VerifyModeInfo, 4> verify_modes{{
+    {VerifyMode::replay, "replay", "run from the start, compare every tick and checkpoint"},
+    {VerifyMode::restore, "restore", "load each checkpoint into a fresh simulation and run on from there"},
+    {VerifyMode::twice, "twice", "run twice side by side; needs no recorded hashes"},
+    {VerifyMode::threads, "threads", "run with 1, 2, 4 and 8 threads; simulations that have one refuse"},
+}};
+
+struct VerifyOptions {
+  const SimulationInfo* simulation = nullptr;  // null: this build has none of that name
+  VerifyMode mode = VerifyMode::replay;
+  std::uint64_t from = 0;           // first tick to compare; the run begins at the last checkpoint before it
+  std::optional<std::uint64_t> to;  // last tick to compare; the trace is not read beyond it
+  bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
+  std::size_t row_count_max = 64;   // lanes and candidates listed in a report
+  std::uint64_t spread_ticks = 64;  // how far behind a divergence its spread is followed; 0: not at all
+  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
+
+  /// After each tick that counts as compared: the simulated time at its end. May be empty; called by any thread.
+  std::function<void(double time_s)> on_compared;
+
+  /// Where a trace stores only the hash of the tick that differs: look for a single bit that explains it (replay).
+  bool search_single_bit = false;
+
+  std::string tool = "ticktrue";  // how the commands in reports begin: with a plug-in also how it is loaded
+
+  /// Replay: in segments between checkpoints, on one thread too. With several threads always, where `reopen` is given.
+  bool in_segments = false;
+  /// What a run from a checkpoint finds is shown by a run from the setup. Off for fault injection, which knows.
+  bool confirm_from_start = true;
+
+  unsigned thread_count = 1;  // segments at once, where `reopen` is given
+  /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
+  std::function<std::unique_ptr<TraceSource>()> reopen;
+
+  /// Stands between the simulation and verify (fault injection); may be empty. `ticks_done`: of its present state.
+  std::function<std::unique_ptr<Simulation>(std::unique_ptr<Simulation> simulation, std::uint64_t ticks_done)> wrap;
+};
+
+/// Reads the whole trace (up to options.to) in bounded memory, whatever is found.
+Report verify(replay::TraceReader& reader, const VerifyOptions& options);
+
+/// The same over any source of records. Fills all of the report but `file` and the build facts.
+Report verify_source(TraceSource& source, const VerifyOptions& options);
+
+/// The report of a trace that could not be opened.
+Report open_error_report(const std::string& file, const Error& error);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,399 @@
+// Walking a stretch of a trace: step, hash, compare; and what a difference looks like from one tick's records.
+// SPDX-License-Identifier: MIT
+#include "verifier/verify/walk.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+#include <variant>
+
+#include "base/state/stage_hashes.h"
+#include "verifier/locate/locate.h"
+#include "verifier/locate/locate_cells.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using replay::CheckpointRecord;
+using replay::TickRecord;
+
+bool is_watched(const StateSchema& schema, std::size_t table) {
+  return schema.tables.size() == 1 || schema.tables[table].name != "world";
+}
+
+std::size_t table_size(const StateView& state, std::size_t table) {
+  return static_cast<std::size_t>(state.tables[table].row_count) * state.schema->tables[table].row_size;
+}
+
+class StretchWalk {
+ public:
+  StretchWalk(const WalkContext& context, TraceSource& source, const Stretch& stretch)
+      : context_(context),
+        source_(source),
+        stretch_(stretch),
+        comparer_(context.setup.schema),
+        last_dt_(context.setup.dt) {
+    result_.tick = result_.last_checkpoint = stretch.start.tick;
+    result_.time_s = result_.last_checkpoint_s = stretch.start.time_s;
+  }
+
+  WalkResult run() {
+    simulation_ = begin_at(context_, stretch_.start, result_.findings);
+    if (simulation_ == nullptr || !check_loaded()) return std::move(result_);
+    watch_.begin(simulation_->state());
+    result_.end = walk_on();
+    if (result_.end == WalkEnd::end_of_trace) read_end();
+    result_.changed = watch_.changed();
+    return std::move(result_);
+  }
+
+ private:
+  WalkEnd walk_on() {
+    for (;;) {
+      if (context_.options.to && result_.tick > *context_.options.to) return WalkEnd::reached_stop;
+      if (stretch_.is_abandoned && stretch_.is_abandoned()) return WalkEnd::abandoned;
+      const replay::TraceReader::Item& item = source_.next();
+      if (std::holds_alternative<std::monostate>(item)) return WalkEnd::end_of_trace;
+      if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) {
+        if (checkpoint->tick != result_.tick || (stretch_.start.loaded && result_.tick == stretch_.start.tick))
+          continue;
+        if (!check_checkpoint(*checkpoint)) return WalkEnd::stopped;
+        result_.last_checkpoint = result_.tick;
+        result_.last_checkpoint_s = result_.time_s;
+        if (result_.tick < stretch_.stop) continue;
+        result_.seam = start_at(*checkpoint, result_.time_s);
+        return WalkEnd::reached_stop;
+      }
+      const TickRecord& record = std::get<TickRecord>(item);
+      const TickInput input{record.dt, record.inputs};
+      stages_.clear();
+      if (!accepts(input) || !steps(input, record.stage_hashes.empty() ? nullptr : &stages_)) return WalkEnd::stopped;
+      if (!compare_tick(record)) return WalkEnd::mismatch;
+    }
+  }
+
+  /// Whether the loaded state shows itself as it was loaded.
+  bool check_loaded() {
+    if (!stretch_.start.loaded) return true;
+    if (stretch_.counts_load) ++result_.checkpoints_compared;
+    return check_image(stretch_.start.root_hash, stretch_.start.image, stage_load,
+                       "the state after loading the checkpoint is not the checkpoint's");
+  }
+
+  bool check_checkpoint(const CheckpointRecord& checkpoint) {
+    const bool at_start = result_.tick == 0;
+    ++result_.checkpoints_compared;
+    return check_image(checkpoint.root_hash, checkpoint.image, at_start ? stage_setup : std::string_view("checkpoint"),
+                       at_start ? "the state made from the setup is not the recorded one"
+                                : "the hash of the tick before agrees, the checkpoint does not");
+  }
+
+  /// Compares the present state with a checkpoint. False: reported.
+  bool check_image(std::uint64_t expected_root, ByteView expected, std::string_view stage, const char* note) {
+    const std::uint64_t got_root = root_hash(simulation_->state());
+    encode_image(simulation_->state(), image_);
+    if (got_root == expected_root && std::equal(expected.begin(), expected.end(), image_.begin(), image_.end()))
+      return true;
+    Divergence divergence;
+    divergence.tick = result_.tick;
+    divergence.time_s = result_.time_s;
+    divergence.stage = std::string(stage);
+    divergence.stage_note = note;
+    divergence.expected_root = expected_root;
+    divergence.got_root = got_root;
+    describe_lanes(context_, *simulation_, expected, image_, divergence, result_.findings);
+    result_.findings.divergence = std::move(divergence);
+    result_.findings.decide(Verdict::diverged, "");
+    // The same twice? Then it is the build; else chance.
+    if (result_.tick == stretch_.start.tick)
+      if (const auto again = begin_at(context_, stretch_.start, result_.findings)) {
+        Bytes second;
+        encode_image(again->state(), second);
+        if (second != image_)
+          result_.findings.not_reproducible("two simulations made here begin with different states");
+      }
+    return false;
+  }
+
+  bool accepts(const TickInput& input) {
+    const Status accepted = simulation_->accept(input);
+    if (accepted) return true;
+    result_.findings.decide(
+        Verdict::not_comparable,
+        "tick " + std::to_string(result_.tick) + ": recorded inputs are refused here: " + accepted.error().message,
+        "the bytes are intact: this build takes other inputs than the one that recorded them");
+    return false;
+  }
+
+  /// False: it cannot be done here.
+  bool steps(const TickInput& input, StageObserver* observer) {
+    simulation_->step(input, observer);
+    last_dt_ = input.dt;
+    const Status did = simulation_->last_step();
+    if (did) return true;
+    result_.findings.undone(did.error());
+    return false;
+  }
+
+  /// False: the result is not the recorded one.
+  bool compare_tick(const TickRecord& record) {
+    const TickSide sides[] = {side_of(record), side_here()};
+    const std::optional<TickDifference> difference = comparer_.compare(sides);
+    count_tick();
+    if (difference) {
+      keep_mismatch(record, difference->part);
+      return false;
+    }
+    result_.root_hash = record.root_hash;
+    watch_.look(simulation_->state());
+    result_.time_s += record.dt;
+    if (context_.options.on_compared && stretch_.counts && result_.tick >= stretch_.count_from)
+      context_.options.on_compared(result_.time_s);
+    ++result_.tick;
+    result_.last_tick_s = result_.time_s;
+    if (stretch_.progress) stretch_.progress(result_.tick);
+    return true;
+  }
+
+  TickSide side_here() const {
+    TickSide side{root_hash(simulation_->state()), stages_.hashes()};
+    side.state = &simulation_->state();
+    return side;
+  }
+
+  void count_tick() {
+    const ComparedParts compared = comparer_.take_compared();
+    result_.last_tick_s = result_.time_s;
+    if (!stretch_.counts || result_.tick < stretch_.count_from) return;
+    ++result_.ticks_compared;
+    result_.compared += compared;
+  }
+
+  void keep_mismatch(const TickRecord& record, TickPart part) {
+    Mismatch found;
+    found.expected = keep(record);
+    found.part = part;
+    found.got_stages = stages_.hashes();
+    encode_image(simulation_->state(), found.got);
+    const replay::TraceReader::Item& item = source_.next();
+    if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item);
+        checkpoint != nullptr && checkpoint->tick == result_.tick + 1 && !found.expected.image)
+      found.expected.image = Bytes(checkpoint->image.begin(), checkpoint->image.end());
+    found.divergence =
+        describe_mismatch(context_, *simulation_, found.expected, result_.time_s, side_here(), result_.findings);
+    if (part != TickPart::root_hash) result_.findings.notes.push_back(contradiction_text(record.tick, part));
+    if (part == TickPart::image || part == TickPart::cells)
+      found.divergence.stage_note = "not known: the root hash of the tick agrees, its " + std::string(name_of(part)) +
+                                    (part == TickPart::image ? " does not" : " do not");
+    if (const auto place = find_non_finite(simulation_->state())) {
+      result_.findings.notes.push_back("the state here is not finite: " + text_of(*place));
+      result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
+    }
+    // A state that no load would accept is not run on: nobody knows what a simulation makes of it.
+    const bool goes_on =
+        context_.options.spread_ticks > 0 && ticktrue::check_image(*simulation_->state().schema, found.got);
+    if (!follow_spread(item, goes_on ? context_.options.spread_ticks : 0, found.divergence))
+      result_.trace_end = TraceEnd{source_.tail(), ""};
+    result_.mismatch = std::move(found);
+  }
+
+  /// Runs on behind the divergence and says, at 1, 2, 4, 8, ... ticks behind it, how many rows differ. `item` is what
+  /// the source gave last. False: the source came to its end.
+  bool follow_spread(const replay::TraceReader::Item& item, std::uint64_t tick_count, Divergence& divergence) {
+    CellHasher hasher(context_.setup.schema);
+    const replay::TraceReader::Item* next = &item;
+    for (std::uint64_t behind = 1; behind <= tick_count; next = &source_.next()) {
+      if (std::holds_alternative<std::monostate>(*next)) return false;
+      const auto* record = std::get_if<TickRecord>(next);
+      if (record == nullptr) continue;
+      const TickInput input{record->dt, record->inputs};
+      const bool is_stored = !record->cells.empty() || record->image;
+      const std::optional<std::uint64_t>& to = context_.options.to;
+      if (!is_stored || (to && record->tick > *to) || find_non_finite(simulation_->state()) ||
+          !simulation_->accept(input))
+        return true;
+      simulation_->step(input, nullptr);
+      if (!simulation_->last_step()) return true;
+      if ((behind & (behind - 1)) == 0)
+        if (const auto spread = measure_spread(context_.setup.schema, *record, simulation_->state(), hasher))
+          divergence.spread.push_back(*spread);
+      ++behind;
+    }
+    return !std::holds_alternative<std::monostate>(*next);
+  }
+
+  void read_end() {
+    TraceEnd end{source_.tail(), ""};
+    if (end.tail.has_pending_inputs)
+      end.pending_inputs = simulation_->inputs_text(end.tail.ticks_intact, end.tail.pending_inputs);
+    if (end.tail.condition == replay::TraceCondition::complete && end.tail.end &&
+        end.tail.end->reason == replay::EndReason::non_finite)
+      check_non_finite_end(end.tail);
+    result_.trace_end = std::move(end);
+  }
+
+  /// A recording closed because the next tick gave a NaN or an infinity: the same must happen here, at the same place.
+  void check_non_finite_end(const replay::TraceTail& tail) {
+    // A tick without inputs and with the dt of the tick before leaves nothing behind.
+    const TickInput input =
+        tail.has_pending_inputs ? TickInput{tail.pending_dt, tail.pending_inputs} : TickInput{last_dt_, {}};
+    if (!accepts(input) || !steps(input, nullptr)) return;
+    const auto place = find_non_finite(simulation_->state());
+    result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
+    const std::string here = place ? text_of(*place) : "";
+    const std::string tick = "tick " + std::to_string(result_.tick);
+    // The recorder's note ends with the place it found.
+    if (place && (tail.end->note.empty() || tail.end->note.find(here) != std::string::npos)) {
+      result_.findings.notes.push_back(tick + " is not finite, as recorded: " + here);
+      return;
+    }
+    result_.findings.decide(Verdict::diverged,
+                            tick + ": recorded as not finite (" + tail.end->note + "), here " +
+                                (place ? "it is not finite at " + here : std::string("it is finite")));
+    Divergence divergence;
+    divergence.tick = result_.tick;
+    divergence.time_s = result_.time_s;
+    divergence.stage_note = "not known: a tick that is not finite is not stored";
+    divergence.got_root = root_hash(simulation_->state());
+    divergence.inputs = simulation_->inputs_text(result_.tick, tail.pending_inputs);
+    if (place) {
+      const TableSchema& table = context_.setup.schema.tables[place->table];
+      divergence.tables.push_back({table.name, {table.columns[place->column].name}});
+    }
+    result_.findings.divergence = std::move(divergence);
+  }
+
+  std::string text_of(const StatePlace& place) const {
+    return place_text(context_.setup.schema, place, names_of(*simulation_));
+  }
+
+  const WalkContext& context_;
+  TraceSource& source_;
+  const Stretch& stretch_;
+  TickComparer comparer_;
+  StageHashes stages_;  // of the tick that ran last, where the trace stores them
+  WalkResult result_;
+  std::unique_ptr<Simulation> simulation_;
+  double last_dt_;  // s, of the tick that ran last
+  ChangeWatch watch_;
+  Bytes image_;  // reused
+};
+
+}  // namespace
+
+Start start_at(const CheckpointRecord& checkpoint, double time_s) {
+  return {checkpoint.tick, time_s, true, Bytes(checkpoint.image.begin(), checkpoint.image.end()), checkpoint.root_hash};
+}
+
+void Findings::decide(Verdict found, std::string why, std::string next) {
+  decided = true;
+  verdict = found;
+  reason = std::move(why);
+  hint = std::move(next);
+}
+
+void Findings::undone(const Error& error) {
+  if (error.code == ErrorCode::inconsistent) return decide(Verdict::not_reproducible, error.message, error.hint);
+  decide(Verdict::not_comparable, "cannot be done here: " + error.message,
+         "the bytes are intact: the build that recorded them allows more");
+}
+
+void Findings::warn_unreadable(std::uint64_t tick, const Error& error) {
+  warnings.push_back("stored state of tick " + std::to_string(tick) + " cannot be read: " + error.message);
+}
+
+void Findings::not_reproducible(const std::string& why) {
+  decide(Verdict::not_reproducible, why,
+         "look for uninitialised memory, addresses, clocks, threads or random numbers in the simulation");
+}
+
+RowNamer names_of(const Simulation& simulation) {
+  return [&simulation](std::size_t table, std::size_t row) { return simulation.row_name(table, row); };
+}
+
+std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings) {
+  Result<std::unique_ptr<Simulation>> made = context.options.simulation->make(context.setup.setup);
+  if (made) return std::move(*made);
+  findings.decide(Verdict::not_comparable, "setup refused here: " + made.error().message, made.error().hint);
+  return nullptr;
+}
+
+std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings) {
+  std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
+  if (simulation == nullptr) return nullptr;
+  if (start.loaded) {
+    if (const Status loaded = simulation->load(start.image); !loaded) {
+      if (loaded.error().code == ErrorCode::unsupported) {
+        refuse_loading(context, findings);
+        return nullptr;
+      }
+      findings.decide(Verdict::diverged,
+                      "checkpoint at tick " + std::to_string(start.tick) + " is refused: " + loaded.error().message);
+      Divergence divergence;
+      divergence.tick = start.tick;
+      divergence.time_s = start.time_s;
+      divergence.stage = stage_load;
+      divergence.stage_note = "the checkpoint is intact, but this build does not load it";
+      divergence.expected_root = start.root_hash;
+      findings.divergence = std::move(divergence);
+      return nullptr;
+    }
+  }
+  if (context.options.wrap) simulation = context.options.wrap(std::move(simulation), start.tick);
+  return simulation;
+}
+
+void refuse_loading(const WalkContext& context, Findings& findings) {
+  findings.decide(Verdict::not_comparable,
+                  "the state of " + context.setup.simulation + " can only be observed, not loaded",
+                  "use --mode replay without --from");
+}
+
+bool can_load(const WalkContext& context, Findings& findings) {
+  // A simulation that cannot load says so for any image; others refuse the empty one without effect.
+  const std::unique_ptr<Simulation> simulation = make_simulation(context, findings);
+  if (simulation == nullptr) return false;
+  const Status loaded = simulation->load({});
+  return loaded || loaded.error().code != ErrorCode::unsupported;
+}
+
+void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
+                    Divergence& divergence, Findings& findings) {
+  const Status located = locate_lanes(context.setup.schema, expected, got, names_of(simulation),
+                                      context.options.row_count_max, divergence);
+  if (!located) findings.warn_unreadable(divergence.tick, located.error());
+}
+
+Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
+                             double time_s, const TickSide& got, Findings& findings) {
+  Divergence divergence;
+  divergence.tick = expected.tick;
+  divergence.time_s = time_s;
+  divergence.inputs = simulation.inputs_text(expected.tick, expected.inputs);
+  const TickWords words{context.setup.schema, context.setup.stages, names_of(simulation),
+                        context.options.row_count_max};
+  if (const Status described = describe_tick(words, side_of(expected), got, divergence); !described)
+    findings.warn_unreadable(divergence.tick, described.error());
+  return divergence;
+}
+
+void ChangeWatch::begin(const StateView& state) {
+  first_.clear();
+  for (std::size_t t = 0; t < state.tables.size(); ++t)
+    first_.emplace_back(state.tables[t].data, state.tables[t].data + table_size(state, t));
+  changed_ = false;
+}
+
+void ChangeWatch::look(const StateView& state) {
+  for (std::size_t t = 0; t < state.tables.size() && !changed_; ++t) {
+    if (!is_watched(*state.schema, t)) continue;
+    const std::size_t size = table_size(state, t);
+    changed_ = size != first_[t].size() || (size > 0 && std::memcmp(first_[t].data(), state.tables[t].data, size) != 0);
+  }
+}
+
+WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch) {
+  return StretchWalk(context, source, stretch).run();
+}
+
+}  // namespace ticktrue::verifier

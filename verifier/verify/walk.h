@@ -1,0 +1,136 @@
+// One stretch of a verification: simulate from a start, compare each tick and checkpoint with the records.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/state/simulation.h"
+#include "verifier/locate/compare_tick.h"
+#include "verifier/report/report.h"
+#include "verifier/verify/trace_source.h"
+#include "verifier/verify/verify.h"
+
+namespace ticktrue::verifier {
+
+/// Where a run begins: the state made from the setup (tick 0, not loaded), or a checkpoint that was loaded.
+struct Start {
+  std::uint64_t tick = 0;
+  double time_s = 0;
+  bool loaded = false;
+  Bytes image;  // where loaded
+  std::uint64_t root_hash = 0;
+};
+Start start_at(const replay::CheckpointRecord& checkpoint, double time_s);
+
+/// What all parts of one verification share; constant while they run.
+struct WalkContext {
+  const replay::TraceSetup& setup;
+  const VerifyOptions& options;
+};
+
+/// What was found on the way, in the words of the report. `decided`: the verdict stands.
+struct Findings {
+  bool decided = false;
+  Verdict verdict = Verdict::incomplete;
+  std::string reason;
+  std::string hint;
+  std::optional<Divergence> divergence;
+  std::vector<std::string> warnings;
+  std::vector<std::string> notes;
+  std::optional<NonFinite> non_finite;
+
+  void decide(Verdict found, std::string why, std::string next = "");
+  void not_reproducible(const std::string& why);
+  /// Of a tick that Simulation::last_step says was not done.
+  void undone(const Error& error);
+  void warn_unreadable(std::uint64_t tick, const Error& error);
+};
+
+/// The names of the rows of the state here. The simulation must outlive them.
+RowNamer names_of(const Simulation& simulation);
+
+/// A fresh simulation from the setup; null where the setup is refused (then `findings` says so).
+std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings);
+/// A simulation in the state of `start`; null where that is refused (then `findings` says so).
+std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings);
+/// Whether states can be loaded at all.
+bool can_load(const WalkContext& context, Findings& findings);
+/// The verdict where they cannot and must be.
+void refuse_loading(const WalkContext& context, Findings& findings);
+
+/// The divergence of the tick `expected` from what was made of it here, as far as what is stored of the tick goes. May
+/// add to the warnings of `findings`.
+Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
+                             double time_s, const TickSide& got, Findings& findings);
+/// Fills tables, rows and lanes from two images; warns where the expected one cannot be read.
+void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
+                    Divergence& divergence, Findings& findings);
+
+/// Whether any state but that of the table `world` (its tick and time always change) was ever seen to change.
+class ChangeWatch {
+ public:
+  void begin(const StateView& state);
+  void look(const StateView& state);
+  bool changed() const { return changed_; }
+
+ private:
+  std::vector<Bytes> first_;
+  bool changed_ = false;
+};
+
+enum class WalkEnd : std::uint8_t {
+  end_of_trace,
+  reached_stop,  // the checkpoint at which the stretch ends, or the last tick asked for
+  mismatch,      // a tick with another hash: what is known stands in `mismatch`, its verdict is still to be found
+  stopped,       // something else was found
+  abandoned,     // options of the stretch said so
+};
+
+/// A tick with another result than was recorded.
+struct Mismatch {
+  StoredTick expected;
+  TickPart part = TickPart::root_hash;    // that differs
+  Bytes got;                              // image of the state here
+  std::vector<std::uint64_t> got_stages;  // hashes after the stages here; empty unless stored of the tick
+  Divergence divergence;
+};
+
+/// What walking one stretch gave.
+struct WalkResult {
+  WalkEnd end = WalkEnd::stopped;
+  Findings findings;
+  std::optional<Mismatch> mismatch;
+  std::uint64_t tick = 0;  // ticks done
+  double time_s = 0;       // simulated at `tick`
+  double last_tick_s = 0;  // simulated at the end of the last tick compared, as reports give it
+  std::uint64_t ticks_compared = 0;
+  std::uint64_t checkpoints_compared = 0;
+  ComparedParts compared;                  // of these ticks
+  std::optional<std::uint64_t> root_hash;  // of the last state that was as recorded
+  bool changed = false;                    // some state beside the world table
+  std::uint64_t last_checkpoint = 0;       // tick of the last one that was met, or of the start
+  double last_checkpoint_s = 0;            // simulated time there
+  std::optional<TraceEnd> trace_end;       // where the end was read
+  std::optional<Start> seam;               // the checkpoint at which it stopped
+};
+
+struct Stretch {
+  Start start;
+  std::uint64_t stop = std::numeric_limits<std::uint64_t>::max();  // ends at the checkpoint of this tick, compared
+  std::uint64_t count_from = 0;                                    // ticks from here on count as compared
+  bool counts = true;                                              // false: nothing counts
+  bool counts_load = true;             // whether comparing the loaded state with the checkpoint counts
+  std::function<bool()> is_abandoned;  // asked once a tick; may be empty
+  std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
+};
+
+/// Walks the stretch. Requires: `source` stands just behind the checkpoint of the start, or at its beginning.
+WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch);
+
+}  // namespace ticktrue::verifier
