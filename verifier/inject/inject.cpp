@@ -21,7 +21,6 @@ using replay::CheckpointRecord;
 using replay::TickRecord;
 using replay::TraceReader;
 
-
 /// One flipped bit.
 struct FlippedBit {
   StatePlace place;

@@ -67,8 +67,7 @@ int list_problems(const std::vector<Problem>& problems) {
 }
 
 int run_accuracy_command(const AccuracyCommand& command) {
-  const unsigned thread_count =
-      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  const unsigned thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   if (!command.peer.empty())
     return run_accuracy_peer(command.problems, static_cast<int>(command.repeat_count), command.files);
   const Result<std::vector<Problem>> problems = chosen_problems(command.problems);

@@ -182,8 +182,7 @@ verifier::CrosscheckOptions options_of(const CrosscheckCommand& command) {
   options.seed_count = static_cast<std::uint32_t>(command.seed_count);
   if (command.seconds > 0) options.seconds = command.seconds;
   options.match_skin = command.match_skin;
-  options.thread_count =
-      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   return options;
 }
 

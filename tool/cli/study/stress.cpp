@@ -226,8 +226,7 @@ int run_stress_command(const StressCommand& command) {
   verifier::StressOptions options;
   options.names = command.cases;
   options.with_long = command.with_long;
-  options.thread_count =
-      command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
+  options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   options.precisions.clear();
   for (const std::string& name : command.precisions)
     options.precisions.push_back(engine::find_choice(engine::precisions, name)->kind);

@@ -11,7 +11,6 @@
 namespace ticktrue::verifier::soak {
 namespace {
 
-
 struct PlannedVariant {
   Variant variant;
   double cost = 1;  // in base runs
