@@ -74,7 +74,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
     pipeline.description.push_back(
         {"restitution", false, finds_pairs_itself ? "part of the solver" : "no two shapes can meet"});
   if (settings.sleep)
-    consider("sleep", measure_calm, true, "the scene lets bodies sleep", "");
+    consider("sleep", measure_idle_time, true, "the scene lets bodies sleep", "");
   else
     pipeline.description.push_back({"sleep", false, "the scene lets nothing sleep"});
   pipeline.tables.sleep = settings.sleep.has_value();

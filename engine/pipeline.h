@@ -34,7 +34,7 @@ void cull(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_islands(const Model& model, State& state, Scratch& scratch, Real dt);
-void measure_calm(const Model& model, State& state, Scratch& scratch, Real dt);
+void measure_idle_time(const Model& model, State& state, Scratch& scratch, Real dt);
 void find_events(const Model& model, State& state, Scratch& scratch, Real dt);
 void apply_restitution(const Model& model, State& state, Scratch& scratch, Real dt);
 

@@ -10,8 +10,8 @@
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/contacts/choose_kernels.h"
 #include "engine/math/trig.h"
+#include "engine/narrow_phase/motion_bounds.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/narrow_phase/reach.h"
 #include "engine/pipeline.h"
 #include "engine/scene/scene_json.h"
 
@@ -78,7 +78,7 @@ class World final : public Engine {
 
   void step(const TickInput& input, StageObserver* observer) override {
     if (!last_step_) return;
-    scratch_.kept.touching.swap(scratch_.touching);
+    scratch_.caches.contact_pairs.swap(scratch_.contact_pairs);
 #ifdef TICKTRUE_POISON
     poison(scratch_);
 #endif
@@ -192,7 +192,7 @@ class World final : public Engine {
     forget(scratch_, caches);
   }
   CacheReport cache_report() const override {
-    return scratch_.kept.report;
+    return scratch_.caches.report;
   }
 
   std::vector<BodyReport> bodies() const override {
@@ -224,8 +224,8 @@ class World final : public Engine {
     broad_phase_function(BroadPhaseKind::sweep_and_prune)(model_, poses, found, Real(0));
     find_contacts(model_, poses, found, Real(0));
     std::vector<ContactReport> reports;
-    for (std::size_t i = 0; i < found.touching.size(); ++i) {
-      const TouchingPair& pair = found.touching[i];
+    for (std::size_t i = 0; i < found.contact_pairs.size(); ++i) {
+      const ContactPair& pair = found.contact_pairs[i];
       const ContactRow& row = poses.contacts[i];
       ContactReport report;
       report.body_a = row.body_a;
@@ -248,13 +248,13 @@ class World final : public Engine {
     found.pair_count_max = pair_count_max();
     State poses = state_;
     broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
-    const Real fall = fall_of_a_tick(model_, state_);
-    const TickReach reach = reach_of_tick(model_, state_, dt);
+    const Real fall = gravity_displacement_of_tick(model_, state_);
+    const MotionBounds reach = motion_bounds_of_tick(model_, state_, dt);
     BroadPhaseReport report;
     for (const Proxy& proxy : found.proxies) {
       const BodyRow& body = state_.bodies[proxy.body];
-      const Box box =
-          box_around(model_, body, model_.shapes[proxy.shape], fall, sweep_of(reach, model_.bodies[body.source], body));
+      const Box box = box_around(model_, body, model_.shapes[proxy.shape], fall,
+                                 swept_displacement_of(reach, model_.bodies[body.source], body));
       report.boxes.push_back({body.id, to_point(box.lower), to_point(box.upper)});
     }
     for (const Pair& pair : found.pairs) report.pairs.push_back({pair.first, pair.second});

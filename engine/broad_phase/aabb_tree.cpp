@@ -18,8 +18,8 @@
 #include "engine/broad_phase/neighbour_cells.h"
 #include "engine/broad_phase/pair_listing.h"
 #include "engine/model/selection.h"
+#include "engine/narrow_phase/motion_bounds.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/narrow_phase/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -27,17 +27,17 @@ namespace {
 constexpr Real ticks_ahead = 4;              // a large box has room for so many ticks at the present velocity
 constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
 // More strays than this share, or this number, and everything is built anew.
-constexpr std::size_t moving_per_stray = 8;
-constexpr std::size_t stray_count_max = 1024;
+constexpr std::size_t moving_per_moved_proxy = 8;
+constexpr std::size_t moved_proxy_count_max = 1024;
 // A body's boxes have room for so much of its size.
 constexpr Real box_room_share = Real(1) / 512;
 constexpr Real ticks_of_room = 4;  // at the present velocity; for less it is not worth it
-// What is slower than this share of its size a tick is certainly not fast (reach.h).
+// What is slower than this share of its size a tick is certainly not fast (motion_bounds.h).
 constexpr Real certainly_slow_share = Real(0.2);
 // Where more bodies than this share are still, their contacts are looked for.
-constexpr std::size_t bodies_per_still = 4;
+constexpr std::size_t bodies_per_unchanged = 4;
 
-Box large_box(const Model& model, const State& state, const KeptPairs& kept, std::uint32_t index) {
+Box large_box(const Model& model, const State& state, const PairCache& kept, std::uint32_t index) {
   const Proxy& proxy = kept.proxies[index];
   const BodyRow& body = state.bodies[proxy.body];
   const Real radius = model.shapes[proxy.shape].bounding_radius;
@@ -69,7 +69,7 @@ bool same_pose(const BodyRow& a, const BodyRow& b) {
 
 /// Whether the proxies are those of the present bodies.
 bool fits(const Scratch& scratch, const State& state) {
-  const KeptPairs& kept = scratch.kept.pairs;
+  const PairCache& kept = scratch.caches.pairs;
   const std::size_t count = state.bodies.size();
   if (!kept.is_valid || kept.bodies.size() != count) return false;
   std::atomic<bool> fits{true};
@@ -82,7 +82,7 @@ bool fits(const Scratch& scratch, const State& state) {
   return fits.load(std::memory_order_relaxed);
 }
 
-void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
+void list_proxies(const Model& model, const State& state, PairCache& kept) {
   ++kept.body_set;
   kept.static_count = 0;
   for (const BodyRow& body : state.bodies)
@@ -96,16 +96,16 @@ void list_proxies(const Model& model, const State& state, KeptPairs& kept) {
   kept.first_proxy.push_back(static_cast<std::uint32_t>(kept.proxies.size()));
   kept.boxes.resize(kept.proxies.size());
   kept.large_boxes.assign(kept.proxies.size(), empty_box);
-  kept.is_stray.assign(kept.proxies.size(), 0);
+  kept.is_moved_proxy.assign(kept.proxies.size(), 0);
   kept.bodies = state.bodies;
   kept.boxed.resize(state.bodies.size());
-  kept.is_still.resize(state.bodies.size());
+  kept.is_unchanged.resize(state.bodies.size());
   kept.looks.assign(state.bodies.size(), 0);
 }
 
 // Bits of KeptPairs::looks.
 constexpr std::uint8_t looks_ahead = 1;  // its proxies have an `ahead` > 0
-constexpr std::uint8_t has_way = 2;      // (sweep_of)
+constexpr std::uint8_t has_way = 2;      // (swept_displacement_of)
 constexpr std::uint8_t has_room = 4;
 
 /// No point of a body is faster, m/s.
@@ -122,14 +122,14 @@ bool hold(const BoxedBody& boxed, const BodyRow& body) {
 }
 
 /// The room of the boxes of a body that has no way, m; 0 for one that would soon have left it.
-Real room_for(const BodyModel& constants, const BodyRow& body, const TickReach& reach) {
+Real room_for(const BodyModel& constants, const BodyRow& body, const MotionBounds& reach) {
   // Less what rounding may make of a box.
   const Real far = larger(magnitude(body.position.x), magnitude(body.position.y)) + constants.reach;
   const Real room = box_room_share * constants.size - 16 * epsilon * far;
   return ticks_of_room * reach.dt * speed_bound(body, constants.reach) < room ? room : Real(0);
 }
 
-BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const TickReach& reach, Real room) {
+BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const MotionBounds& reach, Real room) {
   const Real fall = absolute(constants.gravity_scale) * reach.gravity * reach.dt;
   const Real speed = reach.guards ? certainly_slow_share * constants.size / reach.dt - fall : Real(1e30);
   return {body.position, body.rotation, constants.reach, room, speed};
@@ -137,19 +137,20 @@ BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const Tick
 
 /// For the bodies first..end-1: boxes of what has left their room, or of everything, then without room. Lists what has
 /// left its large box from `leaving` on; returns how many.
-std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach,
+std::size_t follow_bodies(const Model& model, const State& state, PairCache& kept, const MotionBounds& reach,
                           bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving,
                           std::atomic<bool>& any_boxed) {
-  const bool foresees = model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
-  const bool is_restless = kept.restless_ticks != 0;
-  const bool gives_room = !everything && !is_restless && !reach.locates && !reach.foresees;
+  const bool speculates =
+      model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
+  const bool is_high_churn = kept.high_churn_ticks != 0;
+  const bool gives_room = !everything && !is_high_churn && !reach.locates && !reach.speculates;
   const Real fall = kept.fall;
   // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
   const BodyRow* bodies = state.bodies.data();
   const BodyModel* constants = model.bodies.data();
   const ShapeModel* shapes = model.shapes.data();
   BodyRow* bodies_before = kept.bodies.data();
-  std::uint8_t* is_still = kept.is_still.data();
+  std::uint8_t* is_unchanged = kept.is_unchanged.data();
   std::uint8_t* looks = kept.looks.data();
   BoxedBody* boxed = kept.boxed.data();
   const std::uint32_t* first_proxy = kept.first_proxy.data();
@@ -163,13 +164,13 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
     BodyRow& before = bodies_before[row];
     const bool has_pose = same_pose(body, before);
     const bool is_same = has_pose && same_bits(body, before);
-    is_still[row] = (foresees ? is_same : has_pose) ? 1 : 0;
+    is_unchanged[row] = (speculates ? is_same : has_pose) ? 1 : 0;
     if (!everything && is_same) continue;
     before = body;
     if (gives_room && (looks[row] & has_room) != 0 && hold(boxed[row], body)) continue;
     const std::uint32_t proxy_end = first_proxy[row + 1];
     if (first_proxy[row] == proxy_end) continue;
-    const Real way = sweep_of(reach, constants[body.source], body);
+    const Real way = swept_displacement_of(reach, constants[body.source], body);
     const Real ahead = ahead_of(reach, constants[body.source], way);
     some_boxed = true;
     const Real room = gives_room && !(way > 0) ? room_for(constants[body.source], body, reach) : Real(0);
@@ -182,7 +183,7 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
       if (room > 0)
         boxes[i] = {{boxes[i].lower.x - room, boxes[i].lower.y - room},
                     {boxes[i].upper.x + room, boxes[i].upper.y + room}};
-      if (!is_restless && !is_inside(boxes[i], large_boxes[i])) leaving[count++] = i;
+      if (!is_high_churn && !is_inside(boxes[i], large_boxes[i])) leaving[count++] = i;
     }
   }
   if (some_boxed) any_boxed.store(true, std::memory_order_relaxed);
@@ -190,8 +191,8 @@ std::size_t follow_bodies(const Model& model, const State& state, KeptPairs& kep
 }
 
 /// Boxes of what has left their room, or of everything; lists what has left its large box. True if there are any.
-bool follow(const Model& model, const State& state, Scratch& scratch, const TickReach& reach, bool everything) {
-  KeptPairs& kept = scratch.kept.pairs;
+bool follow(const Model& model, const State& state, Scratch& scratch, const MotionBounds& reach, bool everything) {
+  PairCache& kept = scratch.caches.pairs;
   kept.leaving.resize(kept.proxies.size());
   const std::size_t count = state.bodies.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 128);
@@ -202,23 +203,23 @@ bool follow(const Model& model, const State& state, Scratch& scratch, const Tick
         static_cast<std::uint32_t>(follow_bodies(model, state, kept, reach, everything, chunk.begin, chunk.end,
                                                  kept.leaving.data() + kept.first_proxy[chunk.begin], any_boxed));
   });
-  std::size_t still_count = 0;
-  for (const std::uint8_t is_still : kept.is_still) still_count += is_still;
-  kept.many_are_still = bodies_per_still * (still_count - kept.static_count) > count - kept.static_count;
+  std::size_t unchanged_count = 0;
+  for (const std::uint8_t is_unchanged : kept.is_unchanged) unchanged_count += is_unchanged;
+  kept.many_are_unchanged = bodies_per_unchanged * (unchanged_count - kept.static_count) > count - kept.static_count;
   std::uint8_t looks = 0;
   for (const std::uint8_t of_body : kept.looks) looks |= of_body;
   kept.any_looks_ahead = (looks & looks_ahead) != 0;
-  kept.any_sweeps = (looks & has_way) != 0;
+  kept.any_swept = (looks & has_way) != 0;
   const auto begin_of = [&](std::size_t chunk) { return std::size_t{kept.first_proxy[chunk * size]}; };
   kept.leaving.resize(put_together(kept.leaving.data(), scratch.part_counts, begin_of));
   return any_boxed.load(std::memory_order_relaxed);
 }
 
 /// Boxes without room, to be counted.
-void box_exactly(const Model& model, const State& state, KeptPairs& kept, const TickReach& reach) {
+void box_exactly(const Model& model, const State& state, PairCache& kept, const MotionBounds& reach) {
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
-    const Real way = sweep_of(reach, model.bodies[body.source], body);
+    const Real way = swept_displacement_of(reach, model.bodies[body.source], body);
     for (std::uint32_t i = kept.first_proxy[row]; i < kept.first_proxy[row + 1]; ++i)
       kept.boxes[i] = box_around(model, body, model.shapes[kept.proxies[i].shape], kept.fall, way);
     kept.looks[row] &= static_cast<std::uint8_t>(~has_room);
@@ -232,7 +233,7 @@ struct NodesToList {
 
 /// Lists the pairs of a chunk of the nodes of a level of the moving tree: each with itself, with those after it, and
 /// with what is static.
-void list_pairs_of_nodes(const KeptPairs& kept, NodesToList nodes, const Chunk& chunk, PairListing& listing,
+void list_pairs_of_nodes(const PairCache& kept, NodesToList nodes, const Chunk& chunk, PairListing& listing,
                          std::vector<Pair>& pairs) {
   const std::uint32_t level = nodes.level;
   const BoxTree& moving = kept.moving_tree;
@@ -272,7 +273,7 @@ std::uint32_t shared_level(const BoxTree& tree) {
 /// All pairs of large boxes that overlap, in any order; `is_tight`: of these, those whose present boxes do. False:
 /// there are more of them than a tick may have, and not all are listed.
 bool list_pairs(Scratch& scratch, bool is_tight) {
-  const BoxTree& tree = scratch.kept.pairs.moving_tree;
+  const BoxTree& tree = scratch.caches.pairs.moving_tree;
   scratch.unsorted_pairs.clear();
   if (tree.proxies.empty()) return true;
   const std::size_t proxy_count = tree.proxies.size();
@@ -281,19 +282,19 @@ bool list_pairs(Scratch& scratch, bool is_tight) {
   const std::size_t node_count = tree.level_start[level + 1] - tree.level_start[level];
   return list_in_chunks(scratch, node_count, is_shared ? 1 + node_count / 32 : node_count,
                         [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
-                          list_pairs_of_nodes(scratch.kept.pairs, {level, is_tight}, chunk, listing, pairs);
+                          list_pairs_of_nodes(scratch.caches.pairs, {level, is_tight}, chunk, listing, pairs);
                         });
 }
 
-void build_everything(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
-  KeptPairs& kept = scratch.kept.pairs;
+void build_everything(const Model& model, const State& state, Scratch& scratch, const MotionBounds& reach) {
+  PairCache& kept = scratch.caches.pairs;
   const std::size_t proxy_count = kept.proxies.size();
   scratch.parallel.for_chunks(proxy_count, scratch.parallel.chunk_size(proxy_count, 128), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i)
       kept.large_boxes[i] = large_box(model, state, kept, static_cast<std::uint32_t>(i));
   });
-  kept.is_stray.assign(kept.proxies.size(), 0);
-  kept.strays.clear();
+  kept.is_moved_proxy.assign(kept.proxies.size(), 0);
+  kept.moved_proxies.clear();
   for (const bool is_static : {true, false}) {
     scratch.sort_entries.clear();
     for (std::uint32_t i = 0; i < kept.proxies.size(); ++i)
@@ -314,16 +315,16 @@ void build_everything(const Model& model, const State& state, Scratch& scratch, 
   sort_pairs(scratch, kept.proxies.size(), kept.pairs);
 }
 
-constexpr std::uint32_t ticks_held_least = 6;  // after the one in which all was built; less was not worth it
-constexpr std::uint32_t restless_ticks = 60;   // until it is tried again
-constexpr std::uint32_t ticks_per_side = 8;    // for which cells are of one size
+constexpr std::uint32_t ticks_held_least = 6;   // after the one in which all was built; less was not worth it
+constexpr std::uint32_t high_churn_ticks = 60;  // until it is tried again
+constexpr std::uint32_t ticks_per_side = 8;     // for which cells are of one size
 
 /// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.
-bool list_present_pairs(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
-  KeptPairs& kept = scratch.kept.pairs;
+bool list_present_pairs(const Model& model, const State& state, Scratch& scratch, const MotionBounds& reach) {
+  PairCache& kept = scratch.caches.pairs;
   kept.has_pairs = false;
-  const bool has_side = kept.common_side > 0 && kept.restless_ticks % ticks_per_side != 0;
-  count_use(scratch.kept.report, CacheKind::cell_side, has_side);
+  const bool has_side = kept.common_side > 0 && kept.high_churn_ticks % ticks_per_side != 0;
+  count_use(scratch.caches.report, CacheKind::cell_side, has_side);
   if (!has_side) kept.common_side = 0;
   CellListing listing = list_by_cells(scratch, kept.proxies, kept.boxes, kept.common_side);
   if (listing == CellListing::unsuited && has_side) {
@@ -342,11 +343,11 @@ bool list_present_pairs(const Model& model, const State& state, Scratch& scratch
   return true;
 }
 
-constexpr std::uint8_t strays_now = 2;
+constexpr std::uint8_t moved_proxies_now = 2;
 
 /// Adds the pairs of a shape that has a new large box. Of two such shapes the one with the smaller index finds both.
 void find_pairs_of(Scratch& scratch, std::uint32_t index) {
-  KeptPairs& kept = scratch.kept.pairs;
+  PairCache& kept = scratch.caches.pairs;
   const Box box = kept.large_boxes[index];
   const auto add = [&](std::uint32_t other) {
     if (may_touch(kept.proxies[index], kept.proxies[other]))
@@ -356,22 +357,22 @@ void find_pairs_of(Scratch& scratch, std::uint32_t index) {
   for_each_overlap_of(kept.static_tree, box, [&](std::uint32_t leaf) { return add(kept.static_tree.proxies[leaf]); });
   for_each_overlap_of(kept.moving_tree, box, [&](std::uint32_t leaf) {
     const std::uint32_t other = kept.moving_tree.proxies[leaf];
-    return kept.is_stray[other] != 0 || add(other);
+    return kept.is_moved_proxy[other] != 0 || add(other);
   });
-  for (const std::uint32_t other : kept.strays)
-    if ((kept.is_stray[other] != strays_now || index < other) && other != index &&
+  for (const std::uint32_t other : kept.moved_proxies)
+    if ((kept.is_moved_proxy[other] != moved_proxies_now || index < other) && other != index &&
         overlaps(box, kept.large_boxes[other]))
       add(other);
 }
 
 /// Puts the pairs of what has left its large box in the place of those it had. False: large boxes have too many pairs,
 /// and all is to be built anew.
-bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
-  KeptPairs& kept = scratch.kept.pairs;
+bool follow_moved_proxies(const Model& model, const State& state, Scratch& scratch) {
+  PairCache& kept = scratch.caches.pairs;
   for (const std::uint32_t index : kept.leaving) {
     kept.large_boxes[index] = large_box(model, state, kept, index);
-    if (kept.is_stray[index] == 0) kept.strays.push_back(index);
-    kept.is_stray[index] = strays_now;
+    if (kept.is_moved_proxy[index] == 0) kept.moved_proxies.push_back(index);
+    kept.is_moved_proxy[index] = moved_proxies_now;
   }
   scratch.unsorted_pairs.clear();
   for (const std::uint32_t index : kept.leaving) {
@@ -386,19 +387,20 @@ bool follow_strays(const Model& model, const State& state, Scratch& scratch) {
     return a.first < b.first || (a.first == b.first && a.second < b.second);
   };
   for (const Pair& pair : kept.pairs) {
-    if (kept.is_stray[pair.first] == strays_now || kept.is_stray[pair.second] == strays_now) continue;
+    if (kept.is_moved_proxy[pair.first] == moved_proxies_now || kept.is_moved_proxy[pair.second] == moved_proxies_now)
+      continue;
     while (next < added.size() && comes_before(added[next], pair)) kept.merged.push_back(added[next++]);
     kept.merged.push_back(pair);
   }
   while (next < added.size()) kept.merged.push_back(added[next++]);
   kept.pairs.swap(kept.merged);
-  for (const std::uint32_t index : kept.leaving) kept.is_stray[index] = 1;
+  for (const std::uint32_t index : kept.leaving) kept.is_moved_proxy[index] = 1;
   return kept.pairs.size() <= scratch.pair_count_max;
 }
 
 /// Copies those of the pairs whose present boxes overlap, as long as no shape looks ahead; returns how many. Without
 /// branches: which do is anybody's guess.
-std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size_t end, Pair* out) {
+std::size_t copy_overlapping(const PairCache& kept, std::size_t begin, std::size_t end, Pair* out) {
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair pair = kept.pairs[i];
@@ -412,7 +414,7 @@ std::size_t copy_overlapping(const KeptPairs& kept, std::size_t begin, std::size
 }
 
 /// Copies the pairs of this tick; returns how many.
-std::size_t copy_present(const KeptPairs& kept, std::size_t begin, std::size_t end, Pair* out) {
+std::size_t copy_present(const PairCache& kept, std::size_t begin, std::size_t end, Pair* out) {
   if (!kept.any_looks_ahead) return copy_overlapping(kept, begin, end, out);
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -426,7 +428,7 @@ std::size_t copy_present(const KeptPairs& kept, std::size_t begin, std::size_t e
 
 /// The pairs of this tick.
 void keep_overlapping(Scratch& scratch) {
-  KeptPairs& kept = scratch.kept.pairs;
+  PairCache& kept = scratch.caches.pairs;
   kept.present.resize(kept.pairs.size());
   kept.present.resize(select_in_chunks(
       scratch, kept.pairs.size(), 512, kept.present.data(),
@@ -436,41 +438,41 @@ void keep_overlapping(Scratch& scratch) {
 }  // namespace
 
 void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt) {
-  KeptPairs& kept = scratch.kept.pairs;
-  const Real fall = fall_of_a_tick(model, state);
-  const TickReach reach = reach_of_tick(model, state, dt);
+  PairCache& kept = scratch.caches.pairs;
+  const Real fall = gravity_displacement_of_tick(model, state);
+  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
   const bool fitted = fits(scratch, state);
   if (!fitted) list_proxies(model, state, kept);
   const bool boxes_hold = fitted && kept.dt == dt && kept.fall == fall && kept.farthest == reach.farthest;
-  const bool foresees = model.scene.settings.auto_substeps.has_value();
-  if (!fitted || kept.fall != fall || (foresees && kept.dt != dt)) scratch.kept.has_touching = false;
+  const bool speculates = model.scene.settings.auto_substeps.has_value();
+  if (!fitted || kept.fall != fall || (speculates && kept.dt != dt)) scratch.caches.has_touching = false;
   kept.dt = dt;
   kept.fall = fall;
   kept.farthest = reach.farthest;
   kept.is_valid = true;
   const bool made_boxes = follow(model, state, scratch, reach, !boxes_hold);
   const bool all_hold = !made_boxes && kept.has_present;
-  CacheReport& report = scratch.kept.report;
+  CacheReport& report = scratch.caches.report;
   count_uses(report, CacheKind::boxes, {boxes_hold ? 1u : 0u, made_boxes ? 1u : 0u});
   kept.has_present = kept.stay = false;
   scratch.proxies = kept.proxies;
-  const std::size_t stray_count = kept.strays.size() + kept.leaving.size();
-  const bool are_many =
-      stray_count > stray_count_max || stray_count * moving_per_stray > kept.moving_tree.proxies.size();
+  const std::size_t moved_proxy_count = kept.moved_proxies.size() + kept.leaving.size();
+  const bool are_many = moved_proxy_count > moved_proxy_count_max ||
+                        moved_proxy_count * moving_per_moved_proxy > kept.moving_tree.proxies.size();
   bool builds = !fitted || are_many || !kept.has_pairs;
   if (model.is_composed && fitted && are_many && kept.has_pairs && kept.ticks_held < ticks_held_least)
-    kept.restless_ticks = restless_ticks;
+    kept.high_churn_ticks = high_churn_ticks;
   ++kept.ticks_held;
-  if (kept.restless_ticks > 0) {
-    --kept.restless_ticks;
+  if (kept.high_churn_ticks > 0) {
+    --kept.high_churn_ticks;
     if (list_present_pairs(model, state, scratch, reach)) return;
-    kept.restless_ticks = 0;
+    kept.high_churn_ticks = 0;
     builds = true;
   }
   kept.stay = all_hold && !builds;
   count_use(report, CacheKind::pair_list, !builds);
   count_use(report, CacheKind::present_pairs, kept.stay);
-  if (builds || (!kept.leaving.empty() && !follow_strays(model, state, scratch)))
+  if (builds || (!kept.leaving.empty() && !follow_moved_proxies(model, state, scratch)))
     build_everything(model, state, scratch, reach);
   if (scratch.has_too_many_pairs) return;
   if (!kept.stay) keep_overlapping(scratch);

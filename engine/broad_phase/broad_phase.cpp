@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
+#include "engine/narrow_phase/motion_bounds.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/narrow_phase/reach.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -30,7 +30,7 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
   const BodyModel& constants = model.bodies[state.bodies[row].source];
   for (std::uint32_t child = 0; child < constants.shape_count; ++child) {
     const std::uint32_t place = constants.first_shape + child;
-    if (model.is_lonely[place] != 0) continue;
+    if (model.is_non_colliding[place] != 0) continue;
     const ShapeModel& shape = model.shapes[model.body_shapes[place]];
     proxies.push_back({row, model.body_shapes[place], child, constants.type == BodyType::dynamic_body,
                        constants.type == BodyType::static_body, shape.is_sensor, is_line(shape), shape.filter, -1});
@@ -39,8 +39,8 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
 
 namespace {
 
-Real sweep_of_row(const Model& model, const State& state, const TickReach& reach, std::uint32_t row) {
-  return sweep_of(reach, model.bodies[state.bodies[row].source], state.bodies[row]);
+Real swept_displacement_of_row(const Model& model, const State& state, const MotionBounds& reach, std::uint32_t row) {
+  return swept_displacement_of(reach, model.bodies[state.bodies[row].source], state.bodies[row]);
 }
 
 }  // namespace
@@ -58,17 +58,17 @@ Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& s
 }
 
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  scratch.kept.pairs.is_valid = false;  // of another broad phase
-  scratch.kept.has_touching = false;
-  const Real fall = fall_of_a_tick(model, state);
-  const TickReach reach = reach_of_tick(model, state, dt);
+  scratch.caches.pairs.is_valid = false;  // of another broad phase
+  scratch.caches.has_touching = false;
+  const Real fall = gravity_displacement_of_tick(model, state);
+  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
   scratch.proxy_rows.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
   scratch.proxies = scratch.proxy_rows;
   scratch.boxes.clear();
   for (Proxy& proxy : scratch.proxy_rows) {
     const BodyRow& body = state.bodies[proxy.body];
-    const Real way = sweep_of_row(model, state, reach, proxy.body);
+    const Real way = swept_displacement_of_row(model, state, reach, proxy.body);
     scratch.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], fall, way));
     proxy.ahead = ahead_of(reach, model.bodies[body.source], way);
   }
@@ -119,13 +119,13 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   make_proxies(model, state, scratch, dt);
   if (boxes_are_too_many(scratch)) return;
   const std::span<const Proxy> proxies = scratch.proxies;
-  const Real fall = fall_of_a_tick(model, state);
-  const TickReach reach = reach_of_tick(model, state, dt);
+  const Real fall = gravity_displacement_of_tick(model, state);
+  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
   std::vector<Circle>& circles = scratch.circles;
   circles.clear();
   for (const Proxy& proxy : proxies)
     circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
-                                    sweep_of_row(model, state, reach, proxy.body)));
+                                    swept_displacement_of_row(model, state, reach, proxy.body)));
   scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {

@@ -23,9 +23,9 @@ inline Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
   return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
 }
 
-/// The circle and the box around a shape of a body and its margin, and around its `way` of this tick (sweep_of): no
-/// two shapes between which the narrow phase finds anything have boxes, or circles, that do not overlap.
-/// `fall`: fall_of_a_tick.
+/// The circle and the box around a shape of a body and its margin, and around its `way` of this tick
+/// (swept_displacement_of): no two shapes between which the narrow phase finds anything have boxes, or circles, that do
+/// not overlap. `fall`: gravity_displacement_of_tick.
 inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);
   return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};

@@ -92,7 +92,7 @@ BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const st
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const Real ahead = proxies[i].ahead;
       outline.farthest = larger(outline.farthest, ahead);
-      outline.any_guarded |= ahead < 0;
+      outline.any_ccd_only |= ahead < 0;
       const Box box = near_box(boxes[i], ahead);
       scratch.near_boxes[i] = box;
       if (fits_into(box, side)) outline.spread = of_both(outline.spread, {box.lower, box.lower});
@@ -101,7 +101,8 @@ BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const st
   });
   BoxOutline all;
   for (const BoxOutline& part : scratch.outlines)
-    all = {of_both(all.spread, part.spread), larger(all.farthest, part.farthest), all.any_guarded || part.any_guarded};
+    all = {of_both(all.spread, part.spread), larger(all.farthest, part.farthest),
+           all.any_ccd_only || part.any_ccd_only};
   return all;
 }
 
@@ -301,17 +302,17 @@ bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, 
 struct Ahead {
   const std::vector<Box>& boxes;  // [proxy] with what is ahead
   Real farthest = 0;              // m, any looks
-  bool any_guarded = false;
+  bool any_ccd_only = false;
 };
 
 /// The pairs of a shape that looks ahead with guarded ones in cells.
-bool meet_guarded(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
+bool meet_ccd_only(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
   const Query query(ahead.boxes[index]);
   return for_cells_of(
-      cells, scratch.guarded_starts, ahead.boxes[index], [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.ccd_only_starts, ahead.boxes[index], [&](std::size_t more) { out.make_room(more); },
       [&](std::uint32_t place) {
-        const std::uint32_t other = scratch.guarded_places[place];
+        const std::uint32_t other = scratch.ccd_only_places[place];
         return !query.overlaps(ahead.boxes[other]) || out.add(index, other);
       });
 }
@@ -355,13 +356,13 @@ bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const Ahead& 
       [&](std::uint32_t place) {
         return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
       });
-  if (!goes_on || !ahead.any_guarded || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
-  return out.proxies[index].ahead > 0 ? meet_guarded(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
+  if (!goes_on || !ahead.any_ccd_only || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
+  return out.proxies[index].ahead > 0 ? meet_ccd_only(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
 }
 
 /// Sorts the guarded shapes by cell, but those in scratch.large. Requires: fill_cells.
-void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
-  std::vector<std::uint32_t>& start = scratch.guarded_starts;
+void fill_ccd_only_cells(Scratch& scratch, std::span<const Proxy> proxies) {
+  std::vector<std::uint32_t>& start = scratch.ccd_only_starts;
   const std::vector<std::uint32_t>& cell_of = scratch.counts;
   start.assign(scratch.cell_starts.size(), 0);
   const auto for_each = [&](auto use) {
@@ -370,8 +371,8 @@ void fill_guarded_cells(Scratch& scratch, std::span<const Proxy> proxies) {
   };
   for_each([&](std::uint32_t i) { ++start[cell_of[i] + 1]; });
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.guarded_places.resize(start.back());
-  for_each([&](std::uint32_t i) { scratch.guarded_places[start[cell_of[i]]++] = i; });
+  scratch.ccd_only_places.resize(start.back());
+  for_each([&](std::uint32_t i) { scratch.ccd_only_places[start[cell_of[i]]++] = i; });
 }
 
 }  // namespace
@@ -391,9 +392,9 @@ CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, cons
   if (scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
   const Ahead ahead{all_boxes, outline.farthest * (1 + 64 * epsilon),
-                    outline.any_guarded};  // with what ahead_of puts on
-  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_guarded;
-  if (some_look_ahead) fill_guarded_cells(scratch, proxies);
+                    outline.any_ccd_only};  // with what ahead_of puts on
+  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_ccd_only;
+  if (some_look_ahead) fill_ccd_only_cells(scratch, proxies);
   // Boxes in cells, then the large ones.
   const std::size_t end_in_cells = boxes.size() - scratch.large.size();
   const bool fits =
@@ -404,7 +405,7 @@ CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, cons
                        bool goes_on = chunk.begin >= end || meet_neighbours(cells, chunk.begin, end, out);
                        for (std::size_t place = chunk.begin; some_look_ahead && goes_on && place < end; ++place) {
                          const std::uint32_t index = scratch.swept_places[place].proxy;
-                         if (proxies[index].ahead > 0) goes_on = meet_guarded(cells, ahead, index, out);
+                         if (proxies[index].ahead > 0) goes_on = meet_ccd_only(cells, ahead, index, out);
                        }
                        for (std::size_t i = std::max(chunk.begin, end_in_cells); goes_on && i < chunk.end; ++i)
                          goes_on = meet_large(cells, boxes, ahead, i - end_in_cells, out);

@@ -11,7 +11,7 @@ unsigned contact_features(const Model& model) {
   for (const BodyModel& body : model.bodies)
     for (std::uint32_t child = 0; child < body.shape_count; ++child) {
       const ShapeModel& shape = model.shape(body, child);
-      if (shape.is_sensor || model.is_lonely[body.first_shape + child] != 0) continue;
+      if (shape.is_sensor || model.is_non_colliding[body.first_shape + child] != 0) continue;
       if (shape.friction > 0) features |= contact_feature::friction;
       if (shape.radius > 0) features |= contact_feature::radius;
       // Circles meet everything in one point. Two shapes of which neither is one meet in two, if one of them moves.

@@ -45,20 +45,20 @@ void make_room(ContactBatches& out, unsigned features) {
 }
 
 /// The contacts in the slots of a block.
-const std::uint32_t* slots_of(const Scratch& scratch, const SolveGroup& group, const ContactBlock& block,
+const std::uint32_t* slots_of(const Scratch& scratch, const SolverSet& set, const ContactBlock& block,
                               ContactBatches& out) {
-  const ContactColoring& coloring = scratch.kept.coloring;
+  const ContactColoring& coloring = scratch.caches.coloring;
   const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
   if (coloring.is_whole_set) return slots;  // those of the group are all
   const std::size_t count = block.slot_end - block.first_slot;
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   out.slots.resize(count);
   for (std::size_t i = 0; i < count; ++i) out.slots[i] = slots[i] != no_contact ? contacts[slots[i]] : no_contact;
   return out.slots.data();
 }
 
 void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
-                  const TouchingPair& pair) {
+                  const ContactPair& pair) {
   const ShapeModel& a = model.shapes[scratch.proxies[pair.proxy_a].shape];
   const ShapeModel& b = model.shapes[scratch.proxies[pair.proxy_b].shape];
   const Real inv_inertia = scratch.masses[pair.body_a].inv_inertia + scratch.masses[pair.body_b].inv_inertia;
@@ -68,34 +68,33 @@ void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out,
 }
 
 /// What a kernel needs for the batches first..end-1.
-ContactWork work_of(Scratch& scratch, const SolveGroup& group, ContactBatches& all, std::size_t first,
-                    std::size_t end) {
+ContactWork work_of(Scratch& scratch, const SolverSet& set, ContactBatches& all, std::size_t first, std::size_t end) {
   return {all.batches.data() + first,
           end - first,
           all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
           all.bounces.empty() ? nullptr : all.bounces.data() + first,
           &scratch.bodies.data()->velocity.x,
-          group.h,
-          group.stiffness.moving,
-          group.stiffness.immovable};
+          set.h,
+          set.stiffness.moving,
+          set.stiffness.immovable};
 }
 
 /// Runs a kernel over the batches of a group, colour by colour.
 template <typename Kernel>
-void for_colors(Scratch& scratch, const SolveGroup& group, Kernel kernel) {
-  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+void for_colors(Scratch& scratch, const SolverSet& set, Kernel kernel) {
+  for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
     const BatchRun& run = scratch.contact_batches.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
-      kernel(work_of(scratch, group, scratch.contact_batches, run.first + chunk.begin, run.first + chunk.end));
+      kernel(work_of(scratch, set, scratch.contact_batches, run.first + chunk.begin, run.first + chunk.end));
     });
   }
 }
 
 // What kernels read.
-static_assert(offsetof(TouchingPair, body_b) == offsetof(TouchingPair, body_a) + sizeof(std::uint32_t));
-static_assert(offsetof(TouchingPair, size) == offsetof(TouchingPair, friction) + 3 * sizeof(Real));
+static_assert(offsetof(ContactPair, body_b) == offsetof(ContactPair, body_a) + sizeof(std::uint32_t));
+static_assert(offsetof(ContactPair, size) == offsetof(ContactPair, friction) + 3 * sizeof(Real));
 static_assert(offsetof(Manifold, point_count) == 2 * sizeof(Real));
-static_assert(offsetof(TouchingPair, restitution) - offsetof(TouchingPair, manifold.points[1].separation) >=
+static_assert(offsetof(ContactPair, restitution) - offsetof(ContactPair, manifold.points[1].separation) >=
               4 * sizeof(Real));
 static_assert(offsetof(ManifoldPoint, anchor_b) == offsetof(ManifoldPoint, anchor_a) + sizeof(Vec2));
 static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal_force) + 2 * sizeof(Real));
@@ -103,13 +102,13 @@ static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass
 static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
 
 /// What a kernel fills the batches from `first` on from.
-ContactSource source_of(const State& state, const Scratch& scratch, const SolveGroup& group, const std::uint32_t* slots,
+ContactSource source_of(const State& state, const Scratch& scratch, const SolverSet& set, const std::uint32_t* slots,
                         const std::uint8_t* in_turn, std::uint32_t unread) {
-  const TouchingPair& pair = scratch.touching[0];
+  const ContactPair& pair = scratch.contact_pairs[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
   return {slots,
           in_turn,
-          sizeof(TouchingPair),
+          sizeof(ContactPair),
           &pair.body_a,
           &pair.friction,
           &pair.manifold.normal.x,
@@ -124,7 +123,7 @@ ContactSource source_of(const State& state, const Scratch& scratch, const SolveG
           unread_record(scratch),
           unread,
           resting_record(scratch),
-          group.stiffness.slop};
+          set.stiffness.slop};
 }
 
 /// Fills what scenes with restitution or surfaces have beside.
@@ -135,7 +134,7 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
   if (bounces) out.bounces[i] = {};
   if (has_surfaces) out.surfaces[i] = {};
   for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
-    const TouchingPair& pair = scratch.touching[batch.contact[lane]];
+    const ContactPair& pair = scratch.contact_pairs[batch.contact[lane]];
     if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
     batch.bounces |= pair.restitution > 0 ? 1 : 0;
     if (has_surfaces) fill_surface(model, scratch, out.surfaces[i], lane, pair);
@@ -143,22 +142,22 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
 }
 
 /// Fills the batches first..end-1 from the contacts in `slots`, of which some are `in_turn`.
-void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group,
+void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set,
                   const std::uint32_t* slots, const std::uint8_t* in_turn, ContactBatches& out, std::size_t first,
                   std::size_t end, std::uint32_t unread) {
   if (first == end) return;
-  scratch.kernels->filling.fill(source_of(state, scratch, group, slots, in_turn, unread), out.batches.data() + first,
+  scratch.kernels->filling.fill(source_of(state, scratch, set, slots, in_turn, unread), out.batches.data() + first,
                                 end - first);
   if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
 }
 
 /// Impulses of the batches first..end-1 back to the contacts, as forces.
-void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolveGroup& group, std::size_t first,
+void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolverSet& set, std::size_t first,
                    std::size_t end, State& state) {
   if (first == end) return;
   scratch.kernels->filling.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
-                                 sizeof(ContactRow), 1 / group.h);
+                                 sizeof(ContactRow), 1 / set.h);
 }
 
 }  // namespace
@@ -183,64 +182,64 @@ void clear_contacts(Scratch& scratch) {
   scratch.contact_batches.runs.clear();
 }
 
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolveGroup& group) {
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set) {
   ContactBatches& out = scratch.contact_batches;
-  const ContactColoring& coloring = scratch.kept.coloring;
-  group.first_batch = static_cast<std::uint32_t>(out.batch_count);
-  group.first_run = static_cast<std::uint32_t>(out.runs.size());
+  const ContactColoring& coloring = scratch.caches.coloring;
+  set.first_batch = static_cast<std::uint32_t>(out.batch_count);
+  set.first_run = static_cast<std::uint32_t>(out.runs.size());
   for (const BatchRange& color : coloring.color_batches)
-    add_run(scratch.parallel, out.runs, out.runs.size() == group.first_run, group.first_batch + color.first,
-            group.first_batch + color.end);
-  group.run_end = static_cast<std::uint32_t>(out.runs.size());
+    add_run(scratch.parallel, out.runs, out.runs.size() == set.first_run, set.first_batch + color.first,
+            set.first_batch + color.end);
+  set.run_end = static_cast<std::uint32_t>(out.runs.size());
   out.batch_count += coloring.slots.size() / contact_lane_count;
-  group.batch_end = static_cast<std::uint32_t>(out.batch_count);
+  set.batch_end = static_cast<std::uint32_t>(out.batch_count);
   make_room(out, model.contact_features);
-  const std::uint32_t* slots = slots_of(scratch, group, coloring.blocks[0], out);
-  for (std::uint32_t i = group.first_run; i < group.run_end; ++i) {
+  const std::uint32_t* slots = slots_of(scratch, set, coloring.blocks[0], out);
+  for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
     const BatchRun& run = out.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
-      const std::size_t of_group = first - group.first_batch;
-      fill_batches(model, state, scratch, group, slots + of_group * contact_lane_count,
+      const std::size_t of_group = first - set.first_batch;
+      fill_batches(model, state, scratch, set, slots + of_group * contact_lane_count,
                    coloring.in_turn.data() + of_group, out, first, end, unread_record(scratch, chunk.index));
-      scratch.kernels->contacts.prepare(work_of(scratch, group, out, first, end));
+      scratch.kernels->contacts.prepare(work_of(scratch, set, out, first, end));
     });
   }
 }
 
-void warm_start_contacts(Scratch& scratch, const SolveGroup& group) {
-  for_colors(scratch, group, scratch.kernels->contacts.warm_start);
+void warm_start_contacts(Scratch& scratch, const SolverSet& set) {
+  for_colors(scratch, set, scratch.kernels->contacts.warm_start);
 }
 
-void solve_contacts(Scratch& scratch, const SolveGroup& group, Poses poses) {
+void solve_contacts(Scratch& scratch, const SolverSet& set, Poses poses) {
   const ContactKernels& kernels = scratch.kernels->contacts;
-  for_colors(scratch, group, poses == Poses::moved ? kernels.solve : kernels.solve_again);
+  for_colors(scratch, set, poses == Poses::moved ? kernels.solve : kernels.solve_again);
 }
 
-void relax_contacts(Scratch& scratch, const SolveGroup& group) {
-  for_colors(scratch, group, scratch.kernels->contacts.relax);
+void relax_contacts(Scratch& scratch, const SolverSet& set) {
+  for_colors(scratch, set, scratch.kernels->contacts.relax);
 }
 
-bool bounce_contacts(Scratch& scratch, const SolveGroup& group, Real threshold) {
+bool bounce_contacts(Scratch& scratch, const SolverSet& set, Real threshold) {
   std::atomic<bool> any{false};
-  for_colors(scratch, group, [&](const ContactWork& work) {
+  for_colors(scratch, set, [&](const ContactWork& work) {
     if (scratch.kernels->contacts.bounce(work, threshold)) any.store(true, std::memory_order_relaxed);
   });
   return any.load(std::memory_order_relaxed);
 }
 
-void save_impulses(Scratch& scratch, const SolveGroup& group) {
+void save_impulses(Scratch& scratch, const SolverSet& set) {
   ContactBatches& out = scratch.contact_batches;
   out.saved.clear();
-  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+  for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i)
     for (const ContactPointLanes& point : out.batches[i].points) out.saved.push_back(point.normal_impulse);
 }
 
-void limit_impulses(Scratch& scratch, const SolveGroup& group) {
+void limit_impulses(Scratch& scratch, const SolverSet& set) {
   ContactBatches& out = scratch.contact_batches;
   std::size_t next = 0;
-  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i)
+  for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i)
     for (ContactPointLanes& point : out.batches[i].points) {
       const ContactLanes& saved = out.saved[next++];
       for (int lane = 0; lane < contact_lane_count; ++lane) {
@@ -251,38 +250,38 @@ void limit_impulses(Scratch& scratch, const SolveGroup& group) {
     }
 }
 
-void store_contacts(const Scratch& scratch, const SolveGroup& group, State& state) {
-  const std::size_t count = group.batch_end - group.first_batch;
+void store_contacts(const Scratch& scratch, const SolverSet& set, State& state) {
+  const std::size_t count = set.batch_end - set.first_batch;
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) {
-                                store_batches(scratch, scratch.contact_batches, group, group.first_batch + chunk.begin,
-                                              group.first_batch + chunk.end, state);
+                                store_batches(scratch, scratch.contact_batches, set, set.first_batch + chunk.begin,
+                                              set.first_batch + chunk.end, state);
                               });
 }
 
-void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group,
+void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
                    const ContactBlock& block, std::uint32_t unread, ContactBatches& out) {
-  const ContactColoring& coloring = scratch.kept.coloring;
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  const ContactColoring& coloring = scratch.caches.coloring;
+  const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
     const std::uint32_t contact = contacts[coloring.contacts[i]];
-    __builtin_prefetch(&scratch.touching[contact]);
-    __builtin_prefetch(&scratch.touching[contact].friction);
+    __builtin_prefetch(&scratch.contact_pairs[contact]);
+    __builtin_prefetch(&scratch.contact_pairs[contact].friction);
     __builtin_prefetch(&state.contacts[contact]);
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
   make_room(out, model.contact_features);
-  fill_batches(model, state, scratch, group, slots_of(scratch, group, block, out),
+  fill_batches(model, state, scratch, set, slots_of(scratch, set, block, out),
                coloring.in_turn.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, unread);
-  scratch.kernels->contacts.prepare(work_of_block(scratch, group, out));
+  scratch.kernels->contacts.prepare(work_of_block(scratch, set, out));
 }
 
-ContactWork work_of_block(Scratch& scratch, const SolveGroup& group, ContactBatches& batches) {
-  return work_of(scratch, group, batches, 0, batches.batch_count);
+ContactWork work_of_block(Scratch& scratch, const SolverSet& set, ContactBatches& batches) {
+  return work_of(scratch, set, batches, 0, batches.batch_count);
 }
 
-void store_block(const Scratch& scratch, const SolveGroup& group, const ContactBatches& batches, State& state) {
-  store_batches(scratch, batches, group, 0, batches.batch_count, state);
+void store_block(const Scratch& scratch, const SolverSet& set, const ContactBatches& batches, State& state) {
+  store_batches(scratch, batches, set, 0, batches.batch_count, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -8,20 +8,20 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group) {
+bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set) {
   if (!bodies_step_alone(model) || (model.contact_features & contact_feature::bounce) != 0 || scratch.planted ||
-      !state.joints.empty() || !scratch.pulls.empty() || !scratch.impacts.empty() || group.has_landings ||
-      scratch.groups.size() != 1)
+      !state.joints.empty() || !scratch.pulls.empty() || !scratch.impacts.empty() || set.has_resting_impacts ||
+      scratch.solver_sets.size() != 1)
     return false;
   // What is kinematic moves with each substep, for all blocks.
   const std::uint32_t unread = unread_record(scratch);
-  for (std::uint32_t i = group.first_row; i < group.row_end; ++i)
-    if (scratch.masses[scratch.group_rows[i]].write == unread) return false;
+  for (std::uint32_t i = set.first_row; i < set.row_end; ++i)
+    if (scratch.masses[scratch.set_rows[i]].write == unread) return false;
   return true;
 }
 
-void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolveGroup& group) {
-  const ContactColoring& coloring = scratch.kept.coloring;
+void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolverSet& set) {
+  const ContactColoring& coloring = scratch.caches.coloring;
   const ContactKernels& contacts = scratch.kernels->contacts;
   const MotionKernels& motion = scratch.kernels->motion;
   Real* bodies = &scratch.bodies.data()->velocity.x;
@@ -35,20 +35,20 @@ void solve_blocks(const Model& model, State& state, Scratch& scratch, const Solv
       const ContactBlock& block = coloring.blocks[i];
       const std::uint32_t* rows = coloring.rows.data() + block.first_row;
       const std::size_t row_count = block.row_end - block.first_row;
-      prepare_block(model, state, scratch, group, block, unread, batches);
-      const ContactWork work = work_of_block(scratch, group, batches);
-      for (int substep = 0; substep < group.substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, row_count);
+      prepare_block(model, state, scratch, set, block, unread, batches);
+      const ContactWork work = work_of_block(scratch, set, batches);
+      for (int substep = 0; substep < set.substeps; ++substep) {
+        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
         contacts.warm_start(work);
         contacts.solve_again(work);
-        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, group.h);
+        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, set.h);
         contacts.relax(work);
       }
-      store_block(scratch, group, batches, state);
+      store_block(scratch, set, batches, state);
     }
   });
   scratch.moving_rows = coloring.free_rows;
-  fly(scratch, group.h, group.substeps);
+  integrate_freely(scratch, set.h, set.substeps);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

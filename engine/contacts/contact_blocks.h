@@ -12,10 +12,10 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Whether the contacts of this group can be solved in blocks: nothing else ties its bodies, or needs its contacts
 /// between substeps or later. Requires: prepare_pulls, prepare_joints.
-bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolveGroup& group);
+bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set);
 
 /// All substeps of a group, block by block, with the impulses back in state.contacts. Requires: color_contacts has
 /// split them; the integrator has begun.
-void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolveGroup& group);
+void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolverSet& set);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -42,21 +42,21 @@ bool find_ends(const Parallel& parallel, std::size_t count, EndsAt ends_at, Cont
 
 /// Whether the colours are those of all present contacts.
 bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
-  return coloring.is_whole_set && coloring.contact_set == scratch.kept.contact_set;
+  return coloring.is_whole_set && coloring.contact_set == scratch.caches.contact_set;
 }
 
 /// True if the ends of the group's contacts are those that were there.
-bool find_ends_of_group(Scratch& scratch, const SolveGroup& group, ContactColoring& coloring) {
-  const std::size_t count = group.contact_end - group.first_contact;
-  const bool is_whole_set = count == scratch.touching.size();
+bool find_ends_of_group(Scratch& scratch, const SolverSet& set, ContactColoring& coloring) {
+  const std::size_t count = set.contact_end - set.first_contact;
+  const bool is_whole_set = count == scratch.contact_pairs.size();
   if (is_whole_set && are_colored(scratch, coloring)) return true;
   coloring.is_whole_set = is_whole_set;
-  coloring.contact_set = scratch.kept.contact_set;
-  const std::uint32_t* contacts = scratch.group_contacts.data() + group.first_contact;
+  coloring.contact_set = scratch.caches.contact_set;
+  const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   const std::uint32_t unread = unread_record(scratch);
   const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
   const auto ends_at = [&](std::size_t i) {
-    const TouchingPair& pair = scratch.touching[contacts[i]];
+    const ContactPair& pair = scratch.contact_pairs[contacts[i]];
     return ContactEnds{mover(pair.body_a), mover(pair.body_b)};
   };
   return find_ends(scratch.parallel, count, ends_at, coloring);
@@ -137,7 +137,7 @@ void fill_blocks(ContactColoring& coloring) {
         block.first = first;
         block.end = end;
       });
-  const std::vector<std::uint32_t>& rows = coloring.group_rows;
+  const std::vector<std::uint32_t>& rows = coloring.set_rows;
   std::uint32_t in_blocks = 0;
   sort_by_block(
       coloring, rows.size(), [&](std::size_t i) { return coloring.block_of[rows[i]]; }, coloring.rows,
@@ -155,7 +155,7 @@ bool split(Scratch& scratch, ContactColoring& coloring) {
   if (coloring.ends.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
   const std::size_t body_count = scratch.masses.size();
   const bool is_hit = coloring.block_of.size() == body_count && holds(coloring);
-  count_use(scratch.kept.report, CacheKind::contact_blocks, is_hit);
+  count_use(scratch.caches.report, CacheKind::contact_blocks, is_hit);
   if (!is_hit) {
     if (forced == 0 && coloring.ticks_unsplit > 0) {
       --coloring.ticks_unsplit;
@@ -277,36 +277,35 @@ void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColor
 }  // namespace
 
 void color_ahead(const State& state, Scratch& scratch) {
-  ContactColoring& coloring = scratch.kept.coloring;
+  ContactColoring& coloring = scratch.caches.coloring;
   if (!coloring.is_whole_set || coloring.is_split || are_colored(scratch, coloring)) return;
   const auto mover = [&](std::uint32_t proxy, std::uint32_t row) {
     return scratch.proxies[proxy].is_dynamic ? row : no_body;
   };
   const auto ends_at = [&](std::size_t i) {
-    const TouchingPair& pair = scratch.touching[i];
+    const ContactPair& pair = scratch.contact_pairs[i];
     return ContactEnds{mover(pair.proxy_a, pair.body_a), mover(pair.proxy_b, pair.body_b)};
   };
   const Parallel alone;
-  const bool same_ends = find_ends(alone, scratch.touching.size(), ends_at, coloring);
-  coloring.contact_set = scratch.kept.contact_set;
+  const bool same_ends = find_ends(alone, scratch.contact_pairs.size(), ends_at, coloring);
+  coloring.contact_set = scratch.caches.contact_set;
   if (same_ends && !coloring.blocks.empty()) return;
   make_one_block(coloring);
   color_blocks(alone, state.bodies.size(), coloring);
 }
 
-void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split) {
-  ContactColoring& coloring = scratch.kept.coloring;
-  const bool same_ends = find_ends_of_group(scratch, group, coloring) && !coloring.blocks.empty();
-  count_use(scratch.kept.report, CacheKind::contact_colors, same_ends);
+void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split) {
+  ContactColoring& coloring = scratch.caches.coloring;
+  const bool same_ends = find_ends_of_group(scratch, set, coloring) && !coloring.blocks.empty();
+  count_use(scratch.caches.report, CacheKind::contact_colors, same_ends);
   if (may_split) {
-    const std::span<const std::uint32_t> rows(scratch.group_rows.data() + group.first_row,
-                                              group.row_end - group.first_row);
-    const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.group_rows.begin(), coloring.group_rows.end());
+    const std::span<const std::uint32_t> rows(scratch.set_rows.data() + set.first_row, set.row_end - set.first_row);
+    const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.set_rows.begin(), coloring.set_rows.end());
     if (same_ends && same_rows && coloring.is_split) {
-      count_use(scratch.kept.report, CacheKind::contact_blocks, true);
+      count_use(scratch.caches.report, CacheKind::contact_blocks, true);
       return;
     }
-    coloring.group_rows.assign(rows.begin(), rows.end());
+    coloring.set_rows.assign(rows.begin(), rows.end());
     const bool was_split = coloring.is_split;
     coloring.is_split = split(scratch, coloring);
     if (!coloring.is_split && same_ends && !was_split) return;

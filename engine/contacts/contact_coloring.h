@@ -15,7 +15,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Scratch;
-struct SolveGroup;
+struct SolverSet;
 struct State;
 
 // One bit each in a body's colour set. Contacts between two moving bodies come first, those with something immovable
@@ -77,7 +77,7 @@ struct ContactColoring {
   std::vector<BatchRange> color_batches;  // in solving order, where there is one block
   std::vector<std::uint32_t> rows;        // bodies that move, by block
   std::vector<std::uint32_t> free_rows;   // those that are in none
-  std::vector<std::uint32_t> group_rows;  // those that the blocks were made for
+  std::vector<std::uint32_t> set_rows;    // those that the blocks were made for
   std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; holds while no contact ties two blocks
   std::uint32_t ticks_unsplit = 0;        // to pass before islands are looked for
   std::vector<ContactColor> colors;       // [place in `contacts`]
@@ -93,8 +93,8 @@ inline constexpr std::uint32_t no_block = 0xffffffff;
 /// may do something else meanwhile. Runs nothing in chunks.
 void color_ahead(const State& state, Scratch& scratch);
 
-/// Colours the contacts of a group: scratch.kept.coloring. `may_split`: in blocks, if there are contacts enough for
+/// Colours the contacts of a group: scratch.caches.coloring. `may_split`: in blocks, if there are contacts enough for
 /// some. Requires: prepare_bodies.
-void color_contacts(Scratch& scratch, const SolveGroup& group, bool may_split);
+void color_contacts(Scratch& scratch, const SolverSet& group, bool may_split);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

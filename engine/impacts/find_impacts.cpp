@@ -9,7 +9,7 @@
 #include "engine/impacts/impacts.h"
 #include "engine/joints/joint_model.h"
 #include "engine/narrow_phase/distance.h"
-#include "engine/narrow_phase/reach.h"
+#include "engine/narrow_phase/motion_bounds.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -37,7 +37,7 @@ const BodyModel& constants_of(const Model& model, const BodyRow& body) {
 }
 
 /// Notes which bodies are fast. False: none is.
-bool find_fast(const Model& model, const State& state, Scratch& scratch, const TickReach& reach) {
+bool find_fast(const Model& model, const State& state, Scratch& scratch, const MotionBounds& reach) {
   std::atomic<bool> any{false};
   const std::size_t count = state.bodies.size();
   scratch.is_fast.resize(count);
@@ -54,10 +54,10 @@ bool find_fast(const Model& model, const State& state, Scratch& scratch, const T
 }
 
 /// Appends those of the candidate pairs begin..end-1 whose impacts are located.
-void add_impacts(const Model& model, const State& state, const Scratch& scratch, const TickReach& reach,
+void add_impacts(const Model& model, const State& state, const Scratch& scratch, const MotionBounds& reach,
                  std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
   const Settings& settings = model.scene.settings;
-  const Real fall = fall_of_a_tick(model, state);
+  const Real fall = gravity_displacement_of_tick(model, state);
   std::uint32_t next_contact = no_reference;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair& candidate = scratch.pairs[i];
@@ -77,16 +77,16 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     const BodyRow& body_b = state.bodies[b.body];
     const bool fast = settings.continuous && guarded && one_is_fast;
     if (!bounces && !fast) continue;
-    const Real sweep_a = sweep_of(reach, constants_of(model, body_a), body_a);
-    const Real sweep_b = sweep_of(reach, constants_of(model, body_b), body_b);
-    const Circle circle_a = circle_around(body_a, shape_a, fall, sweep_a);
-    const Circle circle_b = circle_around(body_b, shape_b, fall, sweep_b);
+    const Real swept_a = swept_displacement_of(reach, constants_of(model, body_a), body_a);
+    const Real swept_b = swept_displacement_of(reach, constants_of(model, body_b), body_b);
+    const Circle circle_a = circle_around(body_a, shape_a, fall, swept_a);
+    const Circle circle_b = circle_around(body_b, shape_b, fall, swept_b);
     const Real near = circle_a.radius + circle_b.radius;
     if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near)) continue;
     if (are_separated(model, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
-    if (gap.separation > sweep_a + sweep_b) continue;
+    if (gap.separation > swept_a + swept_b) continue;
     // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};
@@ -104,14 +104,14 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
 
 }  // namespace
 
-TickReach reach_of_tick(const Model& model, const State& state, Real dt) {
+MotionBounds motion_bounds_of_tick(const Model& model, const State& state, Real dt) {
   const Settings& settings = model.scene.settings;
-  TickReach reach{
+  MotionBounds reach{
       dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
       0};
   if (!settings.locate_impacts) return reach;
   for (const BodyRow& body : state.bodies)
-    reach.farthest = larger(reach.farthest, reach_in(reach, constants_of(model, body), body));
+    reach.farthest = larger(reach.farthest, motion_bound_in(reach, constants_of(model, body), body));
   return reach;
 }
 
@@ -120,9 +120,9 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.impacts.clear();
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
   if (scratch.pairs.empty()) return;
-  const TickReach reach = reach_of_tick(model, state, dt);
+  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
   // Broad phases that follow bodies know whether any is fast.
-  if (reach.guards && !reach.locates && scratch.kept.pairs.is_valid && !scratch.kept.pairs.any_sweeps) return;
+  if (reach.guards && !reach.locates && scratch.caches.pairs.is_valid && !scratch.caches.pairs.any_swept) return;
   if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
   const std::size_t count = scratch.pairs.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 256);

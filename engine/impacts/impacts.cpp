@@ -34,11 +34,11 @@ Vec2 velocity_at(const ImpactPath& path, Real time) {
 
 Vec2 moved_at(const ImpactPath& path, Real time) {
   const Real t = time - path.time;
-  return path.moved + t * (path.velocity + (Real(0.5) * t) * path.acceleration);
+  return path.delta_position + t * (path.velocity + (Real(0.5) * t) * path.acceleration);
 }
 
 Rotation turned_at(const ImpactPath& path, Real time) {
-  return rotation_by((time - path.time) * path.angular_velocity) * path.turned;
+  return rotation_by((time - path.time) * path.angular_velocity) * path.delta_rotation;
 }
 
 Placement pose_at(const State& state, const ImpactPath& path, std::uint32_t row, Real time) {
@@ -177,9 +177,9 @@ void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
     path.kept_spin += spin_change;
     return;
   }
-  path.moved = moved_at(path, time);
+  path.delta_position = moved_at(path, time);
   path.velocity = velocity_at(path, time) + change;
-  path.turned = turned_at(path, time);
+  path.delta_rotation = turned_at(path, time);
   path.angle += (time - path.time) * path.angular_velocity;
   path.angular_velocity += spin_change;
   path.time = time;
@@ -249,8 +249,8 @@ void begin_path(const Model& model, const State& state, Scratch& scratch, std::u
   ImpactPath& path = scratch.paths[row];
   const MovingBody& body = scratch.bodies[row];
   const bool is_static = model.bodies[state.bodies[row].source].type == BodyType::static_body;
-  path.moved = body.moved;
-  path.turned = body.turned;
+  path.delta_position = body.delta_position;
+  path.delta_rotation = body.delta_rotation;
   path.time = 0;
   path.angle = 0;
   path.is_hit = false;
@@ -286,7 +286,7 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
     scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
     scratch.predicted[row].angular += spin - body.angular_velocity;
   }
-  path.correction = (moved - body.moved) - h * (velocity - offset);
+  path.correction = (moved - body.delta_position) - h * (velocity - offset);
   path.turn_correction = angle - h * (spin - spin_offset);
   scratch.hit_rows.push_back(row);
   body.velocity = velocity;
@@ -359,7 +359,7 @@ Real slow_closing(const Model& model, const State& state, const Scratch& scratch
 }
 
 bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact) {
-  const TouchingPair& pair = scratch.touching[contact];
+  const ContactPair& pair = scratch.contact_pairs[contact];
   const ContactRow& row = state.contacts[contact];
   if (!model.scene.settings.locate_impacts || !(pair.restitution > 0)) return false;
   if (row.normal_force[0] > 0 || row.normal_force[1] > 0) return false;
@@ -378,7 +378,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const Scratch& s
   return true;
 }
 
-void note_impact_velocities(const State& state, Scratch& scratch) {
+void save_impact_velocities(const State& state, Scratch& scratch) {
   scratch.paths.resize(state.bodies.size());
   for (const ImpactPair& pair : scratch.impacts) {
     scratch.paths[pair.body_a].start_velocity = scratch.bodies[pair.body_a].velocity;
@@ -389,8 +389,8 @@ void note_impact_velocities(const State& state, Scratch& scratch) {
 void finish_impacts(Scratch& scratch) {
   for (const std::uint32_t row : scratch.hit_rows) {
     MovingBody& body = scratch.bodies[row];
-    body.moved = body.moved + scratch.paths[row].correction;
-    body.turned = rotation_by(scratch.paths[row].turn_correction) * body.turned;
+    body.delta_position = body.delta_position + scratch.paths[row].correction;
+    body.delta_rotation = rotation_by(scratch.paths[row].turn_correction) * body.delta_rotation;
   }
 }
 
@@ -401,7 +401,7 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
   for (std::uint32_t i = 0; i < scratch.impacts.size(); ++i) {
     const ImpactPair& pair = scratch.impacts[i];
     const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
-    if (scratch.body_group[a_moves ? pair.body_a : pair.body_b] == scratch.group_index) active.push_back(i);
+    if (scratch.body_solver_set[a_moves ? pair.body_a : pair.body_b] == scratch.set_index) active.push_back(i);
   }
   for (const std::uint32_t i : active) {
     begin_path(model, state, scratch, scratch.impacts[i].body_a, h);

@@ -38,8 +38,8 @@ struct ImpactEvent {
 
 /// A body's way through a substep: x(t) = moved + velocity (t - time) + acceleration (t - time)^2 / 2.
 struct ImpactPath {
-  Vec2 moved;  // since the tick began, at `time`, m
-  Rotation turned;
+  Vec2 delta_position;  // since the tick began, at `time`, m
+  Rotation delta_rotation;
   Real time;      // s from the start of the substep
   Vec2 velocity;  // at `time`, m/s
   Vec2 acceleration;
@@ -57,14 +57,14 @@ struct ImpactPath {
 
 /// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
 /// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
-/// to the speed at which it just gets there in a substep. `contact`: in scratch.touching and state.contacts.
+/// to the speed at which it just gets there in a substep. `contact`: in scratch.contact_pairs and state.contacts.
 bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact);
 /// ImpactPair::slow of a pair. `contact`: as above, or the number of contacts if the pair has none.
 Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
                   std::uint32_t contact, Real dt);
 
 /// Notes velocities before a substep. Call before the integrator predicts.
-void note_impact_velocities(const State& state, Scratch& scratch);
+void save_impact_velocities(const State& state, Scratch& scratch);
 /// Finds and applies the impacts of a substep of length h of the group that is being solved. Call after the
 /// integrator's prediction.
 void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h);

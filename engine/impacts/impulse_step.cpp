@@ -26,14 +26,15 @@ constexpr double envelope_work_max = 1 << 24;  // multiplications of a factoriza
 double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
                      const MovingBody& b) {
   const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
-  const Vec2 way = b.moved - a.moved;
+  const Vec2 way = b.delta_position - a.delta_position;
   const double along =
       static_cast<double>(way.x) * at(batch.normal_x) + static_cast<double>(way.y) * at(batch.normal_y);
   const double back_a = at(point.tangent_arm_a) + at(batch.radius_a);
   const double back_b = at(point.tangent_arm_b) - at(batch.radius_b);
-  const double lost = (static_cast<double>(a.turned.c) - 1) * back_a - (static_cast<double>(b.turned.c) - 1) * back_b;
-  const double turned = static_cast<double>(b.turned.s) * at(point.normal_arm_b) -
-                        static_cast<double>(a.turned.s) * at(point.normal_arm_a);
+  const double lost =
+      (static_cast<double>(a.delta_rotation.c) - 1) * back_a - (static_cast<double>(b.delta_rotation.c) - 1) * back_b;
+  const double turned = static_cast<double>(b.delta_rotation.s) * at(point.normal_arm_b) -
+                        static_cast<double>(a.delta_rotation.s) * at(point.normal_arm_a);
   return at(point.separation) + (along + (lost + turned));
 }
 
@@ -80,15 +81,15 @@ void set_along(PushingRow& row, const double (&arms)[3][2]) {
 }
 
 /// The rows of the points that push; of those that also hold, a row of friction after that of the normal.
-void find_rows(Scratch& scratch, const SolveGroup& group) {
+void find_rows(Scratch& scratch, const SolverSet& set) {
   ImpulseStep& out = scratch.impulse_step;
   out.rows.clear();
   const ContactBatches& all = scratch.contact_batches;
-  const double inv_h = 1 / static_cast<double>(group.h);
-  for (std::uint32_t i = group.first_batch; i < group.batch_end; ++i) {
+  const double inv_h = 1 / static_cast<double>(set.h);
+  for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i) {
     const ContactBatch& batch = all.batches[i];
     for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
-      const TouchingPair& pair = scratch.touching[batch.contact[lane]];
+      const ContactPair& pair = scratch.contact_pairs[batch.contact[lane]];
       const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
       const double nx = at(batch.normal_x);
       const double ny = at(batch.normal_y);
@@ -342,9 +343,9 @@ void apply(Scratch& scratch) {
 
 }  // namespace
 
-void step_pushing_contacts(Scratch& scratch, const SolveGroup& group) {
+void step_pushing_contacts(Scratch& scratch, const SolverSet& set) {
   ImpulseStep& out = scratch.impulse_step;
-  find_rows(scratch, group);
+  find_rows(scratch, set);
   find_places(scratch);
   if (out.bodies.empty() || !make_system(scratch)) return;
   factor(out);

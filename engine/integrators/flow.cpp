@@ -13,7 +13,7 @@ namespace {
 constexpr Real force_like = 4;
 
 void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
-  count_use(scratch.kept.report, CacheKind::free_motion, scratch.free_motion_step == h);
+  count_use(scratch.caches.report, CacheKind::free_motion, scratch.free_motion_step == h);
   if (scratch.free_motion_step == h) return;
   scratch.free_motion.clear();
   const double step = static_cast<double>(h < 0 ? -h : h);
@@ -52,13 +52,13 @@ void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
 
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
   prepare_free_motion(model, scratch, h);
-  VelocitySteps& kept = scratch.kept.velocity_steps;
-  const KeptPairs& pairs = scratch.kept.pairs;
+  VelocitySteps& kept = scratch.caches.velocity_steps;
+  const PairCache& pairs = scratch.caches.pairs;
   const Vec2 gravity = state.world.gravity;
   const bool may_keep = pairs.is_valid && scratch.force.empty();
   const bool is_hit = may_keep && kept.is_valid && kept.body_set == pairs.body_set && kept.h == h &&
                       kept.gravity.x == gravity.x && kept.gravity.y == gravity.y;
-  count_use(scratch.kept.report, CacheKind::velocity_steps, is_hit);
+  count_use(scratch.caches.report, CacheKind::velocity_steps, is_hit);
   if (is_hit) return;
   kept.is_valid = may_keep;
   kept.body_set = pairs.body_set;
@@ -85,7 +85,7 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
     scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x,
-                                            scratch.kept.velocity_steps.rows.data()->gain,
+                                            scratch.caches.velocity_steps.rows.data()->gain,
                                             scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
   });
   if (model.position_forces == nullptr) return;
@@ -114,7 +114,7 @@ bool bodies_step_alone(const Model& model) {
          !model.has_velocity_forces;
 }
 
-void fly(Scratch& scratch, Real h, int substeps) {
+void integrate_freely(Scratch& scratch, Real h, int substeps) {
   constexpr std::size_t block_size = 128;  // bodies: 12 KB in f32
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, block_size), [&](const Chunk& chunk) {
@@ -124,7 +124,7 @@ void fly(Scratch& scratch, Real h, int substeps) {
       const std::uint32_t* rows = scratch.moving_rows.data() + first;
       const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
       for (int substep = 0; substep < substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
         motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread_record(scratch, chunk.index), h);
       }
     }
@@ -172,8 +172,8 @@ void move_bodies_by_drift(Scratch& scratch, Real h, Real share) {
     if (size > limit) changed = (limit / size) * changed;
     const Real spin_limit = force_like * absolute(offset.angular);
     spun = smaller(larger(spun, -spin_limit), spin_limit);
-    body.moved = body.moved + h * ((body.velocity - offset.linear) - changed);
-    body.turned = rotation_by(h * ((body.angular_velocity - offset.angular) - spun)) * body.turned;
+    body.delta_position = body.delta_position + h * ((body.velocity - offset.linear) - changed);
+    body.delta_rotation = rotation_by(h * ((body.angular_velocity - offset.angular) - spun)) * body.delta_rotation;
   }
 }
 

@@ -7,7 +7,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Fills scratch.kept.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
+/// Fills scratch.caches.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h);
 
 /// v' = e^(-c h) v + a (1 - e^(-c h)) / c with a at the present poses, h as prepared.
@@ -20,7 +20,7 @@ void move_bodies(Scratch& scratch, Real h);
 bool bodies_step_alone(const Model& model);
 /// All substeps of bodies on which nothing acts between them: the same steps, so many bodies at a time that they stay
 /// in the nearest cache. Requires: bodies_step_alone, prepare_velocity_steps.
-void fly(Scratch& scratch, Real h, int substeps);
+void integrate_freely(Scratch& scratch, Real h, int substeps);
 
 /// Fills scratch.constant_accelerations, for total_accelerations.
 void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch);

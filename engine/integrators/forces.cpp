@@ -72,7 +72,7 @@ void add_central_accelerations(const Model& model, const State& state, Scratch& 
   for (std::size_t i = 0; i < model.centrals.size(); ++i) {
     const CentralForce& central = model.centrals[i];
     const auto attract = [&](std::size_t row) {
-      const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].moved;
+      const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].delta_position;
       const Real distance = length(r);
       if (!(distance > 0)) return;
       Vec2& acceleration = scratch.accelerations[row].linear;
@@ -153,9 +153,9 @@ SpringLine line_of(const SpringRow& spring, const Scratch& scratch) {
   const MovingBody& a = scratch.bodies[spring.body_a];
   const MovingBody& b = scratch.bodies[spring.body_b];
   SpringLine line;
-  line.arm_a = rotate(a.turned, spring.arm_a);
-  line.arm_b = rotate(b.turned, spring.arm_b);
-  const Vec2 apart = (spring.offset + (b.moved - a.moved)) + (line.arm_b - line.arm_a);
+  line.arm_a = rotate(a.delta_rotation, spring.arm_a);
+  line.arm_b = rotate(b.delta_rotation, spring.arm_b);
+  const Vec2 apart = (spring.offset + (b.delta_position - a.delta_position)) + (line.arm_b - line.arm_a);
   line.length = length(apart);
   line.exists = line.length > 0;
   if (!line.exists) return line;
@@ -202,10 +202,10 @@ namespace {
 
 /// Whether a spring pulls at bodies of the group that is being solved; both ends are of one island.
 bool is_in_group(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
-  if (scratch.body_group[row_a] == scratch.group_index) return true;
+  if (scratch.body_solver_set[row_a] == scratch.set_index) return true;
   if (spring.other == no_reference) return false;
   const std::size_t row_b = state.find_body(spring.other);
-  return row_b < state.bodies.size() && scratch.body_group[row_b] == scratch.group_index;
+  return row_b < state.bodies.size() && scratch.body_solver_set[row_b] == scratch.set_index;
 }
 
 }  // namespace

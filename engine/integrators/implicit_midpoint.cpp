@@ -35,7 +35,7 @@ Twist zero_if_fixed(Twist value, const BodyModel* body) {
 /// Model of the record's body; null for the records at rest and for bodies of no group or another one: their equations
 /// are not solved here, and their rows of `stages` and `accelerations` are not of this tick.
 const BodyModel* body_of(const Model& model, const State& state, const Scratch& scratch, std::size_t record) {
-  const bool is_in = record < state.bodies.size() && scratch.body_group[record] == scratch.group_index;
+  const bool is_in = record < state.bodies.size() && scratch.body_solver_set[record] == scratch.set_index;
   return is_in ? &model.bodies[state.bodies[record].source] : nullptr;
 }
 
@@ -45,7 +45,7 @@ Real central_stiffness(const Model& model, const State& state, const Scratch& sc
   for (std::size_t i = 0; i < model.centrals.size(); ++i) {
     const CentralForce& central = model.centrals[i];
     if (!central.every && scratch.central_rows[i] != row) continue;
-    const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].moved;
+    const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].delta_position;
     const Real distance = length(r);
     if (!(distance > 0)) continue;
     const Real across = central.strength * power(distance, central.exponent - 1);
@@ -169,8 +169,8 @@ void move_to_middle(Scratch& scratch, Real h) {
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
-    body.moved = start.moved + (Real(0.5) * h) * body.velocity;
-    body.turned = rotation_by(Real(0.5) * h * body.angular_velocity) * start.turned;
+    body.delta_position = start.delta_position + (Real(0.5) * h) * body.velocity;
+    body.delta_rotation = rotation_by(Real(0.5) * h * body.angular_velocity) * start.delta_rotation;
   }
 }
 
@@ -240,8 +240,8 @@ void predict_implicit_midpoint(const Model& model, const State& state, Scratch& 
     MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
     const Twist middle{body.velocity, body.angular_velocity};
-    body.moved = start.moved;
-    body.turned = start.turned;
+    body.delta_position = start.delta_position;
+    body.delta_rotation = start.delta_rotation;
     body.velocity = (middle.linear - start.velocity) + middle.linear;
     body.angular_velocity = (middle.angular - start.angular_velocity) + middle.angular;
     drift_with(scratch, row, middle);

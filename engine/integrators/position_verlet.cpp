@@ -22,8 +22,8 @@ void predict_position_verlet(const Model& model, const State& state, Scratch& sc
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
     const MovingBody& start = scratch.stages[row].start;
-    body.moved = start.moved;
-    body.turned = start.turned;
+    body.delta_position = start.delta_position;
+    body.delta_rotation = start.delta_rotation;
     drift_with(
         scratch, row,
         {Real(0.5) * (start.velocity + body.velocity), Real(0.5) * (start.angular_velocity + body.angular_velocity)});

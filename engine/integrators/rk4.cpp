@@ -36,8 +36,8 @@ void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real 
       sums.accelerations.linear = sums.accelerations.linear + stage.weight * slope.linear;
       sums.accelerations.angular += stage.weight * slope.angular;
       const Real step = stage.reach * h;
-      body.moved = start.moved + step * body.velocity;
-      body.turned = rotation_by(step * body.angular_velocity) * start.turned;
+      body.delta_position = start.delta_position + step * body.velocity;
+      body.delta_rotation = rotation_by(step * body.angular_velocity) * start.delta_rotation;
       body.velocity = start.velocity + step * slope.linear;
       body.angular_velocity = start.angular_velocity + step * slope.angular;
     }

@@ -31,15 +31,15 @@ struct Lean {
   Real turn;  // rad
 };
 
-inline constexpr std::uint32_t no_group = 0xffffffff;
+inline constexpr std::uint32_t no_solver_set = 0xffffffff;
 
-/// Islands solved together, with the same number of substeps. Ranges of Scratch::group_rows, group_contacts and
+/// Islands solved together, with the same number of substeps. Ranges of Scratch::set_rows, set_contacts and
 /// ContactBatches::batches and ::runs.
-struct SolveGroup {
+struct SolverSet {
   int substeps = 1;
-  bool has_landings = false;
-  std::uint32_t joint_sweeps = 1;  // over its joints before bodies move
-  Real h = 0;                      // s, of a substep
+  bool has_resting_impacts = false;
+  std::uint32_t joint_iterations = 1;  // over its joints before bodies move
+  Real h = 0;                          // s, of a substep
   ContactStiffness stiffness;
   std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_contact = 0, contact_end = 0;
@@ -48,7 +48,7 @@ struct SolveGroup {
 };
 
 /// A contact that hits a body at rest in this tick.
-struct Landing {
+struct RestingImpact {
   std::uint32_t contact;  // in `touching`
   Real closing;           // m/s, before the pass
   Real allowed;           // m, how far the bodies may move meanwhile

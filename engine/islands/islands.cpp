@@ -7,7 +7,7 @@
 #include <atomic>
 
 #include "base/limits.h"
-#include "engine/islands/groups.h"
+#include "engine/islands/solver_sets.h"
 #include "engine/model/selection.h"
 #include "engine/pipeline.h"
 
@@ -47,12 +47,12 @@ bool is_moving(const BodyRow& body) {
 constexpr std::size_t contacts_per_chunk_least = 512;
 
 void unite_by_contacts(Scratch& scratch) {
-  const std::size_t count = scratch.touching.size();
+  const std::size_t count = scratch.contact_pairs.size();
   const std::size_t size = scratch.parallel.chunk_size(count, contacts_per_chunk_least);
   scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const std::uint32_t a = scratch.touching[i].body_a;
-      const std::uint32_t b = scratch.touching[i].body_b;
+      const std::uint32_t a = scratch.contact_pairs[i].body_a;
+      const std::uint32_t b = scratch.contact_pairs[i].body_b;
       if (scratch.body_types[a] != BodyType::dynamic_body || scratch.body_types[b] != BodyType::dynamic_body) continue;
       if (size < count)
         unite_shared(scratch.island_parent, a, b);
@@ -122,11 +122,11 @@ void disturb(const Model& model, State& state, Scratch& scratch) {
     if (disturbs(state, scratch, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
     if (disturbs(state, scratch, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
-  const std::size_t contact_count = scratch.touching.size();
+  const std::size_t contact_count = scratch.contact_pairs.size();
   scratch.parallel.for_chunks(contact_count, scratch.parallel.chunk_size(contact_count, contacts_per_chunk_least),
                               [&](const Chunk& chunk) {
                                 for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                                  meet(scratch.touching[i].body_a, scratch.touching[i].body_b);
+                                  meet(scratch.contact_pairs[i].body_a, scratch.contact_pairs[i].body_b);
                               });
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
@@ -192,66 +192,67 @@ constexpr std::uint32_t key_of_all_groups = 1;
 constexpr std::uint32_t key_least = 2;
 constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
 
-/// scratch.group_keys: of groups, those of one substep first.
-void find_group_keys(Scratch& scratch) {
+/// scratch.set_keys: of groups, those of one substep first.
+void find_set_keys(Scratch& scratch) {
   const std::size_t count = scratch.body_types.size();
-  scratch.group_keys.resize(count);
+  scratch.set_keys.resize(count);
   for (std::uint32_t row = 0; row < count; ++row) {
     const BodyType type = scratch.body_types[row];
     std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_groups : key_of_no_group;
     if (type == BodyType::dynamic_body) {
       const std::uint32_t root = find_root(scratch.island_parent, row);
-      if (scratch.island_awake[root] != 0) key = 2 * scratch.island_level[root] + scratch.island_lands[root];
+      if (scratch.island_awake[root] != 0)
+        key = 2 * scratch.island_level[root] + scratch.island_has_resting_impact[root];
     }
-    scratch.group_keys[row] = key;
+    scratch.set_keys[row] = key;
   }
 }
 
 void add_group(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
-  const auto index = static_cast<std::uint32_t>(scratch.groups.size());
-  SolveGroup group;
-  group.substeps = static_cast<int>(key / 2);
-  group.has_landings = key % 2 != 0;
-  group.first_row = static_cast<std::uint32_t>(scratch.group_rows.size());
-  group.first_contact = static_cast<std::uint32_t>(scratch.group_contacts.size());
+  const auto index = static_cast<std::uint32_t>(scratch.solver_sets.size());
+  SolverSet set;
+  set.substeps = static_cast<int>(key / 2);
+  set.has_resting_impacts = key % 2 != 0;
+  set.first_row = static_cast<std::uint32_t>(scratch.set_rows.size());
+  set.first_contact = static_cast<std::uint32_t>(scratch.set_contacts.size());
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (scratch.group_keys[row] != key && scratch.group_keys[row] != key_of_all_groups) continue;
-    scratch.group_rows.push_back(row);
-    scratch.body_group[row] = index;
+    if (scratch.set_keys[row] != key && scratch.set_keys[row] != key_of_all_groups) continue;
+    scratch.set_rows.push_back(row);
+    scratch.body_solver_set[row] = index;
   }
   const auto select = [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const TouchingPair& pair = scratch.touching[i];
+      const ContactPair& pair = scratch.contact_pairs[i];
       const auto contact = static_cast<std::uint32_t>(i);
-      const std::uint32_t of_a = scratch.group_keys[pair.body_a];
+      const std::uint32_t of_a = scratch.set_keys[pair.body_a];
       // Two dynamic bodies that touch are of one island.
-      if ((of_a < key_least ? scratch.group_keys[pair.body_b] : of_a) == key &&
+      if ((of_a < key_least ? scratch.set_keys[pair.body_b] : of_a) == key &&
           !is_left_to_impacts(model, state, scratch, contact))
         out[count++] = contact;
     }
     return count;
   };
-  scratch.group_contacts.resize(group.first_contact + scratch.touching.size());
-  const std::size_t contact_count = select_in_chunks(scratch, scratch.touching.size(), contacts_per_chunk_least,
-                                                     scratch.group_contacts.data() + group.first_contact, select);
-  scratch.group_contacts.resize(group.first_contact + contact_count);
-  group.row_end = static_cast<std::uint32_t>(scratch.group_rows.size());
-  group.contact_end = static_cast<std::uint32_t>(scratch.group_contacts.size());
-  scratch.groups.push_back(group);
+  scratch.set_contacts.resize(set.first_contact + scratch.contact_pairs.size());
+  const std::size_t contact_count = select_in_chunks(scratch, scratch.contact_pairs.size(), contacts_per_chunk_least,
+                                                     scratch.set_contacts.data() + set.first_contact, select);
+  scratch.set_contacts.resize(set.first_contact + contact_count);
+  set.row_end = static_cast<std::uint32_t>(scratch.set_rows.size());
+  set.contact_end = static_cast<std::uint32_t>(scratch.set_contacts.size());
+  scratch.solver_sets.push_back(set);
 }
 
 /// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
 /// in each of them.
-void make_groups(const Model& model, const State& state, Scratch& scratch) {
-  scratch.groups.clear();
-  scratch.group_rows.clear();
-  scratch.group_contacts.clear();
-  scratch.body_group.assign(state.bodies.size(), no_group);
-  find_group_keys(scratch);
+void make_solver_sets(const Model& model, const State& state, Scratch& scratch) {
+  scratch.solver_sets.clear();
+  scratch.set_rows.clear();
+  scratch.set_contacts.clear();
+  scratch.body_solver_set.assign(state.bodies.size(), no_solver_set);
+  find_set_keys(scratch);
   bool in_use[key_count] = {};
   in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
-  for (const std::uint32_t key : scratch.group_keys) in_use[key] = true;
+  for (const std::uint32_t key : scratch.set_keys) in_use[key] = true;
   for (std::uint32_t key = key_least; key < key_count; ++key)
     if (in_use[key]) add_group(model, state, scratch, key);
 }
@@ -262,15 +263,15 @@ void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
   const bool some_disturb = find_types(model, state, scratch);
   const bool all_awake = stay_awake(model, state, scratch, some_disturb);
   // Where all are awake and have equal substeps, who hangs together with whom makes no difference.
-  scratch.is_grouped = !all_awake || model.scene.settings.auto_substeps;
-  if (!scratch.is_grouped) return;
+  scratch.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
+  if (!scratch.has_solver_sets) return;
   unite_bodies(model, state, scratch);
   if (all_awake)
     scratch.island_awake.assign(state.bodies.size(), 1);
   else
     sleep_by_islands(model, state, scratch);
   choose_substeps(model, state, scratch, dt);
-  make_groups(model, state, scratch);
+  make_solver_sets(model, state, scratch);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

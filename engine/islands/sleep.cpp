@@ -4,7 +4,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void measure_calm(const Model& model, State& state, Scratch& scratch, Real dt) {
+void measure_idle_time(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Real speed_max = static_cast<Real>(model.scene.settings.sleep->speed_max);
   const std::size_t count = state.bodies.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {

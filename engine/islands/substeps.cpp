@@ -3,19 +3,19 @@
 // Source: the sag of soft constraints falls as substeps^-2: sag = force / (effective mass * omega^2) with omega
 // proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
 #include "base/limits.h"
-#include "engine/impacts/landings.h"
+#include "engine/impacts/shock_propagation.h"
 #include "engine/islands/islands.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::uint32_t calm_tick_count = 60;  // fewer substeps only after so many ticks that needed fewer
+constexpr std::uint32_t idle_tick_count = 60;  // fewer substeps only after so many ticks that needed fewer
 constexpr int reference_substeps = 4;
 constexpr std::uint32_t not_carried = 0xffffffff;
 
 /// 1 / (effective mass of a contact point along the normal).
-Real inv_effective_mass(const Model& model, const State& state, const TouchingPair& pair, const ManifoldPoint& point) {
+Real inv_effective_mass(const Model& model, const State& state, const ContactPair& pair, const ManifoldPoint& point) {
   const BodyModel& a = model.bodies[state.bodies[pair.body_a].source];
   const BodyModel& b = model.bodies[state.bodies[pair.body_b].source];
   const Real arm_a = cross(point.anchor_a, pair.manifold.normal);
@@ -24,7 +24,7 @@ Real inv_effective_mass(const Model& model, const State& state, const TouchingPa
 }
 
 /// m/N of a contact at the reference number of substeps.
-Real contact_softness(const Model& model, const State& state, const TouchingPair& pair, Real h) {
+Real contact_softness(const Model& model, const State& state, const ContactPair& pair, Real h) {
   Real stiffness = 0;  // N/m
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const Real inv_mass = inv_effective_mass(model, state, pair, pair.manifold.points[i]);
@@ -53,7 +53,7 @@ Real joint_turn_softness(const Model& model, const State& state, const JointMode
 }
 
 /// Whether the bodies rest on each other, or are about to: what is merely seen early carries nothing.
-bool carries(const TouchingPair& pair) {
+bool carries(const ContactPair& pair) {
   Real least = pair.manifold.points[0].separation;
   if (pair.manifold.point_count == 2) least = smaller(least, pair.manifold.points[1].separation);
   return least <= resting_margin(pair.size);
@@ -63,7 +63,7 @@ bool carries(const TouchingPair& pair) {
 void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
   std::vector<std::uint32_t>& start = scratch.support_start;
   start.assign(state.bodies.size() + 2, 0);
-  for (const TouchingPair& pair : scratch.touching) {
+  for (const ContactPair& pair : scratch.contact_pairs) {
     if (!carries(pair)) continue;
     ++start[pair.body_a + 2];
     ++start[pair.body_b + 2];
@@ -75,7 +75,7 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
   }
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   scratch.supports.resize(start.back());
-  for (const TouchingPair& pair : scratch.touching) {
+  for (const ContactPair& pair : scratch.contact_pairs) {
     if (!carries(pair)) continue;
     const Real softness = contact_softness(model, state, pair, h);
     const ManifoldPoint& p = pair.manifold.points[0];
@@ -277,8 +277,8 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
   scratch.island_level.assign(state.bodies.size(), least);
-  scratch.landings.clear();
-  scratch.island_lands.assign(state.bodies.size(), 0);
+  scratch.resting_impacts.clear();
+  scratch.island_has_resting_impact.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
   list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, scratch);
@@ -304,29 +304,29 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   std::vector<std::uint32_t>& had = scratch.support_depth;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& calm = scratch.support_order;
-  calm.assign(state.bodies.size(), calm_tick_count);
+  calm.assign(state.bodies.size(), idle_tick_count);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t root = find_root(scratch.island_parent, row);
     const SubstepRow& now = state.substeps[row];
     if (now.count > had[root]) {
       had[root] = now.count;
-      calm[root] = now.calm_ticks;
-    } else if (now.count == had[root] && now.calm_ticks < calm[root]) {
-      calm[root] = now.calm_ticks;
+      calm[root] = now.idle_ticks;
+    } else if (now.count == had[root] && now.idle_ticks < calm[root]) {
+      calm[root] = now.idle_ticks;
     }
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
     const std::uint32_t root = find_root(scratch.island_parent, row);
-    const bool keeps = had[root] > level[root] && calm[root] + 1 < calm_tick_count;
+    const bool keeps = had[root] > level[root] && calm[root] + 1 < idle_tick_count;
     SubstepRow& now = state.substeps[row];
     now.count = keeps ? had[root] : level[root];
-    now.calm_ticks = keeps ? calm[root] + 1 : 0;
+    now.idle_ticks = keeps ? calm[root] + 1 : 0;
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
       level[find_root(scratch.island_parent, row)] = state.substeps[row].count;
-  find_landings(model, state, scratch, dt);
+  find_resting_impacts(model, state, scratch, dt);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

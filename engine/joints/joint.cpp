@@ -99,26 +99,26 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
 /// Calls body(first, last) for all batches of pins, in chunks.
 template <typename Body>
 static void for_pins(const Scratch& scratch, const Body& body) {
-  const std::size_t count = scratch.kept.joints.pins.size();
+  const std::size_t count = scratch.caches.joints.pins.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) { body(chunk.begin, chunk.end); });
 }
 
-void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
-  const Real h = group.h;
+void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set) {
+  const Real h = set.h;
   const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   scratch.joints.clear();
   scratch.pins.soft = soft;
   scratch.hinges.soft = soft;
   scratch.is_woven = false;
   if (state.joints.empty()) {
-    scratch.kept.joints = {};
+    scratch.caches.joints = {};
     return;
   }
   plan_joints(model, state, scratch);
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   scratch.pins.order = plan.in_levels ? PinOrder::levels : PinOrder::row;
-  scratch.is_woven = plan.is_woven && is_left_to_joints(scratch, group) &&
+  scratch.is_woven = plan.is_woven && is_left_to_joints(scratch, set) &&
                      plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
   raise_inertias(state, scratch, h);
   for (const std::uint32_t place : plan.single)
@@ -135,7 +135,7 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   }
 }
 
-void note_velocities_of(Scratch& scratch, const JointRange& range) {
+void save_velocities_of(Scratch& scratch, const JointRange& range) {
   if (!range.springs) return;
   if (range.way == JointWay::hinge)
     note_hinges(scratch, range);
@@ -161,16 +161,16 @@ void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, s
     functions_of(range.kind).solve(run_of(scratch, range), h, bias);
 }
 
-void note_joint_velocities(Scratch& scratch) {
-  for (const JointRange& range : scratch.kept.joints.ranges) note_velocities_of(scratch, range);
+void save_joint_velocities(Scratch& scratch) {
+  for (const JointRange& range : scratch.caches.joints.ranges) save_velocities_of(scratch, range);
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.kept.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
+  for (const JointRange& range : scratch.caches.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.kept.joints.ranges) solve_range(scratch, range, h, bias, 0);
+  for (const JointRange& range : scratch.caches.joints.ranges) solve_range(scratch, range, h, bias, 0);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {

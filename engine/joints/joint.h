@@ -20,7 +20,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct State;
 struct Scratch;
-struct SolveGroup;
+struct SolverSet;
 struct MovingBody;
 
 /// Accumulated impulses of a substep. Which ones a kind uses is said in its file.
@@ -89,15 +89,15 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
                      const Softness& soft, Real h);
 
 /// Fills scratch.joints with those of a group. Requires: scratch.bodies filled (prepare_bodies).
-void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);
+void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& group);
 /// N/m of a rigid row per kg of effective mass, for substeps of length h.
 Real joint_stiffness(Real h);
 /// Notes the velocities before a substep. Call before the integrator predicts.
-void note_joint_velocities(Scratch& scratch);
+void save_joint_velocities(Scratch& scratch);
 void warm_start_joints(Scratch& scratch);
 void solve_joints(Scratch& scratch, Real h, Bias bias);
 // The same for a part of them, by a line of passes (weave.h).
-void note_velocities_of(Scratch& scratch, const JointRange& range);
+void save_velocities_of(Scratch& scratch, const JointRange& range);
 void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
 void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
 /// Impulses back to state.joints, as forces.

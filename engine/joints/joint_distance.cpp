@@ -16,9 +16,9 @@ struct Span {
 };
 
 Span span_of(const JointWork& joint, const JointBodies& pair) {
-  const Vec2 arm_a = rotate(pair.a.turned, joint.anchor_a);
-  const Vec2 arm_b = rotate(pair.b.turned, joint.anchor_b);
-  const Vec2 d = (joint.apart + (pair.b.moved - pair.a.moved)) + (arm_b - arm_a);
+  const Vec2 arm_a = rotate(pair.a.delta_rotation, joint.anchor_a);
+  const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
+  const Vec2 d = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + (arm_b - arm_a);
   const Real distance = length(d);
   // Coincident anchors have no direction: a fixed one is as good as any, and gives no NaN.
   const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};

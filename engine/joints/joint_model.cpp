@@ -139,7 +139,7 @@ constexpr double share_sum_max = 2.5;
 constexpr double sweeps_per_share2 = 0.25;
 constexpr double joints_swept_max = 1 << 14;  // in all sweeps over the scene's joints
 
-void find_hubs(Model& model) {
+void find_light_bodies(Model& model) {
   std::vector<double> sums(model.scene.bodies.size(), 0);
   for (const JointModel& joint : model.joints) {
     const bool is_held = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic ||
@@ -157,8 +157,8 @@ void find_hubs(Model& model) {
   for (std::uint32_t body = 0; body < sums.size(); ++body) {
     if (!(sums[body] > share_sum_max)) continue;
     const double wanted = sweeps_per_share2 * sums[body] * sums[body];
-    const double sweeps = wanted < most ? wanted : most;
-    if (sweeps > 1) model.hubs.push_back({body, 1 + static_cast<std::uint32_t>(sweeps)});
+    const double iterations = wanted < most ? wanted : most;
+    if (iterations > 1) model.light_bodies.push_back({body, 1 + static_cast<std::uint32_t>(iterations)});
   }
 }
 
@@ -175,7 +175,7 @@ void make_joints(Model& model) {
     model.separated_span = std::max(model.separated_span, second - first);
   }
   sort_pairs(model.separated);
-  find_hubs(model);
+  find_light_bodies(model);
 }
 
 bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b) {

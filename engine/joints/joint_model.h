@@ -53,9 +53,9 @@ struct SeparatedPair {
 
 /// A light body that holds heavier ones together. A pass over its joints moves it back and forth and them hardly: they
 /// need several before anything moves.
-struct Hub {
-  std::uint32_t body;    // id
-  std::uint32_t sweeps;  // over the joints, in place of one
+struct LightBody {
+  std::uint32_t body;        // id
+  std::uint32_t iterations;  // over the joints, in place of one
 };
 
 /// Fills model.joints, model.hubs and model.separated from model.scene. Requires: model.bodies.

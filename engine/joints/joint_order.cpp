@@ -18,7 +18,7 @@ JointWay way_of(const JointModel& joint) {
 
 /// Sorts the places by level and way, otherwise in the order they are in.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
-  std::vector<JointPlace>& places = scratch.kept.joints.places;
+  std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::vector<std::uint32_t>& start = scratch.level_starts;
   start.assign(joint_way_count * static_cast<std::size_t>(level_count) + 1, 0);
   const auto key_of = [](const JointPlace& place) {
@@ -39,7 +39,7 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
 }
 
 void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven) {
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   const std::uint32_t unread = unread_record(scratch);
   plan.places.clear();
   plan.level_count = 0;
@@ -53,7 +53,7 @@ void order_joints(const Model& model, const State& state, Scratch& scratch, bool
     const bool b_moves = scratch.masses[b].write != unread;
     const bool a_moves = a != no_reference && scratch.masses[a].write != unread;
     if (!a_moves && !b_moves) continue;
-    if (scratch.body_group[b_moves ? b : a] != scratch.group_index) continue;
+    if (scratch.body_solver_set[b_moves ? b : a] != scratch.set_index) continue;
     std::uint32_t level = 0;
     if (a_moves) level = scratch.body_levels[a];
     if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];

@@ -11,6 +11,7 @@
 
 #include "engine/math/vec2.h"
 #include "engine/model/body_rows.h"
+#include "engine/scene/choices.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -38,7 +39,7 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Fills the places of the plan with the group's joints in the order in which they are to be prepared: by level, in
 /// each level the pins first, then the hinges; or in scene order. `may_be_woven`: looks for levels that can be
-/// (weave.h). Requires: prepare_bodies, enter_group.
+/// (weave.h). Requires: prepare_bodies, enter_solver_set.
 void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

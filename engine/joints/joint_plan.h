@@ -42,7 +42,7 @@ struct JointEnds {
   std::uint32_t count = 0;  // of its joints
 };
 
-/// Makes the plan for the group that is being solved, or keeps it. Requires: prepare_bodies, enter_group.
+/// Makes the plan for the group that is being solved, or keeps it. Requires: prepare_bodies, enter_solver_set.
 void plan_joints(const Model& model, const State& state, Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -49,7 +49,7 @@ inline Softness softness(const JointWork& joint, Bias bias) {
 
 /// Of B relative to A and the reference, rad, -pi..pi.
 inline Real relative_angle(const JointWork& joint, const JointBodies& pair) {
-  const Rotation q = between(pair.a.turned, pair.b.turned) * joint.turn;
+  const Rotation q = between(pair.a.delta_rotation, pair.b.delta_rotation) * joint.turn;
   return static_cast<Real>(arc_tangent(static_cast<double>(q.s), static_cast<double>(q.c)));
 }
 
@@ -204,9 +204,9 @@ enum class ActsAt : std::uint8_t { middle, anchor_b };
 
 inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsAt place) {
   PointRow row;
-  row.arm_a = rotate(pair.a.turned, joint.anchor_a);
-  row.arm_b = rotate(pair.b.turned, joint.anchor_b);
-  row.error = (joint.apart + (pair.b.moved - pair.a.moved)) + (row.arm_b - row.arm_a);
+  row.arm_a = rotate(pair.a.delta_rotation, joint.anchor_a);
+  row.arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
+  row.error = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + (row.arm_b - row.arm_a);
   if (place == ActsAt::middle) {
     const Real share = middle_share(joint, row);
     row.arm_a = row.arm_a + share * row.error;

@@ -18,11 +18,11 @@ struct Slide {
 };
 
 Slide slide_of(const JointWork& joint, const JointBodies& pair) {
-  const Vec2 axis = rotate(pair.a.turned, joint.axis);
+  const Vec2 axis = rotate(pair.a.delta_rotation, joint.axis);
   const Vec2 normal = cross(Real(1), axis);
-  const Vec2 arm_b = rotate(pair.b.turned, joint.anchor_b);
-  const Vec2 arm_a = (joint.apart + (pair.b.moved - pair.a.moved)) + arm_b;  // d + r_a
-  const Vec2 d = arm_a - rotate(pair.a.turned, joint.anchor_a);
+  const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
+  const Vec2 arm_a = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + arm_b;  // d + r_a
+  const Vec2 d = arm_a - rotate(pair.a.delta_rotation, joint.anchor_a);
   return {line_row(joint, axis, arm_a, arm_b), line_row(joint, normal, arm_a, arm_b), dot(axis, d), dot(normal, d)};
 }
 

@@ -15,8 +15,8 @@ void apply(MovingBody& body, const PointerPull& pull, Vec2 arm, Vec2 impulse) {
 
 }  // namespace
 
-void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group) {
-  const Real h = group.h;
+void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolverSet& set) {
+  const Real h = set.h;
   scratch.pulls.clear();
   for (std::uint32_t index = 0; index < state.pointers.size(); ++index) {
     const PointerRow& row = state.pointers[index];
@@ -24,7 +24,7 @@ void prepare_pulls(const Model& model, const State& state, Scratch& scratch, con
     PointerPull pull;
     pull.pointer = index;
     pull.body = static_cast<std::uint32_t>(state.find_body(row.body));
-    if (scratch.body_group[pull.body] != scratch.group_index) continue;
+    if (scratch.body_solver_set[pull.body] != scratch.set_index) continue;
     const BodyRow& body = state.bodies[pull.body];
     const BodyModel& constants = model.bodies[body.source];
     pull.inv_mass = constants.inv_mass;
@@ -41,15 +41,15 @@ void prepare_pulls(const Model& model, const State& state, Scratch& scratch, con
 void warm_start_pulls(Scratch& scratch) {
   for (const PointerPull& pull : scratch.pulls) {
     MovingBody& body = scratch.bodies[pull.body];
-    apply(body, pull, rotate(body.turned, pull.anchor), pull.impulse);
+    apply(body, pull, rotate(body.delta_rotation, pull.anchor), pull.impulse);
   }
 }
 
 void solve_pulls(Scratch& scratch) {
   for (PointerPull& pull : scratch.pulls) {
     MovingBody& body = scratch.bodies[pull.body];
-    const Vec2 arm = rotate(body.turned, pull.anchor);
-    const Vec2 error = (pull.offset + body.moved) + (arm - pull.anchor);
+    const Vec2 arm = rotate(body.delta_rotation, pull.anchor);
+    const Vec2 error = (pull.offset + body.delta_position) + (arm - pull.anchor);
     const Vec2 velocity = body.velocity + cross(body.angular_velocity, arm);
     // K = [k11 k12; k12 k22], solved by Cramer's rule.
     const Real k11 = pull.inv_mass + pull.inv_inertia * arm.y * arm.y;

@@ -12,7 +12,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct Model;
 struct State;
 struct Scratch;
-struct SolveGroup;
+struct SolverSet;
 
 /// A PointerRow made ready for one tick.
 struct PointerPull {
@@ -28,7 +28,7 @@ struct PointerPull {
 };
 
 /// Fills scratch.pulls from the pointers that pull bodies of a group.
-void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group);
+void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolverSet& group);
 void warm_start_pulls(Scratch& scratch);
 void solve_pulls(Scratch& scratch);
 /// Impulses back to state.pointers, as forces.

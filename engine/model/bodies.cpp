@@ -19,7 +19,7 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
   scratch.kernels = &model.kernels;
   const std::size_t count = state.bodies.size();
   // Loops of the solver are as long as there are bodies, contacts or joints.
-  const std::size_t longest = std::max({count, scratch.touching.size(), state.joints.size()});
+  const std::size_t longest = std::max({count, scratch.contact_pairs.size(), state.joints.size()});
   scratch.masses.resize(count);
   scratch.bodies.resize(unread_record(scratch, scratch.parallel.chunk_count_max(longest)));
   const std::uint32_t resting = resting_record(scratch);
@@ -51,11 +51,11 @@ void store_bodies(const Scratch& scratch, State& state) {
   const std::size_t count = state.bodies.size();
   scratch.parallel.for_chunks(count, chunk_of_bodies(scratch, count), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
-      if (scratch.body_group[row] == no_group) continue;
+      if (scratch.body_solver_set[row] == no_solver_set) continue;
       BodyRow& body = state.bodies[row];
       const MovingBody& moving = scratch.bodies[row];
-      body.position = stored(body.position + moving.moved);
-      body.rotation = stored(normalized(moving.turned * body.rotation));
+      body.position = stored(body.position + moving.delta_position);
+      body.rotation = stored(normalized(moving.delta_rotation * body.rotation));
       body.velocity = stored(moving.velocity);
       body.angular_velocity = stored(moving.angular_velocity);
     }
@@ -69,7 +69,7 @@ void store_bodies(const Scratch& scratch, State& state) {
 
 void store_velocities(const Scratch& scratch, State& state) {
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    if (scratch.body_group[row] == no_group) continue;
+    if (scratch.body_solver_set[row] == no_solver_set) continue;
     state.bodies[row].velocity = stored(scratch.bodies[row].velocity);
     state.bodies[row].angular_velocity = stored(scratch.bodies[row].angular_velocity);
   }

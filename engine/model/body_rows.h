@@ -12,10 +12,10 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
 struct alignas(8 * sizeof(Real)) MovingBody {
-  Vec2 velocity;                         // m/s
-  Real angular_velocity;                 // rad/s
-  alignas(4 * sizeof(Real)) Vec2 moved;  // since the tick began, m
-  Rotation turned;                       // since the tick began
+  Vec2 velocity;                                  // m/s
+  Real angular_velocity;                          // rad/s
+  alignas(4 * sizeof(Real)) Vec2 delta_position;  // since the tick began, m
+  Rotation delta_rotation;                        // since the tick began
 };
 static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
 

@@ -288,7 +288,7 @@ Model make_model(const Scene& scene) {
   }
   add_quads(model);
   mix_materials(model);
-  find_lonely_shapes(model);
+  find_non_colliding_shapes(model);
   set_kernels(model, instruction_set_in_use(), contact_features(model));
   return model;
 }

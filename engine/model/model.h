@@ -125,10 +125,10 @@ using PositionForces = void (*)(const Model& model, const State& state, Scratch&
 
 struct Model {
   Scene scene;
-  std::vector<BodyModel> bodies;           // [source]: the scene's bodies, then its prototypes
-  std::uint32_t first_prototype = 0;       // source index of prototype 0
-  std::vector<std::uint32_t> body_shapes;  // [body's first_shape + child]: index in `shapes`
-  std::vector<std::uint8_t> is_lonely;     // [body's first_shape + child]: it can meet no other shape of the scene
+  std::vector<BodyModel> bodies;               // [source]: the scene's bodies, then its prototypes
+  std::uint32_t first_prototype = 0;           // source index of prototype 0
+  std::vector<std::uint32_t> body_shapes;      // [body's first_shape + child]: index in `shapes`
+  std::vector<std::uint8_t> is_non_colliding;  // [body's first_shape + child]: it can meet no other shape of the scene
   std::vector<ShapeModel> shapes;
   std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
   std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
@@ -138,7 +138,7 @@ struct Model {
   std::uint32_t material_count = 0;
 
   std::vector<JointModel> joints;  // [joint of the scene]
-  std::vector<Hub> hubs;
+  std::vector<LightBody> light_bodies;
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
   std::uint32_t separated_span = 0;      // the largest difference of the ids of one: most pairs are not looked for
   std::uint32_t last_joined = 0;         // the largest id of a body that has joints

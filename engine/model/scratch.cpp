@@ -58,15 +58,15 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.large);
   poison_rows(scratch.near_boxes);
   poison_rows(scratch.outlines);
-  poison_rows(scratch.guarded_starts);
-  poison_rows(scratch.guarded_places);
-  poison_rows(scratch.touching);
+  poison_rows(scratch.ccd_only_starts);
+  poison_rows(scratch.ccd_only_places);
+  poison_rows(scratch.contact_pairs);
   poison_rows(scratch.contacts);
   poison_rows(scratch.part_counts);
   poison_rows(scratch.parts);
-  poison_rows(scratch.touching_apart);
-  poison_rows(scratch.touching_moved);
-  poison_rows(scratch.contacts_apart);
+  poison_rows(scratch.contact_pairs_spilled);
+  poison_rows(scratch.contact_pairs_moved);
+  poison_rows(scratch.contacts_spilled);
   poison_rows(scratch.contacts_moved);
   poison_rows(scratch.now_touching);
   poison_rows(scratch.removed_touching);
@@ -94,21 +94,21 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.impact_events);
   poison_rows(scratch.impact_starts);
   poison_rows(scratch.impacts_of_bodies);
-  poison_rows(scratch.groups);
+  poison_rows(scratch.solver_sets);
   scratch.moving_rows = {};
   poison_rows(scratch.is_fast);
-  poison_rows(scratch.is_tied);
-  poison_rows(scratch.loose_rows);
-  poison_rows(scratch.group_rows);
-  poison_rows(scratch.group_contacts);
-  poison_rows(scratch.group_keys);
-  poison_rows(scratch.body_group);
+  poison_rows(scratch.is_constrained);
+  poison_rows(scratch.free_rows);
+  poison_rows(scratch.set_rows);
+  poison_rows(scratch.set_contacts);
+  poison_rows(scratch.set_keys);
+  poison_rows(scratch.body_solver_set);
   poison_rows(scratch.body_types);
   poison_rows(scratch.island_parent);
   poison_rows(scratch.island_level);
-  poison_rows(scratch.island_lands);
-  poison_rows(scratch.landings);
-  poison_rows(scratch.landing_velocities);
+  poison_rows(scratch.island_has_resting_impact);
+  poison_rows(scratch.resting_impacts);
+  poison_rows(scratch.shock_velocities);
   poison_rows(scratch.island_awake);
   poison_rows(scratch.supports);
   poison_rows(scratch.support_start);
@@ -143,7 +143,7 @@ void poison(Scratch& scratch) {
 }
 
 void forget(Scratch& scratch, CacheSet caches) {
-  Kept& kept = scratch.kept;
+  TickCaches& kept = scratch.caches;
   const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
   if (caches == all_caches) kept.pairs.is_valid = false;  // with the proxies, which all of it is about
   if (is_in(CacheKind::pair_list)) kept.pairs.has_pairs = false;
@@ -163,7 +163,7 @@ void forget(Scratch& scratch, CacheSet caches) {
   }
   if (is_in(CacheKind::contact_blocks)) {
     kept.coloring.block_of.clear();
-    kept.coloring.group_rows.clear();
+    kept.coloring.set_rows.clear();
     kept.coloring.ticks_unsplit = 0;
   }
   if (is_in(CacheKind::cell_side)) kept.pairs.common_side = 0;

@@ -32,14 +32,14 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
 /// with it, without it, and with that of any other run of the same model (docs/decisions/0014).
-struct Kept {
-  KeptPairs pairs;
-  std::vector<TouchingPair> touching;  // of the tick before, row by row those of State::contacts
-  bool has_touching = false;           // and no contact, body or margin has changed since
-  bool is_settled = false;             // none of them was new: those of the next tick are likely the same
-  std::uint32_t contact_set = 0;       // another number in each tick that has other contacts than the one before
-  std::vector<PairBlock> pair_blocks;  // of that tick's pairs
-  std::uint32_t look = 0;              // counts the ticks in which they were looked at
+struct TickCaches {
+  PairCache pairs;
+  std::vector<ContactPair> contact_pairs;  // of the tick before, row by row those of State::contacts
+  bool has_touching = false;               // and no contact, body or margin has changed since
+  bool is_settled = false;                 // none of them was new: those of the next tick are likely the same
+  std::uint32_t contact_set = 0;           // another number in each tick that has other contacts than the one before
+  std::vector<PairBlock> pair_blocks;      // of that tick's pairs
+  std::uint32_t look = 0;                  // counts the ticks in which they were looked at
   VelocitySteps velocity_steps;
   JointPlan joints;
   ContactColoring coloring;
@@ -47,7 +47,7 @@ struct Kept {
 };
 
 struct Scratch {
-  Kept kept;
+  TickCaches caches;
   Parallel parallel;                                                            // the engine's
   std::size_t pair_count_max = limits::pair_count_max(limits::body_count_max);  // of this tick
 
@@ -74,23 +74,23 @@ struct Scratch {
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
-  std::vector<Box> swept_boxes;               // sweep_and_prune: in sweep order; neighbour_cells: by cell
-  std::vector<SweptPlace> swept_places;       // neighbour_cells: whose boxes those are
-  std::vector<CellRange> cell_ranges;         // uniform_grid, [proxy]
-  std::vector<CellEntry> cell_entries;        // uniform_grid, by bucket, dynamic ones first
-  std::vector<std::uint32_t> cell_starts;     // uniform_grid, [bucket]; neighbour_cells, [cell]
-  std::vector<std::uint32_t> large;           // uniform_grid, neighbour_cells: proxies in no cell, ascending
-  std::vector<Box> near_boxes;                // neighbour_cells, [proxy] without what is ahead
-  std::vector<BoxOutline> outlines;           // neighbour_cells, [chunk]
-  std::vector<std::uint32_t> guarded_starts;  // neighbour_cells: [cell]
-  std::vector<std::uint32_t> guarded_places;  // neighbour_cells: the guarded proxies, by cell
+  std::vector<Box> swept_boxes;                // sweep_and_prune: in sweep order; neighbour_cells: by cell
+  std::vector<SweptPlace> swept_places;        // neighbour_cells: whose boxes those are
+  std::vector<CellRange> cell_ranges;          // uniform_grid, [proxy]
+  std::vector<CellEntry> cell_entries;         // uniform_grid, by bucket, dynamic ones first
+  std::vector<std::uint32_t> cell_starts;      // uniform_grid, [bucket]; neighbour_cells, [cell]
+  std::vector<std::uint32_t> large;            // uniform_grid, neighbour_cells: proxies in no cell, ascending
+  std::vector<Box> near_boxes;                 // neighbour_cells, [proxy] without what is ahead
+  std::vector<BoxOutline> outlines;            // neighbour_cells, [chunk]
+  std::vector<std::uint32_t> ccd_only_starts;  // neighbour_cells: [cell]
+  std::vector<std::uint32_t> ccd_only_places;  // neighbour_cells: the guarded proxies, by cell
 
   // narrow_phase
-  std::vector<TouchingPair> touching;
-  std::vector<ContactRow> contacts;          // the rows that replace State::contacts
-  std::vector<TouchingPair> touching_apart;  // where chunks write what does not fit, and to where all are moved
-  std::vector<TouchingPair> touching_moved;
-  std::vector<ContactRow> contacts_apart;
+  std::vector<ContactPair> contact_pairs;
+  std::vector<ContactRow> contacts;                // the rows that replace State::contacts
+  std::vector<ContactPair> contact_pairs_spilled;  // where chunks write what does not fit, and to where all are moved
+  std::vector<ContactPair> contact_pairs_moved;
+  std::vector<ContactRow> contacts_spilled;
   std::vector<ContactRow> contacts_moved;
 
   // impacts
@@ -106,24 +106,24 @@ struct Scratch {
   bool offsets_in_use = false;  // the integrator fills velocity_offsets
 
   // islands
-  bool is_grouped = false;                     // by islands; else everything will be one group
-  std::vector<SolveGroup> groups;              // ascending by substeps; sleeping islands are in none
+  bool has_solver_sets = false;                // by islands; else everything will be one group
+  std::vector<SolverSet> solver_sets;          // ascending by substeps; sleeping islands are in none
   std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
-  std::uint32_t group_index = 0;               // of that group
-  std::vector<std::uint8_t> is_tied;           // [body] something touches it in this tick, or may
-  std::vector<std::uint32_t> loose_rows;       // of the group that is being solved
-  std::vector<std::uint32_t> group_rows;       // bodies that move, of each group; kinematic ones are in all of them
-  std::vector<std::uint32_t> group_contacts;   // in `touching`
-  std::vector<std::uint32_t> group_keys;       // [body] islands: what decides its group
-  std::vector<std::uint32_t> body_group;       // [body] index in `groups`; no_group: asleep or static
+  std::uint32_t set_index = 0;                 // of that group
+  std::vector<std::uint8_t> is_constrained;    // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> free_rows;        // of the group that is being solved
+  std::vector<std::uint32_t> set_rows;         // bodies that move, of each group; kinematic ones are in all of them
+  std::vector<std::uint32_t> set_contacts;     // in `touching`
+  std::vector<std::uint32_t> set_keys;         // [body] islands: what decides its group
+  std::vector<std::uint32_t> body_solver_set;  // [body] index in `groups`; no_solver_set: asleep or static
   std::vector<BodyType> body_types;            // [body] islands
   std::vector<std::uint32_t> island_parent;    // [body] union-find
   std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
   std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
-  std::vector<std::uint8_t> island_lands;      // [body] at the island's first row
-  std::vector<Landing> landings;
-  std::vector<Twist> landing_velocities;  // [body] before the last passes
-  std::uint32_t landing_work_left = 0;    // in contacts that may still be solved for landings in this tick
+  std::vector<std::uint8_t> island_has_resting_impact;  // [body] at the island's first row
+  std::vector<RestingImpact> resting_impacts;
+  std::vector<Twist> shock_velocities;  // [body] before the last passes
+  std::uint32_t shock_work_left = 0;    // in contacts that may still be solved for landings in this tick
   ImpulseStep impulse_step;
   std::vector<Support> supports;
   std::vector<std::uint32_t> support_start;  // [body] in `supports`

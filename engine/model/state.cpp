@@ -221,7 +221,7 @@ StateSchema make_schema(const Model& model, StateTables tables) {
          {
              whole("body", ScalarType::u32, 1, offsetof(SubstepRow, body), id_max, body_table),
              {"count", ScalarType::u32, 1, offsetof(SubstepRow, count), 1, limits::substep_count_max},
-             whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, calm_ticks), limits::substep_count_max),
+             whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, idle_ticks), limits::substep_count_max),
          },
          sizeof(SubstepRow),
          1});

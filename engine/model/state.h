@@ -92,7 +92,7 @@ struct SleepRow {
 struct SubstepRow {
   std::uint32_t body;        // id
   std::uint32_t count;       // substeps per tick
-  std::uint32_t calm_ticks;  // that fewer would have done for
+  std::uint32_t idle_ticks;  // that fewer would have done for
 };
 
 /// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.

@@ -9,7 +9,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Adds a pair to the boxes of a block, if it is one for kernels. Returns its place. `fall`: fall_of_a_tick.
+/// Adds a pair to the boxes of a block, if it is one for kernels. Returns its place. `fall`:
+/// gravity_displacement_of_tick.
 inline std::uint8_t add_box(PairBlock& block, const ShapeModel& a, const ShapeModel& b, std::uint32_t body_a,
                             std::uint32_t body_b, Real fall) {
   if (a.quad == no_quad || b.quad == no_quad) return no_place;
@@ -45,7 +46,7 @@ class BoxManifolds {
 
   /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which
   /// it did. `touching`: those contacts. Requires: block.has_features.
-  bool renew(const PairBlock& block, TouchingPair* touching) const {
+  bool renew(const PairBlock& block, ContactPair* touching) const {
     for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
       if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],
                       sizeof(BoxFeatures)) != 0)

@@ -11,7 +11,7 @@
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/narrow_phase/box_pairs.h"
 #include "engine/narrow_phase/convex_hulls.h"
-#include "engine/narrow_phase/foresee.h"
+#include "engine/narrow_phase/speculative.h"
 #include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -95,7 +95,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 namespace {
 
 /// What a pair is beside its manifold.
-void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pair& of, TouchingPair& pair) {
+void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pair& of, ContactPair& pair) {
   const ShapeModel& a = model.shapes[proxies[of.first].shape];
   const ShapeModel& b = model.shapes[proxies[of.second].shape];
   const MixedMaterial mixed = mixed_material(model, a, b);
@@ -117,12 +117,12 @@ struct PairSearch {
   const Scratch& scratch;
   Real fall;
   Real dt;
-  bool foresees;
+  bool speculates;
   bool is_sparse;  // most pairs are far from touching, and a look at them is worth its time
   bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
-  bool is_in_place;                  // contacts are written where those of the tick before are
-  const ContactRow* old_rows;        // of the tick before, ascending
-  const TouchingPair* old_touching;  // likewise, if may_reuse
+  bool is_in_place;                 // contacts are written where those of the tick before are
+  const ContactRow* old_rows;       // of the tick before, ascending
+  const ContactPair* old_touching;  // likewise, if may_reuse
   std::size_t old_count;
   std::uint32_t look;
   bool may_skip;  // blocks of the same pairs as a tick ago are what they were
@@ -161,12 +161,12 @@ struct OldContacts {
 std::uint64_t place_of(const Pair& pair) {
   return std::uint64_t{pair.first} << 32 | pair.second;
 }
-std::uint64_t place_of(const TouchingPair& pair) {
+std::uint64_t place_of(const ContactPair& pair) {
   return std::uint64_t{pair.proxy_a} << 32 | pair.proxy_b;
 }
 
 /// Leads old.next to the contact of a pair, if there was one. Requires: may_reuse.
-inline bool find_same(const TouchingPair* old_touching, const Pair& pair, OldContacts& old) {
+inline bool find_same(const ContactPair* old_touching, const Pair& pair, OldContacts& old) {
   const std::uint64_t place = place_of(pair);
   while (old.next < old.end && place_of(old_touching[old.next]) < place) ++old.next;
   return old.next < old.end && place_of(old_touching[old.next]) == place;
@@ -236,42 +236,42 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
                        PairBlock& block, OldCandidates& out) {
   const ShapeModel* shapes = search.model.shapes.data();
   const Proxy* proxies = search.scratch.proxies.data();
-  const std::uint8_t* still = search.may_reuse ? search.scratch.kept.pairs.is_still.data() : nullptr;
+  const std::uint8_t* still = search.may_reuse ? search.scratch.caches.pairs.is_unchanged.data() : nullptr;
   block.pair_count = static_cast<std::uint32_t>(count);
   block.candidate_count = 0;
   block.box_count = 0;
   std::memcpy(block.pairs, pairs, count * sizeof(Pair));
-  bool leaves_out_still = false;
+  bool leaves_out_unchanged = false;
   for (std::size_t i = 0; i < count; ++i) {
     const Pair pair = pairs[i];
     const Proxy& a = proxies[pair.first];
     const Proxy& b = proxies[pair.second];
     const bool has_old = search.may_reuse && find_same(search.old_touching, pair, old);
     if (!has_old && !may_begin(search, a, b)) continue;
-    const bool is_still = search.may_reuse && still[a.body] != 0 && still[b.body] != 0;
-    if (is_still && !has_old) {
-      leaves_out_still = true;
+    const bool is_unchanged = search.may_reuse && still[a.body] != 0 && still[b.body] != 0;
+    if (is_unchanged && !has_old) {
+      leaves_out_unchanged = true;
       continue;
     }
     const std::uint32_t place = block.candidate_count++;
     out.touched |= std::uint64_t{has_old} << place;
-    out.still |= std::uint64_t{is_still} << place;
+    out.still |= std::uint64_t{is_unchanged} << place;
     out.next[place] = static_cast<std::uint32_t>(old.next);
     block.candidates[place] = {
         static_cast<std::uint8_t>(i),
-        is_still ? no_place : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall)};
+        is_unchanged ? no_place : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall)};
   }
   complete_boxes(block);
   // A block holds for later ticks only if what was left out of it follows from the pairs alone.
-  block.is_valid = !search.is_sparse && out.still == 0 && !leaves_out_still;
+  block.is_valid = !search.is_sparse && out.still == 0 && !leaves_out_unchanged;
 }
 
 /// Where the contacts of some pairs are written: the first `limit` from `touching` and `rows` on, the others apart.
 struct ContactRoom {
-  TouchingPair* touching;
+  ContactPair* touching;
   ContactRow* rows;
   std::size_t limit;
-  TouchingPair* touching_apart;
+  ContactPair* contact_pairs_spilled;
   ContactRow* rows_apart;
 };
 
@@ -280,14 +280,14 @@ struct FoundContacts {
   std::size_t in_place;  // the rest is apart
   bool any_new;          // that were not there a tick ago
   CacheCounts blocks{};
-  std::uint64_t still_count = 0;  // of contacts whose manifolds are those of the tick before
+  std::uint64_t unchanged_count = 0;  // of contacts whose manifolds are those of the tick before
 };
 
 /// What a pair is beside its manifold, from what it was a tick ago.
-void copy_constants(const TouchingPair& old, TouchingPair& pair) {
+void copy_constants(const ContactPair& old, ContactPair& pair) {
   pair.body_a = old.body_a;
   pair.body_b = old.body_b;
-  std::memcpy(&pair.proxy_a, &old.proxy_a, sizeof(TouchingPair) - offsetof(TouchingPair, proxy_a));
+  std::memcpy(&pair.proxy_a, &old.proxy_a, sizeof(ContactPair) - offsetof(ContactPair, proxy_a));
 }
 
 /// Whether the row of a pair is what it was: its points are, each for itself.
@@ -324,7 +324,7 @@ class ContactWriter {
     else
       choose_candidates(search_, pairs, count, old_, block, before_);
     ++(is_same_block ? found.blocks.hits : found.blocks.invalidations);
-    found.still_count += static_cast<std::uint64_t>(__builtin_popcountll(before_.still));
+    found.unchanged_count += static_cast<std::uint64_t>(__builtin_popcountll(before_.still));
     block.look = search_.look;
     block.found = 0;
     return is_same_block;
@@ -354,12 +354,12 @@ class ContactWriter {
     const auto [index, place] = block.candidates[i];
     const Pair& pair = block.pairs[index];
     const bool touched = (before_.touched >> i & 1) != 0;
-    const bool is_still = (before_.still >> i & 1) != 0;
+    const bool is_unchanged = (before_.still >> i & 1) != 0;
     // A contact that was not there before would be written over a later one.
     const bool is_taken =
         is_in_place_ && !touched && found.count < limit_ && old_.first + found.count == before_.next[i];
     Manifold& manifold = is_taken ? not_yet_ : touching_at(found.count).manifold;
-    if (!is_still) {
+    if (!is_unchanged) {
       collide_pair(boxes, pair, place, manifold);
       if (manifold.point_count == 0) return;
     }
@@ -370,7 +370,7 @@ class ContactWriter {
       is_in_place_ = false;
       touching_at(found.count).manifold = not_yet_;
     }
-    write(pair, is_still, has_old, old_index);
+    write(pair, is_unchanged, has_old, old_index);
     block.found |= std::uint64_t{1} << i;
     found.any_new |= !has_old;
     ++found.count;
@@ -379,8 +379,8 @@ class ContactWriter {
   void leave() { found.in_place = std::min(found.count, limit_); }
 
  private:
-  TouchingPair& touching_at(std::size_t index) {
-    return index < limit_ ? room_.touching[index] : room_.touching_apart[index - limit_];
+  ContactPair& touching_at(std::size_t index) {
+    return index < limit_ ? room_.touching[index] : room_.contact_pairs_spilled[index - limit_];
   }
   ContactRow& row_at(std::size_t index) {
     return index < limit_ ? room_.rows[index] : room_.rows_apart[index - limit_];
@@ -390,7 +390,7 @@ class ContactWriter {
   void collide_pair(const BoxManifolds& boxes, const Pair& pair, std::uint8_t place, Manifold& manifold) const {
     if (place != no_place) {
       boxes.write(place, manifold);
-      if (!search_.foresees || manifold.point_count != 0) return;
+      if (!search_.speculates || manifold.point_count != 0) return;
     }
     const Proxy& a = proxies_[pair.first];
     const Proxy& b = proxies_[pair.second];
@@ -400,13 +400,13 @@ class ContactWriter {
     const BodyRow& body_b = bodies_[b.body];
     if (place == no_place)
       new (&manifold) Manifold(collide(search_.model, shape_a, shape_b, body_a, body_b, search_.fall));
-    if (search_.foresees && manifold.point_count == 0)
-      manifold = foresee(search_.model, shape_a, shape_b, body_a, body_b, search_.fall, search_.dt);
+    if (search_.speculates && manifold.point_count == 0)
+      manifold = speculative_manifold(search_.model, shape_a, shape_b, body_a, body_b, search_.fall, search_.dt);
   }
 
   /// Completes the contact of a pair, which has its manifold unless the pair is still.
-  void write(const Pair& pair, bool is_still, bool has_old, std::size_t old_index) {
-    TouchingPair& touching = touching_at(found.count);
+  void write(const Pair& pair, bool is_unchanged, bool has_old, std::size_t old_index) {
+    ContactPair& touching = touching_at(found.count);
     ContactRow& row = row_at(found.count);
     const ContactRow* old_row = has_old ? search_.old_rows + old_index : nullptr;
     const Proxy& a = proxies_[pair.first];
@@ -420,7 +420,7 @@ class ContactWriter {
       write_now(&was);
       return;
     }
-    if (is_still)
+    if (is_unchanged)
       touching = search_.old_touching[old_index];
     else if (has_old && search_.may_reuse)
       copy_constants(search_.old_touching[old_index], touching);
@@ -477,11 +477,11 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   const std::size_t pair_count = scratch.pairs.size();
   const std::size_t chunk_count = Parallel::chunk_count(pair_count, chunk_size);
   scratch.parts.resize(chunk_count);
-  scratch.touching_apart.resize(pair_count);
-  scratch.contacts_apart.resize(pair_count);
+  scratch.contact_pairs_spilled.resize(pair_count);
+  scratch.contacts_spilled.resize(pair_count);
   // No larger than before: to clear rows that nothing will be in takes as long as to find the contacts of some.
   const std::size_t old_count = search.is_in_place ? search.old_count : std::min(search.old_count, pair_count);
-  scratch.touching.resize(old_count);
+  scratch.contact_pairs.resize(old_count);
   scratch.contacts.resize(old_count);
   // Before any of them is overwritten.
   for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
@@ -489,23 +489,23 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   std::atomic<bool> any_new{false};
   std::atomic<std::uint64_t> held_count{0};
   std::atomic<std::uint64_t> made_count{0};
-  std::atomic<std::uint64_t> still_count{0};
+  std::atomic<std::uint64_t> unchanged_count{0};
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     ListPart& part = scratch.parts[chunk.index];
     const std::size_t old_end = chunk.index + 1 < chunk_count ? scratch.parts[chunk.index + 1].first : search.old_count;
     const std::size_t first = std::min(part.first, old_count);
-    const ContactRoom place{scratch.touching.data() + first, scratch.contacts.data() + first,
-                            std::min(old_end, old_count) - first, scratch.touching_apart.data() + chunk.begin,
-                            scratch.contacts_apart.data() + chunk.begin};
+    const ContactRoom place{scratch.contact_pairs.data() + first, scratch.contacts.data() + first,
+                            std::min(old_end, old_count) - first, scratch.contact_pairs_spilled.data() + chunk.begin,
+                            scratch.contacts_spilled.data() + chunk.begin};
     const FoundContacts found = find_contacts_of(
-        search, {chunk.begin, chunk.end, scratch.kept.pair_blocks.data() + chunk.index * blocks_of(chunk_size)},
+        search, {chunk.begin, chunk.end, scratch.caches.pair_blocks.data() + chunk.index * blocks_of(chunk_size)},
         {first, part.first, old_end}, [&](std::size_t, std::size_t) { return place; });
     part.in_place = found.in_place;
     part.count = found.count;
     if (found.any_new) any_new.store(true, std::memory_order_relaxed);
     held_count.fetch_add(found.blocks.hits, std::memory_order_relaxed);
     made_count.fetch_add(found.blocks.invalidations, std::memory_order_relaxed);
-    still_count.fetch_add(found.still_count, std::memory_order_relaxed);
+    unchanged_count.fetch_add(found.unchanged_count, std::memory_order_relaxed);
   });
   std::size_t total = 0;
   bool all_in_place = true;
@@ -516,56 +516,56 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
     total += part.count;
   }
   const CacheCounts blocks{held_count, made_count};
-  if (all_in_place) return {total, total, any_new, blocks, still_count};
-  scratch.touching_moved.resize(total);
+  if (all_in_place) return {total, total, any_new, blocks, unchanged_count};
+  scratch.contact_pairs_moved.resize(total);
   scratch.contacts_moved.resize(total);
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     const ListPart& part = scratch.parts[chunk.index];
     for (std::size_t i = 0; i < part.count; ++i) {
       const bool is_there = i < part.in_place;
       const std::size_t apart = chunk.begin + i - part.in_place;
-      scratch.touching_moved[part.place + i] =
-          is_there ? scratch.touching[part.first + i] : scratch.touching_apart[apart];
+      scratch.contact_pairs_moved[part.place + i] =
+          is_there ? scratch.contact_pairs[part.first + i] : scratch.contact_pairs_spilled[apart];
       scratch.contacts_moved[part.place + i] =
-          is_there ? scratch.contacts[part.first + i] : scratch.contacts_apart[apart];
+          is_there ? scratch.contacts[part.first + i] : scratch.contacts_spilled[apart];
     }
   });
-  scratch.touching.swap(scratch.touching_moved);
+  scratch.contact_pairs.swap(scratch.contact_pairs_moved);
   scratch.contacts.swap(scratch.contacts_moved);
-  return {total, total, any_new, blocks, still_count};
+  return {total, total, any_new, blocks, unchanged_count};
 }
 
 /// In one go, to where there was nothing.
 FoundContacts find_all_contacts(const PairSearch& search, Scratch& scratch) {
-  scratch.contacts.resize(scratch.touching.size());
-  return find_contacts_of(
-      search, {0, scratch.pairs.size(), scratch.kept.pair_blocks.data()}, {0, 0, search.old_count},
-      [&](std::size_t count, std::size_t) {
-        if (scratch.touching.size() < count) {
-          scratch.touching.resize(count);
-          scratch.contacts.resize(count);
-        }
-        return ContactRoom{scratch.touching.data(), scratch.contacts.data(), scratch.touching.size(), nullptr, nullptr};
-      });
+  scratch.contacts.resize(scratch.contact_pairs.size());
+  return find_contacts_of(search, {0, scratch.pairs.size(), scratch.caches.pair_blocks.data()},
+                          {0, 0, search.old_count}, [&](std::size_t count, std::size_t) {
+                            if (scratch.contact_pairs.size() < count) {
+                              scratch.contact_pairs.resize(count);
+                              scratch.contacts.resize(count);
+                            }
+                            return ContactRoom{scratch.contact_pairs.data(), scratch.contacts.data(),
+                                               scratch.contact_pairs.size(), nullptr, nullptr};
+                          });
 }
 
 /// In one go, in place as far as there are none but those of the tick before.
 FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch) {
   const FoundContacts found =
-      find_contacts_of(search, {0, scratch.pairs.size(), scratch.kept.pair_blocks.data()}, {0, 0, search.old_count},
+      find_contacts_of(search, {0, scratch.pairs.size(), scratch.caches.pair_blocks.data()}, {0, 0, search.old_count},
                        [&](std::size_t, std::size_t apart) {
-                         if (scratch.touching_apart.size() < apart) {
-                           scratch.touching_apart.resize(apart);
-                           scratch.contacts_apart.resize(apart);
+                         if (scratch.contact_pairs_spilled.size() < apart) {
+                           scratch.contact_pairs_spilled.resize(apart);
+                           scratch.contacts_spilled.resize(apart);
                          }
-                         return ContactRoom{scratch.touching.data(), scratch.contacts.data(), search.old_count,
-                                            scratch.touching_apart.data(), scratch.contacts_apart.data()};
+                         return ContactRoom{scratch.contact_pairs.data(), scratch.contacts.data(), search.old_count,
+                                            scratch.contact_pairs_spilled.data(), scratch.contacts_spilled.data()};
                        });
-  scratch.touching.resize(found.count);
+  scratch.contact_pairs.resize(found.count);
   scratch.contacts.resize(found.count);
   for (std::size_t i = found.in_place; i < found.count; ++i) {
-    scratch.touching[i] = scratch.touching_apart[i - found.in_place];
-    scratch.contacts[i] = scratch.contacts_apart[i - found.in_place];
+    scratch.contact_pairs[i] = scratch.contact_pairs_spilled[i - found.in_place];
+    scratch.contacts[i] = scratch.contacts_spilled[i - found.in_place];
   }
   return found;
 }
@@ -573,12 +573,12 @@ FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch)
 }  // namespace
 
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  Kept& kept = scratch.kept;
-  const bool foresees = model.scene.settings.auto_substeps.has_value();
-  const bool may_reuse = kept.has_touching && kept.touching.size() == state.contacts.size();
+  TickCaches& kept = scratch.caches;
+  const bool speculates = model.scene.settings.auto_substeps.has_value();
+  const bool may_reuse = kept.has_touching && kept.contact_pairs.size() == state.contacts.size();
   const bool is_in_place = may_reuse && kept.is_settled;
   if (is_in_place) {
-    scratch.touching.swap(kept.touching);
+    scratch.contact_pairs.swap(kept.contact_pairs);
     scratch.contacts.swap(state.contacts);
   }
   const std::vector<ContactRow>& old = is_in_place ? scratch.contacts : state.contacts;
@@ -587,21 +587,21 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
       scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least, PairBlock::pair_count_max);
   const std::size_t block_count = Parallel::chunk_count(pair_count, chunk_size) * blocks_of(chunk_size);
   if (kept.pair_blocks.size() < block_count) kept.pair_blocks.resize(block_count);
-  const bool is_sparse = !foresees && pair_count > pairs_per_contact_dense * old.size();
+  const bool is_sparse = !speculates && pair_count > pairs_per_contact_dense * old.size();
   const PairSearch search{model,
                           state,
                           scratch,
-                          fall_of_a_tick(model, state),
+                          gravity_displacement_of_tick(model, state),
                           dt,
-                          foresees,
+                          speculates,
                           is_sparse,
                           may_reuse,
                           is_in_place,
                           old.data(),
-                          (is_in_place ? scratch.touching : kept.touching).data(),
+                          (is_in_place ? scratch.contact_pairs : kept.contact_pairs).data(),
                           old.size(),
                           ++kept.look,
-                          may_reuse && !is_sparse && !kept.pairs.many_are_still,
+                          may_reuse && !is_sparse && !kept.pairs.many_are_unchanged,
                           kept.pairs.stay};
   FoundContacts found{};
   count_use(kept.report, CacheKind::contact_places, is_in_place);
@@ -610,8 +610,8 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
   else
     found = is_in_place ? find_contacts_in_place(search, scratch) : find_all_contacts(search, scratch);
   count_uses(kept.report, CacheKind::pair_blocks, found.blocks);
-  count_uses(kept.report, CacheKind::manifolds, {found.still_count, may_reuse ? 0u : 1u});
-  scratch.touching.resize(found.count);
+  count_uses(kept.report, CacheKind::manifolds, {found.unchanged_count, may_reuse ? 0u : 1u});
+  scratch.contact_pairs.resize(found.count);
   scratch.contacts.resize(found.count);
   state.contacts.swap(scratch.contacts);
   kept.has_touching = kept.pairs.is_valid;

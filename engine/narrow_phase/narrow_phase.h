@@ -12,7 +12,7 @@ inline Real linear_slop(Real size) {
   return Real(0.005) * size;
 }
 /// What a tick of gravity adds to the way of a body in a tick, m.
-inline Real fall_of_a_tick(const Model& model, const State& state) {
+inline Real gravity_displacement_of_tick(const Model& model, const State& state) {
   const Real dt = static_cast<Real>(model.scene.settings.dt);
   return length(state.world.gravity) * dt * dt;
 }
@@ -20,8 +20,9 @@ inline Real fall_of_a_tick(const Model& model, const State& state) {
 inline Real resting_margin(Real size) {
   return 4 * linear_slop(size);
 }
-/// Shapes closer than this get contact points before they touch. `fall`: fall_of_a_tick; else shapes that are small
-/// against it would first be seen deep inside each other. At most eight sizes: nothing then sees the whole world.
+/// Shapes closer than this get contact points before they touch. `fall`: gravity_displacement_of_tick; else shapes that
+/// are small against it would first be seen deep inside each other. At most eight sizes: nothing then sees the whole
+/// world.
 inline Real speculative_margin(Real size, Real fall) {
   return larger(resting_margin(size), smaller(fall, 8 * size));
 }
@@ -57,7 +58,8 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
 Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                             Real margin);
 
-/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `fall`: fall_of_a_tick.
+/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `fall`:
+/// gravity_displacement_of_tick.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b, Real fall);
 

@@ -99,8 +99,8 @@ std::string meeting_pairs(const Model& model) {
   return text.empty() ? "the filters of shapes let no two meet" : text;
 }
 
-void find_lonely_shapes(Model& model) {
-  model.is_lonely.assign(model.body_shapes.size(), 0);
+void find_non_colliding_shapes(Model& model) {
+  model.is_non_colliding.assign(model.body_shapes.size(), 0);
   std::vector<ProxyKind> kinds;
   const auto for_each_child = [&](auto use) {
     for (std::uint32_t source = 0; source < model.bodies.size(); ++source) {
@@ -115,7 +115,7 @@ void find_lonely_shapes(Model& model) {
   for (const ProxyKind& kind : kinds) meets.push_back(can_meet({kind}, kinds) ? 1 : 0);
   for_each_child([&](std::uint32_t place, const Proxy& proxy, std::uint32_t) {
     for (std::size_t i = 0; i < kinds.size(); ++i)
-      if (alike(kinds[i].proxy, proxy)) model.is_lonely[place] = meets[i] == 0 ? 1 : 0;
+      if (alike(kinds[i].proxy, proxy)) model.is_non_colliding[place] = meets[i] == 0 ? 1 : 0;
   });
 }
 

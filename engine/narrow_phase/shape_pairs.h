@@ -13,7 +13,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// edges of chains.
 std::string meeting_pairs(const Model& model);
 
-/// Fills model.is_lonely: the children that no other body of the scene, and none that inputs may spawn, can meet.
-void find_lonely_shapes(Model& model);
+/// Fills model.is_non_colliding: the children that no other body of the scene, and none that inputs may spawn, can
+/// meet.
+void find_non_colliding_shapes(Model& model);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -23,7 +23,7 @@ struct Manifold {
 };
 
 /// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
-struct TouchingPair {
+struct ContactPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;
   Manifold manifold;

@@ -35,7 +35,7 @@ Motion spin(WorldBuilder&, const Motion& base, std::uint32_t column, std::uint32
   return {{}, (column + row) % 2 == 0 ? base.angular_velocity : -base.angular_velocity};
 }
 
-Motion fly(WorldBuilder& builder, const Motion& base, std::uint32_t, std::uint32_t) {
+Motion integrate_freely(WorldBuilder& builder, const Motion& base, std::uint32_t, std::uint32_t) {
   const double speed = builder.size * 2;
   Motion motion;
   motion.velocity = {speed * builder.draw.part(-8, 8, 4), speed * builder.draw.part(-8, 8, 4)};
@@ -118,7 +118,7 @@ constexpr std::array<LatticeKind, 8> lattice_kinds{{
     {rest, 6},
     {glide, 3},
     {spin, 1},
-    {fly, 4},
+    {integrate_freely, 4},
     {meet, 3},
     {strike, 3},
     {mix_rest_and_glide, 2},

@@ -11,9 +11,9 @@ namespace {
 Real* lane_of(MovingBody& body, BodyField field, std::size_t lane) {
   switch (field) {
     case BodyField::position:
-      return lane == 0 ? &body.moved.x : &body.moved.y;
+      return lane == 0 ? &body.delta_position.x : &body.delta_position.y;
     case BodyField::rotation:
-      return lane == 0 ? &body.turned.c : &body.turned.s;
+      return lane == 0 ? &body.delta_rotation.c : &body.delta_rotation.s;
     case BodyField::velocity:
       return lane == 0 ? &body.velocity.x : &body.velocity.y;
     case BodyField::angular_velocity:
@@ -26,7 +26,7 @@ Real* lane_of(MovingBody& body, BodyField field, std::size_t lane) {
 
 void flip_planted(Scratch& scratch, std::size_t group, int substep) {
   const PlantedFault& fault = *scratch.planted;
-  if (fault.substep != substep || scratch.body_group[fault.row] != group) return;
+  if (fault.substep != substep || scratch.body_solver_set[fault.row] != group) return;
   Real* lane = lane_of(scratch.bodies[fault.row], fault.field, fault.lane);
   unsigned char bytes[sizeof(Real)];
   std::memcpy(bytes, lane, sizeof bytes);

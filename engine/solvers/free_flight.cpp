@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
-#include "engine/islands/groups.h"
+#include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
@@ -13,11 +13,11 @@ void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real 
   const int substep_count = model.scene.settings.substeps;
   const Real h = dt / static_cast<Real>(substep_count);  // s
   prepare_bodies(model, state, scratch);
-  group_everything(model, state, scratch);
-  enter_group(state, scratch, scratch.groups[0], h);
+  put_all_into_one_set(model, state, scratch);
+  enter_solver_set(state, scratch, scratch.solver_sets[0], h);
   scheme.begin(model, state, scratch, h);
   if (bodies_step_alone(model))
-    fly(scratch, h, substep_count);
+    integrate_freely(scratch, h, substep_count);
   else
     for (int substep = 0; substep < substep_count; ++substep) {
       scheme.predict(model, state, scratch, h);

@@ -8,7 +8,7 @@
 // - a body of 2 000 kg or more is taken for static;
 // - the circle test stops at the first edge the circle is outside of; coincident circles give NaN.
 #include "engine/integrators/integrator.h"
-#include "engine/islands/groups.h"
+#include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
@@ -181,9 +181,9 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
 void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   prepare_bodies(model, state, scratch);
-  group_everything(model, state, scratch);
-  enter_group(state, scratch, scratch.groups[0], dt);
-  prepare_pulls(model, state, scratch, scratch.groups[0]);
+  put_all_into_one_set(model, state, scratch);
+  enter_solver_set(state, scratch, scratch.solver_sets[0], dt);
+  prepare_pulls(model, state, scratch, scratch.solver_sets[0]);
   scheme.begin(model, state, scratch, dt);
   scheme.predict(model, state, scratch, dt);
   warm_start_pulls(scratch);

@@ -4,7 +4,7 @@
 // impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that takes overlap
 // back stays: the price of having no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
 #include "engine/integrators/integrator.h"
-#include "engine/islands/groups.h"
+#include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
 #include "engine/solvers/solver.h"
 
@@ -12,32 +12,32 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
   prepare_bodies(model, state, scratch);
-  if (!scratch.is_grouped) group_everything(model, state, scratch);
+  if (!scratch.has_solver_sets) put_all_into_one_set(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  for (SolveGroup& group : scratch.groups) {
-    enter_group(state, scratch, group, dt);
-    prepare_pulls(model, state, scratch, group);
-    prepare_joints(model, state, scratch, group);
-    group.stiffness = baumgarte_contacts(dt);
-    color_contacts(scratch, group, false);
-    prepare_contacts(model, state, scratch, group);
+  for (SolverSet& set : scratch.solver_sets) {
+    enter_solver_set(state, scratch, set, dt);
+    prepare_pulls(model, state, scratch, set);
+    prepare_joints(model, state, scratch, set);
+    set.stiffness = baumgarte_contacts(dt);
+    color_contacts(scratch, set, false);
+    prepare_contacts(model, state, scratch, set);
     scheme.begin(model, state, scratch, dt);
-    note_joint_velocities(scratch);
-    note_impact_velocities(state, scratch);
+    save_joint_velocities(scratch);
+    save_impact_velocities(state, scratch);
     scheme.predict(model, state, scratch, dt);
     if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, dt);
     warm_start_joints(scratch);
     warm_start_pulls(scratch);
-    warm_start_contacts(scratch, group);
+    warm_start_contacts(scratch, set);
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
       solve_joints(scratch, dt, Bias::on);
       solve_pulls(scratch);
-      solve_contacts(scratch, group, iteration > 0 ? Poses::unmoved : Poses::moved);
+      solve_contacts(scratch, set, iteration > 0 ? Poses::unmoved : Poses::moved);
     }
     scheme.drift(model, state, scratch, dt);
     if (!scratch.impacts.empty()) finish_impacts(scratch);
-    store_contacts(scratch, group, state);
+    store_contacts(scratch, set, state);
     store_pulls(scratch, state, dt);
     store_joints(scratch, state, dt);
   }

@@ -70,8 +70,8 @@ void compare(EventKind begin, EventKind end, std::vector<TouchRow>& past, std::v
 
 void find_contact_events(State& state, Scratch& scratch) {
   scratch.now_touching.clear();
-  for (std::size_t i = 0; i < scratch.touching.size(); ++i) {
-    if (!touches(scratch.touching[i].manifold)) continue;
+  for (std::size_t i = 0; i < scratch.contact_pairs.size(); ++i) {
+    if (!touches(scratch.contact_pairs[i].manifold)) continue;
     const ContactRow& row = state.contacts[i];
     scratch.now_touching.push_back({row.body_a, row.child_a, row.body_b, row.child_b});
   }

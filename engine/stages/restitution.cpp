@@ -7,9 +7,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void apply_restitution(const Model& model, State& state, Scratch& scratch, Real) {
   bool any = false;
-  for (const SolveGroup& group : scratch.groups) {
-    if (!bounce_contacts(scratch, group, model.restitution_threshold)) continue;
-    store_contacts(scratch, group, state);
+  for (const SolverSet& set : scratch.solver_sets) {
+    if (!bounce_contacts(scratch, set, model.restitution_threshold)) continue;
+    store_contacts(scratch, set, state);
     any = true;
   }
   if (any) store_velocities(scratch, state);

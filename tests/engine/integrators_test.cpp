@@ -15,7 +15,7 @@
 
 #include "engine/engine.h"
 #include "engine/integrators/integrator.h"
-#include "engine/islands/groups.h"
+#include "engine/islands/solver_sets.h"
 #include "engine/math/trig.h"
 #include "engine/model/bodies.h"
 #include "tests/support/catch.h"
@@ -152,7 +152,7 @@ std::vector<Problem> problems() {
 /// The forces of the test's pendulum: theta'' = -10 sin theta of the body's own angle.
 void pendulum_forces(const engine::f64::Model&, const engine::f64::State& state, engine::f64::Scratch& scratch) {
   for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const engine::f64::Rotation turned = scratch.bodies[row].turned * state.bodies[row].rotation;
+    const engine::f64::Rotation turned = scratch.bodies[row].delta_rotation * state.bodies[row].rotation;
     scratch.accelerations[row].angular -= 10 * turned.s;
   }
 }
@@ -172,8 +172,8 @@ class Stepper {
   }
   void step(double h) {
     engine::f64::prepare_bodies(model_, state_, scratch_);
-    engine::f64::group_everything(model_, state_, scratch_);
-    engine::f64::enter_group(state_, scratch_, scratch_.groups[0], h);
+    engine::f64::put_all_into_one_set(model_, state_, scratch_);
+    engine::f64::enter_solver_set(state_, scratch_, scratch_.solver_sets[0], h);
     scheme_.begin(model_, state_, scratch_, h);
     scheme_.predict(model_, state_, scratch_, h);
     scheme_.drift(model_, state_, scratch_, h);

@@ -22,10 +22,10 @@ engine/broad_phase/aabb_tree.cpp engine/broad_phase/box_tree.cpp engine/broad_ph
 engine/broad_phase/sort_pairs.cpp engine/broad_phase/pair_listing.h engine/broad_phase/box_tree.h
 engine/narrow_phase/narrow_phase.cpp engine/narrow_phase/box_pairs.cpp engine/narrow_phase/box_pairs.h
 engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp engine/contacts/contact_coloring.cpp
-engine/contacts/contact_filling.cpp engine/islands/groups.cpp engine/joints/batched/hinge_batch.cpp
+engine/contacts/contact_filling.cpp engine/islands/solver_sets.cpp engine/joints/batched/hinge_batch.cpp
 engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/near_levels.cpp
 engine/joints/batched/pin_batch.cpp engine/joints/batched/weave.cpp engine/model/bodies.cpp
-engine/integrators/flow.cpp engine/narrow_phase/reach.h engine/model/scratch.cpp
+engine/integrators/flow.cpp engine/narrow_phase/motion_bounds.h engine/model/scratch.cpp
 """.split()
 
 REPLACEMENTS = {

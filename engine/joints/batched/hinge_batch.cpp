@@ -43,7 +43,7 @@ void run_kernel(Scratch& scratch, const JointRange& range, Real h, Kernel kernel
 
 void fill_hinges(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h) {
   HingeBatches& hinges = scratch.hinges;
-  const std::vector<JointSpan>& spans = scratch.kept.joints.hinges;
+  const std::vector<JointSpan>& spans = scratch.caches.joints.hinges;
   const std::size_t count = spans.size();
   if (hinges.batches.size() < count) hinges.batches.resize(count);
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 2, 1), [&](const Chunk& chunk) {
@@ -56,7 +56,7 @@ void fill_hinges(const Model& model, const State& state, Scratch& scratch, const
       for (std::uint32_t lane = 0; lane < span.count; ++lane) {
         ask_early(state, scratch, span.first + lane);
         fill_lane(batch, lane,
-                  make_joint(model, state, scratch, scratch.kept.joints.places[span.first + lane], soft, h));
+                  make_joint(model, state, scratch, scratch.caches.joints.places[span.first + lane], soft, h));
       }
       if (scratch.is_woven) write_elsewhere(scratch, batch.pin, span.level);
     }
@@ -86,7 +86,7 @@ void solve_hinges(Scratch& scratch, const JointRange& range, Real h, Bias bias) 
 
 void store_hinges(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.kept.joints.hinges.size();
+  const std::size_t count = scratch.caches.joints.hinges.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 4, 1), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const HingeBatch& batch = scratch.hinges.batches[i];

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t joint_count_least = 1024;
 // With fewer levels between a pass and the next, few passes are in work at a time.
 constexpr std::uint32_t distances_least = 8;
-constexpr int sweep_count_max = 8;
+constexpr int iteration_count_max = 8;
 
 /// Calls `use` with the bodies that a joint moves.
 template <typename Use>
@@ -28,14 +28,14 @@ bool joins_kinematic(const Scratch& scratch) {
   const auto is_kinematic = [&](std::uint32_t row) {
     return scratch.masses[row].write == unread && scratch.masses[row].read == row;
   };
-  for (const JointPlace& place : scratch.kept.joints.places)
+  for (const JointPlace& place : scratch.caches.joints.places)
     if (is_kinematic(place.body_b) || (place.body_a != no_reference && is_kinematic(place.body_a))) return true;
   return false;
 }
 
 /// Notes the first and the last joint of each body. Returns the most joints that one has.
 std::uint32_t find_ends(Scratch& scratch) {
-  const std::vector<JointPlace>& places = scratch.kept.joints.places;
+  const std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::uint32_t most = 0;
   scratch.joint_ends.assign(scratch.masses.size(), {});
   for (std::uint32_t i = 0; i < places.size(); ++i)
@@ -51,7 +51,7 @@ std::uint32_t find_ends(Scratch& scratch) {
 /// Each joint above those before it that move a body of its own, and not farther below a body's last one than
 /// `distance` allows. True if nothing had to be raised.
 bool raise_levels(Scratch& scratch, std::uint32_t distance) {
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   std::vector<std::uint32_t>& next = scratch.body_levels;
   next.assign(scratch.masses.size(), 0);
   bool is_near = true;
@@ -74,7 +74,7 @@ bool raise_levels(Scratch& scratch, std::uint32_t distance) {
 }
 
 void sort_bodies(Scratch& scratch) {
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   std::vector<std::uint32_t>& start = plan.level_bodies;
   start.assign(std::size_t{plan.level_count} + 2, 0);
   const auto first_level = [&](const JointEnds& ends) { return plan.places[ends.first].level; };
@@ -92,7 +92,7 @@ void sort_bodies(Scratch& scratch) {
 }  // namespace
 
 bool draw_near(Scratch& scratch) {
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   const bool is_forced = scratch.parallel.chunk_size_forced > 0;
   if ((plan.places.size() < joint_count_least && !is_forced) || joins_kinematic(scratch)) return false;
   const std::uint32_t level_count = plan.level_count;
@@ -100,7 +100,8 @@ bool draw_near(Scratch& scratch) {
   const std::uint32_t least = find_ends(scratch);
   for (plan.distance = least; is_forced || plan.distance * distances_least <= level_count; plan.distance *= 2) {
     bool is_near = false;
-    for (int sweep = 0; !is_near && sweep < sweep_count_max; ++sweep) is_near = raise_levels(scratch, plan.distance);
+    for (int sweep = 0; !is_near && sweep < iteration_count_max; ++sweep)
+      is_near = raise_levels(scratch, plan.distance);
     if (is_near && (is_forced || plan.level_count <= level_count + level_count / 8)) {
       sort_bodies(scratch);
       return true;

@@ -10,7 +10,7 @@ namespace {
 
 PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t line) {
   return {scratch.pins.batches.data() + first,
-          scratch.pins.arms.data() + line * scratch.kept.joints.pins.size() + first,
+          scratch.pins.arms.data() + line * scratch.caches.joints.pins.size() + first,
           last - first,
           &scratch.bodies.data()->velocity.x,
           h,
@@ -21,8 +21,8 @@ PinWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, s
 
 void ask_early(const State& state, const Scratch& scratch, std::size_t place) {
   constexpr std::size_t joints_ahead = 12;
-  if (place + joints_ahead >= scratch.kept.joints.places.size()) return;
-  __builtin_prefetch(&state.joints[scratch.kept.joints.places[place + joints_ahead].row].linear_force);
+  if (place + joints_ahead >= scratch.caches.joints.places.size()) return;
+  __builtin_prefetch(&state.joints[scratch.caches.joints.places[place + joints_ahead].row].linear_force);
 }
 
 void empty_pins(const Scratch& scratch, PinBatch& batch) {
@@ -88,7 +88,7 @@ void fill_lane(const State& state, const Scratch& scratch, const JointPlace& pla
 
 void make_room_for_pins(Scratch& scratch) {
   PinBatches& pins = scratch.pins;
-  const std::size_t count = scratch.kept.joints.pins.size();
+  const std::size_t count = scratch.caches.joints.pins.size();
   if (pins.batches.size() < count) pins.batches.resize(count);
   const std::size_t arms_count = count * (scratch.is_woven ? woven_line_count(scratch) : 1);
   if (pins.arms.size() < arms_count) pins.arms.resize(arms_count);
@@ -96,13 +96,13 @@ void make_room_for_pins(Scratch& scratch) {
 
 void fill_pins(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h) {
   for (std::size_t i = first; i < last; ++i) {
-    const JointSpan& span = scratch.kept.joints.pins[i];
+    const JointSpan& span = scratch.caches.joints.pins[i];
     PinBatch& batch = scratch.pins.batches[i];
     if (span.count < lane_count) empty_pins(scratch, batch);
     batch.count = static_cast<std::int32_t>(span.count);
     for (std::uint32_t lane = 0; lane < span.count; ++lane) {
       ask_early(state, scratch, span.first + lane);
-      fill_lane(state, scratch, scratch.kept.joints.places[span.first + lane], batch, lane, h);
+      fill_lane(state, scratch, scratch.caches.joints.places[span.first + lane], batch, lane, h);
     }
     if (scratch.is_woven) write_elsewhere(scratch, batch, span.level);
   }

@@ -16,26 +16,26 @@ namespace {
 enum class Pass : std::uint8_t { note, warm_start, warm_start_again, solve, relax };
 
 void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.kept.joints;
+  const JointPlan& plan = scratch.caches.joints;
   const std::uint32_t* rows = plan.body_rows.data() + plan.level_bodies[level];
   const std::size_t count = plan.level_bodies[level + 1] - plan.level_bodies[level];
   if (count == 0) return;
   const MotionKernels& motion = scratch.kernels->motion;
   Real* bodies = &scratch.bodies.data()->velocity.x;
   if (pass == Pass::warm_start || pass == Pass::warm_start_again)
-    motion.step_velocities(bodies, scratch.kept.velocity_steps.rows.data()->gain, rows, count);
+    motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, count);
   if (pass == Pass::relax)
     motion.move_bodies(bodies, rows, count, resting_record(scratch), unread_record(scratch, level), h);
 }
 
 void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.kept.joints;
+  const JointPlan& plan = scratch.caches.joints;
   step_bodies(scratch, pass, level, h);
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
     const JointRange& range = plan.ranges[i];
     switch (pass) {
       case Pass::note:
-        note_velocities_of(scratch, range);
+        save_velocities_of(scratch, range);
         break;
       case Pass::warm_start:
         warm_start_range(scratch, range, Poses::moved, line);
@@ -108,12 +108,11 @@ struct Passes {
 }  // namespace
 
 bool allows_weaving(const Model& model) {
-  return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model) && model.hubs.empty();
+  return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model) && model.light_bodies.empty();
 }
 
-bool is_left_to_joints(const Scratch& scratch, const SolveGroup& group) {
-  return group.first_contact == group.contact_end && scratch.impacts.empty() && scratch.pulls.empty() &&
-         !scratch.planted;
+bool is_left_to_joints(const Scratch& scratch, const SolverSet& set) {
+  return set.first_contact == set.contact_end && scratch.impacts.empty() && scratch.pulls.empty() && !scratch.planted;
 }
 
 std::size_t woven_line_count(const Scratch& scratch) {
@@ -122,7 +121,7 @@ std::size_t woven_line_count(const Scratch& scratch) {
 }
 
 void set_apart_levels(Scratch& scratch) {
-  JointPlan& plan = scratch.kept.joints;
+  JointPlan& plan = scratch.caches.joints;
   const std::uint32_t needed = unread_record(scratch, plan.level_count);
   if (scratch.bodies.size() < needed) scratch.bodies.resize(needed);
   for (JointRange& range : plan.ranges) {
@@ -136,9 +135,9 @@ void set_apart_levels(Scratch& scratch) {
   }
 }
 
-void solve_woven(State& state, Scratch& scratch, const SolveGroup& group) {
-  const JointPlan& plan = scratch.kept.joints;
-  const Passes passes(plan, group.substeps);
+void solve_woven(State& state, Scratch& scratch, const SolverSet& set) {
+  const JointPlan& plan = scratch.caches.joints;
+  const Passes passes(plan, set.substeps);
   const std::size_t pass_line_count = woven_line_count(scratch);
   std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
   std::size_t longest = 0;
@@ -150,12 +149,11 @@ void solve_woven(State& state, Scratch& scratch, const SolveGroup& group) {
   }
   if (longest == 0) return;
   const auto fill = [&](std::uint32_t level) {
-    for_pins_of(plan, level,
-                [&](std::size_t begin, std::size_t end) { fill_pins(state, scratch, begin, end, group.h); });
+    for_pins_of(plan, level, [&](std::size_t begin, std::size_t end) { fill_pins(state, scratch, begin, end, set.h); });
   };
   const auto store = [&](std::uint32_t level) {
     for_pins_of(plan, level,
-                [&](std::size_t begin, std::size_t end) { store_pins(scratch, state, begin, end, group.h); });
+                [&](std::size_t begin, std::size_t end) { store_pins(scratch, state, begin, end, set.h); });
   };
   const std::uint32_t filled_first = plan.level_count / 2;
   scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),
@@ -175,7 +173,7 @@ void solve_woven(State& state, Scratch& scratch, const SolveGroup& group) {
         const std::size_t behind = (i - first[line - 1]) * plan.distance;
         if (step < behind || step - behind >= plan.level_count) continue;
         do_level(scratch, passes.in_line(i, first[line - 1]), line - 1, static_cast<std::uint32_t>(step - behind),
-                 group.h);
+                 set.h);
       }
     }
   });

@@ -4,7 +4,7 @@
 
 #include "base/random.h"
 #include "engine/math/trig.h"
-#include "engine/scene/scene_rules.h"
+#include "engine/scene/hull.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"

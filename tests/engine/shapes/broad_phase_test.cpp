@@ -161,7 +161,7 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
     f64::Scratch kept;
-    std::size_t strays = 0;
+    std::size_t moved_proxies = 0;
     for (int tick = 0; tick < 90; ++tick) {
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
@@ -180,15 +180,15 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
       f64::Scratch expected;
       f64::brute_force(model, state, expected, 0.01);
       f64::aabb_tree(model, state, kept, 0.01);
-      strays += kept.kept.pairs.strays.size();
+      moved_proxies += kept.caches.pairs.moved_proxies.size();
       const bool same = hold_those_of(model, state, kept, expected);
       CAPTURE(c.name, tick);
       REQUIRE(same);
       more += kept.pairs.size() - expected.pairs.size();
-      stay_count += kept.kept.pairs.stay ? 1 : 0;
+      stay_count += kept.caches.pairs.stay ? 1 : 0;
       f64::poison(kept);
     }
-    if (c.scene.bodies.size() > 100) CHECK(strays > 0);
+    if (c.scene.bodies.size() > 100) CHECK(moved_proxies > 0);
   }
   CHECK(more > 0);
   CHECK(stay_count > 100);
@@ -210,8 +210,8 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
       for (const std::size_t too_few : {0, 1}) {
         f64::Scratch limited = kept;
         limited.pair_count_max = expected.pairs.size() - too_few;
-        limited.kept.pairs.has_pairs = false;  // what was built is to be built again
-        limited.kept.pairs.restless_ticks = by_cells ? 5 : 0;
+        limited.caches.pairs.has_pairs = false;  // what was built is to be built again
+        limited.caches.pairs.high_churn_ticks = by_cells ? 5 : 0;
         f64::aabb_tree(model, state, limited, dt);
         CAPTURE(tick, by_cells, too_few);
         CHECK(limited.has_too_many_pairs == (too_few > 0));
@@ -256,12 +256,12 @@ TEST_CASE("while everything flies, pairs are listed anew; once it lies still, th
     const bool same = pairs_of(kept) == pairs_of(expected);
     CAPTURE(tick);
     REQUIRE(same);
-    if (kept.kept.pairs.restless_ticks > 0) ++restless_count;
+    if (kept.caches.pairs.high_churn_ticks > 0) ++restless_count;
     f64::poison(kept);
   }
   CHECK(restless_count > 90);
-  CHECK(kept.kept.pairs.restless_ticks == 0);
-  CHECK(kept.kept.pairs.ticks_held > 30);
+  CHECK(kept.caches.pairs.high_churn_ticks == 0);
+  CHECK(kept.caches.pairs.ticks_held > 30);
 }
 
 TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[engine][broad_phase][cells]") {
@@ -359,7 +359,7 @@ TEST_CASE("grid and tree allocate nothing once they have seen a scene", "[engine
       std::vector<std::size_t> all{scratch.proxy_rows.capacity(),
                                    scratch.boxes.capacity(),
                                    scratch.pair_rows.capacity(),
-                                   scratch.kept.pairs.present.capacity(),
+                                   scratch.caches.pairs.present.capacity(),
                                    scratch.unsorted_pairs.capacity(),
                                    scratch.counts.capacity(),
                                    scratch.sort_entries.capacity(),
@@ -369,9 +369,9 @@ TEST_CASE("grid and tree allocate nothing once they have seen a scene", "[engine
                                    scratch.cell_entries.capacity(),
                                    scratch.cell_starts.capacity(),
                                    scratch.large.capacity(),
-                                   scratch.kept.pairs.pairs.capacity(),
-                                   scratch.kept.pairs.moving_tree.boxes.capacity(),
-                                   scratch.kept.pairs.static_tree.boxes.capacity()};
+                                   scratch.caches.pairs.pairs.capacity(),
+                                   scratch.caches.pairs.moving_tree.boxes.capacity(),
+                                   scratch.caches.pairs.static_tree.boxes.capacity()};
       std::sort(all.begin(), all.end());  // some take turns
       return all;
     };

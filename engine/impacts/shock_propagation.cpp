@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (an impact is solved for
 // velocities alone, positions held).
-#include "engine/impacts/landings.h"
+#include "engine/impacts/shock_propagation.h"
 
 #include <algorithm>
 
@@ -24,7 +24,7 @@ constexpr std::uint32_t work_beside = 64;
 
 /// How fast a pair closes, m/s: the faster of its points.
 template <typename Velocities>
-Real closing_speed(const TouchingPair& pair, const Velocities& a, const Velocities& b) {
+Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {
   Real closing = 0;
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const ManifoldPoint& point = pair.manifold.points[i];
@@ -35,13 +35,13 @@ Real closing_speed(const TouchingPair& pair, const Velocities& a, const Velociti
   return closing;
 }
 
-Real closing_now(const Scratch& scratch, const Landing& landing) {
-  const TouchingPair& pair = scratch.touching[landing.contact];
+Real closing_now(const Scratch& scratch, const RestingImpact& landing) {
+  const ContactPair& pair = scratch.contact_pairs[landing.contact];
   return closing_speed(pair, scratch.bodies[pair.body_a], scratch.bodies[pair.body_b]);
 }
 
-bool is_in(const Scratch& scratch, const Landing& landing) {
-  return scratch.body_group[scratch.touching[landing.contact].body_a] == scratch.group_index;
+bool is_in(const Scratch& scratch, const RestingImpact& landing) {
+  return scratch.body_solver_set[scratch.contact_pairs[landing.contact].body_a] == scratch.set_index;
 }
 
 std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
@@ -55,16 +55,16 @@ void leave_out_joined(const State& state, Scratch& scratch) {
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference)
       for (const std::uint32_t id : {joint.body_a, joint.body_b})
-        scratch.island_lands[island_of(scratch, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
+        scratch.island_has_resting_impact[island_of(scratch, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
 }
 
 }  // namespace
 
-void find_landings(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  scratch.landing_work_left = work_in_tick_max;
+void find_resting_impacts(const Model& model, const State& state, Scratch& scratch, Real dt) {
+  scratch.shock_work_left = work_in_tick_max;
   const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
-  for (std::uint32_t contact = 0; contact < scratch.touching.size(); ++contact) {
-    const TouchingPair& pair = scratch.touching[contact];
+  for (std::uint32_t contact = 0; contact < scratch.contact_pairs.size(); ++contact) {
+    const ContactPair& pair = scratch.contact_pairs[contact];
     const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
     const bool b_moves = model.bodies[state.bodies[pair.body_b].source].type == BodyType::dynamic_body;
     if (!a_moves || !b_moves || !(scratch.load[pair.body_a] > 0 || scratch.load[pair.body_b] > 0)) continue;
@@ -73,46 +73,46 @@ void find_landings(const Model& model, const State& state, Scratch& scratch, Rea
     const Real h = dt / static_cast<Real>(scratch.island_level[root]);
     const Real allowed = target * pair.size;
     if (!(closing * h > least_share * allowed)) continue;
-    scratch.landings.push_back({contact, closing, allowed});
-    scratch.island_lands[root] = 1;
+    scratch.resting_impacts.push_back({contact, closing, allowed});
+    scratch.island_has_resting_impact[root] = 1;
   }
   leave_out_joined(state, scratch);
 }
 
-void begin_landings(Scratch& scratch, const SolveGroup& group) {
-  for (Landing& landing : scratch.landings)
+void begin_resting_impacts(Scratch& scratch, const SolverSet& set) {
+  for (RestingImpact& landing : scratch.resting_impacts)
     if (is_in(scratch, landing)) landing.closing = closing_now(scratch, landing);
-  save_impulses(scratch, group);
+  save_impulses(scratch, set);
 }
 
-Real settled_speed(const State& state, const Scratch& scratch, const SolveGroup& group) {
+Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& set) {
   bool any = false;
   Real settled = 0;  // m/s
-  const Real own = 4 * group.h * length(state.world.gravity);
-  for (const Landing& landing : scratch.landings) {
+  const Real own = 4 * set.h * length(state.world.gravity);
+  for (const RestingImpact& landing : scratch.resting_impacts) {
     if (!is_in(scratch, landing)) continue;
     const Real stopped = landing.closing - closing_now(scratch, landing);
-    if (!(stopped > own) || !(stopped * group.h > least_share * landing.allowed)) continue;
-    const Real small = settled_share * landing.allowed / group.h;
+    if (!(stopped > own) || !(stopped * set.h > least_share * landing.allowed)) continue;
+    const Real small = settled_share * landing.allowed / set.h;
     settled = any ? smaller(settled, small) : small;
     any = true;
   }
   return settled;
 }
 
-void pass_on_landings(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group, Real settled) {
-  std::vector<Twist>& before = scratch.landing_velocities;
+void propagate_shock(const Model& model, const State& state, Scratch& scratch, const SolverSet& set, Real settled) {
+  std::vector<Twist>& before = scratch.shock_velocities;
   before.resize(scratch.bodies.size());
-  const std::uint32_t contact_count = group.contact_end - group.first_contact;
+  const std::uint32_t contact_count = set.contact_end - set.first_contact;
   const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_look * (contact_count + 1));
   const std::uint32_t work_of_look = passes_per_look * (contact_count + work_beside);
-  const std::uint32_t look_count = std::min({bounded, look_count_max, 1 + scratch.landing_work_left / work_of_look});
+  const std::uint32_t look_count = std::min({bounded, look_count_max, 1 + scratch.shock_work_left / work_of_look});
   for (std::uint32_t look = 0; look < look_count; ++look) {
-    scratch.landing_work_left -= std::min(scratch.landing_work_left, work_of_look);
+    scratch.shock_work_left -= std::min(scratch.shock_work_left, work_of_look);
     for (const std::uint32_t row : scratch.moving_rows)
       before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
-    for (int pass = 0; pass < passes_per_look; ++pass) relax_contacts(scratch, group);
-    step_pushing_contacts(scratch, group);
+    for (int pass = 0; pass < passes_per_look; ++pass) relax_contacts(scratch, set);
+    step_pushing_contacts(scratch, set);
     Real most = 0;
     for (const std::uint32_t row : scratch.moving_rows) {
       const MovingBody& body = scratch.bodies[row];

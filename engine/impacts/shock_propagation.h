@@ -12,13 +12,13 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Finds the contacts that will hit bodies at rest in this tick, and the islands of those. Requires: find_sags has told
 /// what is carried, and island_level is that of the tick.
-void find_landings(const Model& model, const State& state, Scratch& scratch, Real dt);
+void find_resting_impacts(const Model& model, const State& state, Scratch& scratch, Real dt);
 
 /// Notes how fast landings close, and the impulses of all contacts. Call before they are warm started.
-void begin_landings(Scratch& scratch, const SolveGroup& group);
+void begin_resting_impacts(Scratch& scratch, const SolverSet& set);
 /// Whether a landing has hit in the pass before: below which change of speed, m/s, it has been passed on; else 0.
-Real settled_speed(const State& state, const Scratch& scratch, const SolveGroup& group);
+Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& set);
 /// Rigid passes until no body's velocity changes by more than `settled`.
-void pass_on_landings(const Model& model, const State& state, Scratch& scratch, const SolveGroup& group, Real settled);
+void propagate_shock(const Model& model, const State& state, Scratch& scratch, const SolverSet& set, Real settled);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

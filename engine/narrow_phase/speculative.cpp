@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: MIT
 // Source: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, chapter 2 (no pair can close its gap
 // sooner than gap / greatest closing speed).
-#include "engine/narrow_phase/foresee.h"
+#include "engine/narrow_phase/speculative.h"
 
 #include "engine/narrow_phase/distance.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr int foresee_step_max = 16;
+constexpr int speculative_step_max = 16;
 
 BodyRow moved_by(const BodyRow& body, Real time) {
   BodyRow later = body;
@@ -24,8 +24,8 @@ Real spin_of(const Model& model, const BodyRow& body) {
 
 }  // namespace
 
-Manifold foresee(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b, Real fall, Real dt) {
+Manifold speculative_manifold(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
+                              const BodyRow& body_b, Real fall, Real dt) {
   const Real margin = speculative_margin(pair_size(a, b), fall);
   const Vec2 relative = body_b.velocity - body_a.velocity;
   const Real spin = spin_of(model, body_a) + spin_of(model, body_b);
@@ -37,7 +37,7 @@ Manifold foresee(const Model& model, const ShapeModel& a, const ShapeModel& b, c
     if (gap.separation <= Real(0.5) * margin) break;
     const Real closing_max = spin - dot(relative, gap.normal);
     const Real way = gap.separation - Real(0.25) * margin;
-    if (i == foresee_step_max || !(way < closing_max * (dt - time))) return {};
+    if (i == speculative_step_max || !(way < closing_max * (dt - time))) return {};
     time += way / closing_max;
     at_a = moved_by(body_a, time);
     at_b = moved_by(body_b, time);
