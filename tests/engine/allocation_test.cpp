@@ -125,7 +125,7 @@ TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]")
 }
 
 TEST_CASE("a tick on several threads allocates nothing", "[engine][allocation][threads]") {
-  if (!build_info().has_threads) return;
+  SKIP_UNLESS(build_info().has_threads, "a build without threads");
   const auto scene = engine::make_builtin_scene("pyramid?base=20");
   REQUIRE(scene.has_value());
   for (const unsigned thread_count : {2u, 4u}) {

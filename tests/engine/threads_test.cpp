@@ -76,7 +76,7 @@ TEST_CASE("golden scenes give the same in chunks out of order", "[engine][thread
 }
 
 TEST_CASE("any number of threads gives the same bits", "[engine][threads][determinism]") {
-  if (!build_info().has_threads) return;
+  SKIP_UNLESS(build_info().has_threads, "a build without threads");
   constexpr std::uint64_t tick_count = 8;
   for (const Session& session : property_sessions()) {
     const std::vector<std::uint64_t> expected = tick_hashes(session, tick_count);

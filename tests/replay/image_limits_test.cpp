@@ -51,7 +51,7 @@ replay::TraceTail tail_of(const Bytes& trace) {
 
 TEST_CASE("an image of zeros that is much larger than its file is refused before it is held",
           "[replay][image_limits][corruption]") {
-  if (!replay::has_codec(replay::Codec::zstd)) return;
+  SKIP_UNLESS(replay::has_codec(replay::Codec::zstd), "a build without zstd");
   constexpr std::uint32_t size = 64u << 20;
   Forger forger = begin(blob_setup());
   forger.image(ChunkKind::checkpoint, 1, row_count(size - 4), size, true, SIZE_MAX);
@@ -65,7 +65,7 @@ TEST_CASE("an image of zeros that is much larger than its file is refused before
 
 TEST_CASE("images that each are small enough are refused when all unpack to too much",
           "[replay][image_limits][corruption]") {
-  if (!replay::has_codec(replay::Codec::zstd)) return;
+  SKIP_UNLESS(replay::has_codec(replay::Codec::zstd), "a build without zstd");
   constexpr std::uint32_t size = 8u << 20;
   Forger forger = begin(blob_setup());
   for (std::uint64_t i = 0; i < 200; ++i) {
@@ -81,7 +81,7 @@ TEST_CASE("images that each are small enough are refused when all unpack to too 
 
 TEST_CASE("a row count that its image cannot hold is found in the part that has it",
           "[replay][image_limits][corruption]") {
-  if (!replay::has_codec(replay::Codec::zstd)) return;
+  SKIP_UNLESS(replay::has_codec(replay::Codec::zstd), "a build without zstd");
   Forger forger = begin(blob_setup());
   forger.image(ChunkKind::checkpoint, 1, row_count(0xffffffffu), 8u << 20, true, SIZE_MAX);
   const Bytes trace = forger.take();

@@ -59,7 +59,7 @@ TEST_CASE("the suite has at least 25 sound scenes with names of their own", "[ve
 
 TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver does not",
           "[verifier][crosscheck_suite]") {
-  if (box2d_version().empty()) return;
+  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
   for (const std::string_view name : {"tower_5", "arch", "slope_slides"}) {
     INFO(name);
     const CrosscheckReport report = check(name, 2);
@@ -70,7 +70,7 @@ TEST_CASE("scenes of the suite: tgs_soft agrees with Box2D, the thesis' solver d
 }
 
 TEST_CASE("a solver without joints is not applicable to a chain, beside one that is", "[verifier][crosscheck_suite]") {
-  if (box2d_version().empty()) return;
+  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
   const CrosscheckReport report = check("hanging_chain", 1);
   CHECK(solver_of(report, "tgs_soft").passed > 0);
   CHECK(solver_of(report, "impulse").not_applicable == 1);
@@ -78,7 +78,7 @@ TEST_CASE("a solver without joints is not applicable to a chain, beside one that
 }
 
 TEST_CASE("with its skin matched Box2D's tower is as high as its boxes", "[verifier][crosscheck_suite][analytic]") {
-  if (box2d_version().empty()) return;
+  SKIP_UNLESS(!box2d_version().empty(), "a build without Box2D");
   const engine::Scene scene = find_scene("tower_5").make();
   for (const bool match_skin : {false, true}) {
     INFO(match_skin);

@@ -347,7 +347,7 @@ std::vector<Point> regular_polygon(int corner_count, double radius) {
 }  // namespace
 
 TEST_CASE("the peer takes eight corners, refuses nine, and says why", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene scene = stack_scene(0);
   scene.bodies.push_back(body_of(polygon_shape(regular_polygon(8, 1)), {0, 2}));
   CHECK(refusal_of(scene).empty());
@@ -356,7 +356,7 @@ TEST_CASE("the peer takes eight corners, refuses nine, and says why", "[verifier
 }
 
 TEST_CASE("the peer refuses what its skin or its floats would distort", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene thin = stack_scene(1);
   thin.bodies[1].shapes[0].half_size.y = 0.01;
   CHECK(refusal_of(thin).find("too thin for Box2D's skin") != std::string::npos);
@@ -366,7 +366,7 @@ TEST_CASE("the peer refuses what its skin or its floats would distort", "[verifi
 }
 
 TEST_CASE("the peer falls as semi-implicit Euler does and has our masses", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene scene = empty_scene();
   scene.bodies.push_back(body_of(polygon_shape({{0, 0}, {3, 0}, {0, 3}}), {2, 50}));  // centre of mass at (1, 1)
   scene.bodies[0].mass = engine::ExplicitMass{7, 5.0, Point{0.5, 0.25}};
@@ -383,7 +383,7 @@ TEST_CASE("the peer falls as semi-implicit Euler does and has our masses", "[ver
 }
 
 TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   const auto slid = [](engine::MixRule rule) {
     Scene scene = slide_scene(10, 0.8);
     scene.bodies[0].shapes[0].material.friction = 0.2;
@@ -402,7 +402,7 @@ TEST_CASE("the peer mixes materials by the rule of the scene", "[verifier][cross
 
 TEST_CASE("the peer refuses capsules, rounded lines, rolling resistance and filters of 32 bits",
           "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   const auto refusal = [](auto change) {
     Scene scene = stack_scene(1);
     change(scene.bodies[1].shapes[0]);
@@ -425,7 +425,7 @@ TEST_CASE("the peer refuses capsules, rounded lines, rolling resistance and filt
 
 TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the peer",
           "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   const std::vector<Point> to_left{{8, 0}, {4, 0}, {0, 0}, {-8, 0}};
   const std::vector<Point> to_right(to_left.rbegin(), to_left.rend());
   const auto agree = [](const Shape& line, auto change) {
@@ -462,7 +462,7 @@ TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the
 }
 
 TEST_CASE("the peer scales worlds of large bodies and gives their own units back", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene scene = stack_scene(2);
   for (Body& body : scene.bodies) {
     body.position = {50 * body.position.x, 50 * body.position.y};
@@ -482,7 +482,7 @@ TEST_CASE("the peer scales worlds of large bodies and gives their own units back
 
 TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a movement",
           "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene scene = empty_scene();
   scene.bodies = {unit_box({0, 0}), unit_box({10, 0})};
   scene.bodies[1].velocity.x = 130;  // over 2 m a step
@@ -496,7 +496,7 @@ TEST_CASE("the peer removes what leaves the bounds and tells when Box2D cuts a m
 }
 
 TEST_CASE("tgs_soft agrees with Box2D on a three-box stack", "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   verifier::CrosscheckOptions options;
   options.seconds = 3;
   options.seed_count = 3;
@@ -512,7 +512,7 @@ TEST_CASE("tgs_soft agrees with Box2D on a three-box stack", "[verifier][crossch
 
 TEST_CASE("tgs_soft agrees with Box2D on a ten-box stack, the thesis' impulse solver does not: its stack falls",
           "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   verifier::CrosscheckOptions options;
   options.solvers = {SolverKind::tgs_soft, SolverKind::impulse};
   const auto report = verifier::crosscheck(stack_scene(10, 0, Precision::f32), options);
@@ -526,7 +526,7 @@ TEST_CASE("tgs_soft agrees with Box2D on a ten-box stack, the thesis' impulse so
 }
 
 TEST_CASE("the report does not depend on the number of threads", "[verifier][crosscheck][determinism]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   verifier::CrosscheckOptions options;
   options.seconds = 1;
   options.seed_count = 3;
@@ -545,7 +545,7 @@ TEST_CASE("the report does not depend on the number of threads", "[verifier][cro
 }
 
 TEST_CASE("what Box2D cannot do is not applicable, with the reason", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   verifier::CrosscheckOptions options;
   options.seconds = 1;
   Scene nonagon = stack_scene(0);
@@ -563,7 +563,7 @@ TEST_CASE("what Box2D cannot do is not applicable, with the reason", "[verifier]
 }
 
 TEST_CASE("seeds and seconds out of range are refused", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   verifier::CrosscheckOptions options;
   options.seed_count = 0;
   CHECK_FALSE(verifier::crosscheck(stack_scene(1), options));
@@ -685,7 +685,7 @@ Scene bar_scene(JointKind kind) {
 }  // namespace
 
 TEST_CASE("a pendulum of the peer swings as ours does, on a pin and on a rod", "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   check_same(run_both(bar_scene(JointKind::revolute), 2), 0.01);
   Scene rod = bar_scene(JointKind::distance);
   rod.joints[0].anchor_b = {};
@@ -694,7 +694,7 @@ TEST_CASE("a pendulum of the peer swings as ours does, on a pin and on a rod", "
 }
 
 TEST_CASE("motors and limits of the peer are ours", "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene turning = bar_scene(JointKind::revolute);
   turning.gravity = {0, 0};
   turning.joints[0].motor = engine::JointMotor{2, 1};
@@ -726,7 +726,7 @@ TEST_CASE("motors and limits of the peer are ours", "[verifier][crosscheck][equi
 
 TEST_CASE("springs of the peer are ours: hertz by the joint's own mass, and absolute ones",
           "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   const engine::JointSpring soft{false, 2, 0.3, 0, 0};
   for (const JointKind kind : {JointKind::distance, JointKind::wheel, JointKind::weld}) {
     CAPTURE(static_cast<int>(kind));
@@ -752,7 +752,7 @@ TEST_CASE("springs of the peer are ours: hertz by the joint's own mass, and abso
 }
 
 TEST_CASE("motor and friction joints of the peer are ours", "[verifier][crosscheck][equivalence]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene held = bar_scene(JointKind::motor);
   held.joints[0].anchor_b = {};
   held.joints[0].offset = {1, 0.5};
@@ -770,7 +770,7 @@ TEST_CASE("motor and friction joints of the peer are ours", "[verifier][crossche
 }
 
 TEST_CASE("the peer refuses joints that Box2D 2.4.1 does not have, and forces", "[verifier][crosscheck][analytic]") {
-  if (!has_box2d()) return;
+  SKIP_UNLESS(has_box2d(), "a build without Box2D");
   using Catch::Matchers::Contains;
   const auto refusal = [](JointKind kind, auto change) {
     Scene scene = bar_scene(kind);

@@ -168,13 +168,13 @@ TEST_CASE("joint gaps are what the anchors, axes and angles of the poses say", "
 TEST_CASE("the scenes of the editor run for a minute, finite and with their joints together",
           "[verifier][real_scenes][.rube]") {
   const char* folder = rube_folder();
-  if (folder == nullptr) return;
+  SKIP_UNLESS(folder != nullptr, "no folder of real scenes is named");
   for (const std::string& name : rube_names) check_holds_together(rube_scene(folder, name));
 }
 
 TEST_CASE("recordings of the editor's scenes verify by replay and by restore", "[verifier][real_scenes][.rube]") {
   const char* folder = rube_folder();
-  if (folder == nullptr) return;
+  SKIP_UNLESS(folder != nullptr, "no folder of real scenes is named");
   const std::filesystem::path place = std::filesystem::temp_directory_path() / "ticktrue_real_scenes";
   std::filesystem::create_directories(place);
   const std::string tool = TICKTRUE_TOOL;
@@ -195,7 +195,7 @@ TEST_CASE("recordings of the editor's scenes verify by replay and by restore", "
 
 TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven", "[verifier][real_scenes][.rube]") {
   const char* folder = rube_folder();
-  if (folder == nullptr || verifier::box2d_version().empty()) return;
+  SKIP_UNLESS(folder != nullptr && !verifier::box2d_version().empty(), "no folder of real scenes, or no Box2D");
   verifier::CrosscheckOptions options;
   options.seconds = 10;
   options.thread_count = 2;

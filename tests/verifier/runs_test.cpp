@@ -132,7 +132,7 @@ TEST_CASE("run_child: processes left in the group are ended, those that left it 
   // It holds the pipes of the run open, and is not waited for.
   CHECK(grouped.end.wall_s < 10);
 #ifdef __linux__
-  if (std::system("command -v setsid > /dev/null") != 0) return;
+  SKIP_UNLESS(std::system("command -v setsid > /dev/null") == 0, "no setsid");
   write_file(path, {});
   const ChildResult left = run_shell(script("setsid"));
   const std::string id = first_line_of(path);

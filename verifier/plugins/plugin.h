@@ -13,7 +13,8 @@
 
 namespace ticktrue::verifier {
 
-/// A plug-in's step, columns or destroy that said it failed: nothing can go on from there. Caught by main alone.
+/// A plug-in's step, columns or destroy that said it failed: nothing can go on from there. The command line catches it,
+/// and `verify` for each of several files.
 class PluginFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -153,7 +153,7 @@ TEST_CASE("large nets are woven without being forced to", "[engine][joints][thre
 }
 
 TEST_CASE("lines of steps are done in their order, at their distance", "[base][threads]") {
-  if (!build_info().has_threads) return;
+  SKIP_UNLESS(build_info().has_threads, "a build without threads");
   for (const unsigned thread_count : {2u, 4u, 8u}) {
     auto workers = make_workers(thread_count);
     REQUIRE(workers.has_value());
