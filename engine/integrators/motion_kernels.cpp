@@ -28,9 +28,9 @@ struct Turn {
 TICKTRUE_INLINE Turn rotation_by(Wide angle) {
   constexpr bool is_single = sizeof(Real) == 4;
   const Wide round = spread(is_single ? Real(0x1.8p23) : Real(0x1.8p52));
-  const Wide limit = spread(is_single ? Real(0x1p21) : Real(0x1p50));
-  Wide quarters = angle * spread(Real(0.63661977236758134308));  // 2 / pi
-  quarters = quarters > limit ? limit : (quarters < -limit ? -limit : quarters);
+  const Wide limit = spread(is_single ? Real(0x1.8p21) : Real(0x1.8p50));
+  angle = angle > limit ? limit : (angle < -limit ? -limit : angle);
+  const Wide quarters = angle * spread(Real(0.63661977236758134308));  // 2 / pi
   const Wide turn = (quarters + round) - round;
   const Wide part_1 = spread(is_single ? Real(1.5703125) : Real(0x1.921fb54p0));
   const Wide part_2 = spread(is_single ? Real(4.83826794896619e-4) : Real(0x1.10b4611a62633p-30));

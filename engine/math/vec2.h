@@ -98,9 +98,10 @@ inline Rotation normalized(Rotation q) {
 inline Rotation rotation_by(Real angle) {
   // Quarter turns are taken off first. Adding and subtracting 1.5 * 2^(digits - 1) rounds to an integer.
   constexpr Real round = sizeof(Real) == 4 ? Real(0x1.8p23) : Real(0x1.8p52);
-  constexpr Real limit = sizeof(Real) == 4 ? Real(0x1p21) : Real(0x1p50);
-  Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
-  quarters = quarters > limit ? limit : (quarters < -limit ? -limit : quarters);
+  // Beyond the limit an angle says nothing: a unit in its last place is a quarter of a radian.
+  constexpr Real limit = sizeof(Real) == 4 ? Real(0x1.8p21) : Real(0x1.8p50);
+  angle = angle > limit ? limit : (angle < -limit ? -limit : angle);
+  const Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
   const Real turn = (quarters + round) - round;
   // pi / 2 in two parts, the first with few enough digits that turn * part is exact for |turn| < 2^11.
   constexpr Real part_1 = sizeof(Real) == 4 ? Real(1.5703125) : Real(0x1.921fb54p0);

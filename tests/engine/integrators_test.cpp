@@ -340,3 +340,39 @@ TEST_CASE("a sliding box stops at v^2 / (2 mu g), less what the integrator's ord
     CHECK(std::fabs((*made)->bodies()[1].center.x - 10) < 1.1 * 10 * h / 2);
   }
 }
+
+TEST_CASE("no spin turns a body into something that is no number", "[engine][integrators][property]") {
+  for (const engine::Precision precision : {engine::Precision::f32, engine::Precision::f64})
+    for (const IntegratorInfo& info : engine::integrators)
+      for (const int body_count : {1, 9})  // by themselves, and in lanes
+        for (const double speed : {1e7, 1.95e8, 2.5e8, 1e9, 1e12}) {
+          CAPTURE(info.name, body_count, speed);
+          Scene scene = empty_scene(precision);
+          scene.gravity = {0, 0};
+          scene.inputs = {engine::InputKind::torque};
+          scene.settings.integrator = info.kind;
+          constexpr double inertia = 1e-6;  // kg m^2
+          for (int i = 0; i < body_count; ++i) {
+            scene.bodies.push_back(body_of(disc_shape(0.5), {4.0 * i, 0}));
+            scene.bodies.back().mass = engine::ExplicitMass{1, inertia, {}};
+          }
+          const auto made = engine::make_engine(scene);
+          REQUIRE(made.has_value());
+          std::vector<engine::Input> inputs;
+          for (int i = 0; i < body_count; ++i) {
+            engine::Input input;
+            input.kind = engine::InputKind::torque;
+            input.body = static_cast<std::uint32_t>(i);
+            input.values[0] = (i % 2 == 0 ? speed : -speed) * inertia / scene.settings.dt;
+            inputs.push_back(input);
+          }
+          Bytes bytes;
+          engine::encode_inputs(inputs, bytes);
+          for (int tick = 0; tick < 4; ++tick) {
+            const TickInput input{scene.settings.dt, tick == 0 ? bytes : Bytes{}};
+            REQUIRE((*made)->accept(input));
+            (*made)->step(input, nullptr);
+            CHECK(!find_non_finite((*made)->state()).has_value());
+          }
+        }
+}
