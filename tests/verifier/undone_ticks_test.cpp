@@ -25,9 +25,17 @@ class LimitedToy : public ToySimulation {
  public:
   using ToySimulation::ToySimulation;
   Status accept(const TickInput& input) const override {
-    return last_step() ? ToySimulation::accept(input) : last_step();
+    const Status did = last_tick();
+    return did ? ToySimulation::accept(input) : did;
   }
-  Status last_step() const override {
+  Status step(const TickInput& input, StageObserver* observer) override {
+    Status did = last_tick();
+    if (did) did = ToySimulation::step(input, observer);
+    return did ? last_tick() : did;
+  }
+
+ private:
+  Status last_tick() const {
     if (world.tick_count <= ticks_possible) return {};
     return Error{undone_code, "tick " + std::to_string(ticks_possible) + ": toys: found more than expected",
                  "take fewer"};
