@@ -93,7 +93,8 @@ void hash_state(benchmark::State& bench) {
   const Scene scene = scene_of("mixed_pile?bodies=" + std::to_string(bench.range(0)));
   const auto engine = engine::make_engine(scene);
   if (!engine) std::abort();
-  for (int tick = 0; tick < 60; ++tick) (*engine)->step({scene.settings.dt, {}}, nullptr);
+  for (int tick = 0; tick < 60; ++tick)
+    if (!(*engine)->step({scene.settings.dt, {}}, nullptr)) std::abort();
   for (auto _ : bench) benchmark::DoNotOptimize(root_hash((*engine)->state()));
   bench.SetItemsProcessed(bench.iterations() * bench.range(0));
 }

@@ -31,11 +31,11 @@ class FlippedEngine : public Simulation {
  public:
   FlippedEngine(engine::Engine& real, std::uint64_t flip_tick) : real_(real), flip_tick_(flip_tick) {}
   Status accept(const TickInput& input) const override { return real_.accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override {
-    real_.step(input, observer);
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (Status did = real_.step(input, observer); !did) return did;
     if (tick_++ == flip_tick_) flip();
+    return {};
   }
-  Status last_step() const override { return real_.last_step(); }
   const StateView& state() const override { return real_.state(); }
   Status load(ByteView image) override { return real_.load(image); }
   std::span<const std::string> stage_names() const override { return real_.stage_names(); }

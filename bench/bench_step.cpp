@@ -164,10 +164,10 @@ Result<std::vector<StageTime>> measure_stages(const engine::Scene& scene, const 
   const std::uint64_t timed = options.tick_count - 1;
   StageClock clock(options.clock, engine.stage_names().size());
   double hashing = 0;  // s
-  engine.step(input, nullptr);
+  if (const Status did = engine.step(input, nullptr); !did) return did.error();
   for (std::uint64_t tick = 1; tick < options.tick_count; ++tick) {
     clock.start();
-    engine.step(input, &clock);
+    if (const Status did = engine.step(input, &clock); !did) return did.error();
     const double before = seconds_now(options.clock);
     (void)root_hash(engine.state());
     hashing += seconds_now(options.clock) - before;
@@ -186,9 +186,9 @@ struct Peer {
   TickInput input;
 
   explicit operator bool() const { return box2d != nullptr || one_thread != nullptr; }
-  void step() {
+  Status step() {
     if (box2d != nullptr) box2d->step();
-    if (one_thread != nullptr) one_thread->step(input, nullptr);
+    return one_thread != nullptr ? one_thread->step(input, nullptr) : Status();
   }
   std::size_t contact_count() const {
     return box2d != nullptr ? box2d->contact_count() : one_thread->contacts().size();
@@ -227,15 +227,17 @@ Result<Measured> measure(const engine::Scene& scene, const BenchOptions& options
     if (!made) return made.error();
     engine::Engine& engine = **made;
     if (Status accepted = engine.accept(input); !accepted) return accepted.error();
-    engine.step(input, nullptr);
-    peer.step();
-    for (std::uint64_t tick = 1; tick < options.tick_count;) {
+    Status did = engine.step(input, nullptr);
+    Status peer_did = peer.step();
+    for (std::uint64_t tick = 1; tick < options.tick_count && did && peer_did;) {
       const std::uint64_t block = std::min(options.block_size, options.tick_count - tick);
-      ours.push_back(time_block(options.clock, block, [&] { engine.step(input, nullptr); }));
-      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer.step(); }));
+      ours.push_back(time_block(options.clock, block, [&] { did = engine.step(input, nullptr); }));
+      if (peer) peers.push_back(time_block(options.clock, block, [&] { peer_did = peer.step(); }));
       tick += block;
     }
-    if (const Status did = engine.last_step(); !did) return did.error();  // ticks that were not made cost nothing
+    // Ticks that were not done cost nothing. After an error each further step gives it again.
+    if (!did) return did.error();
+    if (!peer_did) return peer_did.error();
     const std::uint64_t hash = root_hash(engine.state());
     if (peer.one_thread != nullptr && root_hash(peer.one_thread->state()) != hash)
       return Error{ErrorCode::incompatible, scene.name + ": one thread and several give different states",

@@ -96,9 +96,11 @@ Result<Timing> time_of(const engine::Scene& scene, int warm_up, int tick_count) 
     if (!made) return made.error();
     engine::Engine& engine = **made;
     const TickInput input{scene.settings.dt, {}};
-    for (int i = 0; i < warm_up; ++i) engine.step(input, nullptr);
+    for (int i = 0; i < warm_up; ++i)
+      if (const Status did = engine.step(input, nullptr); !did) return did.error();
     const double start = verifier::computed_s();
-    for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
+    for (int i = 0; i < tick_count; ++i)
+      if (const Status did = engine.step(input, nullptr); !did) return did.error();
     const double ms = (verifier::computed_s() - start) * 1e3 / tick_count;
     timing.ms = repeat == 0 ? ms : std::min(timing.ms, ms);
     if (repeat + 1 == repeat_count) timing.contact_count = engine.contacts().size();
@@ -200,7 +202,8 @@ Result<Run> run_for(const engine::Scene& scene, double seconds, std::uint64_t se
   engine::Engine& engine = **made;
   Run run;
   if (dts != nullptr) {
-    for (const double dt : *dts) engine.step(TickInput{dt, {}}, nullptr);
+    for (const double dt : *dts)
+      if (const Status did = engine.step(TickInput{dt, {}}, nullptr); !did) return did.error();
   } else {
     auto frames = verifier::open_host("jitter_60", seed);
     if (!frames) return frames.error();
@@ -210,7 +213,7 @@ Result<Run> run_for(const engine::Scene& scene, double seconds, std::uint64_t se
       if (!input) return input.error();
       if (!*input) break;
       run.dts.push_back((*input)->dt);
-      engine.step(**input, nullptr);
+      if (const Status did = engine.step(**input, nullptr); !did) return did.error();
     }
   }
   run.bodies = engine.bodies();

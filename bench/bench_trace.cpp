@@ -107,12 +107,12 @@ class Variant {
   void tick() {
     TICKTRUE_ASSERT(engine_->accept(input_));
     if (!writer_) {
-      engine_->step(input_, nullptr);
+      TICKTRUE_ASSERT(engine_->step(input_, nullptr));
       return;
     }
     // As replay::record does.
     TICKTRUE_ASSERT(writer_->begin_tick(input_));
-    engine_->step(input_, nullptr);
+    TICKTRUE_ASSERT(engine_->step(input_, nullptr));
     TICKTRUE_ASSERT(!find_non_finite(engine_->state()));
     const std::uint64_t root = root_hash(engine_->state());
     TICKTRUE_ASSERT(writer_->end_tick(root, {}, writer_->wants_state() ? &engine_->state() : nullptr));

@@ -31,7 +31,7 @@ struct EngineOptions {
   Parallel parallel = {};
   std::optional<std::size_t> pair_count_max = {};  // for tests: fewer than limits::pair_count_max
   // Does each tick a second time without any cached structure, on a copy of the state, and compares every column: where
-  // they differ, last_step() is an error (inconsistent) with tick, stage, table, column and row. A tick takes two to
+  // they differ, step() fails (inconsistent) with tick, stage, table, column and row. A tick takes two to
   // five times as long.
   bool check_caches = false;
 };

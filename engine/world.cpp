@@ -76,8 +76,8 @@ class World final : public Engine {
     return {};
   }
 
-  void step(const TickInput& input, StageObserver* observer) override {
-    if (!last_step_) return;
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (!last_step_) return last_step_;
     scratch_.caches.contact_pairs.swap(scratch_.contact_pairs);
 #ifdef TICKTRUE_POISON
     poison(scratch_);
@@ -101,9 +101,6 @@ class World final : public Engine {
       observer->after_stage(i, view_);
     }
     update_view(state_, pipeline_.tables, view_);
-  }
-
-  Status last_step() const override {
     return last_step_;
   }
 
@@ -364,7 +361,7 @@ class World final : public Engine {
   std::optional<std::size_t> pair_count_max_;
   std::unique_ptr<ColdTick> check_;      // if every tick is to be done without cached structures, too
   std::optional<PlantedFault> planted_;  // for the next tick
-  Status last_step_;
+  Status last_step_;                     // an error: the state is that of no tick
   StateView view_;
   std::vector<std::string> stage_names_;
 };

@@ -37,15 +37,14 @@ class Recording {
       Result<std::optional<TickInput>> input = source_.next(tick);
       // A wait for live inputs ends with an error when a signal asks to stop.
       if (!input && !source_.repeatable() && is_stopped(tick)) return stop(tick);
-      if (!input) return refuse(input.error());
+      if (!input) return source_.tick_failed() ? give_up(input.error()) : refuse(input.error());
       if (!input->has_value() && tick == 0)
         return refuse(Error{ErrorCode::invalid_input, "the session ends before its first tick: nothing to record", ""});
       if (!input->has_value()) return finish(EndReason::complete, "");
       if (const Status status = simulation_.accept(**input); !status) return refuse(status.error());
       if (const Status status = writer_.begin_tick(**input); !status) return writer_.abandon(status.error());
       const bool is_full = writer_.wants_full();
-      step(**input, is_full);
-      if (const Status status = simulation_.last_step(); !status) return give_up(status.error());
+      if (const Status status = step(**input, is_full); !status) return give_up(status.error());
       if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
         return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
       result_.root_hash = root_hash(simulation_.state());
@@ -67,11 +66,12 @@ class Recording {
     return std::move(result_);
   }
 
-  void step(const TickInput& input, bool is_full) {
+  Status step(const TickInput& input, bool is_full) {
     stage_hashes_.clear();
     const auto before = std::chrono::steady_clock::now();
-    simulation_.step(input, is_full ? &stage_hashes_ : nullptr);
+    Status did = simulation_.step(input, is_full ? &stage_hashes_ : nullptr);
     result_.simulate_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    return did;
   }
 
   Result<RecordResult> finish(EndReason reason, const std::string& note) {

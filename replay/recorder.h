@@ -20,10 +20,12 @@ class InputSource {
   virtual ~InputSource() = default;
   /// The input of the given tick (asked for once, ascending), or nothing when the session ends before that tick.
   /// Blocks until it is known. The bytes stay valid until the next call.
-  /// Errors: invalid_input, io.
+  /// Errors: invalid_input, io, limit; those of Simulation::step, where ticks are tried.
   virtual Result<std::optional<TickInput>> next(std::uint64_t tick) = 0;
   /// Whether it could be read again from the start: then a failed recording is removed, else what it has is kept.
   virtual bool repeatable() const = 0;
+  /// Whether next() failed because a tick that it tried could not be done: then a recording keeps the ticks before.
+  virtual bool tick_failed() const { return false; }
 };
 
 /// No input ever, the same dt every tick.
@@ -55,7 +57,7 @@ struct RecordResult {
 /// (`progress` that gives false before the first tick: no file is left, tick_count and size are 0.)
 /// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the
 /// trace is closed before it.
-/// Errors: unsupported (check_float_behaviour), io, limit (also of a tick that could not be done: last_step),
+/// Errors: unsupported (check_float_behaviour), io, limit and inconsistent (also of a tick that could not be done),
 /// invalid_input (also a session without a tick). On invalid_input from a repeatable source, or before the first tick,
 /// no file is left behind and an overwritten one is back; else the trace is closed (interrupted) and the message says
 /// what it holds.

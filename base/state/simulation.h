@@ -44,17 +44,15 @@ class Simulation {
   virtual ~Simulation() = default;
 
   /// Whether step() may be given this input in the present state. Changes nothing.
-  /// Errors: invalid_input, with the reason.
+  /// Errors: invalid_input, with the reason; that of the last step, where it failed.
   virtual Status accept(const TickInput& input) const = 0;
 
   /// Advances exactly one tick. `observer` may be null.
-  /// Requires: accept(input).
-  virtual void step(const TickInput& input, StageObserver* observer) = 0;
-
-  /// Whether the last step did its tick. Where not, the state is that of no tick, and nothing is accepted until a state
-  /// has been loaded. What wraps a simulation passes this on.
-  /// Errors: limit (the tick needs more than base/limits.h allows), with the tick.
-  virtual Status last_step() const { return {}; }
+  /// Requires: accept(input), or the step before failed.
+  /// Errors: limit (the tick needs more than base/limits.h allows), inconsistent (the tick, done in two ways, gave two
+  /// results), with the tick. After an error the state is that of no tick: accept() and step() fail with the same error
+  /// until a state has been loaded.
+  [[nodiscard]] virtual Status step(const TickInput& input, StageObserver* observer) = 0;
 
   /// Every column that can influence a later tick. Valid until the next step or load.
   virtual const StateView& state() const = 0;

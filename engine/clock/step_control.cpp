@@ -68,15 +68,23 @@ int order_of(const Engine& engine) {
 StepControl::StepControl(const Engine& engine)
     : settings_(engine.scene().settings.clock), order_(order_of(engine)), next_s_(engine.scene().settings.dt) {}
 
+/// The bodies after these ticks. The engine is then in the state of the image again, also where a tick failed.
+Result<std::vector<BodyReport>> StepControl::try_ticks(Engine& engine, double dt, int tick_count) {
+  Status did;
+  for (int tick = 0; tick < tick_count && did; ++tick) did = engine.step({dt, {}}, nullptr);
+  std::vector<BodyReport> bodies;
+  if (did) bodies = engine.bodies();
+  if (const Status loaded = engine.load(image_); !loaded) return loaded.error();
+  if (!did) return did.error();
+  return bodies;
+}
+
 Result<double> StepControl::error_of(Engine& engine, double dt) {
-  engine.step({dt, {}}, nullptr);
-  const std::vector<BodyReport> whole = engine.bodies();
-  if (const Status status = engine.load(image_); !status) return status.error();
-  engine.step({0.5 * dt, {}}, nullptr);
-  engine.step({0.5 * dt, {}}, nullptr);
-  const std::vector<BodyReport> halves = engine.bodies();
-  if (const Status status = engine.load(image_); !status) return status.error();
-  return distance(whole, halves) / (1 - 1 / static_cast<double>(1 << order_));
+  const Result<std::vector<BodyReport>> whole = try_ticks(engine, dt, 1);
+  if (!whole) return whole.error();
+  const Result<std::vector<BodyReport>> halves = try_ticks(engine, 0.5 * dt, 2);
+  if (!halves) return halves.error();
+  return distance(*whole, *halves) / (1 - 1 / static_cast<double>(1 << order_));
 }
 
 Result<double> StepControl::choose(Engine& engine, double due_s, ClockReport& report) {

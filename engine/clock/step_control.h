@@ -8,6 +8,8 @@
 // out of the trials.
 #pragma once
 
+#include <vector>
+
 #include "engine/clock/tick_clock.h"
 #include "engine/engine.h"
 
@@ -18,11 +20,12 @@ class StepControl {
   explicit StepControl(const Engine& engine);
 
   /// A length of at most `due_s` whose error is at most the tolerance, or dt_min. Leaves the engine as it was.
-  /// Errors: those of Simulation::load.
+  /// Errors: those of Simulation::step, of a tick that was tried, and of Simulation::load.
   Result<double> choose(Engine& engine, double due_s, ClockReport& report);
 
  private:
   Result<double> error_of(Engine& engine, double dt);
+  Result<std::vector<BodyReport>> try_ticks(Engine& engine, double dt, int tick_count);
 
   ClockSettings settings_;
   int order_;

@@ -44,8 +44,7 @@ WorldHash hash_world(std::uint64_t seed) {
     encode_inputs(of_tick, bytes);
     const TickInput input{world.scene.settings.dt, bytes};
     if (!engine.accept(input)) break;
-    engine.step(input, nullptr);
-    if (!engine.last_step() || find_non_finite(engine.state())) break;
+    if (!engine.step(input, nullptr) || find_non_finite(engine.state())) break;
     result.tick_count = tick + 1;
     result.hash = root_hash(engine.state());
   }

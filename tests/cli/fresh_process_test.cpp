@@ -59,7 +59,7 @@ void record_with_checkpoints(const std::string& from, const std::string& to, std
       REQUIRE(writer->checkpoint(engine->state(), root_hash(engine->state())).has_value());
     const TickInput input{record->dt, record->inputs};
     REQUIRE(writer->begin_tick(input).has_value());
-    engine->step(input, nullptr);
+    REQUIRE(engine->step(input, nullptr));
     REQUIRE(writer->end_tick(root_hash(engine->state()), {}, nullptr).has_value());
   }
   REQUIRE(writer->tick_count() == end);

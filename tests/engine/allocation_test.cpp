@@ -76,10 +76,12 @@ void check_settled(const engine::Scene& scene, const engine::EngineOptions& opti
   const auto engine = make_engine_or_fail(scene, options);
   const TickInput input{scene.settings.dt, {}};
   // Long enough to have seen the most that this scene ever holds.
-  for (int tick = 0; tick < 400; ++tick) engine->step(input, nullptr);
+  for (int tick = 0; tick < 400; ++tick) REQUIRE(engine->step(input, nullptr));
   const std::size_t before = allocation_count;
-  for (int tick = 0; tick < 20; ++tick) engine->step(input, nullptr);
+  bool did = true;
+  for (int tick = 0; tick < 20; ++tick) did = engine->step(input, nullptr) && did;
   const std::size_t allocated = allocation_count - before;
+  CHECK(did);
   CHECK(allocated == 0);
 }
 

@@ -41,7 +41,7 @@ Scene weightless(Precision precision, Body body) {
 
 std::unique_ptr<engine::Engine> run(const Scene& scene, int tick_count) {
   auto engine = make_engine_or_fail(scene);
-  for (int i = 0; i < tick_count; ++i) engine->step({scene.settings.dt, {}}, nullptr);
+  for (int i = 0; i < tick_count; ++i) REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
   return engine;
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("a drag of any strength slows a body without turning it round", "[engi
           const auto engine = make_engine_or_fail(scene);
           double speed = 10, spin = 5;
           for (int tick = 0; tick < 60; ++tick) {
-            engine->step({scene.settings.dt, {}}, nullptr);
+            REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
             const BodyReport body = engine->bodies()[0];
             REQUIRE(body.velocity.x >= 0);
             REQUIRE(body.velocity.x <= speed);
@@ -275,8 +275,8 @@ TEST_CASE("elements of removed bodies vanish, and every integrator restores at a
       INFO((loaded ? "" : loaded.error().message));
       REQUIRE(loaded.has_value());
       const Bytes bytes = input_of_tick(tick);
-      whole->step({scene.settings.dt, bytes}, nullptr);
-      restored->step({scene.settings.dt, bytes}, nullptr);
+      REQUIRE(whole->step({scene.settings.dt, bytes}, nullptr));
+      REQUIRE(restored->step({scene.settings.dt, bytes}, nullptr));
       REQUIRE(image_of(*whole) == image_of(*restored));
     }
     CHECK(whole->bodies().size() == 3);
@@ -343,7 +343,7 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   scene.forces = {spring};
   const auto engine = make_engine_or_fail(scene);
   const TickInput nothing{scene.settings.dt, {}};
-  for (int tick = 0; tick < 120; ++tick) engine->step(nothing, nullptr);
+  for (int tick = 0; tick < 120; ++tick) REQUIRE(engine->step(nothing, nullptr));
   CHECK(engine->bodies()[0].center.y == 0);
   CHECK(asleep_count(*engine) == 1);
   engine::Input up;
@@ -352,8 +352,8 @@ TEST_CASE("a body asleep on a spring wakes when the kinematic body at its other 
   up.values[1] = 1;
   Bytes bytes;
   engine::encode_inputs({up}, bytes);
-  engine->step({scene.settings.dt, bytes}, nullptr);
+  REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
   CHECK(asleep_count(*engine) == 0);
-  for (int tick = 0; tick < 60; ++tick) engine->step(nothing, nullptr);
+  for (int tick = 0; tick < 60; ++tick) REQUIRE(engine->step(nothing, nullptr));
   CHECK(engine->bodies()[0].center.y > 0.5);  // it follows the other, which is 1 m higher
 }

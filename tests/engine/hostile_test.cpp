@@ -43,7 +43,7 @@ Outcome run(const Scene& scene, int tick_count) {
   }
   engine::Engine& engine = **made;
   for (int tick = 0; tick < tick_count; ++tick) {
-    engine.step({scene.settings.dt, {}}, nullptr);
+    REQUIRE(engine.step({scene.settings.dt, {}}, nullptr));
     for (const engine::BodyReport& body : engine.bodies())
       outcome.speed_max = std::max(outcome.speed_max, std::hypot(body.velocity.x, body.velocity.y));
   }
@@ -323,7 +323,7 @@ TEST_CASE("five slivers upon each other stand", "[engine][hostile][contacts]") {
     Scene scene = pile({{-1, 0}, {1, 0}, {1, height}, {-1, height}}, 5, height);
     in_every_way(scene, [&](const Scene& way) {
       const auto engine = make_engine_or_fail(way);
-      for (int tick = 0; tick < 300; ++tick) engine->step({way.settings.dt, {}}, nullptr);
+      for (int tick = 0; tick < 300; ++tick) REQUIRE(engine->step({way.settings.dt, {}}, nullptr));
       CAPTURE(height);
       for (const engine::BodyReport& body : engine->bodies()) {
         if (body.type == BodyType::static_body) continue;
@@ -372,7 +372,7 @@ TEST_CASE("a chain of the most points that there may be is ground", "[engine][ho
   for (int i = 0; i < 20; ++i) scene.bodies.push_back(body_of(disc_shape(0.3), {-700 + 70.0 * i, 1}));
   scene.settings.precision = Precision::f32;
   const auto engine = make_engine_or_fail(scene);
-  for (int tick = 0; tick < 60; ++tick) engine->step({scene.settings.dt, {}}, nullptr);
+  for (int tick = 0; tick < 60; ++tick) REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
   for (const engine::BodyReport& body : engine->bodies())
     if (body.type == BodyType::dynamic_body) CHECK(body.center.y > 0);
   points.push_back({-900, 0});
@@ -493,7 +493,7 @@ TEST_CASE("worlds that have lost their numbers keep ticking under every broad ph
         const Status accepted = engine->accept({scene.settings.dt, bytes});
         INFO((accepted ? "" : accepted.error().message));
         REQUIRE(accepted.has_value());
-        engine->step({scene.settings.dt, bytes}, nullptr);
+        REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
       }
       engine->bodies();
       engine->contacts();
@@ -544,7 +544,7 @@ TEST_CASE("a sensor over thousands sees each of them once", "[engine][hostile][e
   for (int i = 0; i < 3000; ++i)
     scene.bodies.push_back(body_of(disc_shape(0.1), {-60 + 2.0 * (i % 60), -50 + 2.0 * (i / 60)}));
   const auto engine = make_engine_or_fail(scene);
-  for (int tick = 0; tick < 3; ++tick) engine->step({scene.settings.dt, {}}, nullptr);
+  for (int tick = 0; tick < 3; ++tick) REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
   const auto table = engine->state().schema->find_table("sensors");
   REQUIRE(table.has_value());
   CHECK(engine->state().tables[*table].row_count == 3000);

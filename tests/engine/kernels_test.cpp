@@ -91,8 +91,8 @@ TEST_CASE("kernels that leave out what a scene lacks give the bits of the genera
     options.full_pipeline = true;
     const auto full = make_engine_or_fail(session.scene, options);
     for (std::uint64_t tick = 0; tick < 90; ++tick) {
-      composed->step(input_of(session, tick), nullptr);
-      full->step(input_of(session, tick), nullptr);
+      REQUIRE(composed->step(input_of(session, tick), nullptr));
+      REQUIRE(full->step(input_of(session, tick), nullptr));
     }
     for (const char* name : {"bodies", "contacts"}) {
       const StateView& a = composed->state();
@@ -117,8 +117,8 @@ TEST_CASE("joints in batches give the bits of the order of the scene", "[engine]
     const auto one_by_one = make_engine_or_fail(net(precision, columns, 400));
     const TickInput input{in_batches->scene().settings.dt, {}};
     for (int tick = 0; tick < 120; ++tick) {
-      in_batches->step(input, nullptr);
-      one_by_one->step(input, nullptr);
+      REQUIRE(in_batches->step(input, nullptr));
+      REQUIRE(one_by_one->step(input, nullptr));
     }
     const auto a = in_batches->bodies();
     const auto b = one_by_one->bodies();

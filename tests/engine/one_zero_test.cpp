@@ -42,7 +42,7 @@ std::string negative_zero_of(const Session& session, std::uint64_t tick_count) {
   if (find_negative_zero(engine->state())) return "the initial state";
   ZeroObserver observer(*engine);
   for (std::uint64_t tick = 0; tick < tick_count && observer.found.empty(); ++tick)
-    engine->step(input_of(session, tick), &observer);
+    REQUIRE(engine->step(input_of(session, tick), &observer));
   return observer.found;
 }
 

@@ -129,12 +129,12 @@ TEST_CASE("a run restored from an image goes on the same on threads", "[engine][
   const Session session = builtin_session("mixed_pile?bodies=200");
   ChunkOrder order(true);
   const auto original = make_engine_or_fail(session.scene);
-  for (std::uint64_t tick = 0; tick < 40; ++tick) original->step(input_of(session, tick), nullptr);
+  for (std::uint64_t tick = 0; tick < 40; ++tick) REQUIRE(original->step(input_of(session, tick), nullptr));
   const auto restored = make_engine_or_fail(session.scene, in_order(order, 3));
   REQUIRE(restored->load(image_of(*original)).has_value());
   for (std::uint64_t tick = 40; tick < 70; ++tick) {
-    original->step(input_of(session, tick), nullptr);
-    restored->step(input_of(session, tick), nullptr);
+    REQUIRE(original->step(input_of(session, tick), nullptr));
+    REQUIRE(restored->step(input_of(session, tick), nullptr));
     CAPTURE(tick);
     REQUIRE(image_of(*restored) == image_of(*original));
   }

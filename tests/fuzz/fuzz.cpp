@@ -49,7 +49,7 @@ void run_a_little(engine::Engine& engine, double dt, int tick_count) {
   for (int tick = 0; tick < tick_count; ++tick) {
     const TickInput input{dt, {}};
     if (!engine.accept(input)) return;
-    engine.step(input, nullptr);
+    if (const Status did = engine.step(input, nullptr); !did) return require_message(did.error());
     if (find_non_finite(engine.state())) return;
   }
   Bytes image;

@@ -38,7 +38,8 @@ World& world_of(std::size_t index) {
     auto engine = engine::make_engine(*scene);
     if (!engine) fuzz::require(false, engine.error().message.c_str());
     world.engine = std::move(*engine);
-    for (int tick = 0; tick < 5; ++tick) world.engine->step({scene->settings.dt, {}}, nullptr);
+    for (int tick = 0; tick < 5; ++tick)
+      fuzz::require(world.engine->step({scene->settings.dt, {}}, nullptr).has_value(), "a small world does its ticks");
     encode_image(world.engine->state(), world.start);
   }
   return world;
@@ -69,7 +70,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::require(engine.load(world.start).has_value(), "the start loads");
   if (!engine.accept(input)) return 0;
   engine.inputs_text(5, bytes);
-  engine.step(input, nullptr);
-  if (!find_non_finite(engine.state())) fuzz::run_a_little(engine, input.dt, 2);
+  const Status did = engine.step(input, nullptr);
+  if (!did) fuzz::require_message(did.error());
+  if (did && !find_non_finite(engine.state())) fuzz::run_a_little(engine, input.dt, 2);
   return 0;
 }

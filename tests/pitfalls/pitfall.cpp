@@ -44,11 +44,12 @@ Game::Game(std::uint32_t unit_count) : units(unit_count) {
                   {reinterpret_cast<const std::uint8_t*>(units.data()), unit_count}};
 }
 
-void Game::step(const TickInput& input, StageObserver*) {
+Status Game::step(const TickInput& input, StageObserver*) {
   const auto dt = static_cast<float>(input.dt);
   for (Unit& unit : units) unit.position += unit.velocity * dt;
   rules(dt);
   ++tick_;
+  return {};
 }
 
 Status Game::load(ByteView image) {

@@ -33,7 +33,7 @@ class Game : public Simulation {
   explicit Game(std::uint32_t unit_count);
 
   Status accept(const TickInput&) const override { return {}; }
-  void step(const TickInput& input, StageObserver* observer) override;
+  Status step(const TickInput& input, StageObserver* observer) override;
   const StateView& state() const override { return view_; }
   Status load(ByteView image) override;
   std::span<const std::string> stage_names() const override { return {}; }

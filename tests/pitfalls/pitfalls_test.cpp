@@ -112,10 +112,10 @@ TEST_CASE("a comparison of two machines tick by tick finds the same tick and col
     for (std::uint64_t tick = 0; tick <= pitfall->tick; ++tick) {
       Bytes image_here, image_there;
       pitfalls::machine = Machine::recorder;
-      (*here)->step({0.015625, {}}, nullptr);
+      REQUIRE((*here)->step({0.015625, {}}, nullptr));
       encode_image((*here)->state(), image_here);
       pitfalls::machine = Machine::other;
-      (*there)->step({0.015625, {}}, nullptr);
+      REQUIRE((*there)->step({0.015625, {}}, nullptr));
       encode_image((*there)->state(), image_there);
       CAPTURE(tick);
       CHECK((image_here == image_there) == (tick < pitfall->tick));

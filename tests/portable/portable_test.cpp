@@ -170,13 +170,13 @@ TEST_CASE("a state taken along in the middle of a run gives the same bits to its
     REQUIRE(original.has_value());
     REQUIRE(other.has_value());
     const TickInput input{scene->settings.dt, {}};
-    for (int tick = 0; tick < 60; ++tick) (*original)->step(input, nullptr);
+    for (int tick = 0; tick < 60; ++tick) REQUIRE((*original)->step(input, nullptr));
     Bytes image;
     encode_image((*original)->state(), image);
     REQUIRE((*other)->load(image).has_value());
     for (int tick = 60; tick < 120; ++tick) {
-      (*original)->step(input, nullptr);
-      (*other)->step(input, nullptr);
+      REQUIRE((*original)->step(input, nullptr));
+      REQUIRE((*other)->step(input, nullptr));
       REQUIRE(root_hash((*other)->state()) == root_hash((*original)->state()));
     }
   }

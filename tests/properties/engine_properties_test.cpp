@@ -43,7 +43,7 @@ void check_restores(const Session& session, std::uint64_t end) {
       CAPTURE(session.name, tick);
       const auto restored = make_engine_or_fail(session.scene);
       // What the restored engine did before must leave no trace in what it does next.
-      for (std::uint64_t other = 0; other < 2; ++other) restored->step(input_of(session, other), nullptr);
+      for (std::uint64_t other = 0; other < 2; ++other) REQUIRE(restored->step(input_of(session, other), nullptr));
       const Bytes image = image_of(*original);
       const Status loaded = restored->load(image);
       INFO((loaded ? "" : loaded.error().message));
@@ -51,13 +51,13 @@ void check_restores(const Session& session, std::uint64_t end) {
       CHECK(image_of(*restored) == image);
       std::vector<std::uint64_t> hashes;
       for (std::uint64_t later = tick; later < end && (is_first || later < tick + ticks_compared); ++later) {
-        restored->step(input_of(session, later), nullptr);
+        REQUIRE(restored->step(input_of(session, later), nullptr));
         hashes.push_back(root_hash(restored->state()));
       }
       CHECK(std::equal(hashes.begin(), hashes.end(), expected.begin() + static_cast<std::ptrdiff_t>(tick)));
       is_first = false;
     }
-    original->step(input_of(session, tick), nullptr);
+    REQUIRE(original->step(input_of(session, tick), nullptr));
   }
 }
 
@@ -89,8 +89,8 @@ void check_full_pipeline(const Session& session, std::uint64_t end) {
   CHECK(full->stage_names().size() >= composed->stage_names().size());
   for (std::uint64_t tick = 0; tick < end; ++tick) {
     CAPTURE(session.name, tick);
-    composed->step(input_of(session, tick), nullptr);
-    full->step(input_of(session, tick), nullptr);
+    REQUIRE(composed->step(input_of(session, tick), nullptr));
+    REQUIRE(full->step(input_of(session, tick), nullptr));
     check_shared_tables(composed->state(), full->state());
   }
 }
@@ -101,7 +101,7 @@ void run_until_rich(engine::Engine& engine, const Session& session) {
   for (std::uint64_t tick = 0; tick < 400; ++tick) {
     const bool is_poor = pointers && engine.state().tables[*pointers].row_count == 0;
     if (tick >= 120 && !is_poor) return;
-    engine.step(input_of(session, tick), nullptr);
+    REQUIRE(engine.step(input_of(session, tick), nullptr));
   }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("an observer sees every stage and changes no bit", "[properties][engin
     const auto engine = make_engine_or_fail(session.scene);
     for (std::uint64_t tick = 0; tick < 60; ++tick) {
       CountingObserver observer;
-      engine->step(input_of(session, tick), &observer);
+      REQUIRE(engine->step(input_of(session, tick), &observer));
       REQUIRE(observer.stages.size() == engine->stage_names().size());
       for (std::size_t i = 0; i < observer.stages.size(); ++i) CHECK(observer.stages[i] == i);
       CHECK(root_hash(engine->state()) == expected[tick]);
@@ -214,7 +214,7 @@ TEST_CASE("the sessions use every table, and leave none of them empty", "[proper
     const auto engine = make_engine_or_fail(session.scene);
     std::vector<std::uint32_t> slept;
     for (std::uint64_t tick = 0; tick < whole_run; ++tick) {
-      engine->step(input_of(session, tick), nullptr);
+      REQUIRE(engine->step(input_of(session, tick), nullptr));
       const StateView& state = engine->state();
       for (std::size_t t = 0; t < state.tables.size(); ++t) {
         const TableSchema& table = state.schema->tables[t];
@@ -352,7 +352,8 @@ TEST_CASE("images with odd values in range are refused or run on", "[properties]
           }
           // No inputs: which ones an odd state takes is accept's to say.
           for (int tick = 0; tick < 3; ++tick)
-            if (engine->accept({session.scene.settings.dt, {}})) engine->step({session.scene.settings.dt, {}}, nullptr);
+            if (engine->accept({session.scene.settings.dt, {}}))
+              REQUIRE(engine->step({session.scene.settings.dt, {}}, nullptr));
         }
     }
   }

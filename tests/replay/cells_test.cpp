@@ -44,7 +44,7 @@ std::vector<StateCells> cells_of_run(std::uint32_t body_count, std::uint64_t tic
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     const auto input = source.next(tick);
     REQUIRE(input);
-    simulation.step(**input, nullptr);
+    REQUIRE(simulation.step(**input, nullptr));
     hasher.hash(simulation.state(), 0, all[tick]);
   }
   return all;

@@ -69,7 +69,7 @@ TEST_CASE("a recording is read back tick for tick", "[replay][round_trip][equiva
     CHECK(got.dt == dt);
     CHECK(got.inputs == inputs);
     Stages stages;
-    again.step({dt, inputs}, &stages);
+    REQUIRE(again.step({dt, inputs}, &stages));
     CHECK(got.root_hash == root_hash(again.state()));
     const bool is_full = tick >= 4 && tick <= 11;
     CHECK(got.stage_hashes == (is_full ? stages.hashes : std::vector<std::uint64_t>()));

@@ -256,7 +256,7 @@ std::vector<double> clocked_dts(const Session& session, std::uint64_t tick_count
       REQUIRE(wanted.has_value());
       const std::optional<double> dt = clock.next_tick(*wanted);
       if (!dt) break;
-      engine->step({*dt, input_of(session, dts.size()).inputs}, nullptr);
+      REQUIRE(engine->step({*dt, input_of(session, dts.size()).inputs}, nullptr));
       dts.push_back(*dt);
     }
   }
@@ -415,7 +415,7 @@ std::vector<std::uint64_t> tick_hashes(const Session& session, std::uint64_t tic
     const Status accepted = engine->accept(input_of(session, tick));
     INFO("tick " << tick << ": " << (accepted ? "" : accepted.error().message));
     REQUIRE(accepted.has_value());
-    engine->step(input_of(session, tick), nullptr);
+    REQUIRE(engine->step(input_of(session, tick), nullptr));
     hashes.push_back(root_hash(engine->state()));
   }
   return hashes;
@@ -429,7 +429,7 @@ Bytes image_of(const Simulation& simulation) {
 
 void run_ticks(engine::Engine& engine, int tick_count) {
   const TickInput input{engine.scene().settings.dt, {}};
-  for (int i = 0; i < tick_count; ++i) engine.step(input, nullptr);
+  for (int i = 0; i < tick_count; ++i) REQUIRE(engine.step(input, nullptr));
 }
 
 }  // namespace ticktrue::test

@@ -22,9 +22,9 @@ class FaultyEngine : public Simulation {
  public:
   FaultyEngine(engine::Engine& engine, const Fault& fault) : engine_(engine), fault_(fault) {}
   Status accept(const TickInput& input) const override { return engine_.accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override {
-    engine_.step(input, observer);
-    if (engine_.tick() != fault_.tick + 1) return;
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (Status did = engine_.step(input, observer); !did) return did;
+    if (engine_.tick() != fault_.tick + 1) return {};
     const StateSchema& schema = *engine_.state().schema;
     const std::size_t table = *schema.find_table("bodies");
     Bytes image;
@@ -37,8 +37,8 @@ class FaultyEngine : public Simulation {
       if (column.name == "velocity") at += column.offset;
     image[at + fault_.bit / 8] = static_cast<std::uint8_t>(image[at + fault_.bit / 8] ^ 1u << fault_.bit % 8);
     if (!engine_.load(image)) std::abort();
+    return {};
   }
-  Status last_step() const override { return engine_.last_step(); }
   const StateView& state() const override { return engine_.state(); }
   Status load(ByteView image) override { return engine_.load(image); }
   std::span<const std::string> stage_names() const override { return engine_.stage_names(); }

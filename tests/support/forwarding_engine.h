@@ -14,8 +14,7 @@ class ForwardingEngine : public engine::Engine {
   explicit ForwardingEngine(std::unique_ptr<engine::Engine> inner) : inner_(std::move(inner)) {}
 
   Status accept(const TickInput& input) const override { return inner_->accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override { inner_->step(input, observer); }
-  Status last_step() const override { return inner_->last_step(); }
+  Status step(const TickInput& input, StageObserver* observer) override { return inner_->step(input, observer); }
   const StateView& state() const override { return inner_->state(); }
   Status load(ByteView image) override { return inner_->load(image); }
   std::span<const std::string> stage_names() const override { return inner_->stage_names(); }

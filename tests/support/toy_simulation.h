@@ -125,7 +125,7 @@ class ToySimulation : public Simulation {
     return {};
   }
 
-  void step(const TickInput& input, StageObserver* observer) override {
+  Status step(const TickInput& input, StageObserver* observer) override {
     apply(input.inputs);
     finish_stage(input_stage, observer);
     for (const ToyLink& link : links) {
@@ -150,6 +150,7 @@ class ToySimulation : public Simulation {
     }
     ++world.tick_count;
     finish_stage(move_stage, observer);
+    return {};
   }
 
   const StateView& state() const override { return view_; }

@@ -438,7 +438,7 @@ TEST_CASE("chains, segments, filters, sensors and conveyors mean the same to the
     REQUIRE(own);
     for (int i = 0; i < 90; ++i) {
       (*peer)->step();
-      (*own)->step({scene.settings.dt, {}}, nullptr);
+      REQUIRE((*own)->step({scene.settings.dt, {}}, nullptr));
     }
     const auto a = (*own)->bodies()[1], b = (*peer)->bodies()[1];
     // A fall of 1.5 s differs by g h t / 2 = 0.1 m, and Box2D pushes out what has come half through a chain from
@@ -657,7 +657,7 @@ Both run_both(Scene scene, double seconds) {
   REQUIRE(own);
   for (int i = 0; i < static_cast<int>(std::lround(seconds / scene.settings.dt)); ++i) {
     (*peer)->step();
-    (*own)->step({scene.settings.dt, {}}, nullptr);
+    REQUIRE((*own)->step({scene.settings.dt, {}}, nullptr));
   }
   return {(*own)->bodies(), (*peer)->bodies()};
 }

@@ -55,7 +55,7 @@ void check_holds_together(const Scene& scene) {
   bool finite = true;
   const int tick_count = static_cast<int>(std::lround(run_s / scene.settings.dt));
   for (int tick = 1; tick <= tick_count; ++tick) {
-    engine.step({scene.settings.dt, {}}, nullptr);
+    REQUIRE(engine.step({scene.settings.dt, {}}, nullptr));
     const auto bodies = engine.bodies();
     for (const engine::BodyReport& body : bodies) finite &= is_finite(body);
     if (tick * scene.settings.dt < start_s) continue;

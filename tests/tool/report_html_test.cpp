@@ -223,7 +223,7 @@ TEST_CASE("report film: poses are the engine's, and the strip says which ticks a
       CHECK(frame.poses[i].y == bodies[i].center.y);
       CHECK(std::fabs(std::sin(frame.poses[i].angle - bodies[i].angle)) < 1e-6);
     }
-    (*engine)->step({scene.settings.dt, {}}, nullptr);
+    REQUIRE((*engine)->step({scene.settings.dt, {}}, nullptr));
   }
   // From the divergence to the next checkpoint nothing is known of the recording; from there on all of it is.
   REQUIRE(film.strip.size() == 3);

@@ -60,7 +60,8 @@ bool check_tick(const std::string& file, Simulation& simulation, const replay::T
   if (const Status status = simulation.accept(input); !status)
     return complain(file, place + ": inputs: " + status.error().message);
   StageHashes observer;
-  simulation.step(input, tick.stage_hashes.empty() ? nullptr : &observer);
+  if (const Status did = simulation.step(input, tick.stage_hashes.empty() ? nullptr : &observer); !did)
+    return complain(file, did.error().message);
   for (std::size_t i = 0; i < tick.stage_hashes.size(); ++i)
     if (i >= observer.hashes().size() || observer.hashes()[i] != tick.stage_hashes[i])
       return complain(file, place + ": stage " + setup.stages[i] + ": hash differs" +

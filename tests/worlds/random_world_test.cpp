@@ -59,8 +59,7 @@ WorldRun run_world(const RandomWorld& world) {
       run.refusal = status.error().message;
       return run;
     }
-    engine.step(input, nullptr);
-    if (const Status status = engine.last_step(); !status) run.refusal = status.error().message;
+    if (const Status status = engine.step(input, nullptr); !status) run.refusal = status.error().message;
   }
   run.hash = root_hash(engine.state());
   run.is_finite = !find_non_finite(engine.state());

@@ -97,14 +97,13 @@ class Runner {
     engine::Engine& engine = **made;
     CrosscheckMeasure measure(layout_, contact_hertz(settings), 0);
     const TickInput input{settings.dt, {}};
-    Status accepted;
+    Status did;
     watch(engine, settings.dt, measure, [&] {
-      accepted = engine.accept(input);
-      if (accepted) engine.step(input, nullptr);
-      if (accepted) accepted = engine.last_step();
-      return accepted.has_value();
+      did = engine.accept(input);
+      if (did) did = engine.step(input, nullptr);
+      return did.has_value();
     });
-    if (!accepted) return accepted.error();
+    if (!did) return did.error();
     outcome.run = measure.finish();
     return outcome;
   }

@@ -41,7 +41,8 @@ void probe_scene(const std::string& precision, ByteWriter& out) {
   const auto made = engine::make_engine(*scene);
   TICKTRUE_ASSERT(made.has_value());
   engine::Engine& engine = **made;
-  for (int tick = 0; tick < 120; ++tick) engine.step({scene->settings.dt, {}}, nullptr);
+  for (int tick = 0; tick < 120; ++tick)
+    if (!engine.step({scene->settings.dt, {}}, nullptr)) return;  // the digest of nothing is not the expected one
   for (const engine::BodyReport& body : engine.bodies())
     for (const double value :
          {body.center.x, body.center.y, body.angle, body.velocity.x, body.velocity.y, body.angular_velocity})

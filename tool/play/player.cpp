@@ -108,8 +108,7 @@ void Player::run_tick() {
     return;
   }
   const auto before = std::chrono::steady_clock::now();
-  engine_->step(input, nullptr);
-  if (const Status did = engine_->last_step(); !did) {
+  if (const Status did = engine_->step(input, nullptr); !did) {
     refused_ = did.error().message;
     return;
   }

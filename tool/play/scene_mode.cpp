@@ -24,13 +24,13 @@ class TimedSimulation : public Simulation {
  public:
   explicit TimedSimulation(engine::Engine& engine) : engine_(engine) {}
   Status accept(const TickInput& input) const override { return engine_.accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override {
+  Status step(const TickInput& input, StageObserver* observer) override {
     const auto before = std::chrono::steady_clock::now();
-    engine_.step(input, observer);
+    Status did = engine_.step(input, observer);
     const double ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     ms_per_tick_ = ms_per_tick_ == 0 ? ms : 0.95 * ms_per_tick_ + 0.05 * ms;
+    return did;
   }
-  Status last_step() const override { return engine_.last_step(); }
   const StateView& state() const override { return engine_.state(); }
   Status load(ByteView image) override { return engine_.load(image); }
   std::span<const std::string> stage_names() const override { return engine_.stage_names(); }

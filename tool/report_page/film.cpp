@@ -225,8 +225,7 @@ class Filming {
       add_to_strip(record.tick, TickMatch::not_compared);
       return;
     }
-    here_.simulation->step(input, nullptr);
-    if (const Status did = here_.simulation->last_step(); !did) {
+    if (const Status did = here_.simulation->step(input, nullptr); !did) {
       film_.stopped = did.error().message;
       add_to_strip(record.tick, TickMatch::not_compared);
       return;
@@ -256,8 +255,7 @@ class Filming {
   bool follow_recorded(const TickRecord& record, const TickInput& input) {
     differed_ = true;
     if (recorded_is_known_) {
-      recorded_is_known_ = recorded_.simulation->accept(input).has_value();
-      if (recorded_is_known_) recorded_.simulation->step(input, nullptr);
+      recorded_is_known_ = recorded_.simulation->accept(input) && recorded_.simulation->step(input, nullptr);
       if (recorded_is_known_) recorded_is_known_ = root_hash(recorded_.simulation->state()) == record.root_hash;
     }
     if (!recorded_is_known_ && record.image) begin_anew(*record.image, record.root_hash);

@@ -20,6 +20,7 @@ Result<std::optional<double>> ClockedInputs::next_dt() {
     double wanted_s = 0;
     if (adaptive_ && clock_.due_s() >= limits::dt_min_s) {
       const Result<double> chosen = control_.choose(engine_, clock_.due_s(), clock_.report);
+      tick_failed_ = !chosen;
       if (!chosen) return chosen.error();
       wanted_s = *chosen;
     }

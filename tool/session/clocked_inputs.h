@@ -21,6 +21,7 @@ class ClockedInputs : public replay::InputSource {
 
   Result<std::optional<TickInput>> next(std::uint64_t tick) override;
   bool repeatable() const override { return inputs_->repeatable() && frames_->repeatable(); }
+  bool tick_failed() const override { return tick_failed_; }
 
   const engine::ClockReport& report() const { return clock_.report; }
   /// Whether next() failed on the frames: then the message names the place already.
@@ -36,6 +37,7 @@ class ClockedInputs : public replay::InputSource {
   engine::StepControl control_;
   bool adaptive_;
   bool frames_failed_ = false;
+  bool tick_failed_ = false;
 };
 
 }  // namespace ticktrue::verifier

@@ -53,8 +53,7 @@ Result<PlaybackResult> play_trace(replay::TraceReader& reader, std::uint64_t fir
       result.refused = "tick " + std::to_string(record->tick) + ": " + accepted.error().message;
       return result;
     }
-    engine.step(input, nullptr);
-    if (const Status did = engine.last_step(); !did) {
+    if (const Status did = engine.step(input, nullptr); !did) {
       result.refused = did.error().message;
       return result;
     }

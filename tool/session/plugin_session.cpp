@@ -171,38 +171,42 @@ bool has_plugin() {
   return !verifier::plugin_simulations().empty();
 }
 
+Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs, std::uint64_t tick_count) {
+  PluginRun run;
+  for (; run.tick_count < tick_count && !stop_requested() && !run.found; ++run.tick_count) {
+    const auto input = inputs.next(run.tick_count);
+    if (!input) return input.error();
+    if (!*input) break;
+    if (const Status accepted = simulation.accept(**input); !accepted) return accepted.error();
+    if (const Status did = simulation.step(**input, nullptr); !did) return did.error();
+    run.time_s += (*input)->dt;
+    run.found = find_non_finite_of(simulation, run.tick_count);
+  }
+  return run;
+}
+
 int run_plugin(const PluginSession& session) {
   const auto made = make(session);
   if (!made) return fail_usage(made.error());
   catch_stop_signals();
-  Simulation& simulation = *made->simulation;
-  double time_s = 0;
-  std::uint64_t tick = 0;
-  std::optional<NonFinite> found;
-  for (; tick < made->tick_count && !stop_requested() && !found; ++tick) {
-    const auto input = made->inputs->next(tick);
-    if (!input) return fail_usage(input.error());
-    if (!*input) break;
-    if (const Status accepted = simulation.accept(**input); !accepted) return fail_usage(accepted.error());
-    simulation.step(**input, nullptr);
-    time_s += (*input)->dt;
-    found = find_non_finite_of(simulation, tick);
-  }
-  const std::string hash = hex64(root_hash(simulation.state()));
+  const auto run = run_ticks(*made->simulation, *made->inputs, made->tick_count);
+  if (!run) return fail_usage(run.error());
+  const std::string hash = hex64(root_hash(made->simulation->state()));
   if (session.json) {
     Json object;
     object["schema"] = "ticktrue.run/1";
     object["scene"] = made->info->name;
-    object["ticks"] = tick;
-    object["time_s"] = time_s;
+    object["ticks"] = run->tick_count;
+    object["time_s"] = run->time_s;
     object["hash"] = hash;
     print_json(object);
   } else {
-    print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", found ? "not finite" : "ran", made->info->name, tick, time_s));
-    if (found) print(fmt::format("  where     {}\n", non_finite_text(*found)));
+    print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", run->found ? "not finite" : "ran", made->info->name,
+                      run->tick_count, run->time_s));
+    if (run->found) print(fmt::format("  where     {}\n", non_finite_text(*run->found)));
     print(fmt::format("  hash      {}\n", hash));
   }
-  return found ? exit_finding : exit_ok;
+  return run->found ? exit_finding : exit_ok;
 }
 
 int record_plugin(const PluginSession& session) {

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "base/state/non_finite.h"
+#include "replay/recorder.h"
 #include "replay/trace_reader.h"
 #include "tool/session/session.h"
 
@@ -29,9 +31,22 @@ bool has_plugin();
 int run_plugin(const PluginSession& session);
 int record_plugin(const PluginSession& session);
 
+/// What came of the ticks of a simulation.
+struct PluginRun {
+  std::uint64_t tick_count = 0;
+  double time_s = 0;               // simulated
+  std::optional<NonFinite> found;  // in the last tick
+};
+/// Runs at most so many ticks, to the end of the inputs, a stop signal or a value that is not finite.
+/// Errors: those of the source, of Simulation::accept and of Simulation::step.
+Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs, std::uint64_t tick_count);
+
 /// `replay` of a plug-in's trace: after each of the ticks first..last, every n-th, its tables as lines of text, or as
 /// one JSON object. Whether the trace is one of a loaded plug-in says is_plugin_trace.
 bool is_plugin_trace(const replay::TraceSetup& setup);
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every, bool json);
+/// The same with a simulation that was made from the setup of the trace.
+int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
+                std::uint64_t every, bool json);
 
 }  // namespace ticktrue::cli

@@ -76,15 +76,16 @@ int substeps_most(const engine::Engine& engine) {
   return static_cast<int>(most);
 }
 
-void run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
+Status run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
   const double ticks = problem.duration / run.engine().scene().settings.dt / problem.sample_count;
   for (int sample = 0; sample < problem.sample_count; ++sample) {
-    run.advance(static_cast<std::uint64_t>(std::lround(ticks)));
+    if (Status did = run.advance(static_cast<std::uint64_t>(std::lround(ticks))); !did) return did;
     note_sample(problem, run.engine(), observed);
     // The sum of the ticks' lengths has rounding of its own.
     observed.times.back() = problem.duration * (sample + 1) / problem.sample_count;
   }
   observed.step_time_s = run.step_time_s();
+  return {};
 }
 
 // Every tick is a sample: a clock need not meet equal times.
@@ -98,8 +99,7 @@ Status run_on_frames(const Problem& problem, const Method& method, const Setting
     const auto input = inputs.next(tick);
     if (!input) return input.error();
     if (!*input) break;
-    run.engine().step(**input, nullptr);
-    if (const Status did = run.engine().last_step(); !did) return did.error();
+    if (Status did = run.engine().step(**input, nullptr); !did) return did;
     observed.step_time_s += computed_s() - start;
     note_sample(problem, run.engine(), observed);
   }
@@ -112,11 +112,9 @@ Result<Observed> observe(const Problem& problem, const Method& method, const Set
   Run& run = *made;
   Observed observed;
   const Bodies before = run.bodies();
-  if (method.clock) {
-    if (Status status = run_on_frames(problem, method, setting, run, observed); !status) return status.error();
-  } else {
-    run_on_ticks(problem, run, observed);
-  }
+  const Status ran =
+      method.clock ? run_on_frames(problem, method, setting, run, observed) : run_on_ticks(problem, run, observed);
+  if (!ran) return ran.error();
   const engine::Engine& engine = run.engine();
   const Bodies after = run.bodies();
   AccuracyPoint& point = observed.point;
@@ -235,6 +233,12 @@ void explain_by_f64(const Problem& problem, const std::vector<double>& f64_error
   judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
 }
 
+// A tick that could not be done is a failure; what is refused does not apply.
+StudyVerdict verdict_of(const Error& error) {
+  const bool is_undone = error.code == ErrorCode::limit || error.code == ErrorCode::inconsistent;
+  return is_undone ? StudyVerdict::fail : StudyVerdict::not_applicable;
+}
+
 // One method in the wanted precisions; both are run, since their difference is the rounding floor.
 std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& method, const AccuracyOptions& options) {
   std::vector<AccuracyCurve> curves;
@@ -248,17 +252,23 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
       const std::size_t at = static_cast<std::size_t>(precision);
       wanted[at] =
           std::find(options.precisions.begin(), options.precisions.end(), precision) != options.precisions.end();
+      Status ran;
       if (wanted[at]) {
-        Result<AccuracyPoint> point = timed_point(problem, method, setting, precision, options, kept[at]);
-        if (!point) {
-          for (AccuracyCurve& curve : curves)
-            curve.judgement = {StudyVerdict::not_applicable, {}, {}, point.error().message};
-          return curves;
-        }
-        points[at] = *point;
-      } else if (Result<Observed> other = observe(problem, method, setting, precision)) {
-        kept[at] = std::move(*other);
+        const Result<AccuracyPoint> point = timed_point(problem, method, setting, precision, options, kept[at]);
+        if (point)
+          points[at] = *point;
+        else
+          ran = point.error();
+      } else {
+        Result<Observed> other = observe(problem, method, setting, precision);
+        if (other)
+          kept[at] = *std::move(other);
+        else
+          ran = other.error();
       }
+      if (ran) continue;
+      for (AccuracyCurve& curve : curves) curve.judgement = {verdict_of(ran.error()), {}, {}, ran.error().message};
+      return curves;
     }
     f64_errors.push_back(sample_error(problem, kept[1].times, kept[1].samples).rms);
     f64_floors.push_back(rounding_floor(problem, method, kept[1], kept[0], Precision::f64));

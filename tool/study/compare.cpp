@@ -306,13 +306,13 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
       before_s = engine.time_s();
       if (before_s + input->dt >= time_s - 1e-9) before = run.bodies();
       const auto wall = std::chrono::steady_clock::now();
-      const double computed_s = run.step(*input);
-      step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
-                                        : computed_s;
-      if (const Status did = engine.last_step(); !did) {
-        course.why_not = did.error().message;
+      const Result<double> computed_s = run.step(*input);
+      if (!computed_s) {
+        course.why_not = computed_s.error().message;
         return course;
       }
+      step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
+                                        : *computed_s;
       course.dts.push_back(input->dt);
       course.bits.push_back(bits_of(engine.state()));
       course.root.push_back(root_hash(engine.state()));

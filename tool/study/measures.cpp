@@ -143,21 +143,18 @@ double computed_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void Run::advance(std::uint64_t tick_count, double dt) {
+Status Run::advance(std::uint64_t tick_count, double dt) {
   const TickInput input{dt > 0 ? dt : engine_->scene().settings.dt, {}};
   const double start = computed_s();
-  for (std::uint64_t i = 0; i < tick_count; ++i) engine_->step(input, nullptr);
+  for (std::uint64_t i = 0; i < tick_count; ++i)
+    if (Status did = engine_->step(input, nullptr); !did) return did;
   step_time_s_ += computed_s() - start;
+  return {};
 }
 
-void Run::advance_s(double seconds) {
-  const double count = std::round(seconds / engine_->scene().settings.dt);
-  advance(count < 1 ? 1 : static_cast<std::uint64_t>(count));
-}
-
-double Run::step(const TickInput& input) {
+Result<double> Run::step(const TickInput& input) {
   const double start = computed_s();
-  engine_->step(input, nullptr);
+  if (const Status did = engine_->step(input, nullptr); !did) return did.error();
   const double seconds = computed_s() - start;
   step_time_s_ += seconds;
   return seconds;

@@ -43,13 +43,12 @@ class Run {
   /// Errors: what make_engine refuses.
   static Result<Run> make(const engine::Scene& scene, const engine::EngineOptions& options = {});
 
-  /// Ticks of `dt` (the scene's, if 0).
-  void advance(std::uint64_t tick_count, double dt = 0);
-  /// As many ticks of the scene's dt as make `seconds`, at least one.
-  void advance_s(double seconds);
+  /// Ticks of `dt` (the scene's, if 0). Errors: those of Simulation::step.
+  Status advance(std::uint64_t tick_count, double dt = 0);
 
-  /// One tick of an input of its own; returns its time, s. Requires: the engine accepts it.
-  double step(const TickInput& input);
+  /// One tick of an input of its own; returns its time, s. Requires: the engine accepts it. Errors: those of
+  /// Simulation::step.
+  Result<double> step(const TickInput& input);
 
   engine::Engine& engine() { return *engine_; }
   const engine::Engine& engine() const { return *engine_; }

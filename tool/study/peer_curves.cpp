@@ -70,14 +70,16 @@ struct PeerErrors {
   }
 };
 
-// One run: what it is off, and what its ticks took. `step` advances one tick.
+// One run: what it is off, and what its ticks took. `step` advances one tick and gives a Status. Errors: those of
+// `step`.
 template <typename Step, typename Report>
-PeerErrors run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
+Result<PeerErrors> run_once(const PeerScene& scene, double skin, double& time_ms, Step step, Report report) {
   PeerErrors errors;
   double sum_s = 0;
   for (int tick = sample_interval; tick <= tick_count; tick += sample_interval) {
     const double start = computed_s();
-    for (int i = 0; i < sample_interval; ++i) step();
+    for (int i = 0; i < sample_interval; ++i)
+      if (const Status did = step(); !did) return did.error();
     sum_s += computed_s() - start;
     if (tick <= scene.first_tick) continue;
     const Bodies bodies = report();
@@ -101,8 +103,11 @@ Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& settin
     options.position_iterations = setting.position_iterations;
     auto peer = make_box2d_peer(scene.scene, options);
     if (!peer) return peer.error();
-    return run_once(
-        scene, (*peer)->skin(), time_ms, [&] { (*peer)->step(); }, [&] { return (*peer)->bodies(); });
+    const auto step = [&] {
+      (*peer)->step();
+      return Status();
+    };
+    return run_once(scene, (*peer)->skin(), time_ms, step, [&] { return (*peer)->bodies(); });
   }
   Scene ours = scene.scene;
   ours.settings.substeps = setting.substeps;
@@ -110,7 +115,7 @@ Result<PeerErrors> run_setting(const PeerScene& scene, const PeerSetting& settin
   if (!engine) return engine.error();
   const TickInput input{ours.settings.dt, {}};
   return run_once(
-      scene, 0, time_ms, [&] { (*engine)->step(input, nullptr); }, [&] { return (*engine)->bodies(); });
+      scene, 0, time_ms, [&] { return (*engine)->step(input, nullptr); }, [&] { return (*engine)->bodies(); });
 }
 
 std::string setting_name(const PeerSetting& setting) {

@@ -98,7 +98,7 @@ Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info
           "tick " + std::to_string(record->tick) + ": recorded inputs are refused here: " + accepted.error().message,
           ""};
     if (record->tick < tick) {
-      simulation.step(input, nullptr);
+      if (const Status did = simulation.step(input, nullptr); !did) return did.error();
       found.as_recorded = root_hash(simulation.state()) == record->root_hash;
       continue;
     }
@@ -107,8 +107,7 @@ Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info
     encode_image(simulation.state(), before.image);
     found.states.push_back(std::move(before));
     StateKeeper keeper(simulation.stage_names(), found.states);
-    simulation.step(input, &keeper);
-    if (const Status did = simulation.last_step(); !did) return did.error();
+    if (const Status did = simulation.step(input, &keeper); !did) return did.error();
     return found;
   }
   return Error{ErrorCode::usage, "tick " + std::to_string(tick) + ": not in the part of the trace that is intact", ""};

@@ -27,7 +27,8 @@ struct StageStates {
 };
 
 /// Runs from the last checkpoint at or before `tick` through that tick.
-/// Errors: usage (no such tick), incompatible (inputs or a checkpoint are refused here), and those of make.
+/// Errors: usage (no such tick), incompatible (inputs or a checkpoint are refused here), those of make and of
+/// Simulation::step.
 Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info, std::uint64_t tick);
 
 /// JSON Lines, schema ticktrue.stages/1: a head, then a line for each state with its image in hexadecimal.

@@ -126,16 +126,17 @@ class FlippingSimulation : public Simulation {
       : real_(std::move(real)), ticks_done_(ticks_done), flip_(flip) {}
 
   Status accept(const TickInput& input) const override { return real_->accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override {
+  Status step(const TickInput& input, StageObserver* observer) override {
     const bool is_due = ticks_done_ == flip_.tick;
     const bool is_inside = flip_.options->after_substep.has_value();
     if (is_due && is_inside) plant_flip();
-    real_->step(input, observer);
+    shows_flip_ = false;
+    if (Status did = real_->step(input, observer); !did) return did;
     ++ticks_done_;
     if (is_due && is_inside && flip_.done) note_planted();
     shows_flip_ = is_due && !is_inside && make_flip();
+    return {};
   }
-  Status last_step() const override { return real_->last_step(); }
   const StateView& state() const override { return shows_flip_ ? view_ : real_->state(); }
   Status load(ByteView image) override {
     const Status loaded = real_->load(image);
@@ -410,19 +411,29 @@ class Injector {
       if (source == nullptr) break;  // fewer threads, the same results
       sources.push_back(std::move(source));
     }
-    return run_jobs(sources.size(), static_cast<unsigned>(sources.size()), [&](std::size_t job) {
+    std::vector<Status> shares(sources.size());
+    const Status ran = run_jobs(sources.size(), static_cast<unsigned>(sources.size()), [&](std::size_t job) {
       std::vector<std::size_t> share;
       for (std::size_t i = job; i < order.size(); i += sources.size()) share.push_back(order[i]);
-      run_share(*sources[job], share);
+      shares[job] = run_share(*sources[job], share);
     });
+    if (!ran) return ran;
+    for (const Status& share : shares)
+      if (!share) return share;
+    return {};
   }
 
-  void run_share(TraceSource& source, const std::vector<std::size_t>& order) {
+  Status run_share(TraceSource& source, const std::vector<std::size_t>& order) {
     std::vector<std::size_t> left = order;  // flips that have to run on the file itself
     SimulationPool pool(*options_.simulation);
-    if (setup_.detail == replay::Detail::cells && can_load()) left = run_beside(source, order, pool);
+    if (setup_.detail == replay::Detail::cells && can_load()) {
+      Result<std::vector<std::size_t>> others = run_beside(source, order, pool);
+      if (!others) return others.error();
+      left = *std::move(others);
+    }
     if (setup_.detail == replay::Detail::full && can_load()) left = run_excerpts(source, order, pool);
     for (const std::size_t index : left) run_flip(index, source, *options_.simulation, flips_[index].tick);
+    return {};
   }
 
   /// The first tick begins with the setup and loads nothing.
@@ -472,8 +483,9 @@ class Injector {
   }
 
   /// The same where states are not stored: a simulation runs along, whose state before the tick is taken.
-  std::vector<std::size_t> run_beside(TraceSource& source, const std::vector<std::size_t>& order,
-                                      const SimulationPool& pool) {
+  /// Errors: those of Simulation::step.
+  Result<std::vector<std::size_t>> run_beside(TraceSource& source, const std::vector<std::size_t>& order,
+                                              const SimulationPool& pool) {
     Result<std::unique_ptr<Simulation>> made = options_.simulation->make(setup_.setup);
     if (!made) return order;
     Simulation& beside = **made;
@@ -485,18 +497,17 @@ class Injector {
       if (std::holds_alternative<std::monostate>(item)) break;
       const auto* record = std::get_if<TickRecord>(&item);
       if (record == nullptr) continue;
-      if (flips_[order[next]].tick == record->tick) {
-        encode_image(beside.state(), before);
-        Excerpt excerpt(setup_, before, *record);
-        excerpt.set_root(root_hash(beside.state()));
-        beside.step({record->dt, record->inputs}, nullptr);
-        for (; next < order.size() && flips_[order[next]].tick == record->tick; ++next)
-          run_flip(order[next], excerpt, simulation_for(record->tick, pool), {}, &beside.state());
-      } else {
-        beside.step({record->dt, record->inputs}, nullptr);
-      }
+      const bool has_flips = flips_[order[next]].tick == record->tick;
+      const std::uint64_t root = has_flips ? root_hash(beside.state()) : 0;
+      if (has_flips) encode_image(beside.state(), before);
+      if (const Status did = beside.step({record->dt, record->inputs}, nullptr); !did) return did.error();
+      if (!has_flips) continue;
+      Excerpt excerpt(setup_, before, *record);
+      excerpt.set_root(root);
+      for (; next < order.size() && flips_[order[next]].tick == record->tick; ++next)
+        run_flip(order[next], excerpt, simulation_for(record->tick, pool), {}, &beside.state());
     }
-    return {};
+    return std::vector<std::size_t>();
   }
 
   /// `truth`: the state after the tick without the flip, where it is known.
@@ -529,8 +540,9 @@ class Injector {
     row.verdict = found.verdict;
     row.divergence = found.divergence;
     if (!flip.done) {
-      row.outcome = InjectRow::Outcome::not_applicable;
-      row.reason = "the state has no such place at this tick";
+      const bool ran = found.verdict == Verdict::match;  // without a flip the trace matches
+      row.outcome = ran ? InjectRow::Outcome::not_applicable : InjectRow::Outcome::missed;
+      row.reason = ran ? "the state has no such place at this tick" : "no flip was made: " + verdict_text(found);
       return;
     }
     row.place = place_of(flip.bits[0]);
@@ -594,10 +606,13 @@ class Injector {
     return "";
   }
 
+  static std::string verdict_text(const Report& found) {
+    return "verdict " + std::string(verdict_info(found.verdict).name) +
+           (found.reason.empty() ? "" : " (" + found.reason + ")");
+  }
+
   std::string why_missed(const Flip& flip, const Report& found, const InjectRow& row) const {
-    if (found.verdict != Verdict::diverged || !found.divergence)
-      return "verdict " + std::string(verdict_info(found.verdict).name) +
-             (found.reason.empty() ? "" : " (" + found.reason + ")") + ", expected diverged";
+    if (found.verdict != Verdict::diverged || !found.divergence) return verdict_text(found) + ", expected diverged";
     const Divergence& divergence = *found.divergence;
     if (divergence.tick != row.tick) return "tick " + std::to_string(divergence.tick);
     if (divergence.stage == stage_setup || divergence.stage == stage_load) return "reported before the tick ran";

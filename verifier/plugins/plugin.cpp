@@ -139,7 +139,7 @@ class PluginSimulation : public Simulation {
     return Error{ErrorCode::invalid_input, "tick " + std::to_string(tick_) + ": inputs: refused: " + text.take(), ""};
   }
 
-  void step(const TickInput& input, StageObserver* observer) override {
+  Status step(const TickInput& input, StageObserver* observer) override {
     TextBuffer text(limits::name_size_max);
     ticktrue_stages stages{this, observer, 0};
     int failed = 0;
@@ -156,6 +156,7 @@ class PluginSimulation : public Simulation {
                                 " in their order"));
     ++tick_;
     if (const Status status = gather(); !status) throw PluginFailure(status.error().message);
+    return {};
   }
 
   void after_stage(std::uint32_t stage, ticktrue_stages& stages) {

@@ -48,7 +48,7 @@ class SecondRun {
       rerun_.differs_at = tick_;
       return;
     }
-    simulation_->step(input, nullptr);
+    if (!steps(input, nullptr)) return;
     TickSide here{root_hash(simulation_->state())};
     if (here.root_hash != record.root_hash) {
       // The first run agreed with the recorded hash here.
@@ -62,6 +62,15 @@ class SecondRun {
     if (progress_) progress_(tick_);
   }
 
+  /// False: the tick cannot be done. The first run did it.
+  bool steps(const TickInput& input, StageObserver* observer) {
+    const Status did = simulation_->step(input, observer);
+    if (did) return true;
+    rerun_.differs_at = tick_;
+    rerun_.why_undone = did.error().message;
+    return false;
+  }
+
   void run_last(const TickInput& input) {
     if (!simulation_->accept(input)) {
       rerun_.differs_at = tick_;
@@ -73,7 +82,7 @@ class SecondRun {
     std::optional<RowsBefore> before;
     if (found.from_cells && (found.healed || found.unexplained_cells > 0))
       before = rows_before(simulation_->state(), names_of(*simulation_));
-    simulation_->step(input, has_stages ? &stages : nullptr);
+    if (!steps(input, has_stages ? &stages : nullptr)) return;
     Bytes image;
     encode_image(simulation_->state(), image);
     rerun_.same = image == mismatch_.got && stages.hashes() == mismatch_.got_stages;
@@ -125,7 +134,9 @@ void judge_mismatch(const Mismatch& mismatch, const Rerun& rerun, Findings& find
     }
     divergence.stage.reset();
     divergence.stage_note = "not looked for: two runs here differ";
-    findings.not_reproducible("two runs here differ from tick " + std::to_string(*rerun.differs_at) + " on");
+    findings.not_reproducible(
+        "two runs here differ from tick " + std::to_string(*rerun.differs_at) + " on" +
+        (rerun.why_undone.empty() ? "" : ": the second run could not do this tick: " + rerun.why_undone));
   }
   findings.divergence = std::move(divergence);
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+
 #include "verifier/verify/walk.h"
 
 namespace ticktrue::verifier {
@@ -14,6 +16,7 @@ struct Rerun {
   std::optional<Divergence> divergence;     // where the second run left the recorded one before the first did
   std::optional<Divergence> between;        // done, not same: what differs between the two runs
   std::optional<Divergence> located;        // with cells that no row here explains: once more, with the rows before
+  std::string why_undone;                   // not empty: the second run could not do the tick `differs_at`
 };
 
 /// Runs from `start` to the end of the tick of the mismatch. Moves `source`.

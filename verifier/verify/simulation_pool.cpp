@@ -16,11 +16,10 @@ class SimulationPool::Loan : public Simulation {
   ~Loan() override { pool_.idle_.push_back(std::move(real_)); }
 
   Status accept(const TickInput& input) const override { return real_->accept(input); }
-  void step(const TickInput& input, StageObserver* observer) override {
+  Status step(const TickInput& input, StageObserver* observer) override {
     TICKTRUE_ASSERT(is_loaded_);
-    real_->step(input, observer);
+    return real_->step(input, observer);
   }
-  Status last_step() const override { return real_->last_step(); }
   const StateView& state() const override { return real_->state(); }
   Status load(ByteView image) override {
     Status loaded = real_->load(image);

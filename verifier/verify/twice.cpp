@@ -51,12 +51,7 @@ class TwiceWalk {
       result_.findings.not_reproducible(tick + ": inputs one run takes are refused by the other");
       return false;
     }
-    first_->step(input, nullptr);
-    second_->step(input, nullptr);
-    if (const Status did = first_->last_step(); !did) {
-      result_.findings.undone(did.error());
-      return false;
-    }
+    if (!steps(input, tick)) return false;
     ++result_.ticks_compared;
     result_.last_tick_s = result_.time_s;
     if (!same_states("", "not looked for: two runs here differ", input.inputs)) return false;
@@ -74,6 +69,19 @@ class TwiceWalk {
     ++result_.tick;
     if (context_.options.progress) context_.options.progress(result_.tick);
     return true;
+  }
+
+  /// False: one run or both could not do the tick.
+  bool steps(const TickInput& input, const std::string& tick) {
+    const Status first = first_->step(input, nullptr);
+    const Status second = second_->step(input, nullptr);
+    if (first && second) return true;
+    const Error& error = first ? second.error() : first.error();
+    if (first.has_value() == second.has_value())
+      result_.findings.undone(error);
+    else
+      result_.findings.not_reproducible(tick + ": one run does it, the other does not: " + error.message);
+    return false;
   }
 
   bool same_states(std::string_view stage, const char* note, ByteView inputs) {

@@ -127,9 +127,8 @@ class StretchWalk {
 
   /// False: it cannot be done here.
   bool steps(const TickInput& input, StageObserver* observer) {
-    simulation_->step(input, observer);
+    const Status did = simulation_->step(input, observer);
     last_dt_ = input.dt;
-    const Status did = simulation_->last_step();
     if (did) return true;
     result_.findings.undone(did.error());
     return false;
@@ -212,8 +211,7 @@ class StretchWalk {
       if (!is_stored || (to && record->tick > *to) || find_non_finite(simulation_->state()) ||
           !simulation_->accept(input))
         return true;
-      simulation_->step(input, nullptr);
-      if (!simulation_->last_step()) return true;
+      if (!simulation_->step(input, nullptr)) return true;
       if ((behind & (behind - 1)) == 0)
         if (const auto spread = measure_spread(context_.setup.schema, *record, simulation_->state(), hasher))
           divergence.spread.push_back(*spread);

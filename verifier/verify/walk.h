@@ -47,7 +47,7 @@ struct Findings {
 
   void decide(Verdict found, std::string why, std::string next = "");
   void not_reproducible(const std::string& why);
-  /// Of a tick that Simulation::last_step says was not done.
+  /// Of a tick that Simulation::step could not do.
   void undone(const Error& error);
   void warn_unreadable(std::uint64_t tick, const Error& error);
 };

@@ -88,7 +88,7 @@ std::vector<Bytes> run_of(const Session& session, const engine::EngineOptions& o
   std::vector<Bytes> out;
   const auto engine = make_engine_or_fail(session.scene, options);
   for (std::uint64_t tick = 0; tick < blocks_tick_count; ++tick) {
-    engine->step(input_of(session, tick), nullptr);
+    REQUIRE(engine->step(input_of(session, tick), nullptr));
     if (tick % 5 != 4) continue;
     Bytes& bytes = out.emplace_back();
     const StateView& state = engine->state();
@@ -156,13 +156,14 @@ TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engin
 TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
   const Session session = disturbed_pyramids(Precision::f32, false);
   const auto original = make_engine_or_fail(session.scene);
-  for (std::uint64_t tick = 0; tick < 30; ++tick) original->step(input_of(session, tick), nullptr);
+  for (std::uint64_t tick = 0; tick < 30; ++tick) REQUIRE(original->step(input_of(session, tick), nullptr));
   const auto restored = make_engine_or_fail(session.scene);
-  for (std::uint64_t tick = 0; tick < 12; ++tick) restored->step(input_of(session, tick), nullptr);  // keeps others
+  for (std::uint64_t tick = 0; tick < 12; ++tick)
+    REQUIRE(restored->step(input_of(session, tick), nullptr));  // keeps others
   REQUIRE(restored->load(image_of(*original)).has_value());
   for (std::uint64_t tick = 30; tick < blocks_tick_count; ++tick) {
-    original->step(input_of(session, tick), nullptr);
-    restored->step(input_of(session, tick), nullptr);
+    REQUIRE(original->step(input_of(session, tick), nullptr));
+    REQUIRE(restored->step(input_of(session, tick), nullptr));
     CAPTURE(tick);
     REQUIRE(image_of(*restored) == image_of(*original));
   }

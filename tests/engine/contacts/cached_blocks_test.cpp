@@ -39,7 +39,7 @@ std::vector<std::uint64_t> hashes_forgetting(const Session& session, std::uint64
   std::vector<std::uint64_t> hashes;
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     engine->forget_caches(caches);
-    engine->step(input_of(session, tick), nullptr);
+    REQUIRE(engine->step(input_of(session, tick), nullptr));
     hashes.push_back(root_hash(engine->state()));
   }
   return hashes;
@@ -52,7 +52,7 @@ TEST_CASE("bodies that rested near each other do not pass through each other",
   for (const auto& precision : engine::precisions) {
     const Session session = sent_at_each_other(precision.kind);
     const auto engine = make_engine_or_fail(session.scene);
-    for (std::uint64_t tick = 0; tick < 90; ++tick) engine->step(input_of(session, tick), nullptr);
+    for (std::uint64_t tick = 0; tick < 90; ++tick) REQUIRE(engine->step(input_of(session, tick), nullptr));
     const std::vector<engine::BodyReport> bodies = engine->bodies();
     CAPTURE(precision.name);
     CHECK(bodies[0].center.x < bodies[1].center.x);
@@ -81,7 +81,7 @@ TEST_CASE("a tick without any one of the cached structures gives the same bits",
       CHECK(same);
     }
     const auto engine = make_engine_or_fail(session.scene);
-    for (std::uint64_t tick = 0; tick < tick_count; ++tick) engine->step(input_of(session, tick), nullptr);
+    for (std::uint64_t tick = 0; tick < tick_count; ++tick) REQUIRE(engine->step(input_of(session, tick), nullptr));
     for (std::size_t i = 0; i < total.size(); ++i) {
       total[i].hits += engine->cache_report()[i].hits;
       total[i].invalidations += engine->cache_report()[i].invalidations;

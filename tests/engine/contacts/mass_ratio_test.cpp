@@ -17,7 +17,7 @@ constexpr int loaded_ticks = 300;
 // How far a body is from where it started, m, at worst, once the load has come to rest.
 double moved(Engine& engine) {
   const std::vector<BodyReport> start = engine.bodies();
-  for (int i = 0; i < loaded_ticks; ++i) engine.step({engine.scene().settings.dt, {}}, nullptr);
+  for (int i = 0; i < loaded_ticks; ++i) REQUIRE(engine.step({engine.scene().settings.dt, {}}, nullptr));
   const std::vector<BodyReport> now = engine.bodies();
   double most = 0;
   for (std::size_t row = 0; row < now.size(); ++row)
@@ -83,7 +83,7 @@ TEST_CASE("a weight that whirls on a light arm stays at its distance", "[engine]
       const auto engine = make_engine_or_fail(scene);
       double off = 0;
       for (int i = 0; i < loaded_ticks; ++i) {
-        engine->step({scene.settings.dt, {}}, nullptr);
+        REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
         const Point at = engine->bodies()[2].center;
         off = std::fmax(off, std::fabs(std::hypot(at.x, at.y) - 1.5));
       }

@@ -119,7 +119,7 @@ Scene shot_scene(Random& random) {
 bool passes(const Scene& scene) {
   const auto engine = make_engine_or_fail(scene);
   for (int i = 0; i < tick_count; ++i) {
-    engine->step({scene.settings.dt, {}}, nullptr);
+    REQUIRE(engine->step({scene.settings.dt, {}}, nullptr));
     const auto bodies = engine->bodies();
     const SinCos turn = sin_cos(bodies[0].angle);
     const double dx = bodies[1].center.x - bodies[0].center.x;

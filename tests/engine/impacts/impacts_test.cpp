@@ -44,7 +44,7 @@ bool passes(const Shot& shot) {
   scene.bodies.push_back(bullet);
   const auto engine = make_engine_or_fail(scene);
   for (int i = 0; i < 40; ++i) {
-    engine->step(TickInput{tick, {}}, nullptr);
+    REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
     const auto bodies = engine->bodies();
     const SinCos turn = sin_cos(bodies[0].angle);
     const double dx = bodies[1].center.x - bodies[0].center.x;
@@ -115,7 +115,7 @@ TEST_CASE("rough impacts beside the middle gain no energy", "[engine][impacts][p
           const auto engine = make_engine_or_fail(scene);
           double before = energy_of(*engine, box);
           for (int i = 0; i < 30; ++i) {
-            engine->step(TickInput{tick, {}}, nullptr);
+            REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
             const double after = energy_of(*engine, box);
             CHECK(after <= before * (1 + 1e-4));
             before = after;
@@ -132,7 +132,7 @@ TEST_CASE("without continuous collision a bullet passes", "[engine][impacts][ana
   for (const bool continuous : {false, true}) {
     scene.settings.continuous = continuous;
     const auto engine = make_engine_or_fail(scene);
-    engine->step(TickInput{tick, {}}, nullptr);
+    REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
     CHECK((engine->bodies()[1].center.x > 3) == !continuous);
   }
 }
@@ -144,7 +144,7 @@ TEST_CASE("a located bounce of restitution 1 comes back to its height for a minu
     double apex = 0;
     double late_apex = 0;
     for (int i = 0; i < 3600; ++i) {
-      engine->step(TickInput{tick, {}}, nullptr);
+      REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
       const double height = engine->bodies()[1].center.y - 0.5;
       if (height > apex) apex = height;
       if (i >= 3600 - 180 && height > late_apex) late_apex = height;
@@ -161,7 +161,7 @@ TEST_CASE("apexes of located bounces fall by the square of the restitution", "[e
   double apex = 0;
   double last_speed = 0;
   for (int bounce = 0; bounce < 3;) {
-    engine->step(TickInput{tick, {}}, nullptr);
+    REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
     const auto disc = engine->bodies()[1];
     if (disc.velocity.y > 0 && last_speed <= 0) apex = 0;
     if (disc.center.y - 0.5 > apex) apex = disc.center.y - 0.5;
@@ -188,7 +188,7 @@ TEST_CASE("Newton's cradle hands its velocity to the last ball", "[engine][impac
       }
       scene.bodies[0].velocity = {10, 0};
       const auto engine = make_engine_or_fail(scene);
-      for (int i = 0; i < 60; ++i) engine->step(TickInput{tick, {}}, nullptr);
+      for (int i = 0; i < 60; ++i) REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
       const auto balls = engine->bodies();
       double momentum = 0, energy = 0, mass = 0;
       for (const auto& ball : balls) {
@@ -222,7 +222,7 @@ TEST_CASE("a hundred elastic discs in a box keep their energy for a minute", "[e
   }
   for (Body& body : scene.bodies) body.shapes[0].material = Material{0, 1, 0, 0};
   const auto engine = make_engine_or_fail(scene);
-  for (int i = 0; i < 3600; ++i) engine->step(TickInput{tick, {}}, nullptr);
+  for (int i = 0; i < 3600; ++i) REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
   double end = 0;
   for (const auto& body : engine->bodies())
     if (body.type == BodyType::dynamic_body)
@@ -249,7 +249,7 @@ TEST_CASE("a break of resting elastic discs keeps energy and momentum at any num
             scene.bodies.push_back(body_of(disc_shape(0.5), {row * 0.88, i * 1.01 - row * 0.505}));
         for (Body& body : scene.bodies) body.shapes[0].material = Material{0, 1, 0, 0};
         const auto engine = make_engine_or_fail(scene);
-        for (int i = 0; i < 120; ++i) engine->step(TickInput{tick, {}}, nullptr);
+        for (int i = 0; i < 120; ++i) REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
         double momentum = 0, energy = 0;
         for (const auto& disc : engine->bodies()) {
           momentum += disc.velocity.x;
@@ -291,7 +291,7 @@ TEST_CASE("a thin card that slides down a wall leaves it at the speed of theory,
       scene.bodies.push_back(card);
       for (Body& body : scene.bodies) body.shapes[0].material.friction = 0;
       const auto engine = make_engine_or_fail(scene);
-      for (int i = 0; i < 120; ++i) engine->step(TickInput{tick, {}}, nullptr);
+      for (int i = 0; i < 120; ++i) REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
       CAPTURE(precision, substeps);
       const auto end = engine->bodies()[2];
       CHECK(end.center.y == Approx(thick / 2).margin(0.01 * thick));

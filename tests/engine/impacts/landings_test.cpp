@@ -77,7 +77,7 @@ LandingOutcome land(Scene scene, const Body& lands, double drop, Point landed) {
   spawn.values[1] = landed.y + drop;
   Bytes input;
   engine::encode_inputs({spawn}, input);
-  engine->step({scene.settings.dt, input}, nullptr);
+  REQUIRE(engine->step({scene.settings.dt, input}, nullptr));
   rest.push_back(engine->bodies().back());
   rest.back().center = landed;
   return watch(*engine, rest, 300);

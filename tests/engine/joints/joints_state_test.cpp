@@ -52,7 +52,7 @@ void step(Engine& engine, const Bytes& inputs = {}) {
   const Status accepted = engine.accept(input);
   INFO((accepted ? "" : accepted.error().message));
   REQUIRE(accepted.has_value());
-  engine.step(input, nullptr);
+  REQUIRE(engine.step(input, nullptr));
 }
 
 }  // namespace
@@ -123,13 +123,13 @@ TEST_CASE("every kind of joint runs on with the same bits from an image", "[engi
     CAPTURE(session.name);
     const auto original = make_engine_or_fail(session.scene);
     std::uint64_t tick = 0;
-    for (; tick < 25; ++tick) original->step(input_of(session, tick), nullptr);
+    for (; tick < 25; ++tick) REQUIRE(original->step(input_of(session, tick), nullptr));
     REQUIRE(joint_count(*original) > 0);
     const auto restored = make_engine_or_fail(session.scene);
     REQUIRE(restored->load(image_of(*original)).has_value());
     for (; tick < 150; ++tick) {
-      original->step(input_of(session, tick), nullptr);
-      restored->step(input_of(session, tick), nullptr);
+      REQUIRE(original->step(input_of(session, tick), nullptr));
+      REQUIRE(restored->step(input_of(session, tick), nullptr));
       REQUIRE(image_of(*restored) == image_of(*original));
     }
   }

@@ -106,8 +106,8 @@ void check_woven(const Scene& scene, const engine::EngineOptions& options, int t
   engine::encode_inputs({remove}, removal);
   for (int tick = 0; tick < tick_count; ++tick) {
     const TickInput input{scene.settings.dt, tick == removal_tick ? ByteView(removal) : ByteView{}};
-    woven->step(input, nullptr);
-    in_turn->step(input, nullptr);
+    REQUIRE(woven->step(input, nullptr));
+    REQUIRE(in_turn->step(input, nullptr));
   }
   check_same(*woven, *in_turn);
 }

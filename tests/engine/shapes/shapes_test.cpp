@@ -428,7 +428,7 @@ TEST_CASE("contacts begin with the first overlap and end with the last, or with 
     engine::encode_inputs(inputs, bytes);
     const TickInput input{scene.settings.dt, bytes};
     REQUIRE(engine->accept(input).has_value());
-    engine->step(input, nullptr);
+    REQUIRE(engine->step(input, nullptr));
     return rows_of<5>(*engine, "events");
   };
   using Row = std::array<std::uint32_t, 5>;
@@ -514,7 +514,7 @@ TEST_CASE("a press holds capsules and rounded boxes where they are, lines and se
     press.values[1] = at.y;
     Bytes bytes;
     engine::encode_inputs({press}, bytes);
-    engine->step({scene.settings.dt, bytes}, nullptr);
+    REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
     const StateView& state = engine->state();
     return state.tables[*state.schema->find_table("pointers")].row_count == 1;
   };

@@ -162,7 +162,7 @@ TEST_CASE("each body that can be seen is drawn at its projected centre, in a mov
   Canvas canvas(view.width, view.height), ground(view.width, view.height);
   play::draw_ground(ground, view);
   for (int tick = 0; tick < 200; ++tick) {
-    engine->step({scene->settings.dt, {}}, nullptr);
+    REQUIRE(engine->step({scene->settings.dt, {}}, nullptr));
     if (tick % 50 != 49) continue;
     const std::uint64_t before = root_hash(engine->state());
     picture.draw(canvas, view, {});
@@ -190,7 +190,7 @@ TEST_CASE("the layers show what there is: contacts, joints, boxes, pairs", "[pla
     auto scene = engine::make_builtin_scene(name);
     REQUIRE(scene);
     const auto engine = test::make_engine_or_fail(*scene);
-    for (int tick = 0; tick < 20; ++tick) engine->step({scene->settings.dt, {}}, nullptr);
+    for (int tick = 0; tick < 20; ++tick) REQUIRE(engine->step({scene->settings.dt, {}}, nullptr));
     const play::View view = play::first_view(*engine, 400, 300);
     play::WorldPicture picture(*engine);
     Canvas plain(400, 300), layered(400, 300);
@@ -208,7 +208,7 @@ TEST_CASE("every broad phase hands on at least the pairs that touch", "[play][br
     auto scene = engine::make_builtin_scene("mixed_pile?bodies=40&broad_phase=" + std::string(info.name));
     REQUIRE(scene);
     const auto engine = test::make_engine_or_fail(*scene);
-    for (int tick = 0; tick < 120; ++tick) engine->step({scene->settings.dt, {}}, nullptr);
+    for (int tick = 0; tick < 120; ++tick) REQUIRE(engine->step({scene->settings.dt, {}}, nullptr));
     const engine::BroadPhaseReport report = engine->broad_phase();
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const auto& pair : report.pairs) {

@@ -84,7 +84,7 @@ void record_flipped(const engine::Scene& scene, std::uint64_t tick_count, std::u
     const TickInput input{scene.settings.dt, {}};
     REQUIRE(writer->begin_tick(input));
     StageHashes stages;
-    engine.step(input, writer->wants_full() ? &stages : nullptr);
+    REQUIRE(engine.step(input, writer->wants_full() ? &stages : nullptr));
     if (tick == flip_tick) {
       const StateView& state = engine.state();
       const std::size_t table = *state.schema->find_table("bodies");

@@ -81,10 +81,14 @@ bool is_plugin_trace(const replay::TraceSetup& setup) {
 
 int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_t last, std::uint64_t every,
                   bool json) {
-  const std::string file = reader.name();
   const auto made = plugin_of(reader.setup())->make(reader.setup().setup);
   if (!made) return fail(made.error());
-  Simulation& simulation = **made;
+  return replay_with(**made, reader, first, last, every, json);
+}
+
+int replay_with(Simulation& simulation, replay::TraceReader& reader, std::uint64_t first, std::uint64_t last,
+                std::uint64_t every, bool json) {
+  const std::string file = reader.name();
   double time_s = 0;
   bool agrees = true;
   while (output_is_open() && !stop_requested()) {
@@ -98,7 +102,10 @@ int replay_plugin(replay::TraceReader& reader, std::uint64_t first, std::uint64_
       print_warning(file + ": " + accepted.error().message + "; played up to there");
       return exit_not_comparable;
     }
-    simulation.step(input, nullptr);
+    if (const Status did = simulation.step(input, nullptr); !did) {
+      print_warning(file + ": " + did.error().message + "; played up to there");
+      return agrees ? exit_not_comparable : exit_finding;
+    }
     time_s += record->dt;
     if (agrees && root_hash(simulation.state()) != record->root_hash) {
       agrees = false;

@@ -237,8 +237,11 @@ int run_stress_command(const StressCommand& command) {
   progress.finish();
   if (!rows) return fail_usage(rows.error());
   std::vector<StabilityRow> limits;
-  if (command.cases.empty() && !command.no_limits)
-    limits = verifier::stability_limits(options.precisions, options.thread_count);
+  if (command.cases.empty() && !command.no_limits) {
+    auto found = verifier::stability_limits(options.precisions, options.thread_count);
+    if (!found) return fail_usage(found.error());
+    limits = *std::move(found);
+  }
   std::string command_line = "ticktrue stress";
   for (const std::string& name : command.cases) command_line += " " + name;
   for (const engine::Precision precision : options.precisions)

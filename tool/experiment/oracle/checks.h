@@ -77,6 +77,7 @@ struct Finding {
   std::uint64_t tick = 0;   // the first one that is wrong
   std::string what;         // "table contacts, column tangent_force, row 3 (box / box), lane 0: expected 0, got -0"
   bool is_refused = false;  // the world itself was refused: a fault of who made it
+  bool is_beyond = false;   // the tick needs more than base/limits.h allows
 };
 
 }  // namespace ticktrue::verifier::soak

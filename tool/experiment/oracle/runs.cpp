@@ -136,8 +136,7 @@ class BaseWalk {
     const CacheReport before = engine_->cache_report();
     if (auto failed = step_tick(*engine_, context_.inputs.at(tick), tick, {CheckKind::finite})) {
       // A tick that needs more than the limits allow ends the world; that is no fault.
-      const Status did = engine_->last_step();
-      if (did || did.error().code != ErrorCode::limit) run_.findings.push_back(*std::move(failed));
+      if (!failed->is_beyond) run_.findings.push_back(*std::move(failed));
       run_.images.erase(tick);
       return false;
     }
@@ -316,9 +315,11 @@ std::optional<Finding> run_variant(const RunContext& context, const BaseRun& bas
 std::optional<Finding> step_tick(Engine& engine, const TickInput& input, std::uint64_t tick, const Variant& variant) {
   if (const Status accepted = engine.accept(input); !accepted)
     return make_failure(variant, tick, "inputs refused: " + accepted.error().message, true);
-  engine.step(input, nullptr);
-  if (const Status did = engine.last_step(); !did) return make_failure(variant, tick, did.error().message, false);
-  return std::nullopt;
+  const Status did = engine.step(input, nullptr);
+  if (did) return std::nullopt;
+  Finding finding = make_failure(variant, tick, did.error().message, false);
+  finding.is_beyond = did.error().code == ErrorCode::limit;
+  return finding;
 }
 
 std::string difference_text(const Engine& engine, const StateView& expected, const StateView& got) {

@@ -32,7 +32,8 @@ std::vector<StressMethod> integrator_methods() {
 
 StudyVerdict judge(const StressCase& stress_case, const StressValue& value) {
   if (!value.why_not.empty()) return StudyVerdict::not_applicable;
-  const bool passes = value.is_finite && value.value >= stress_case.lower && value.value <= stress_case.upper;
+  const bool passes = value.why_undone.empty() && value.is_finite && value.value >= stress_case.lower &&
+                      value.value <= stress_case.upper;
   return passes ? StudyVerdict::pass : StudyVerdict::fail;
 }
 
@@ -94,6 +95,7 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
     rows[i] = {each.name,  method.name, jobs[i].precision, judge(each, value), value.value,     each.lower,
                each.upper, each.unit,   each.what,         value.why_not,      each.best_known, each.source};
     if (!value.is_finite) rows[i].reason = "a value is not finite";
+    if (!value.why_undone.empty()) rows[i].reason = value.why_undone;
     const std::lock_guard<std::mutex> lock(mutex);
     ++done_count;
     if (options.progress) options.progress(done_count, jobs.size());
@@ -115,7 +117,7 @@ namespace {
 
 // Largest distance from rest of an oscillator of 1 rad/s in steps of `wh`, at most 1e5; 1 at the start. The far end of
 // the spring is far enough that the line never turns round.
-double amplitude_after(IntegratorKind kind, Precision precision, double wh, int step_count) {
+Result<double> amplitude_after(IntegratorKind kind, Precision precision, double wh, int step_count) {
   engine::Scene scene = worlds::flight(precision, {1, 0}, {0, 0});
   scene.settings.integrator = kind;
   // Steps are at most 1 s long: stiffness instead of time makes w h.
@@ -128,39 +130,53 @@ double amplitude_after(IntegratorKind kind, Precision precision, double wh, int 
   spring.stiffness = wh * wh / (scene.settings.dt * scene.settings.dt);
   scene.forces.push_back(spring);
   Result<Run> run = Run::make(scene);
-  if (!run) return HUGE_VAL;
+  if (!run) return run.error();
   double largest = 0;
   for (int i = 0; i < step_count && largest < 1e5; ++i) {
-    run->advance(1);
+    if (const Status did = run->advance(1); !did) return did.error();
     const double x = std::fabs(run->bodies()[0].center.x);
     largest = std::isfinite(x) ? std::max(largest, x) : 1e5;
   }
   return largest;
 }
 
+/// The largest w h that is stable: StabilityRow::found.
+Result<double> find_limit(IntegratorKind kind, Precision precision) {
+  // A step at most multiplies by sqrt(1 + w^2 h^2 / 2) what grows at all: 12 after 4000 steps of 0.05.
+  const Result<double> least = amplitude_after(kind, precision, 0.05, 4000);
+  if (!least) return least.error();
+  if (*least > 10) return 0.0;
+  const Result<double> most = amplitude_after(kind, precision, 1000, 2000);
+  if (!most) return most.error();
+  if (*most < 2) return double{engine::always_stable};
+  double stable = 0.05, unstable = 8;
+  while (unstable - stable > 0.001) {
+    const double middle = (stable + unstable) / 2;
+    const Result<double> amplitude = amplitude_after(kind, precision, middle, 10000);
+    if (!amplitude) return amplitude.error();
+    (*amplitude < 1000 ? stable : unstable) = middle;
+  }
+  return stable;
+}
+
 }  // namespace
 
-std::vector<StabilityRow> stability_limits(const std::vector<Precision>& precisions, unsigned thread_count) {
+Result<std::vector<StabilityRow>> stability_limits(const std::vector<Precision>& precisions, unsigned thread_count) {
   std::vector<StabilityRow> rows;
   for (const Precision precision : precisions)
     for (const engine::IntegratorInfo& info : engine::integrators)
       rows.push_back({info.kind, precision, 0, info.stability_limit});
+  std::vector<Status> done(rows.size());
   const Status ran = run_jobs(rows.size(), thread_count, [&](std::size_t i) {
-    StabilityRow& row = rows[i];
-    // A step at most multiplies by sqrt(1 + w^2 h^2 / 2) what grows at all: 12 after 4000 steps of 0.05.
-    if (amplitude_after(row.integrator, row.precision, 0.05, 4000) > 10) return;
-    if (amplitude_after(row.integrator, row.precision, 1000, 2000) < 2) {
-      row.found = engine::always_stable;
-      return;
-    }
-    double stable = 0.05, unstable = 8;
-    while (unstable - stable > 0.001) {
-      const double middle = (stable + unstable) / 2;
-      (amplitude_after(row.integrator, row.precision, middle, 10000) < 1000 ? stable : unstable) = middle;
-    }
-    row.found = stable;
+    const Result<double> found = find_limit(rows[i].integrator, rows[i].precision);
+    if (found)
+      rows[i].found = *found;
+    else
+      done[i] = found.error();
   });
-  if (!ran) rows.clear();
+  if (!ran) return ran.error();
+  for (const Status& status : done)
+    if (!status) return status.error();
   return rows;
 }
 

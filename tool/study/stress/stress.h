@@ -37,7 +37,8 @@ std::vector<StressMethod> integrator_methods();
 struct StressValue {
   double value = 0;
   bool is_finite = true;
-  std::string why_not;  // not empty: not applicable, and why
+  std::string why_not;          // not empty: not applicable, and why
+  std::string why_undone = {};  // not empty: a tick could not be done, and why
 };
 
 struct StressCase {
@@ -95,7 +96,9 @@ struct StabilityRow {
   double found = 0;  // 0: grows at w h = 0.05 already; infinity: does not grow at 1000
   double theory = 0;
 };
-std::vector<StabilityRow> stability_limits(const std::vector<engine::Precision>& precisions, unsigned thread_count);
+/// Errors: those of Simulation::step, and of run_jobs.
+Result<std::vector<StabilityRow>> stability_limits(const std::vector<engine::Precision>& precisions,
+                                                   unsigned thread_count);
 bool stability_holds(const StabilityRow& row);
 
 }  // namespace ticktrue::verifier

@@ -139,9 +139,10 @@ void add_structures(std::vector<StressCase>& cases) {
     StressValue out;
     Result<Run> run = Run::make(scene);
     if (!run) return StressValue{0, true, run.error().message};
-    run->advance(1000);
+    Status did = run->advance(1000);
     settled = run->bodies();
-    run->advance(99000);
+    if (did) did = run->advance(99000);
+    if (!did) return StressValue{0, true, {}, did.error().message};
     out.value = moved_share(settled, run->bodies(), 1, 1);
     out.is_finite = all_finite(run->bodies());
     return out;

@@ -43,7 +43,10 @@ StressValue run_case(const Scene& scene, double seconds, const std::function<boo
   const Bodies start = run->bodies();
   const auto tick_count = static_cast<std::uint64_t>(std::lround(seconds / scene.settings.dt));
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
-    run->advance(1);
+    if (const Status did = run->advance(1); !did) {
+      out.why_undone = did.error().message;
+      return out;
+    }
     if (!watch && tick + 1 < tick_count && tick % 60 != 59) continue;
     const Bodies bodies = run->bodies();
     if (!all_finite(bodies)) {

@@ -19,7 +19,8 @@ void add_joint_cases(std::vector<StressCase>& cases);
 engine::Scene with_method(engine::Scene scene, const StressMethod& method);
 
 /// Runs for `seconds`; `watch` is called after every tick and may be empty; false ends the run. `finish` gives the
-/// number. What is refused is not applicable, with the reason; a value that is not finite ends the run.
+/// number. What is refused is not applicable, with the reason; a value that is not finite ends the run, and so does a
+/// tick that could not be done.
 StressValue run_case(
     const engine::Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
     const std::function<double(const engine::Engine&, const Bodies& start, const Bodies& end)>& finish);
