@@ -125,7 +125,7 @@ class TraceMode {
         draw_panel(canvas, stage_.fonts().small, Corner::upper_right, divergence_lines(*found), layer_keys_px);
     if (player_.refused())
       draw_panel(canvas, stage_.fonts().normal, Corner::lower_left,
-                 {{"inputs not taken: " + *player_.refused(), "", theme::bad}}, timeline_px);
+                 {{"cannot go on: " + *player_.refused(), "", theme::bad}}, timeline_px);
     if (playback_.shows_help()) draw_help(canvas, stage_.fonts(), "Looking at a trace", trace_help());
   }
 
