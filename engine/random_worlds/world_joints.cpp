@@ -76,7 +76,7 @@ class JointMaker {
   }
 
  private:
-  bool has(JointField field) const { return !key_of(info_of(joint_fields, kind_), field).empty(); }
+  bool has(JointField field) const { return !key_of(info_of(joint_kinds, kind_), field).empty(); }
   bool wants(JointField field, WorldFeature feature) { return has(field) && plan_.has(feature) && draw_.chance(60); }
 
   bool is_joined(std::uint32_t a, std::uint32_t b) const {

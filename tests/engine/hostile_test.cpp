@@ -383,7 +383,7 @@ TEST_CASE("a chain of the most points that there may be is ground", "[engine][ho
 TEST_CASE("joints with arms of a thousand kilometres lose no numbers unsaid", "[engine][hostile][joints]") {
   for (const auto& info : engine::joint_kinds) {
     Scene scene = joined(info.kind, {3, 0});
-    const auto& fields = info_of(engine::joint_fields, info.kind);
+    const auto& fields = info_of(engine::joint_kinds, info.kind);
     if (!engine::key_of(fields, engine::JointField::anchor_a).empty()) scene.joints[0].anchor_a = {1e6, -1e6};
     if (!engine::key_of(fields, engine::JointField::anchor_b).empty()) scene.joints[0].anchor_b = {-1e6, 5e5};
     runs_somehow(scene, 60);
@@ -392,7 +392,7 @@ TEST_CASE("joints with arms of a thousand kilometres lose no numbers unsaid", "[
 
 TEST_CASE("springs as stiff as may be, and motors as fast as may be", "[engine][hostile][joints]") {
   for (const auto& info : engine::joint_kinds) {
-    const auto& fields = info_of(engine::joint_fields, info.kind);
+    const auto& fields = info_of(engine::joint_kinds, info.kind);
     const auto has = [&](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
     Scene scene = joined(info.kind, {3, 0});
     scene.bodies.push_back(ground());

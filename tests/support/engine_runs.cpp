@@ -96,7 +96,7 @@ engine::Scene jointed_playground(engine::Precision precision) {
     joint.kind = info.kind;
     joint.body_a = 3 + number;  // the paddle is the first
     joint.body_b = number == 7 ? 4 : 4 + number;
-    const auto& fields = info_of(engine::joint_fields, joint.kind);
+    const auto& fields = info_of(engine::joint_kinds, joint.kind);
     const auto has = [&fields](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
     if (!has(engine::JointField::body_a)) joint.body_a = 0;
     if (has(engine::JointField::anchor_b)) joint.anchor_b = {-0.4, 0.1};

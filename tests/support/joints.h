@@ -40,7 +40,7 @@ inline Joint joint_of(JointKind kind, std::uint32_t body_a, std::uint32_t body_b
 inline void drop_unused_fields(Joint& joint) {
   using engine::JointField;
   const Joint unset;
-  const auto& fields = info_of(engine::joint_fields, joint.kind);
+  const auto& fields = info_of(engine::joint_kinds, joint.kind);
   const auto drop = [&](JointField field, auto member) {
     if (key_of(fields, field).empty()) joint.*member = unset.*member;
   };
