@@ -42,6 +42,9 @@ struct JointModel {
   Real motor_force_max = 0;  // N or N m, at the start
   SpringModel spring;        // along the axis or of the angle; motor, target: of the point (motor: of the angle too)
   SpringModel linear_spring;
+  Vec2 ground_a;  // pulley: points of the world, m
+  Vec2 ground_b;
+  Real ratio = 1;
   Real force_max = 0;   // N
   Real torque_max = 0;  // N m
 };

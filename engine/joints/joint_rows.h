@@ -331,6 +331,7 @@ extern const JointFunctions wheel_joint;      // joint_slider.cpp
 extern const JointFunctions motor_joint;      // joint_drive.cpp
 extern const JointFunctions friction_joint;   // joint_drive.cpp
 extern const JointFunctions target_joint;     // joint_drive.cpp
+extern const JointFunctions pulley_joint;     // joint_pulley.cpp
 
 struct JointTableRow {
   JointKind kind;
@@ -345,6 +346,7 @@ inline constexpr std::array<JointTableRow, joint_kinds.size()> joint_functions{{
     {JointKind::motor, &motor_joint},
     {JointKind::friction, &friction_joint},
     {JointKind::target, &target_joint},
+    {JointKind::pulley, &pulley_joint},
 }};
 static_assert(rows_are_in_order(joint_functions));
 

@@ -12,7 +12,7 @@
 
 namespace ticktrue::engine {
 
-enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target };
+enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target, pulley };
 
 /// Fields of Joint; all but name and kind.
 enum class JointField : std::uint8_t {
@@ -32,6 +32,9 @@ enum class JointField : std::uint8_t {
   force_max,
   torque_max,
   collide_connected,
+  ground_anchor_a,
+  ground_anchor_b,
+  ratio,
 };
 
 /// What the limits of a joint bound: an angle, a way along an axis, or a distance, which is never negative.
@@ -52,7 +55,7 @@ struct JointKindInfo : Choice<JointKind> {
   JointTraits traits;
 };
 
-inline constexpr std::array<JointKindInfo, 8> joint_kinds{{
+inline constexpr std::array<JointKindInfo, 9> joint_kinds{{
     {{JointKind::revolute, "revolute", "a pin: the anchors stay together, the bodies turn"},
      {{{JointField::body_a, "body_a", true},
        {JointField::body_b, "body_b", true},
@@ -132,6 +135,17 @@ inline constexpr std::array<JointKindInfo, 8> joint_kinds{{
        {JointField::force_max, "force_max", true},
        {JointField::spring, "spring"}}},
      {.is_driven = true, .conserves_momentum = false, .offset_is_of_world = true}},
+    {{JointKind::pulley, "pulley", "a rope from body A over two points of the world to body B, with a ratio"},
+     {{{JointField::body_a, "body_a", true},
+       {JointField::body_b, "body_b", true},
+       {JointField::anchor_a, "anchor_a"},
+       {JointField::anchor_b, "anchor_b"},
+       {JointField::ground_anchor_a, "ground_anchor_a", true},
+       {JointField::ground_anchor_b, "ground_anchor_b", true},
+       {JointField::length, "length", true},
+       {JointField::ratio, "ratio"},
+       {JointField::collide_connected, "collide_connected"}}},
+     {.has_one_anchor = false, .is_rod = true, .is_rigid = true, .conserves_momentum = false}},
 }};
 static_assert(rows_are_in_order(joint_kinds));
 

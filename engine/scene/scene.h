@@ -117,7 +117,7 @@ struct Joint {
   Point anchor_b;                     // in B's frame, from its origin, m; all but motor, friction
   Point axis{1, 0};                   // in A's frame, any length > 0; prismatic, wheel
   double reference_angle = 0;         // of B relative to A at rest, rad; revolute, prismatic, weld
-  double length = 1;                  // m, of the rod or the relaxed spring; distance
+  double length = 1;                  // m, of the rod or the relaxed spring; distance; pulley: l_a + ratio l_b
   std::optional<Range> limits;        // rad: revolute; m: prismatic, wheel, distance (limits and no spring: a rope)
   std::optional<JointMotor> motor;    // revolute, prismatic, wheel, distance
   std::optional<JointSpring> spring;  // revolute, prismatic, distance, wheel; weld: of the angle; target; motor
@@ -127,6 +127,9 @@ struct Joint {
   double force_max = 0;                      // N; motor, friction, target
   double torque_max = 0;                     // N m; motor, friction
   bool collide_connected = false;            // whether the two bodies touch each other
+  Point ground_anchor_a;                     // pulley: of the world, m; the rope of A ends there
+  Point ground_anchor_b;                     // pulley: likewise of B
+  double ratio = 1;                          // pulley: r > 0 in l_a + r l_b
   bool operator==(const Joint&) const = default;
 };
 
@@ -147,6 +150,7 @@ void for_each_joint_field(Visit visit) {
   constexpr FieldRange angle{-angle_max_rad, angle_max_rad};
   constexpr FieldRange size{0, limits::coordinate_max_m};
   constexpr FieldRange force{0, scene_force_max};
+  constexpr FieldRange ratio{1e-3, 1e3};
   constexpr FieldRange none;  // bounded by rules of their own
   visit(JointField::body_a, "body_a", &Joint::body_a, none);
   visit(JointField::body_b, "body_b", &Joint::body_b, none);
@@ -164,12 +168,17 @@ void for_each_joint_field(Visit visit) {
   visit(JointField::force_max, "force_max", &Joint::force_max, force);
   visit(JointField::torque_max, "torque_max", &Joint::torque_max, force);
   visit(JointField::collide_connected, "collide_connected", &Joint::collide_connected, none);
+  visit(JointField::ground_anchor_a, "ground_anchor_a", &Joint::ground_anchor_a, place);
+  visit(JointField::ground_anchor_b, "ground_anchor_b", &Joint::ground_anchor_b, place);
+  visit(JointField::ratio, "ratio", &Joint::ratio, ratio);
 }
 
 /// Calls visit(point) for each point of the world that a joint holds on to.
 template <typename Visit>
 void for_each_world_point(Joint& joint, Visit visit) {
   if (traits_of(joint.kind).offset_is_of_world) visit(joint.offset);
+  if (has_field(joint.kind, JointField::ground_anchor_a)) visit(joint.ground_anchor_a);
+  if (has_field(joint.kind, JointField::ground_anchor_b)) visit(joint.ground_anchor_b);
 }
 
 /// A force element, evaluated by the integrator at each of its stages. Which fields count is said beside them.

@@ -172,6 +172,9 @@ void for_each_number(Scene& scene, Use use) {
     use("angle_offset", joint.angle_offset);
     use("joint.force_max", joint.force_max);
     use("torque_max", joint.torque_max);
+    point("ground_anchor_a", joint.ground_anchor_a);
+    point("ground_anchor_b", joint.ground_anchor_b);
+    use("ratio", joint.ratio);
   }
   for (Force& force : scene.forces) {
     point("anchor", force.anchor);
@@ -200,6 +203,7 @@ Scene joined(JointKind kind, Point b) {
   Joint joint = joint_of(kind, 0, 1);
   if (kind == JointKind::motor || kind == JointKind::friction || kind == JointKind::target) joint.force_max = 1e24;
   if (kind == JointKind::motor || kind == JointKind::friction) joint.torque_max = 1e24;
+  if (kind == JointKind::pulley) joint.ground_anchor_a = {0, 0}, joint.ground_anchor_b = {3, 2};
   scene.joints.push_back(joint);
   return scene;
 }

@@ -110,6 +110,14 @@ engine::Scene jointed_playground(engine::Precision precision) {
     if (has(engine::JointField::force_max)) joint.force_max = 30;
     if (has(engine::JointField::torque_max)) joint.torque_max = 5;
     if (has(engine::JointField::collide_connected)) joint.collide_connected = number == 2;
+    if (joint.kind == engine::JointKind::pulley) {
+      joint.body_a = 5;
+      joint.body_b = 9;
+      joint.ground_anchor_a = {-2, 8};
+      joint.ground_anchor_b = {2, 9};
+      joint.length = 9;
+      joint.ratio = 1.5;
+    }
     scene.joints.push_back(joint);
   }
   return scene;

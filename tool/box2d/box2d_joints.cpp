@@ -286,6 +286,20 @@ b2Joint* make_target(const Making& making) {
   return made;
 }
 
+// ---- Pulley ----
+
+b2Joint* make_pulley(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2PulleyJointDef definition;
+  making.set_anchors(definition);
+  definition.groundAnchorA = making.units.scaled(joint.ground_anchor_a);
+  definition.groundAnchorB = making.units.scaled(joint.ground_anchor_b);
+  definition.lengthA = making.length(joint.length);  // only the sum with ratio times the other counts
+  definition.lengthB = 0;
+  definition.ratio = static_cast<float>(joint.ratio);
+  return making.attach(definition);
+}
+
 // ---- The kinds ----
 
 struct PeerJoint {
@@ -304,6 +318,7 @@ constexpr std::array<PeerJoint, engine::joint_kinds.size()> peer_joints{{
     {JointKind::motor, refuse_motor, make_motor},
     {JointKind::friction, knows_all, make_friction},
     {JointKind::target, refuse_target, make_target},
+    {JointKind::pulley, knows_all, make_pulley},
 }};
 static_assert(engine::rows_are_in_order(peer_joints));
 

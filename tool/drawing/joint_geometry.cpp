@@ -30,12 +30,25 @@ double of_rod(const Joint& joint, const JointPlaces& places) {
   return is_rod ? std::fabs(between_anchors(joint, places) - joint.length) : 0;
 }
 
+double of_pulley(const Joint& joint, const JointPlaces& places) {
+  const auto apart = [](Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); };
+  return std::fabs(apart(joint.ground_anchor_a, places.anchor_a) +
+                   joint.ratio * apart(joint.ground_anchor_b, places.anchor_b) - joint.length);
+}
+
 double nothing(const Joint&, const JointPlaces&) {
   return 0;
 }
 
 JointLines one_line(const Joint&, const JointPlaces& places) {
   return {1, {{{places.anchor_a, places.anchor_b}}}};
+}
+
+JointLines over_the_ground_anchors(const Joint& joint, const JointPlaces& places) {
+  return {3,
+          {{{joint.ground_anchor_a, places.anchor_a},
+            {joint.ground_anchor_b, places.anchor_b},
+            {joint.ground_anchor_a, joint.ground_anchor_b}}}};
 }
 
 struct JointGeometry {
@@ -52,6 +65,7 @@ constexpr std::array<JointGeometry, engine::joint_kinds.size()> table{{
     {JointKind::motor, nothing, one_line},
     {JointKind::friction, nothing, one_line},
     {JointKind::target, nothing, one_line},
+    {JointKind::pulley, of_pulley, over_the_ground_anchors},
 }};
 static_assert(engine::rows_are_in_order(table));
 
