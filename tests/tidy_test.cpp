@@ -290,7 +290,7 @@ constexpr Room rooms[] = {
     {"tool/session", "below,tool/output"},
     {"tool/report_page", "below,tool/drawing,tool/session"},
     {"tool/crosscheck", "below,tool/box2d"},
-    {"tool/study", "below,tool/box2d,tool/crosscheck,tool/session"},
+    {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
     {"tool/study/stress", "below,tool/study"},
     {"tool/experiment", "below"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},

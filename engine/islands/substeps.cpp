@@ -46,7 +46,7 @@ Real joint_softness(const Model& model, const State& state, std::uint32_t a, std
 /// rad/(N m) of a rigid weld at the reference number of substeps, 0 of other joints.
 Real joint_turn_softness(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
                          std::uint32_t b, Real h) {
-  if (joint.kind != JointKind::weld || !joint.rigid_angle) return 0;
+  if (!joint.rigid_angle) return 0;
   const Real inv_inertia =
       model.bodies[state.bodies[a].source].inv_inertia + model.bodies[state.bodies[b].source].inv_inertia;
   return inv_inertia / joint_stiffness(h);

@@ -1,4 +1,4 @@
-// The table of joint kinds, and the passes over all joints.
+// The passes over all joints.
 // SPDX-License-Identifier: MIT
 // Source: softness tied to the substep rate: Catto, "Solver2D", 2024; without its upper limit the error falls as the
 // square of the substep.
@@ -12,25 +12,6 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-struct JointTableRow {
-  JointKind kind;
-  const JointFunctions* functions;
-};
-constexpr std::array<JointTableRow, joint_kinds.size()> table{{
-    {JointKind::revolute, &revolute_joint},    // joint_pin.cpp
-    {JointKind::prismatic, &prismatic_joint},  // joint_slider.cpp
-    {JointKind::distance, &distance_joint},    // joint_distance.cpp
-    {JointKind::weld, &weld_joint},            // joint_pin.cpp
-    {JointKind::wheel, &wheel_joint},          // joint_slider.cpp
-    {JointKind::motor, &motor_joint},          // joint_drive.cpp
-    {JointKind::friction, &friction_joint},    // joint_drive.cpp
-    {JointKind::target, &target_joint},        // joint_drive.cpp
-}};
-
-const JointFunctions& functions_of(JointKind kind) {
-  return *info_of(table, kind).functions;
-}
-
 /// The joint's body A, or what stands for it where the joint holds B to the world.
 void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
                     const BodyRow& body_b) {
@@ -42,6 +23,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
     joint.inv_inertia_a = 0;
     joint.anchor_a = {0, 0};
     joint.apart = body_b.position - constants.anchor_a;
+    joint.center_a = {0, 0};
     joint.axis = constants.axis;
     joint.turn = between(constants.reference, body_b.rotation);
     return;
@@ -55,6 +37,7 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
   joint.inv_inertia_a = scratch.masses[row].inv_inertia;
   joint.anchor_a = rotate(body.rotation, constants.anchor_a);
   joint.apart = body_b.position - body.position;
+  joint.center_a = body.position;
   joint.axis = rotate(body.rotation, constants.axis);
   joint.turn = between(body.rotation * constants.reference, body_b.rotation);
 }
@@ -84,6 +67,7 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
   joint.inv_mass_b = mass.inv_mass;
   joint.inv_inertia_b = mass.inv_inertia;
   joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
+  joint.center_b = body.position;
   prepare_body_a(model, state, scratch, joint, body);
   joint.soft = soft;
   joint.motor_speed = row.motor_speed;

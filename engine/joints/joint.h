@@ -44,6 +44,7 @@ struct JointWork {
   Vec2 anchor_a, anchor_b;  // from the centres of mass at the start of the tick, world axes, m
   Vec2 axis;                // at the start of the tick, world axes
   Vec2 apart;               // from A's centre of mass to B's at the start of the tick, m
+  Vec2 center_a, center_b;  // of mass, at the start of the tick, world, m
   Rotation turn;            // of B relative to A and the reference, at the start of the tick
   Softness soft;            // of the rigid rows
   SpringStep spring;
@@ -64,9 +65,10 @@ struct JointRun {
   MovingBody* bodies;
 };
 
-/// What a kind of joint does. `note` sees the velocities before a substep, for springs.
+/// What a kind of joint does. `describe` fills in what this kind alone has in its model; `note` sees the velocities
+/// before a substep, for springs.
 struct JointFunctions {
-  JointKind kind;
+  void (*describe)(JointModel& model, const Joint& joint, const JointCenters& centers);
   void (*prepare)(JointWork& joint, Real h);
   void (*note)(JointRun run);
   void (*warm_start)(JointRun run);

@@ -36,6 +36,10 @@ Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
   return longer + dot(span.row.axis, turning_rate(span.arm_a, span.arm_b, pair, h));
 }
 
+void describe_distance(JointModel& model, const Joint& joint, const JointCenters&) {
+  model.rigid = !joint.spring && !joint.limits && !joint.motor;
+}
+
 void prepare_distance(JointWork& joint, Real h) {
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
   joint.spring = spring_step(joint.model->spring, span_of(joint, {at_start, at_start}).row.mobility, h);
@@ -70,7 +74,7 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions distance_joint{JointKind::distance, prepare_distance, note_each<note_distance>,
+constexpr JointFunctions distance_joint{describe_distance, prepare_distance, note_each<note_distance>,
                                         warm_start_each<warm_start_distance>, solve_each<solve_distance>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -33,6 +33,13 @@ void note_drive(JointWork& joint, const JointBodies& pair) {
 
 // ---- Motor ----
 
+void describe_motor(JointModel& model, const Joint& joint, const JointCenters& centers) {
+  model.anchor_a = from_center(joint.offset, centers.a);
+  model.anchor_b = from_center({}, centers.b);
+  model.reference = rotation_of(joint.angle_offset);
+  model.rigid = !joint.spring;
+}
+
 void prepare_motor(JointWork& joint, Real h) {
   const SpringModel spring = drive_of(*joint.model, h);
   joint.spring = spring_step(spring, angle_row(joint).mobility, h);
@@ -48,6 +55,11 @@ void solve_motor_joint(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 // ---- Friction ----
 
+void describe_friction(JointModel& model, const Joint&, const JointCenters&) {
+  model.anchor_a = {};
+  model.anchor_b = {};
+}
+
 void prepare_friction(JointWork&, Real) {}
 
 void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
@@ -61,6 +73,11 @@ void solve_friction_joint(JointWork& joint, JointBodies& pair, Real, Bias) {
 
 // ---- Target ----
 
+void describe_target(JointModel& model, const Joint& joint, const JointCenters&) {
+  model.anchor_a = {static_cast<Real>(joint.offset.x), static_cast<Real>(joint.offset.y)};
+  model.rigid = !joint.spring;
+}
+
 void prepare_target(JointWork& joint, Real h) {
   prepare_point_spring(joint, drive_of(*joint.model, h), ActsAt::anchor_b, h);
 }
@@ -72,11 +89,11 @@ void solve_target(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions motor_joint{JointKind::motor, prepare_motor, note_each<note_drive>,
+constexpr JointFunctions motor_joint{describe_motor, prepare_motor, note_each<note_drive>,
                                      warm_start_each<warm_start_drive>, solve_each<solve_motor_joint>};
-constexpr JointFunctions friction_joint{JointKind::friction, prepare_friction, note_each<note_drive>,
+constexpr JointFunctions friction_joint{describe_friction, prepare_friction, note_each<note_drive>,
                                         warm_start_each<warm_start_drive>, solve_each<solve_friction_joint>};
-constexpr JointFunctions target_joint{JointKind::target, prepare_target, note_each<note_drive>,
+constexpr JointFunctions target_joint{describe_target, prepare_target, note_each<note_drive>,
                                       warm_start_each<warm_start_drive>, solve_each<solve_target>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -5,21 +5,12 @@
 #include <algorithm>
 
 #include "base/state/state_view.h"
+#include "engine/joints/joint_rows.h"
 #include "engine/math/trig.h"
 #include "engine/model/model.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
-
-Vec2 from_center(Point anchor, Vec2 center) {
-  return {static_cast<Real>(anchor.x - static_cast<double>(center.x)),
-          static_cast<Real>(anchor.y - static_cast<double>(center.y))};
-}
-
-Rotation rotation_of(double angle_rad) {
-  const SinCos turn = turn_of(angle_rad);
-  return {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
-}
 
 SpringModel make_spring(const std::optional<JointSpring>& spring) {
   SpringModel out;
@@ -55,15 +46,14 @@ void sort_pairs(std::vector<SeparatedPair>& pairs) {
 }
 
 JointModel make_joint(const Model& model, const Joint& joint) {
-  const bool to_world = joint.kind == JointKind::target;
-  const Vec2 center_a = to_world ? Vec2{} : model.bodies[joint.body_a].center;
-  const Vec2 center_b = model.bodies[joint.body_b].center;
+  const bool to_world = !has_body_a(joint.kind);
+  const JointCenters centers{to_world ? Vec2{} : model.bodies[joint.body_a].center, model.bodies[joint.body_b].center};
   JointModel out;
   out.kind = joint.kind;
   out.body_a = to_world ? no_reference : joint.body_a;
   out.body_b = joint.body_b;
-  out.anchor_a = from_center(joint.anchor_a, center_a);
-  out.anchor_b = from_center(joint.anchor_b, center_b);
+  out.anchor_a = from_center(joint.anchor_a, centers.a);
+  out.anchor_b = from_center(joint.anchor_b, centers.b);
   out.spring = make_spring(joint.spring);
   out.linear_spring = make_spring(joint.linear_spring);
   if (joint.limits) {
@@ -76,46 +66,10 @@ JointModel make_joint(const Model& model, const Joint& joint) {
     out.motor_speed = static_cast<Real>(joint.motor->speed);
     out.motor_force_max = static_cast<Real>(joint.motor->force_max);
   }
-  const bool is_plain = !out.spring.exists && !out.has_limits && !out.has_motor;
-  out.is_pin = joint.kind == JointKind::revolute && is_plain;
-  out.is_hinge = joint.kind == JointKind::revolute && !is_plain;
   out.length = static_cast<Real>(joint.length);
   out.force_max = static_cast<Real>(joint.force_max);
   out.torque_max = static_cast<Real>(joint.torque_max);
-  switch (joint.kind) {
-    case JointKind::revolute:
-      out.reference = rotation_of(joint.reference_angle);
-      break;
-    case JointKind::prismatic:
-    case JointKind::wheel: {
-      const double size = __builtin_sqrt(joint.axis.x * joint.axis.x + joint.axis.y * joint.axis.y);
-      out.axis = {static_cast<Real>(joint.axis.x / size), static_cast<Real>(joint.axis.y / size)};
-      out.reference = rotation_of(joint.reference_angle);
-      break;
-    }
-    case JointKind::distance:
-      out.rigid = !joint.spring && !joint.limits && !joint.motor;
-      break;
-    case JointKind::weld:
-      out.reference = rotation_of(joint.reference_angle);
-      out.rigid = !joint.linear_spring;
-      out.rigid_angle = !joint.spring;
-      break;
-    case JointKind::motor:
-      out.anchor_a = from_center(joint.offset, center_a);
-      out.anchor_b = from_center({}, center_b);
-      out.reference = rotation_of(joint.angle_offset);
-      out.rigid = !joint.spring;
-      break;
-    case JointKind::friction:
-      out.anchor_a = {};
-      out.anchor_b = {};
-      break;
-    case JointKind::target:
-      out.anchor_a = {static_cast<Real>(joint.offset.x), static_cast<Real>(joint.offset.y)};
-      out.rigid = !joint.spring;
-      break;
-  }
+  functions_of(joint.kind).describe(out, joint, centers);
   return out;
 }
 
@@ -142,16 +96,12 @@ constexpr double joints_swept_max = 1 << 14;  // in all sweeps over the scene's 
 void find_light_bodies(Model& model) {
   std::vector<double> sums(model.scene.bodies.size(), 0);
   for (const JointModel& joint : model.joints) {
-    const bool is_held = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic ||
-                         joint.kind == JointKind::wheel || joint.kind == JointKind::distance ||
-                         joint.kind == JointKind::weld;
-    if (!is_held || !joint.rigid) continue;
+    if (!traits_of(joint.kind).is_rigid || !joint.rigid) continue;
     const BodyModel& a = model.bodies[joint.body_a];
     const BodyModel& b = model.bodies[joint.body_b];
     if (a.type != BodyType::dynamic_body || b.type != BodyType::dynamic_body) continue;
-    const bool holds_angle = joint.kind == JointKind::prismatic || (joint.kind == JointKind::weld && joint.rigid_angle);
-    sums[joint.body_a] += share_of(a, joint.anchor_a, b, joint.anchor_b, holds_angle);
-    sums[joint.body_b] += share_of(b, joint.anchor_b, a, joint.anchor_a, holds_angle);
+    sums[joint.body_a] += share_of(a, joint.anchor_a, b, joint.anchor_b, joint.holds_angle);
+    sums[joint.body_b] += share_of(b, joint.anchor_b, a, joint.anchor_a, joint.holds_angle);
   }
   const double most = joints_swept_max / static_cast<double>(model.joints.size() + 1);
   for (std::uint32_t body = 0; body < sums.size(); ++body) {
@@ -164,12 +114,32 @@ void find_light_bodies(Model& model) {
 
 }  // namespace
 
+Vec2 from_center(Point anchor, Vec2 center) {
+  return {static_cast<Real>(anchor.x - static_cast<double>(center.x)),
+          static_cast<Real>(anchor.y - static_cast<double>(center.y))};
+}
+
+Rotation rotation_of(double angle_rad) {
+  const SinCos turn = turn_of(angle_rad);
+  return {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
+}
+
+void describe_axis(JointModel& model, const Joint& joint, const JointCenters&) {
+  const double size = __builtin_sqrt(joint.axis.x * joint.axis.x + joint.axis.y * joint.axis.y);
+  model.axis = {static_cast<Real>(joint.axis.x / size), static_cast<Real>(joint.axis.y / size)};
+  model.reference = rotation_of(joint.reference_angle);
+}
+
+void describe_reference(JointModel& model, const Joint& joint, const JointCenters&) {
+  model.reference = rotation_of(joint.reference_angle);
+}
+
 void make_joints(Model& model) {
   for (const Joint& joint : model.scene.joints) {
     model.joints.push_back(make_joint(model, joint));
     for (const std::uint32_t id : {joint.body_a, joint.body_b})
       if (id != no_reference && id > model.last_joined) model.last_joined = id;
-    if (joint.collide_connected || joint.kind == JointKind::target || joint.body_a == no_reference) continue;
+    if (joint.collide_connected || !has_body_a(joint.kind) || joint.body_a == no_reference) continue;
     const std::uint32_t first = std::min(joint.body_a, joint.body_b), second = std::max(joint.body_a, joint.body_b);
     model.separated.push_back({first, second});
     model.separated_span = std::max(model.separated_span, second - first);

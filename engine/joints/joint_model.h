@@ -32,7 +32,8 @@ struct JointModel {
   Rotation reference;        // of B relative to A
   Real length = 0;           // m
   bool rigid = true;         // the rows that a linear spring (distance: anything soft) would replace
-  bool rigid_angle = true;   // weld: the row that an angular spring would replace
+  bool rigid_angle = false;  // weld: has the row that an angular spring would replace
+  bool holds_angle = false;  // by a rigid row
   bool has_limits = false;
   Real lower = 0;  // m or rad
   Real upper = 0;
@@ -41,9 +42,25 @@ struct JointModel {
   Real motor_force_max = 0;  // N or N m, at the start
   SpringModel spring;        // along the axis or of the angle; motor, target: of the point (motor: of the angle too)
   SpringModel linear_spring;
+  Vec2 ground_a;  // pulley: points of the world, m
+  Vec2 ground_b;
+  Real ratio = 1;
   Real force_max = 0;   // N
   Real torque_max = 0;  // N m
 };
+
+/// Centres of mass of a joint's bodies in their frames, m. A, where the joint holds B to the world: its origin.
+struct JointCenters {
+  Vec2 a;
+  Vec2 b;
+};
+
+/// An anchor from a body's origin, from its centre of mass.
+Vec2 from_center(Point anchor, Vec2 center);
+Rotation rotation_of(double angle_rad);
+/// The axis and the reference angle of a scene's joint.
+void describe_axis(JointModel& model, const Joint& joint, const JointCenters& centers);
+void describe_reference(JointModel& model, const Joint& joint, const JointCenters& centers);
 
 /// Two bodies that a joint keeps from touching, first < second.
 struct SeparatedPair {

@@ -11,6 +11,12 @@ namespace {
 
 // ---- Revolute ----
 
+void describe_revolute(JointModel& model, const Joint& joint, const JointCenters& centers) {
+  describe_reference(model, joint, centers);
+  model.is_hinge = model.spring.exists || model.has_limits || model.has_motor;
+  model.is_pin = !model.is_hinge;
+}
+
 void prepare_spring_of_angle(JointWork& joint, Real h) {
   if (!joint.model->spring.exists) return;
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
@@ -44,6 +50,12 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 }
 
 // ---- Weld ----
+
+void describe_weld(JointModel& model, const Joint& joint, const JointCenters& centers) {
+  describe_reference(model, joint, centers);
+  model.rigid = !joint.linear_spring;
+  model.rigid_angle = model.holds_angle = !joint.spring;
+}
 
 void prepare_weld(JointWork& joint, Real h) {
   if (joint.model->rigid)
@@ -115,9 +127,9 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions revolute_joint{JointKind::revolute, prepare_spring_of_angle, note_each<note_revolute>,
+constexpr JointFunctions revolute_joint{describe_revolute, prepare_spring_of_angle, note_each<note_revolute>,
                                         warm_start_each<warm_start_revolute>, solve_each<solve_revolute>};
-constexpr JointFunctions weld_joint{JointKind::weld, prepare_weld, note_each<note_weld>,
-                                    warm_start_each<warm_start_weld>, solve_each<solve_weld>};
+constexpr JointFunctions weld_joint{describe_weld, prepare_weld, note_each<note_weld>, warm_start_each<warm_start_weld>,
+                                    solve_each<solve_weld>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -17,8 +17,7 @@ bool follows_from_scene(const Model& model, const State& state) {
 }
 
 bool has_springs(const JointModel& joint) {
-  return joint.spring.exists || joint.linear_spring.exists || joint.kind == JointKind::motor ||
-         joint.kind == JointKind::target;
+  return joint.spring.exists || joint.linear_spring.exists || traits_of(joint.kind).is_driven;
 }
 
 /// Adds the next place to the last batch, or to a new one where that is full, of another level or not of this run.

@@ -321,14 +321,37 @@ void solve_each(JointRun run, Real h, Bias bias) {
   }
 }
 
-// The kinds. Each is in the file said in the table (joint.cpp).
-extern const JointFunctions revolute_joint;
-extern const JointFunctions weld_joint;
-extern const JointFunctions prismatic_joint;
-extern const JointFunctions wheel_joint;
-extern const JointFunctions distance_joint;
-extern const JointFunctions motor_joint;
-extern const JointFunctions friction_joint;
-extern const JointFunctions target_joint;
+// ---- The kinds ----
+
+extern const JointFunctions revolute_joint;   // joint_pin.cpp
+extern const JointFunctions prismatic_joint;  // joint_slider.cpp
+extern const JointFunctions distance_joint;   // joint_distance.cpp
+extern const JointFunctions weld_joint;       // joint_pin.cpp
+extern const JointFunctions wheel_joint;      // joint_slider.cpp
+extern const JointFunctions motor_joint;      // joint_drive.cpp
+extern const JointFunctions friction_joint;   // joint_drive.cpp
+extern const JointFunctions target_joint;     // joint_drive.cpp
+extern const JointFunctions pulley_joint;     // joint_pulley.cpp
+
+struct JointTableRow {
+  JointKind kind;
+  const JointFunctions* functions;
+};
+inline constexpr std::array<JointTableRow, joint_kinds.size()> joint_functions{{
+    {JointKind::revolute, &revolute_joint},
+    {JointKind::prismatic, &prismatic_joint},
+    {JointKind::distance, &distance_joint},
+    {JointKind::weld, &weld_joint},
+    {JointKind::wheel, &wheel_joint},
+    {JointKind::motor, &motor_joint},
+    {JointKind::friction, &friction_joint},
+    {JointKind::target, &target_joint},
+    {JointKind::pulley, &pulley_joint},
+}};
+static_assert(rows_are_in_order(joint_functions));
+
+inline const JointFunctions& functions_of(JointKind kind) {
+  return *info_of(joint_functions, kind).functions;
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

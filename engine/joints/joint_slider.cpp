@@ -88,6 +88,11 @@ HeldLineRow held_line_row(const JointWork& joint, const Slide& slide) {
           slide};
 }
 
+void describe_prismatic(JointModel& model, const Joint& joint, const JointCenters& centers) {
+  describe_axis(model, joint, centers);
+  model.holds_angle = true;
+}
+
 void prepare_prismatic(JointWork& joint, Real h) {
   if (!moves_something(joint)) return;
   const Slide slide = slide_at_start(joint);
@@ -160,9 +165,9 @@ void solve_wheel(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions prismatic_joint{JointKind::prismatic, prepare_prismatic, note_each<note_slide>,
+constexpr JointFunctions prismatic_joint{describe_prismatic, prepare_prismatic, note_each<note_slide>,
                                          warm_start_each<warm_start_prismatic>, solve_each<solve_prismatic>};
-constexpr JointFunctions wheel_joint{JointKind::wheel, prepare_wheel, note_each<note_slide>,
+constexpr JointFunctions wheel_joint{describe_axis, prepare_wheel, note_each<note_slide>,
                                      warm_start_each<warm_start_wheel>, solve_each<solve_wheel>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

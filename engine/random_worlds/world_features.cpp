@@ -106,8 +106,7 @@ void take_far(RandomWorld& world) {
     move(world.scene.bounds->lower);
     move(world.scene.bounds->upper);
   }
-  for (Joint& joint : world.scene.joints)
-    if (joint.kind == JointKind::target) move(joint.offset);
+  for (Joint& joint : world.scene.joints) for_each_world_point(joint, move);
 }
 
 bool has_several_players(const RandomWorld& world) {

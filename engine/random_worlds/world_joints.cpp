@@ -1,8 +1,10 @@
 // Joints and force elements of random worlds. Which fields a kind has is read from engine/scene/scene_fields.h.
 // SPDX-License-Identifier: MIT
+#include "base/hash.h"
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
 #include "engine/scene/hull.h"
+#include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
@@ -56,6 +58,13 @@ class JointMaker {
     // Long arms of light bodies only blow up.
     const bool far = is_far(body_a.position, body_b.position);
     if (far && is_dynamic(body_a) && !draw_.chance(5)) return;
+    if (has(JointField::ground_anchor_a)) {
+      joint_.body_a = a;
+      add_rope(body_a, body_b);
+      add_options();
+      scene_.joints.push_back(joint_);
+      return;
+    }
     const Point middle{(body_a.position.x + body_b.position.x) / 2, (body_a.position.y + body_b.position.y) / 2};
     const Point between = far ? body_b.position : middle;
     const bool apart = has(JointField::length) && draw_.half();
@@ -76,7 +85,7 @@ class JointMaker {
   }
 
  private:
-  bool has(JointField field) const { return !key_of(info_of(joint_fields, kind_), field).empty(); }
+  bool has(JointField field) const { return !key_of(info_of(joint_kinds, kind_), field).empty(); }
   bool wants(JointField field, WorldFeature feature) { return has(field) && plan_.has(feature) && draw_.chance(60); }
 
   bool is_joined(std::uint32_t a, std::uint32_t b) const {
@@ -94,6 +103,26 @@ class JointMaker {
   void add_length(bool apart, const Body& a, const Body& b) {
     const double x = b.position.x - a.position.x, y = b.position.y - a.position.y;
     const double length = apart ? __builtin_sqrt(x * x + y * y) : 0.0625;
+    joint_.length = length >= 0.0625 ? length : 0.0625;
+  }
+
+  /// Ground anchors above the bodies, some at them: a side without a direction.
+  void add_rope(const Body& a, const Body& b) {
+    const auto above = [this](Point p) {
+      const double aside = size_ * draw_.part(-1, 1, 2);
+      return Point{p.x + aside, p.y + size_ * draw_.one_of({0, 1, 2, 4})};
+    };
+    const auto apart = [](Point p, Point q) {
+      const double x = p.x - q.x, y = p.y - q.y;
+      return __builtin_sqrt(x * x + y * y);
+    };
+    const Point at_b{b.position.x + (draw_.half() ? size_ / 8 : 0), b.position.y};
+    joint_.anchor_b = in_frame(b, at_b);
+    joint_.ground_anchor_a = above(a.position);
+    joint_.ground_anchor_b = above(at_b);
+    joint_.ratio = draw_.one_of({0.5, 1, 1, 2});
+    const double length =
+        apart(joint_.ground_anchor_a, a.position) + joint_.ratio * apart(joint_.ground_anchor_b, at_b);
     joint_.length = length >= 0.0625 ? length : 0.0625;
   }
 
@@ -144,11 +173,9 @@ double whole_power(double r, int exponent) {
   return value;
 }
 
-}  // namespace
-
-void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
-  const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
-  if (dynamic.empty() || scene.bodies.size() < 2 || plan.joints.empty()) return;
+/// Of the kinds in the plan.
+void add_planned_joints(Draw& draw, const WorldPlan& plan, const std::vector<std::uint32_t>& dynamic, double size,
+                        Scene& scene) {
   JointMaker maker(draw, plan, size, scene);
   const auto count = static_cast<std::uint32_t>(scene.bodies.size());
   // A body's neighbour in the list is most often its neighbour in the world.
@@ -170,6 +197,24 @@ void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
   for (std::uint32_t i = first; i < first + chained && i < dynamic.size(); ++i) {
     const std::uint32_t b = dynamic[i];
     maker.add(draw.any(plan.joints), b == 0 ? 1 : b - 1, b);
+  }
+}
+
+}  // namespace
+
+void add_joints(Draw& draw, const WorldPlan& plan, double size, Scene& scene) {
+  const std::vector<std::uint32_t> dynamic = dynamic_bodies(scene);
+  if (dynamic.empty() || scene.bodies.size() < 2 || plan.joints.empty()) return;
+  add_planned_joints(draw, plan, dynamic, size, scene);
+  // Kinds that came later are drawn from numbers of the scene so far: other worlds stay what they were.
+  for (std::size_t kind = static_cast<std::size_t>(JointKind::pulley); kind < joint_kinds.size(); ++kind) {
+    Draw own(hash64(encode_scene(scene), kind));
+    if (own.half()) continue;
+    JointMaker maker(own, plan, size, scene);
+    for (std::uint32_t left = 1 + own.below(3); left > 0; --left) {
+      const std::uint32_t b = own.any(dynamic);
+      maker.add(joint_kinds[kind].kind, b == 0 ? 1 : b - 1, b);
+    }
   }
 }
 

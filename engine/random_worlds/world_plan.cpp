@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/random_worlds/world_plan.h"
 
+#include <span>
+
 #include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
@@ -121,7 +123,9 @@ void draw_kinds(Draw& draw, WorldPlan& plan) {
   for (const ShapeKind kind : plan.shapes) some_solid = some_solid || is_solid(kind);
   if (!some_solid) plan.shapes.push_back(draw.half() ? ShapeKind::circle : ShapeKind::box);
   const auto any = [](auto) { return true; };
-  if (plan.carries_joints() && draw.chance(60)) plan.joints = draw_subset<JointKind>(draw, joint_kinds, 32, any);
+  // Later kinds of joints have draws of their own (add_joints): worlds without them stay what they were.
+  const auto first_joint_kinds = std::span(joint_kinds).first<static_cast<std::size_t>(JointKind::pulley)>();
+  if (plan.carries_joints() && draw.chance(60)) plan.joints = draw_subset<JointKind>(draw, first_joint_kinds, 32, any);
   if (draw.chance(50)) plan.forces = draw_subset<ForceKind>(draw, force_kinds, 35, any);
   const auto takes_input = [&](InputKind kind) {
     const InputInfo& info = info_of(input_kinds, kind);

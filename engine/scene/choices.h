@@ -1,5 +1,5 @@
 // The choices a scene makes by name, one enumeration and one table each. Parser, printer, command line, dispatch
-// and parametrised tests iterate these tables; there is no other list.
+// and parametrised tests iterate these tables; there is no other list. Kinds of joints: joint_kinds.h.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -30,7 +30,6 @@ enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_a
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
 enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
-enum class JointKind : std::uint8_t { revolute, prismatic, distance, weld, wheel, motor, friction, target };
 enum class ForceKind : std::uint8_t { constant, central, spring, wind, linear_drag, quadratic_drag };
 enum class ClockKind : std::uint8_t { fixed, semi_fixed, variable, adaptive };
 
@@ -117,17 +116,6 @@ inline constexpr std::array<Choice<ShapeKind>, 6> shape_kinds{{
     {ShapeKind::chain, "chain", "a line through points, of its right side; no bumps at its corners; has no mass"},
 }};
 
-inline constexpr std::array<Choice<JointKind>, 8> joint_kinds{{
-    {JointKind::revolute, "revolute", "a pin: the anchors stay together, the bodies turn"},
-    {JointKind::prismatic, "prismatic", "a slider: body B moves along an axis of body A and does not turn"},
-    {JointKind::distance, "distance", "the anchors keep their distance: a rod, a spring, or a rope with limits"},
-    {JointKind::weld, "weld", "the bodies move as one"},
-    {JointKind::wheel, "wheel", "body B turns freely and moves along an axis of body A, sprung"},
-    {JointKind::motor, "motor", "drives body B to an offset from body A, with bounded force and torque"},
-    {JointKind::friction, "friction", "slows relative motion, with bounded force and torque"},
-    {JointKind::target, "target", "pulls an anchor of body B to a point of the world"},
-}};
-
 inline constexpr std::array<Choice<ForceKind>, 6> force_kinds{{
     {ForceKind::constant, "constant", "a constant force (world axes, at the centre of mass) and torque"},
     {ForceKind::central, "central", "m k |r|^p towards a point of the world"},
@@ -148,6 +136,14 @@ inline constexpr std::array<Choice<ClockKind>, 4> clock_kinds{{
 template <typename Table, typename Kind>
 constexpr const auto& info_of(const Table& table, Kind kind) {
   return table[static_cast<std::size_t>(kind)];
+}
+
+/// Whether info_of finds each row of a table.
+template <typename Table>
+constexpr bool rows_are_in_order(const Table& table) {
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (static_cast<std::size_t>(table[i].kind) != i) return false;
+  return true;
 }
 
 /// The row with this name, or null.

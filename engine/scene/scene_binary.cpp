@@ -20,6 +20,11 @@ constexpr std::size_t text_size_min = 4;
 constexpr std::size_t joint_size_min = 4 + 1 + 2 * 4 + 3 * 16 + 2 * 8 + 4 + 16 + 3 * 8 + 1;
 constexpr std::size_t force_size_min = 4 + 1 + 2 + 3 * 16 + 7 * 8;
 
+/// Fields of joints up to `collide_connected` are stored for every kind, later ones for the kinds that have them.
+bool is_stored(JointKind kind, JointField field) {
+  return field <= JointField::collide_connected || has_field(kind, field);
+}
+
 class SceneWriter {
  public:
   Bytes write(const Scene& scene) {
@@ -162,32 +167,26 @@ class SceneWriter {
   void write(const Joint& joint) {
     out_.text(joint.name);
     kind(joint.kind);
-    out_.u32(joint.body_a);
-    out_.u32(joint.body_b);
-    point(joint.anchor_a);
-    point(joint.anchor_b);
-    point(joint.axis);
-    out_.f64(joint.reference_angle);
-    out_.f64(joint.length);
-    flag(joint.limits.has_value());
-    if (joint.limits) {
-      out_.f64(joint.limits->lower);
-      out_.f64(joint.limits->upper);
-    }
-    flag(joint.motor.has_value());
-    if (joint.motor) {
-      out_.f64(joint.motor->speed);
-      out_.f64(joint.motor->force_max);
-    }
-    flag(joint.spring.has_value());
-    if (joint.spring) write(*joint.spring);
-    flag(joint.linear_spring.has_value());
-    if (joint.linear_spring) write(*joint.linear_spring);
-    point(joint.offset);
-    out_.f64(joint.angle_offset);
-    out_.f64(joint.force_max);
-    out_.f64(joint.torque_max);
-    flag(joint.collide_connected);
+    for_each_joint_field([&](JointField field, const char*, auto member, const FieldRange&) {
+      if (is_stored(joint.kind, field)) write(joint.*member);
+    });
+  }
+  void write(std::uint32_t value) { out_.u32(value); }
+  void write(double value) { out_.f64(value); }
+  void write(bool value) { flag(value); }
+  void write(const Point& value) { point(value); }
+  void write(const Range& range) {
+    out_.f64(range.lower);
+    out_.f64(range.upper);
+  }
+  void write(const JointMotor& motor) {
+    out_.f64(motor.speed);
+    out_.f64(motor.force_max);
+  }
+  template <typename Value>
+  void write(const std::optional<Value>& value) {
+    flag(value.has_value());
+    if (value) write(*value);
   }
 
   void write(const Force& force) {
@@ -400,30 +399,25 @@ class SceneReader {
   void read(Joint& joint) {
     joint.name = in_.text(limits::name_size_max);
     joint.kind = kind<JointKind>(joint_kinds.size());
-    joint.body_a = in_.u32();
-    joint.body_b = in_.u32();
-    joint.anchor_a = point();
-    joint.anchor_b = point();
-    joint.axis = point();
-    joint.reference_angle = in_.f64();
-    joint.length = in_.f64();
-    if (flag()) {
-      Range& limits = joint.limits.emplace();
-      limits.lower = in_.f64();
-      limits.upper = in_.f64();
-    }
-    if (flag()) {
-      JointMotor& motor = joint.motor.emplace();
-      motor.speed = in_.f64();
-      motor.force_max = in_.f64();
-    }
-    if (flag()) read(joint.spring.emplace());
-    if (flag()) read(joint.linear_spring.emplace());
-    joint.offset = point();
-    joint.angle_offset = in_.f64();
-    joint.force_max = in_.f64();
-    joint.torque_max = in_.f64();
-    joint.collide_connected = flag();
+    for_each_joint_field([&](JointField field, const char*, auto member, const FieldRange&) {
+      if (is_stored(joint.kind, field)) read(joint.*member);
+    });
+  }
+  void read(std::uint32_t& value) { value = in_.u32(); }
+  void read(double& value) { value = in_.f64(); }
+  void read(bool& value) { value = flag(); }
+  void read(Point& value) { value = point(); }
+  void read(Range& range) {
+    range.lower = in_.f64();
+    range.upper = in_.f64();
+  }
+  void read(JointMotor& motor) {
+    motor.speed = in_.f64();
+    motor.force_max = in_.f64();
+  }
+  template <typename Value>
+  void read(std::optional<Value>& value) {
+    if (flag()) read(value.emplace());
   }
 
   void read(Force& force) {

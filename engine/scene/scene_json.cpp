@@ -169,20 +169,22 @@ class SceneReader : public JsonReader {
 
   bool joint(const JsonValue& value, const JsonPath& path, Joint& out) {
     if (!kind_of(value, path, "type", joint_kinds, out.kind)) return false;
-    const auto& row = info_of(joint_fields, out.kind);
+    const JointKindInfo& row = info_of(joint_kinds, out.kind);
     std::vector<Field> fields{choice("type", joint_kinds, out.kind), text("name", out.name)};
     bool has_anchor = false, has_anchor_a = false, has_anchor_b = false;
     Point anchor;
     for (const auto& entry : row.keys) {
       if (entry.key.empty()) break;
-      Field field = joint_field(entry.field, entry.key, out);
+      Field field;
+      for_each_joint_field([&](JointField of_list, const char*, auto member, const FieldRange&) {
+        if (of_list == entry.field) field = joint_field(entry.key, out, member);
+      });
       if (entry.field == JointField::anchor_a) field = noted(has_anchor_a, std::move(field));
       if (entry.field == JointField::anchor_b) field = noted(has_anchor_b, std::move(field));
       field.required = entry.required;
       fields.push_back(std::move(field));
     }
-    // The anchors of a distance joint are two points of the world, not one.
-    const bool one_point = !key_of(row, JointField::anchor_b).empty() && out.kind != JointKind::distance;
+    const bool one_point = has_field(out.kind, JointField::anchor_b) && row.traits.has_one_anchor;
     if (one_point) fields.push_back(noted(has_anchor, point("anchor", anchor)));
     if (!object(value, path, fields)) return false;
     if (!has_anchor) return true;
@@ -204,51 +206,27 @@ class SceneReader : public JsonReader {
             }};
   }
 
-  Field joint_field(JointField field, std::string_view key, Joint& out) {
-    switch (field) {
-      case JointField::body_a:
-        return joint_body(key, out, &Joint::body_a);
-      case JointField::body_b:
-        return joint_body(key, out, &Joint::body_b);
-      case JointField::anchor_a:
-        return point(key, out.anchor_a);
-      case JointField::anchor_b:
-        return point(key, out.anchor_b);
-      case JointField::axis:
-        return point(key, out.axis);
-      case JointField::reference_angle:
-        return number(key, out.reference_angle);
-      case JointField::length:
-        return number(key, out.length);
-      case JointField::limits:
-        return {key, [this, &out](const JsonValue& v, const JsonPath& p) {
-                  Range& range = out.limits.emplace();
-                  return pair(v, p, "[lower, upper]", range.lower, range.upper);
-                }};
-      case JointField::motor:
-        return {key, [this, &out](const JsonValue& v, const JsonPath& p) {
-                  JointMotor& motor = out.motor.emplace();
-                  return object(v, p, {number("speed", motor.speed), number("force_max", motor.force_max, true)});
-                }};
-      case JointField::spring:
-        return {key,
-                [this, &out](const JsonValue& v, const JsonPath& p) { return spring(v, p, out.spring.emplace()); }};
-      case JointField::linear_spring:
-        return {key, [this, &out](const JsonValue& v, const JsonPath& p) {
-                  return spring(v, p, out.linear_spring.emplace());
-                }};
-      case JointField::offset:
-        return point(key, out.offset);
-      case JointField::angle_offset:
-        return number(key, out.angle_offset);
-      case JointField::force_max:
-        return number(key, out.force_max);
-      case JointField::torque_max:
-        return number(key, out.torque_max);
-      case JointField::collide_connected:
-        return flag(key, out.collide_connected);
-    }
-    return {};
+  // By the type of the field.
+  Field joint_field(std::string_view key, Joint& out, std::uint32_t Joint::*body) { return joint_body(key, out, body); }
+  Field joint_field(std::string_view key, Joint& out, Point Joint::*value) { return point(key, out.*value); }
+  Field joint_field(std::string_view key, Joint& out, double Joint::*value) { return number(key, out.*value); }
+  Field joint_field(std::string_view key, Joint& out, bool Joint::*value) { return flag(key, out.*value); }
+  Field joint_field(std::string_view key, Joint& out, std::optional<Range> Joint::*value) {
+    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
+              Range& range = (out.*value).emplace();
+              return pair(v, p, "[lower, upper]", range.lower, range.upper);
+            }};
+  }
+  Field joint_field(std::string_view key, Joint& out, std::optional<JointMotor> Joint::*value) {
+    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
+              JointMotor& motor = (out.*value).emplace();
+              return object(v, p, {number("speed", motor.speed), number("force_max", motor.force_max, true)});
+            }};
+  }
+  Field joint_field(std::string_view key, Joint& out, std::optional<JointSpring> Joint::*value) {
+    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
+              return spring(v, p, (out.*value).emplace());
+            }};
   }
 
   bool spring(const JsonValue& value, const JsonPath& path, JointSpring& out) {
@@ -331,7 +309,7 @@ class SceneReader : public JsonReader {
       Joint& joint = scene_.joints[anchor.joint];
       const std::size_t count = scene_.bodies.size();
       if (joint.body_a >= count || joint.body_b >= count) continue;  // refused by check_scene
-      if (joint.kind != JointKind::target) joint.anchor_a = in_frame_of(scene_.bodies[joint.body_a], anchor.point);
+      if (has_body_a(joint.kind)) joint.anchor_a = in_frame_of(scene_.bodies[joint.body_a], anchor.point);
       joint.anchor_b = in_frame_of(scene_.bodies[joint.body_b], anchor.point);
     }
     return true;

@@ -202,63 +202,34 @@ class Printer {
     open();
     name("type", info_of(joint_kinds, joint.kind).name);
     if (!joint.name.empty()) name("name", joint.name);
-    for (const auto& [field, key_name, required] : info_of(joint_fields, joint.kind).keys) {
-      if (key_name.empty()) break;
-      const auto value = [&, key_name = key_name, required = required](double is, double default_value) {
-        required ? number(key_name, is) : number(key_name, is, default_value);
-      };
-      switch (field) {
-        case JointField::body_a:
-          reference(key_name, joint.body_a);
-          break;
-        case JointField::body_b:
-          reference(key_name, joint.body_b);
-          break;
-        case JointField::anchor_a:
-          point_unless_zero(key_name, joint.anchor_a);
-          break;
-        case JointField::anchor_b:
-          point_unless_zero(key_name, joint.anchor_b);
-          break;
-        case JointField::axis:
-          point(key_name, joint.axis);
-          break;
-        case JointField::reference_angle:
-          value(joint.reference_angle, unset.reference_angle);
-          break;
-        case JointField::length:
-          value(joint.length, unset.length);
-          break;
-        case JointField::limits:
-          if (joint.limits) point(key_name, {joint.limits->lower, joint.limits->upper});
-          break;
-        case JointField::motor:
-          if (joint.motor) motor(key_name, *joint.motor);
-          break;
-        case JointField::spring:
-          if (joint.spring) spring(key_name, *joint.spring);
-          break;
-        case JointField::linear_spring:
-          if (joint.linear_spring) spring(key_name, *joint.linear_spring);
-          break;
-        case JointField::offset:
-          required ? point(key_name, joint.offset) : point_unless_zero(key_name, joint.offset);
-          break;
-        case JointField::angle_offset:
-          value(joint.angle_offset, unset.angle_offset);
-          break;
-        case JointField::force_max:
-          value(joint.force_max, unset.force_max);
-          break;
-        case JointField::torque_max:
-          value(joint.torque_max, unset.torque_max);
-          break;
-        case JointField::collide_connected:
-          if (joint.collide_connected) flag(key_name, true);
-          break;
-      }
+    for (const FieldKey<JointField>& entry : info_of(joint_kinds, joint.kind).keys) {
+      if (entry.key.empty()) break;
+      for_each_joint_field([&](JointField field, const char*, auto member, const FieldRange&) {
+        if (field == entry.field) joint_value(entry, joint.*member, unset.*member);
+      });
     }
     close();
+  }
+
+  using JointKey = FieldKey<JointField>;
+  void joint_value(const JointKey& entry, std::uint32_t body, std::uint32_t) { reference(entry.key, body); }
+  void joint_value(const JointKey& entry, const Point& value, const Point&) {
+    entry.required ? point(entry.key, value) : point_unless_zero(entry.key, value);
+  }
+  void joint_value(const JointKey& entry, double value, double unset) {
+    entry.required ? number(entry.key, value) : number(entry.key, value, unset);
+  }
+  void joint_value(const JointKey& entry, bool value, bool) {
+    if (value) flag(entry.key, true);
+  }
+  void joint_value(const JointKey& entry, const std::optional<Range>& value, const std::optional<Range>&) {
+    if (value) point(entry.key, {value->lower, value->upper});
+  }
+  void joint_value(const JointKey& entry, const std::optional<JointMotor>& value, const std::optional<JointMotor>&) {
+    if (value) motor(entry.key, *value);
+  }
+  void joint_value(const JointKey& entry, const std::optional<JointSpring>& value, const std::optional<JointSpring>&) {
+    if (value) spring(entry.key, *value);
   }
 
   void motor(std::string_view name_of_key, const JointMotor& motor) {

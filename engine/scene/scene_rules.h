@@ -15,7 +15,6 @@
 namespace ticktrue::engine {
 
 // Limits of the rules' own. All leave room in f32, whose numbers end at 1e-38 and 3e38.
-inline constexpr double angle_max_rad = 1e6;    // sin_cos is exact to its last digits up to here
 inline constexpr double coefficient_max = 1e9;  // friction, damping ratios, hertz, scales: more means "endless"
 
 bool declares(const Scene& scene, InputKind kind);
@@ -81,10 +80,13 @@ class SceneRules {
 
   bool check_joints();
   bool check_joint(const Joint& joint);
+  /// Of any type of field. `key`: of the field in the joint's kind.
+  template <typename Value>
+  bool check_field(const Joint& joint, JointField field, const char* key, const Value& value, const FieldRange& range);
   bool check_body_index(const char* key, std::uint32_t index);
   bool check_pair(const Joint& joint, bool has_a);
-  bool check_axis(const Joint& joint);
-  bool check_length(const Joint& joint);
+  bool check_axis(const Point& axis);
+  bool check_length(const Joint& joint, const FieldRange& range);
   bool check_limits(const Joint& joint);
   bool check_motor(const JointMotor& motor);
   bool check_spring(const std::string& key, const JointSpring& spring);

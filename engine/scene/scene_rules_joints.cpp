@@ -1,14 +1,16 @@
 // The rules of joints and forces.
 // SPDX-License-Identifier: MIT
+#include <type_traits>
+
 #include "base/bytes.h"
 #include "engine/scene/scene_rules.h"
 
 namespace ticktrue::engine {
 namespace {
 
-constexpr double force_max = limits::mass_max_kg * limits::speed_max;  // N, N m: as of inputs
-constexpr double stiffness_max = 1e18;                                 // N/m, N s/m, N m/rad, N m s/rad
-constexpr double exponent_max = 3;                                     // of central forces, either sign
+constexpr double force_max = scene_force_max;  // N, N m
+constexpr double stiffness_max = 1e18;         // N/m, N s/m, N m/rad, N m s/rad
+constexpr double exponent_max = 3;             // of central forces, either sign
 
 bool same(double a, double b) {
   return bits_of(a) == bits_of(b);
@@ -16,6 +18,11 @@ bool same(double a, double b) {
 
 bool same(const Point& a, const Point& b) {
   return same(a.x, b.x) && same(a.y, b.y);
+}
+
+template <typename Value>
+bool same(const Value& a, const Value& b) {
+  return a == b;
 }
 
 }  // namespace
@@ -35,38 +42,38 @@ bool SceneRules::check_joints() {
 
 bool SceneRules::check_joint(const Joint& joint) {
   const Joint unset;
-  const auto& fields = info_of(joint_fields, joint.kind);
-  const auto has_no = [&](JointField field, const char* key, bool is_unset) {
-    return unused(fields, field, key, is_unset, std::string(info_of(joint_kinds, joint.kind).name) + " joint");
-  };
-  if (!has_no(JointField::body_a, "body_a", joint.body_a == unset.body_a) ||
-      !has_no(JointField::anchor_a, "anchor_a", same(joint.anchor_a, unset.anchor_a)) ||
-      !has_no(JointField::anchor_b, "anchor_b", same(joint.anchor_b, unset.anchor_b)) ||
-      !has_no(JointField::axis, "axis", same(joint.axis, unset.axis)) ||
-      !has_no(JointField::reference_angle, "reference_angle", same(joint.reference_angle, unset.reference_angle)) ||
-      !has_no(JointField::length, "length", same(joint.length, unset.length)) ||
-      !has_no(JointField::limits, "limits", !joint.limits) || !has_no(JointField::motor, "motor", !joint.motor) ||
-      !has_no(JointField::spring, "spring", !joint.spring) ||
-      !has_no(JointField::linear_spring, "linear_spring", !joint.linear_spring) ||
-      !has_no(JointField::offset, "offset", same(joint.offset, unset.offset)) ||
-      !has_no(JointField::angle_offset, "angle_offset", same(joint.angle_offset, unset.angle_offset)) ||
-      !has_no(JointField::force_max, "force_max", same(joint.force_max, unset.force_max)) ||
-      !has_no(JointField::torque_max, "torque_max", same(joint.torque_max, unset.torque_max)) ||
-      !has_no(JointField::collide_connected, "collide_connected", !joint.collide_connected))
-    return false;
+  const JointKindInfo& info = info_of(joint_kinds, joint.kind);
+  const bool has_a = has_body_a(joint.kind);
+  bool good = true;
+  for_each_joint_field([&](JointField field, const char* field_name, auto member, const FieldRange&) {
+    good =
+        good && unused(info, field, field_name, same(joint.*member, unset.*member), std::string(info.name) + " joint");
+  });
+  good = good && (!has_a || check_body_index("body_a", joint.body_a)) && check_body_index("body_b", joint.body_b) &&
+         check_pair(joint, has_a);
+  for_each_joint_field([&](JointField field, const char*, auto member, const FieldRange& range) {
+    const std::string_view key = key_of(info, field);
+    good = good && (key.empty() || check_field(joint, field, std::string(key).c_str(), joint.*member, range));
+  });
+  return good;
+}
 
-  const bool has_a = !key_of(fields, JointField::body_a).empty();
-  const std::string_view offset_key = key_of(fields, JointField::offset);
-  return (!has_a || check_body_index("body_a", joint.body_a)) && check_body_index("body_b", joint.body_b) &&
-         check_pair(joint, has_a) && point("anchor_a", joint.anchor_a, limits::size_max_m) &&
-         point("anchor_b", joint.anchor_b, limits::size_max_m) && check_axis(joint) &&
-         number("reference_angle", joint.reference_angle, -angle_max_rad, angle_max_rad) && check_length(joint) &&
-         (!joint.limits || check_limits(joint)) && (!joint.motor || check_motor(*joint.motor)) &&
-         (!joint.spring || check_spring("spring", *joint.spring)) &&
-         (!joint.linear_spring || check_spring("linear_spring", *joint.linear_spring)) &&
-         (offset_key.empty() || point(std::string(offset_key).c_str(), joint.offset, limits::coordinate_max_m)) &&
-         number("angle_offset", joint.angle_offset, -angle_max_rad, angle_max_rad) &&
-         number("force_max", joint.force_max, 0, force_max) && number("torque_max", joint.torque_max, 0, force_max);
+template <typename Value>
+bool SceneRules::check_field(const Joint& joint, JointField field, const char* key, const Value& value,
+                             const FieldRange& range) {
+  if constexpr (std::is_same_v<Value, Point>) {
+    return point(key, value, range.max) && (field != JointField::axis || check_axis(value));
+  } else if constexpr (std::is_same_v<Value, double>) {
+    return field == JointField::length ? check_length(joint, range) : number(key, value, range.min, range.max);
+  } else if constexpr (std::is_same_v<Value, std::optional<Range>>) {
+    return !value || check_limits(joint);
+  } else if constexpr (std::is_same_v<Value, std::optional<JointMotor>>) {
+    return !value || check_motor(*value);
+  } else if constexpr (std::is_same_v<Value, std::optional<JointSpring>>) {
+    return !value || check_spring(key, *value);
+  } else {
+    return true;  // bodies: check_joint; flags
+  }
 }
 
 bool SceneRules::check_body_index(const char* key, std::uint32_t index) {
@@ -90,25 +97,26 @@ bool SceneRules::check_pair(const Joint& joint, bool has_a) {
                               std::string(info_of(body_types, type_b).name) + " body");
 }
 
-bool SceneRules::check_axis(const Joint& joint) {
-  if (!point("axis", joint.axis, limits::coordinate_max_m)) return false;
-  const double x = joint.axis.x < 0 ? -joint.axis.x : joint.axis.x;
-  const double y = joint.axis.y < 0 ? -joint.axis.y : joint.axis.y;
+bool SceneRules::check_axis(const Point& axis) {
+  const double x = axis.x < 0 ? -axis.x : axis.x;
+  const double y = axis.y < 0 ? -axis.y : axis.y;
   return (x > y ? x : y) >= limits::size_min_m ||
-         refuse("axis", "has no direction: found (" + number_text(joint.axis.x) + ", " + number_text(joint.axis.y) +
+         refuse("axis", "has no direction: found (" + number_text(axis.x) + ", " + number_text(axis.y) +
                             "), expected a length of at least " + number_text(limits::size_min_m));
 }
 
-bool SceneRules::check_length(const Joint& joint) {
-  const bool is_rigid = joint.kind == JointKind::distance && !joint.spring;
-  return number("length", joint.length, is_rigid ? limits::size_min_m : 0, limits::coordinate_max_m, -1,
-                is_rigid ? "a revolute joint keeps two anchors together; a spring may have no length" : "");
+bool SceneRules::check_length(const Joint& joint, const FieldRange& range) {
+  const bool is_rigid = traits_of(joint.kind).is_rod && !joint.spring;
+  return number("length", joint.length, is_rigid ? limits::size_min_m : range.min, range.max, -1,
+                is_rigid && has_field(joint.kind, JointField::spring)
+                    ? "a revolute joint keeps two anchors together; a spring may have no length"
+                    : "");
 }
 
 bool SceneRules::check_limits(const Joint& joint) {
-  const bool is_angle = joint.kind == JointKind::revolute;
-  const double max = is_angle ? angle_max_rad : limits::coordinate_max_m;
-  const double min = joint.kind == JointKind::distance ? 0 : -max;
+  const JointLimits bounded = traits_of(joint.kind).limits;
+  const double max = bounded == JointLimits::angle ? angle_max_rad : limits::coordinate_max_m;
+  const double min = bounded == JointLimits::distance ? 0 : -max;
   const Range& range = *joint.limits;
   if (!number("limits", range.lower, min, max, 0) || !number("limits", range.upper, min, max, 1)) return false;
   return range.lower <= range.upper ||

@@ -172,6 +172,9 @@ void for_each_number(Scene& scene, Use use) {
     use("angle_offset", joint.angle_offset);
     use("joint.force_max", joint.force_max);
     use("torque_max", joint.torque_max);
+    point("ground_anchor_a", joint.ground_anchor_a);
+    point("ground_anchor_b", joint.ground_anchor_b);
+    use("ratio", joint.ratio);
   }
   for (Force& force : scene.forces) {
     point("anchor", force.anchor);
@@ -200,6 +203,7 @@ Scene joined(JointKind kind, Point b) {
   Joint joint = joint_of(kind, 0, 1);
   if (kind == JointKind::motor || kind == JointKind::friction || kind == JointKind::target) joint.force_max = 1e24;
   if (kind == JointKind::motor || kind == JointKind::friction) joint.torque_max = 1e24;
+  if (kind == JointKind::pulley) joint.ground_anchor_a = {0, 0}, joint.ground_anchor_b = {3, 2};
   scene.joints.push_back(joint);
   return scene;
 }
@@ -383,7 +387,7 @@ TEST_CASE("a chain of the most points that there may be is ground", "[engine][ho
 TEST_CASE("joints with arms of a thousand kilometres lose no numbers unsaid", "[engine][hostile][joints]") {
   for (const auto& info : engine::joint_kinds) {
     Scene scene = joined(info.kind, {3, 0});
-    const auto& fields = info_of(engine::joint_fields, info.kind);
+    const auto& fields = info_of(engine::joint_kinds, info.kind);
     if (!engine::key_of(fields, engine::JointField::anchor_a).empty()) scene.joints[0].anchor_a = {1e6, -1e6};
     if (!engine::key_of(fields, engine::JointField::anchor_b).empty()) scene.joints[0].anchor_b = {-1e6, 5e5};
     runs_somehow(scene, 60);
@@ -392,7 +396,7 @@ TEST_CASE("joints with arms of a thousand kilometres lose no numbers unsaid", "[
 
 TEST_CASE("springs as stiff as may be, and motors as fast as may be", "[engine][hostile][joints]") {
   for (const auto& info : engine::joint_kinds) {
-    const auto& fields = info_of(engine::joint_fields, info.kind);
+    const auto& fields = info_of(engine::joint_kinds, info.kind);
     const auto has = [&](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
     Scene scene = joined(info.kind, {3, 0});
     scene.bodies.push_back(ground());

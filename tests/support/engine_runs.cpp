@@ -96,7 +96,7 @@ engine::Scene jointed_playground(engine::Precision precision) {
     joint.kind = info.kind;
     joint.body_a = 3 + number;  // the paddle is the first
     joint.body_b = number == 7 ? 4 : 4 + number;
-    const auto& fields = info_of(engine::joint_fields, joint.kind);
+    const auto& fields = info_of(engine::joint_kinds, joint.kind);
     const auto has = [&fields](engine::JointField field) { return !engine::key_of(fields, field).empty(); };
     if (!has(engine::JointField::body_a)) joint.body_a = 0;
     if (has(engine::JointField::anchor_b)) joint.anchor_b = {-0.4, 0.1};
@@ -110,6 +110,14 @@ engine::Scene jointed_playground(engine::Precision precision) {
     if (has(engine::JointField::force_max)) joint.force_max = 30;
     if (has(engine::JointField::torque_max)) joint.torque_max = 5;
     if (has(engine::JointField::collide_connected)) joint.collide_connected = number == 2;
+    if (joint.kind == engine::JointKind::pulley) {
+      joint.body_a = 5;
+      joint.body_b = 9;
+      joint.ground_anchor_a = {-2, 8};
+      joint.ground_anchor_b = {2, 9};
+      joint.length = 9;
+      joint.ratio = 1.5;
+    }
     scene.joints.push_back(joint);
   }
   return scene;

@@ -81,6 +81,11 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
       if (!joint.spring && !joint.limits && !joint.motor) out.gap = std::fabs(apart - joint.length);
       if (joint.limits) out.beyond = beyond(*joint.limits, apart);
       break;
+    case JointKind::pulley:
+      out.gap = std::fabs(std::hypot(at_a.x - joint.ground_anchor_a.x, at_a.y - joint.ground_anchor_a.y) +
+                          joint.ratio * std::hypot(at_b.x - joint.ground_anchor_b.x, at_b.y - joint.ground_anchor_b.y) -
+                          joint.length);
+      break;
     case JointKind::motor:
     case JointKind::friction:
     case JointKind::target:

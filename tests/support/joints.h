@@ -40,7 +40,7 @@ inline Joint joint_of(JointKind kind, std::uint32_t body_a, std::uint32_t body_b
 inline void drop_unused_fields(Joint& joint) {
   using engine::JointField;
   const Joint unset;
-  const auto& fields = info_of(engine::joint_fields, joint.kind);
+  const auto& fields = info_of(engine::joint_kinds, joint.kind);
   const auto drop = [&](JointField field, auto member) {
     if (key_of(fields, field).empty()) joint.*member = unset.*member;
   };
@@ -59,6 +59,9 @@ inline void drop_unused_fields(Joint& joint) {
   drop(JointField::force_max, &Joint::force_max);
   drop(JointField::torque_max, &Joint::torque_max);
   drop(JointField::collide_connected, &Joint::collide_connected);
+  drop(JointField::ground_anchor_a, &Joint::ground_anchor_a);
+  drop(JointField::ground_anchor_b, &Joint::ground_anchor_b);
+  drop(JointField::ratio, &Joint::ratio);
 }
 
 inline engine::JointSpring absolute_spring(double stiffness, double damping = 0) {

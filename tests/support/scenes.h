@@ -223,6 +223,12 @@ inline Scene everything_scene() {
   joint(JointKind::weld).linear_spring = JointSpring{true, 0, 0, 20, 0.5};
   joint(JointKind::motor).angle_offset = 0.2;
   joint(JointKind::target).anchor_b = {0.25, 0};
+  joint(JointKind::pulley).anchor_a = {-0.0, 0.4};
+  joint(JointKind::pulley).anchor_b = {0.2, 0};
+  joint(JointKind::pulley).ground_anchor_a = {-0.0, 4};
+  joint(JointKind::pulley).ground_anchor_b = {2, 5};
+  joint(JointKind::pulley).length = 9;
+  joint(JointKind::pulley).ratio = 2;
 
   for (const auto& row : force_kinds) {
     Force& force = scene.forces.emplace_back();

@@ -769,6 +769,41 @@ TEST_CASE("motor and friction joints of the peer are ours", "[verifier][crossche
   check_same(run_both(braked, 1), 0.01);
 }
 
+TEST_CASE("pulleys of the peer are ours: Atwood machines, swings, a bar at its end",
+          "[verifier][crosscheck][equivalence]") {
+  if (!has_box2d()) return;
+  for (const double ratio : {1.0, 2.0}) {
+    CAPTURE(ratio);
+    Scene scene = bar_scene(JointKind::pulley);
+    scene.bodies[0] = body_of(box_shape(0.2, 0.2), {-2, 0});
+    scene.bodies[0].mass = engine::ExplicitMass{3, 0.2, {}};
+    scene.joints[0].anchor_a = {0, 0.2};
+    scene.joints[0].anchor_b = {};
+    scene.joints[0].ground_anchor_a = {-2, 4.2};
+    scene.joints[0].ground_anchor_b = {0.5, 4};
+    scene.joints[0].ratio = ratio;
+    scene.joints[0].length = 4 + 4 * ratio;
+    const Both atwood = run_both(scene, 1);
+    check_same(atwood, 0.005);
+    const double a = 10 * ratio * (ratio * 3 - 2) / (2 + ratio * ratio * 3);
+    CHECK(atwood.box2d[0].velocity.y == Approx(-a).epsilon(0.01));
+    scene.bodies[0].velocity = {1, 0};
+    scene.bodies[1].velocity = {-2, 0};
+    check_same(run_both(scene, 1), 0.01);
+    scene.joints[0].anchor_b = {-0.5, 0};
+    scene.joints[0].ground_anchor_b = {0, 4};
+    check_same(run_both(scene, 0.5), 0.01);
+  }
+  Scene none = bar_scene(JointKind::pulley);  // B's side has no direction
+  none.joints[0].anchor_b = {};
+  none.joints[0].ground_anchor_a = {0, 10};
+  none.joints[0].ground_anchor_b = {0.5, 0};
+  none.joints[0].length = 10;  // 5 cm are short here and there
+  const Both falling = run_both(none, 0.0833);  // 3.5 cm
+  check_same(falling, 0.005);
+  CHECK(falling.ours[1].velocity.y == Approx(-10 * 5 / 60.0).epsilon(0.01));
+}
+
 TEST_CASE("the peer refuses joints that Box2D 2.4.1 does not have, and forces", "[verifier][crosscheck][analytic]") {
   SKIP_UNLESS(has_box2d(), "a build without Box2D");
   using Catch::Matchers::Contains;

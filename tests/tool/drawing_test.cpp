@@ -7,7 +7,9 @@
 
 #include "engine/engine.h"
 #include "tests/support/catch.h"
+#include "tests/support/joints.h"
 #include "tests/support/scenes.h"
+#include "tool/drawing/joint_geometry.h"
 
 namespace ticktrue::test {
 namespace {
@@ -123,6 +125,48 @@ TEST_CASE("drawing: a body that is not finite is marked, spawned ones have their
   REQUIRE(drawn.size() == 1);
   CHECK_FALSE(drawn[0].is_finite);
   CHECK(drawing.name(drawn[0]) == "ball#0");
+}
+
+TEST_CASE("a joint is drawn from anchor to anchor, a pulley over its ground anchors", "[verifier][drawing][analytic]") {
+  const verifier::JointPlaces places{{0, 0}, {3, 4}, {1, 0}};
+  for (const auto& info : engine::joint_kinds) {
+    CAPTURE(info.name);
+    Joint joint = joint_of(info.kind, 0, 1);
+    joint.ground_anchor_a = {0, 6};
+    joint.ground_anchor_b = {3, 6};
+    const verifier::JointLines shown = verifier::joint_lines(joint, places);
+    const bool over = info.kind == JointKind::pulley;
+    REQUIRE(shown.count == (over ? 3 : 1));
+    CHECK(shown.lines[0] ==
+          (over ? std::array<Point, 2>{Point{0, 6}, Point{0, 0}} : std::array{Point{0, 0}, Point{3, 4}}));
+    if (over) CHECK(shown.lines[2] == std::array{Point{0, 6}, Point{3, 6}});
+  }
+}
+
+TEST_CASE("the gap of a joint is what its rigid rows hold", "[verifier][drawing][analytic]") {
+  const verifier::JointPlaces places{{0, 0}, {3, 4}, {2, 0}};
+  const auto gap = [&](JointKind kind, auto change) {
+    Joint joint = joint_of(kind, 0, 1);
+    change(joint);
+    return joint_gap(joint, places);
+  };
+  const auto as_it_is = [](Joint&) {};
+  CHECK(gap(JointKind::revolute, as_it_is) == Approx(5));
+  CHECK(gap(JointKind::prismatic, as_it_is) == Approx(4));
+  CHECK(gap(JointKind::wheel, as_it_is) == Approx(4));
+  CHECK(gap(JointKind::weld, as_it_is) == Approx(5));
+  CHECK(gap(JointKind::weld, [](Joint& j) { j.linear_spring = absolute_spring(1); }) == 0);
+  CHECK(gap(JointKind::distance, [](Joint& j) { j.length = 4; }) == Approx(1));
+  CHECK(gap(JointKind::distance, [](Joint& j) { j.limits = engine::Range{0, 1}; }) == 0);
+  for (const JointKind kind : {JointKind::motor, JointKind::friction, JointKind::target})
+    CHECK(gap(kind, as_it_is) == 0);
+  const auto rope = [](Joint& j) {
+    j.ground_anchor_a = {0, 6};
+    j.ground_anchor_b = {3, 6};
+    j.ratio = 3;
+    j.length = 11.5;
+  };
+  CHECK(gap(JointKind::pulley, rope) == Approx(0.5));  // 6 + 3 * 2 - 11.5
 }
 
 }  // namespace

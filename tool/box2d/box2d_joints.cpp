@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/math/trig.h"
@@ -70,82 +71,270 @@ float reference_of(double reference, const Pair& pair) {
   return static_cast<float>(reference + (start - std::remainder(start, 2 * engine::pi)));
 }
 
-}  // namespace
-
-template <typename Definition>
-void Box2dJoints::set_limits(Definition& definition, const engine::Joint& joint) const {
-  if (!joint.limits) return;
-  definition.enableLimit = true;
-  definition.lowerTranslation = static_cast<float>(joint.limits->lower * units_.scale);
-  definition.upperTranslation = static_cast<float>(joint.limits->upper * units_.scale);
+template <typename B2Joint>
+void set(b2Joint* joint, const Stiffness& soft) {
+  static_cast<B2Joint*>(joint)->SetStiffness(soft.stiffness);
+  static_cast<B2Joint*>(joint)->SetDamping(soft.damping);
 }
 
-// Errors: unsupported, for what Box2D 2.4.1 has no notion of.
-Status Box2dJoints::check_known(const engine::Joint& joint, const std::string& place) const {
-  const auto refuse = [&](const char* what) {
-    return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
-  };
-  for (const auto& spring : {joint.spring, joint.linear_spring}) {
-    if (!spring) continue;
-    const bool is_stiff = spring->absolute ? spring->stiffness > 0 : spring->hertz > 0;
-    if (!is_stiff && spring->absolute && spring->damping > 0) return refuse("Box2D 2.4.1 has no damper alone");
-  }
-  switch (joint.kind) {
-    case JointKind::revolute:
-    case JointKind::prismatic:
-      if (joint.spring) return refuse("Box2D 2.4.1 has no springs in revolute and prismatic joints");
-      break;
-    case JointKind::distance:
-      if (joint.motor) return refuse("Box2D 2.4.1 has no motors in distance joints");
-      if (!joint.limits && !joint.spring && joint.length * units_.scale < static_cast<double>(b2_linearSlop))
-        return refuse("Box2D 2.4.1 has no rods shorter than its slop");
-      break;
-    case JointKind::weld:
-      if (joint.linear_spring) return refuse("Box2D 2.4.1 has no springs for the point of weld joints");
-      break;
-    case JointKind::motor:
-      if (joint.spring && !(joint.spring->absolute ? joint.spring->damping > 0 : joint.spring->damping_ratio >= 1))
-        return refuse("Box2D 2.4.1 has no motor joints that swing");
-      break;
-    case JointKind::target:
-      if (!joint.spring) return refuse("Box2D 2.4.1 has no rigid mouse joints");
-      break;
-    case JointKind::wheel:
-    case JointKind::friction:
-      break;
-  }
-  return {};
-}
+// A joint that is being made.
+struct Making {
+  const engine::Joint& joint;
+  const Box2dUnits& units;
+  float dt;
+  b2World& world;
+  Pair pair;
 
-void Box2dJoints::set_stiffness(const Sprung& sprung) const {
-  const engine::Joint& joint = *sprung.description;
-  if (!joint.spring) return;
-  const Pair pair{sprung.joint->GetBodyA(), sprung.joint->GetBodyB()};
-  const b2Vec2 at_a = sprung.joint->GetAnchorA();
-  const b2Vec2 at_b = sprung.joint->GetAnchorB();
-  const auto set = [](auto* target, const Stiffness& soft) {
-    target->SetStiffness(soft.stiffness);
-    target->SetDamping(soft.damping);
-  };
-  if (joint.kind == JointKind::weld) {
-    const double mobility = pair.pinned_mobility(0.5f * (at_a + at_b));
-    set(static_cast<b2WeldJoint*>(sprung.joint), stiffness_of(*joint.spring, mobility, units_.scale * units_.scale));
-    return;
-  }
-  if (joint.kind == JointKind::wheel) {  // ours acts at B's anchor on both bodies
-    b2Vec2 axis = units_.scaled(joint.axis);
+  float length(double meters) const { return static_cast<float>(meters * units.scale); }
+  float force(double newton) const { return static_cast<float>(newton * units.scale); }
+  float torque(double newton_m) const { return static_cast<float>(newton_m * units.scale * units.scale); }
+  b2Vec2 axis() const {
+    b2Vec2 axis = units.scaled(joint.axis);
     axis.Normalize();
-    const double mobility = pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b);
-    set(static_cast<b2WheelJoint*>(sprung.joint), stiffness_of(*joint.spring, mobility, 1));
-    return;
+    return axis;
   }
+  template <typename Definition>
+  void set_anchors(Definition& definition) const {
+    definition.localAnchorA = units.scaled(joint.anchor_a);
+    definition.localAnchorB = units.scaled(joint.anchor_b);
+  }
+  template <typename Definition>
+  void set_limits(Definition& definition) const {
+    if (!joint.limits) return;
+    definition.enableLimit = true;
+    definition.lowerTranslation = length(joint.limits->lower);
+    definition.upperTranslation = length(joint.limits->upper);
+  }
+  b2Joint* attach(b2JointDef& definition) const {
+    definition.bodyA = pair.a;
+    definition.bodyB = pair.b;
+    definition.collideConnected = joint.collide_connected || !engine::has_body_a(joint.kind);
+    return world.CreateJoint(&definition);
+  }
+};
+
+// What Box2D 2.4.1 has no notion of, or null.
+const char* knows_all(const engine::Joint&, const Box2dUnits&) {
+  return nullptr;
+}
+
+// ---- Revolute ----
+
+const char* refuse_spring(const engine::Joint& joint, const Box2dUnits&) {
+  return joint.spring ? "Box2D 2.4.1 has no springs in revolute and prismatic joints" : nullptr;
+}
+
+b2Joint* make_revolute(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2RevoluteJointDef definition;
+  making.set_anchors(definition);
+  definition.referenceAngle = reference_of(joint.reference_angle, making.pair);
+  if (joint.limits) {
+    definition.enableLimit = true;
+    definition.lowerAngle = static_cast<float>(joint.limits->lower);
+    definition.upperAngle = static_cast<float>(joint.limits->upper);
+  }
+  if (joint.motor) {
+    definition.enableMotor = true;
+    definition.motorSpeed = static_cast<float>(joint.motor->speed);
+    definition.maxMotorTorque = making.torque(joint.motor->force_max);
+  }
+  return making.attach(definition);
+}
+
+// ---- Prismatic ----
+
+b2Joint* make_prismatic(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2PrismaticJointDef definition;
+  making.set_anchors(definition);
+  definition.localAxisA = making.axis();
+  definition.referenceAngle = reference_of(joint.reference_angle, making.pair);
+  making.set_limits(definition);
+  if (joint.motor) {
+    definition.enableMotor = true;
+    definition.motorSpeed = making.length(joint.motor->speed);
+    definition.maxMotorForce = making.force(joint.motor->force_max);
+  }
+  return making.attach(definition);
+}
+
+// ---- Wheel ----
+
+b2Joint* make_wheel(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2WheelJointDef definition;
+  making.set_anchors(definition);
+  definition.localAxisA = making.axis();
+  making.set_limits(definition);
+  if (joint.motor) {
+    definition.enableMotor = true;
+    definition.motorSpeed = static_cast<float>(joint.motor->speed);
+    definition.maxMotorTorque = making.torque(joint.motor->force_max);
+  }
+  return making.attach(definition);
+}
+
+void stiffen_wheel(b2Joint* made, const engine::Joint& joint, const Box2dUnits& units) {
+  const Pair pair{made->GetBodyA(), made->GetBodyB()};
+  b2Vec2 axis = units.scaled(joint.axis);
+  axis.Normalize();
+  const b2Vec2 at_b = made->GetAnchorB();  // ours acts at B's anchor on both bodies
+  const double mobility = pair.mobility(pair.a->GetWorldVector(axis), at_b, at_b);
+  set<b2WheelJoint>(made, stiffness_of(*joint.spring, mobility, 1));
+}
+
+// ---- Distance ----
+
+const char* refuse_distance(const engine::Joint& joint, const Box2dUnits& units) {
+  if (joint.motor) return "Box2D 2.4.1 has no motors in distance joints";
+  if (!joint.limits && !joint.spring && joint.length * units.scale < static_cast<double>(b2_linearSlop))
+    return "Box2D 2.4.1 has no rods shorter than its slop";
+  return nullptr;
+}
+
+b2Joint* make_distance(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2DistanceJointDef definition;
+  making.set_anchors(definition);
+  definition.length = making.length(joint.length);
+  if (!joint.limits && !joint.spring) definition.minLength = definition.maxLength = definition.length;
+  if (joint.limits) {
+    definition.minLength = making.length(joint.limits->lower);
+    definition.maxLength = making.length(joint.limits->upper);
+  }
+  return making.attach(definition);
+}
+
+void stiffen_distance(b2Joint* made, const engine::Joint& joint, const Box2dUnits&) {
+  const Pair pair{made->GetBodyA(), made->GetBodyB()};
+  const b2Vec2 at_a = made->GetAnchorA();
+  const b2Vec2 at_b = made->GetAnchorB();
   b2Vec2 along = at_b - at_a;
   if (along.Normalize() < b2_epsilon) along = {1, 0};
-  set(static_cast<b2DistanceJoint*>(sprung.joint), stiffness_of(*joint.spring, pair.mobility(along, at_a, at_b), 1));
+  set<b2DistanceJoint>(made, stiffness_of(*joint.spring, pair.mobility(along, at_a, at_b), 1));
 }
 
+// ---- Weld ----
+
+const char* refuse_weld(const engine::Joint& joint, const Box2dUnits&) {
+  return joint.linear_spring ? "Box2D 2.4.1 has no springs for the point of weld joints" : nullptr;
+}
+
+b2Joint* make_weld(const Making& making) {
+  b2WeldJointDef definition;
+  making.set_anchors(definition);
+  definition.referenceAngle = reference_of(making.joint.reference_angle, making.pair);
+  return making.attach(definition);
+}
+
+void stiffen_weld(b2Joint* made, const engine::Joint& joint, const Box2dUnits& units) {
+  const Pair pair{made->GetBodyA(), made->GetBodyB()};
+  const double mobility = pair.pinned_mobility(0.5f * (made->GetAnchorA() + made->GetAnchorB()));
+  set<b2WeldJoint>(made, stiffness_of(*joint.spring, mobility, units.scale * units.scale));
+}
+
+// ---- Motor, friction, target ----
+
+const char* refuse_motor(const engine::Joint& joint, const Box2dUnits&) {
+  const auto& spring = joint.spring;
+  const bool swings = spring && !(spring->absolute ? spring->damping > 0 : spring->damping_ratio >= 1);
+  return swings ? "Box2D 2.4.1 has no motor joints that swing" : nullptr;
+}
+
+b2Joint* make_motor(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2MotorJointDef definition;
+  definition.linearOffset = making.units.scaled(joint.offset);
+  definition.angularOffset = reference_of(joint.angle_offset, making.pair);
+  definition.maxForce = making.force(joint.force_max);
+  definition.maxTorque = making.torque(joint.torque_max);
+  if (joint.spring) {
+    // What is overdamped creeps back at stiffness / damping; Box2D takes this share of the error out each step.
+    const double rate = joint.spring->absolute ? joint.spring->stiffness / joint.spring->damping
+                                               : engine::pi * joint.spring->hertz / joint.spring->damping_ratio;  // 1/s
+    definition.correctionFactor = std::min(1.0f, static_cast<float>(rate) * making.dt);
+  }
+  return making.attach(definition);
+}
+
+b2Joint* make_friction(const Making& making) {
+  const Pair& pair = making.pair;
+  b2FrictionJointDef definition;  // ours acts at B's centre of mass
+  definition.localAnchorA = pair.a->GetLocalPoint(pair.b->GetWorldCenter());
+  definition.localAnchorB = pair.b->GetLocalCenter();
+  definition.maxForce = making.force(making.joint.force_max);
+  definition.maxTorque = making.torque(making.joint.torque_max);
+  return making.attach(definition);
+}
+
+const char* refuse_target(const engine::Joint& joint, const Box2dUnits&) {
+  return joint.spring ? nullptr : "Box2D 2.4.1 has no rigid mouse joints";
+}
+
+b2Joint* make_target(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2MouseJointDef definition;
+  // Where B is held; where to comes after.
+  definition.target = making.pair.b->GetWorldPoint(making.units.scaled(joint.anchor_b));
+  definition.maxForce = making.force(joint.force_max);
+  const Stiffness soft = stiffness_of(*joint.spring, making.pair.inv_mass(), 1);
+  definition.stiffness = soft.stiffness;
+  definition.damping = soft.damping;
+  b2Joint* made = making.attach(definition);
+  static_cast<b2MouseJoint*>(made)->SetTarget(making.units.scaled(joint.offset));
+  return made;
+}
+
+// ---- Pulley ----
+
+b2Joint* make_pulley(const Making& making) {
+  const engine::Joint& joint = making.joint;
+  b2PulleyJointDef definition;
+  making.set_anchors(definition);
+  definition.groundAnchorA = making.units.scaled(joint.ground_anchor_a);
+  definition.groundAnchorB = making.units.scaled(joint.ground_anchor_b);
+  definition.lengthA = making.length(joint.length);  // only the sum with ratio times the other counts
+  definition.lengthB = 0;
+  definition.ratio = static_cast<float>(joint.ratio);
+  return making.attach(definition);
+}
+
+// ---- The kinds ----
+
+struct PeerJoint {
+  JointKind kind;
+  const char* (*refusal)(const engine::Joint& joint, const Box2dUnits& units);
+  b2Joint* (*make)(const Making& making);
+  // Before a step, of a joint with a spring whose stiffness follows the bodies; null: it has none such.
+  void (*stiffen)(b2Joint* made, const engine::Joint& joint, const Box2dUnits& units) = nullptr;
+};
+constexpr std::array<PeerJoint, engine::joint_kinds.size()> peer_joints{{
+    {JointKind::revolute, refuse_spring, make_revolute},
+    {JointKind::prismatic, refuse_spring, make_prismatic},
+    {JointKind::distance, refuse_distance, make_distance, stiffen_distance},
+    {JointKind::weld, refuse_weld, make_weld, stiffen_weld},
+    {JointKind::wheel, knows_all, make_wheel, stiffen_wheel},
+    {JointKind::motor, refuse_motor, make_motor},
+    {JointKind::friction, knows_all, make_friction},
+    {JointKind::target, refuse_target, make_target},
+    {JointKind::pulley, knows_all, make_pulley},
+}};
+static_assert(engine::rows_are_in_order(peer_joints));
+
+// Of any kind.
+const char* refuse_damper(const engine::Joint& joint) {
+  for (const auto& spring : {joint.spring, joint.linear_spring})
+    if (spring && spring->absolute && spring->damping > 0 && !(spring->stiffness > 0))
+      return "Box2D 2.4.1 has no damper alone";
+  return nullptr;
+}
+
+}  // namespace
+
 void Box2dJoints::set_stiffness() const {
-  for (const Sprung& sprung : sprung_) set_stiffness(sprung);
+  for (const Sprung& sprung : sprung_)
+    info_of(peer_joints, sprung.description->kind).stiffen(sprung.joint, *sprung.description, units_);
 }
 
 void Box2dJoints::forget(const b2Body* body) {
@@ -156,131 +345,17 @@ void Box2dJoints::forget(const b2Body* body) {
 }
 
 Status Box2dJoints::add(const engine::Joint& joint, b2Body* a, b2Body* b, const std::string& place) {
-  if (Status known = check_known(joint, place); !known) return known;
-  const bool to_world = joint.kind == JointKind::target;
+  const PeerJoint& kind = info_of(peer_joints, joint.kind);
+  const char* refusal = refuse_damper(joint);
+  if (refusal == nullptr) refusal = kind.refusal(joint, units_);
+  if (refusal != nullptr) return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, refusal), {}};
+  const bool to_world = !engine::has_body_a(joint.kind);
   if (to_world && !anchorage_) {
     const b2BodyDef definition;
     anchorage_ = world_.CreateBody(&definition);
   }
-  const Pair pair{to_world ? anchorage_ : a, b};
-  const b2Vec2 anchor_a = units_.scaled(joint.anchor_a);
-  const b2Vec2 anchor_b = units_.scaled(joint.anchor_b);
-  const b2Vec2 at_b = pair.b->GetWorldPoint(anchor_b);
-  b2Vec2 axis = units_.scaled(joint.axis);
-  axis.Normalize();
-  const auto attach = [&](b2JointDef& definition) {
-    definition.bodyA = pair.a;
-    definition.bodyB = pair.b;
-    definition.collideConnected = joint.collide_connected || to_world;
-    return world_.CreateJoint(&definition);
-  };
-  const auto force = [&](double newton) { return static_cast<float>(newton * units_.scale); };
-  const auto torque = [&](double newton_m) { return static_cast<float>(newton_m * units_.scale * units_.scale); };
-  switch (joint.kind) {
-    case JointKind::revolute: {
-      b2RevoluteJointDef definition;
-      definition.localAnchorA = anchor_a;
-      definition.localAnchorB = anchor_b;
-      definition.referenceAngle = reference_of(joint.reference_angle, pair);
-      if (joint.limits) {
-        definition.enableLimit = true;
-        definition.lowerAngle = static_cast<float>(joint.limits->lower);
-        definition.upperAngle = static_cast<float>(joint.limits->upper);
-      }
-      if (joint.motor) {
-        definition.enableMotor = true;
-        definition.motorSpeed = static_cast<float>(joint.motor->speed);
-        definition.maxMotorTorque = torque(joint.motor->force_max);
-      }
-      attach(definition);
-      break;
-    }
-    case JointKind::prismatic: {
-      b2PrismaticJointDef definition;
-      definition.localAnchorA = anchor_a;
-      definition.localAnchorB = anchor_b;
-      definition.localAxisA = axis;
-      definition.referenceAngle = reference_of(joint.reference_angle, pair);
-      set_limits(definition, joint);
-      if (joint.motor) {
-        definition.enableMotor = true;
-        definition.motorSpeed = static_cast<float>(joint.motor->speed * units_.scale);
-        definition.maxMotorForce = force(joint.motor->force_max);
-      }
-      attach(definition);
-      break;
-    }
-    case JointKind::wheel: {
-      b2WheelJointDef definition;
-      definition.localAnchorA = anchor_a;
-      definition.localAnchorB = anchor_b;
-      definition.localAxisA = axis;
-      set_limits(definition, joint);
-      if (joint.motor) {
-        definition.enableMotor = true;
-        definition.motorSpeed = static_cast<float>(joint.motor->speed);
-        definition.maxMotorTorque = torque(joint.motor->force_max);
-      }
-      sprung_.push_back({attach(definition), &joint});
-      break;
-    }
-    case JointKind::distance: {
-      b2DistanceJointDef definition;
-      definition.localAnchorA = anchor_a;
-      definition.localAnchorB = anchor_b;
-      definition.length = static_cast<float>(joint.length * units_.scale);
-      if (!joint.limits && !joint.spring) definition.minLength = definition.maxLength = definition.length;
-      if (joint.limits) {
-        definition.minLength = static_cast<float>(joint.limits->lower * units_.scale);
-        definition.maxLength = static_cast<float>(joint.limits->upper * units_.scale);
-      }
-      sprung_.push_back({attach(definition), &joint});
-      break;
-    }
-    case JointKind::weld: {
-      b2WeldJointDef definition;
-      definition.localAnchorA = anchor_a;
-      definition.localAnchorB = anchor_b;
-      definition.referenceAngle = reference_of(joint.reference_angle, pair);
-      sprung_.push_back({attach(definition), &joint});
-      break;
-    }
-    case JointKind::motor: {
-      b2MotorJointDef definition;
-      definition.linearOffset = units_.scaled(joint.offset);
-      definition.angularOffset = reference_of(joint.angle_offset, pair);
-      definition.maxForce = force(joint.force_max);
-      definition.maxTorque = torque(joint.torque_max);
-      if (joint.spring) {
-        // What is overdamped creeps back at stiffness / damping; Box2D takes this share of the error out each step.
-        const double rate = joint.spring->absolute
-                                ? joint.spring->stiffness / joint.spring->damping
-                                : engine::pi * joint.spring->hertz / joint.spring->damping_ratio;  // 1/s
-        definition.correctionFactor = std::min(1.0f, static_cast<float>(rate) * dt_);
-      }
-      attach(definition);
-      break;
-    }
-    case JointKind::friction: {
-      b2FrictionJointDef definition;  // ours acts at B's centre of mass
-      definition.localAnchorA = pair.a->GetLocalPoint(pair.b->GetWorldCenter());
-      definition.localAnchorB = pair.b->GetLocalCenter();
-      definition.maxForce = force(joint.force_max);
-      definition.maxTorque = torque(joint.torque_max);
-      attach(definition);
-      break;
-    }
-    case JointKind::target: {
-      b2MouseJointDef definition;
-      definition.target = at_b;  // where B is held; where to comes after
-      definition.maxForce = force(joint.force_max);
-      const Stiffness soft = stiffness_of(*joint.spring, pair.inv_mass(), 1);
-      definition.stiffness = soft.stiffness;
-      definition.damping = soft.damping;
-      static_cast<b2MouseJoint*>(attach(definition))->SetTarget(units_.scaled(joint.offset));
-      break;
-    }
-  }
+  b2Joint* made = kind.make({joint, units_, dt_, world_, {to_world ? anchorage_ : a, b}});
+  if (joint.spring && kind.stiffen != nullptr) sprung_.push_back({made, &joint});
   return {};
 }
 

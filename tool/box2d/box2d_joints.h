@@ -37,11 +37,6 @@ class Box2dJoints {
     b2Joint* joint;
     const engine::Joint* description;
   };
-  void set_stiffness(const Sprung& sprung) const;
-  template <typename Definition>
-  void set_limits(Definition& definition, const engine::Joint& joint) const;
-  Status check_known(const engine::Joint& joint, const std::string& place) const;
-
   b2World& world_;
   Box2dUnits units_;
   float dt_;

@@ -144,7 +144,7 @@ class Box2dWorld final : public Box2dPeer {
     for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
       const engine::Joint& joint = scene_.joints[i];
       const std::string place = fmt::format("{}: /joints/{}", scene_.name, i);
-      b2Body* a = joint.kind == engine::JointKind::target ? nullptr : bodies_[joint.body_a].body;
+      b2Body* a = engine::has_body_a(joint.kind) ? bodies_[joint.body_a].body : nullptr;
       if (Status added = joints_.add(joint, a, bodies_[joint.body_b].body, place); !added) return added;
     }
     return {};

@@ -231,12 +231,12 @@ SoakCase with_bodies(const SoakCase& soak_case, const Indices& kept) {
   Indices joints;
   for (std::size_t i = 0; i < scene.joints.size(); ++i) {
     const engine::Joint& joint = scene.joints[i];
-    const bool has_a = joint.kind == engine::JointKind::target || to[joint.body_a] != gone;
+    const bool has_a = !engine::has_body_a(joint.kind) || to[joint.body_a] != gone;
     if (has_a && to[joint.body_b] != gone) joints.push_back(i);
   }
   some = with_joints(some, joints);
   for (engine::Joint& joint : scene.joints) {
-    joint.body_a = joint.kind == engine::JointKind::target ? joint.body_a : to[joint.body_a];
+    if (engine::has_body_a(joint.kind)) joint.body_a = to[joint.body_a];
     joint.body_b = to[joint.body_b];
   }
   std::erase_if(scene.forces, [&](const engine::Force& force) {

@@ -9,13 +9,13 @@
 #include <cmath>
 
 #include "engine/math/trig.h"
+#include "tool/drawing/joint_geometry.h"
 
 namespace ticktrue::verifier {
 
 using engine::BodyReport;
 using engine::BodyType;
 using engine::Joint;
-using engine::JointKind;
 using engine::Point;
 
 double kinetic_energy(const Bodies& bodies) {
@@ -63,28 +63,8 @@ Point place_of(const BodyReport& body, const Point& anchor) {
   return {body.origin.x + arm.x, body.origin.y + arm.y};
 }
 
-double gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b) {
-  const Point at_a = place_of(a, joint.anchor_a);
-  const Point at_b = place_of(b, joint.anchor_b);
-  const Point d{at_b.x - at_a.x, at_b.y - at_a.y};
-  const double apart = std::hypot(d.x, d.y);
-  const Point axis = turned(a.angle, joint.axis);
-  switch (joint.kind) {
-    case JointKind::revolute:
-      return apart;
-    case JointKind::weld:
-      return joint.linear_spring ? 0 : apart;
-    case JointKind::prismatic:
-    case JointKind::wheel:
-      return std::fabs(d.y * axis.x - d.x * axis.y) / std::hypot(axis.x, axis.y);
-    case JointKind::distance:
-      return !joint.spring && !joint.limits && !joint.motor ? std::fabs(apart - joint.length) : 0;
-    case JointKind::motor:
-    case JointKind::friction:
-    case JointKind::target:
-      break;
-  }
-  return 0;
+JointPlaces places_of(const Joint& joint, const BodyReport& a, const BodyReport& b) {
+  return {place_of(a, joint.anchor_a), place_of(b, joint.anchor_b), turned(a.angle, joint.axis)};
 }
 
 }  // namespace
@@ -96,8 +76,8 @@ std::vector<double> joint_gaps(const engine::Scene& scene, const Bodies& bodies)
   std::vector<double> gaps;
   for (const Joint& joint : scene.joints) {
     const BodyReport* b = by_id[joint.body_b];
-    const BodyReport* a = joint.kind == JointKind::target ? b : by_id[joint.body_a];
-    gaps.push_back(a && b ? gap_of(joint, *a, *b) : 0);
+    const BodyReport* a = engine::has_body_a(joint.kind) ? by_id[joint.body_a] : b;
+    gaps.push_back(a && b ? joint_gap(joint, places_of(joint, *a, *b)) : 0);
   }
   return gaps;
 }

@@ -447,6 +447,8 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
                                                    {"body_b", "1"},
                                                    {"axis", "[1,0]"},
                                                    {"length", "1"},
+                                                   {"ground_anchor_a", "[0,1]"},
+                                                   {"ground_anchor_b", "[1,1]"},
                                                    {"force_max", "1"},
                                                    {"torque_max", "1"},
                                                    {"point", "[0,0]"},

@@ -19,7 +19,6 @@ using engine::Body;
 using engine::BodyReport;
 using engine::BodyType;
 using engine::Joint;
-using engine::JointKind;
 using engine::Point;
 using engine::Scene;
 
@@ -38,8 +37,7 @@ bool is_undriven(const SoakCase& soak_case) {
                                        [](const engine::Shape& shape) { return shape.material.tangent_speed != 0; });
   };
   const auto drives = [](const Joint& joint) {
-    return joint.motor || joint.spring || joint.linear_spring || joint.kind == JointKind::motor ||
-           joint.kind == JointKind::target;
+    return joint.motor || joint.spring || joint.linear_spring || engine::traits_of(joint.kind).is_driven;
   };
   return soak_case.inputs.empty() && scene.forces.empty() && !scene.bounds &&
          std::none_of(scene.bodies.begin(), scene.bodies.end(), moves_itself) &&
@@ -118,7 +116,7 @@ std::optional<SoakCase> in_free_space(const SoakCase& soak_case) {
   SoakCase space = with_bodies(soak_case, dynamic);
   std::vector<std::size_t> joints;
   for (std::size_t i = 0; i < space.scene.joints.size(); ++i)
-    if (space.scene.joints[i].kind != JointKind::target) joints.push_back(i);
+    if (engine::traits_of(space.scene.joints[i].kind).conserves_momentum) joints.push_back(i);
   space = with_joints(space, joints);
   space.inputs.clear();
   Scene& scene = space.scene;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "tool/drawing/joint_geometry.h"
 #include "tool/play/picture/theme.h"
 
 namespace ticktrue::play {
@@ -175,7 +176,7 @@ void WorldPicture::find_islands(const std::vector<engine::ContactReport>& contac
   };
   for (const engine::ContactReport& contact : contacts) meet(contact.body_a, contact.body_b);
   for (const engine::Joint& joint : engine_.scene().joints)
-    if (joint.kind != engine::JointKind::target) meet(joint.body_a, joint.body_b);
+    if (engine::has_body_a(joint.kind)) meet(joint.body_a, joint.body_b);
   for (const engine::Force& force : engine_.scene().forces)
     if (force.body && force.other) meet(*force.body, *force.other);
   for (std::uint32_t row = 0; row < island_.size(); ++row) island_[row] = root_of(island_, row);
@@ -240,14 +241,16 @@ void WorldPicture::draw_joints(Canvas& canvas, const View& view) {
     if (b == nullptr) continue;
     const Point anchor_b = verifier::to_world(*b, drawing_.figures()[b->figure], joint.anchor_b);
     Point anchor_a = joint.offset;
-    if (joint.kind != engine::JointKind::target) {
+    if (engine::has_body_a(joint.kind)) {
       const DrawnBody* a = find(joint.body_a);
       if (a == nullptr) continue;
       anchor_a = verifier::to_world(*a, drawing_.figures()[a->figure], joint.anchor_a);
       canvas.line(view.to_pixel(a->center), view.to_pixel(anchor_a), 1.2, with_alpha(theme::joint, 150));
     }
     canvas.line(view.to_pixel(b->center), view.to_pixel(anchor_b), 1.2, with_alpha(theme::joint, 150));
-    canvas.line(view.to_pixel(anchor_a), view.to_pixel(anchor_b), 1.2, theme::joint);
+    const verifier::JointLines shown = verifier::joint_lines(joint, {anchor_a, anchor_b, joint.axis});
+    for (std::size_t i = 0; i < shown.count; ++i)
+      canvas.line(view.to_pixel(shown.lines[i][0]), view.to_pixel(shown.lines[i][1]), 1.2, theme::joint);
     mark(anchor_a);
     mark(anchor_b);
   }

@@ -1,0 +1,115 @@
+// The pulley joint: a rope from body A over two fixed pulleys to body B, with a ratio, as of a block and tackle.
+// SPDX-License-Identifier: MIT
+// Source: Catto, Box2D 2.4.1, b2_pulley_joint.cpp (constraint, effective mass, sides without a direction); rows:
+// joint_rows.h.
+//
+// l_a, l_b = distances from the ground anchors to the bodies' anchors, u_a, u_b = their directions, r = ratio.
+// C = l_a + r l_b - length, u = u_a v_a + r u_b v_b, K = K_a + r^2 K_b. linear.x = the impulse on A along u_a;
+// linear.y = r linear.x, the one on B along u_b, so that |linear| bounds both (joint_inertia.h). axis.x, axis.y = 1
+// where the side of A, of B has a direction in this tick, else 0.
+#include "engine/joints/joint_rows.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// A side that is no longer than this share of the rope at the start of a tick has no direction in it and gets no
+/// impulse: ten times a slop of a 2000th. Of a rope of 10 m that is the 5 cm of Box2D. The answer holds for the tick,
+/// so that the relax pass takes back what the bias gave.
+constexpr Real shortest_share = Real(10.0 / 2000);
+
+/// From a ground anchor to a body's anchor.
+struct RopeSide {
+  Vec2 axis;    // unit, or zero
+  Vec2 arm;     // from the centre of mass to the anchor, m
+  Real length;  // m
+  Real lever;   // m
+  Real mobility;
+
+  Real speed(const MovingBody& body) const { return dot(axis, body.velocity) + lever * body.angular_velocity; }
+};
+
+/// `from_ground`: of the centre of mass at the start of the tick.
+RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv_mass, Real inv_inertia,
+                 Real has_direction) {
+  RopeSide side{};
+  side.arm = rotate(body.turned, anchor);
+  const Vec2 d = (from_ground + body.moved) + side.arm;
+  side.length = length(d);
+  if (!(has_direction * side.length > 0)) return side;
+  side.axis = {d.x / side.length, d.y / side.length};
+  side.lever = cross(side.arm, side.axis);
+  side.mobility = inv_mass + inv_inertia * side.lever * side.lever;
+  return side;
+}
+
+/// What lengthens a side in a substep besides the velocity along it, per h: as of a rod (joint_distance.cpp).
+Real lengthening_rate(const RopeSide& side, const MovingBody& body, Real h) {
+  const Real sideways = h * cross(side.axis, body.velocity + cross(body.angular_velocity, side.arm));
+  const Real whole = side.length + square_root(side.length * side.length + sideways * sideways);
+  const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
+  return longer + dot(side.axis, turning_rate({0, 0}, side.arm, {body, body}, h));
+}
+
+struct PulleyRow {
+  RopeSide a;
+  RopeSide b;
+  Real ratio;
+  Real mobility;  // 1/kg
+
+  Real speed(const JointBodies& pair) const { return a.speed(pair.a) + ratio * b.speed(pair.b); }
+  void apply(const JointWork& joint, JointBodies& pair, Real impulse) const {
+    const Real impulse_b = ratio * impulse;
+    pair.a.velocity = pair.a.velocity + (joint.inv_mass_a * impulse) * a.axis;
+    pair.a.angular_velocity += joint.inv_inertia_a * a.lever * impulse;
+    pair.b.velocity = pair.b.velocity + (joint.inv_mass_b * impulse_b) * b.axis;
+    pair.b.angular_velocity += joint.inv_inertia_b * b.lever * impulse_b;
+  }
+};
+
+PulleyRow pulley_row(const JointWork& joint, const JointBodies& pair) {
+  const JointModel& model = *joint.model;
+  PulleyRow row;
+  row.a = side_of(pair.a, joint.center_a - model.ground_a, joint.anchor_a, joint.inv_mass_a, joint.inv_inertia_a,
+                  joint.axis.x);
+  row.b = side_of(pair.b, joint.center_b - model.ground_b, joint.anchor_b, joint.inv_mass_b, joint.inv_inertia_b,
+                  joint.axis.y);
+  row.ratio = model.ratio;
+  row.mobility = row.a.mobility + row.ratio * row.ratio * row.b.mobility;
+  return row;
+}
+
+void describe_pulley(JointModel& model, const Joint& joint, const JointCenters&) {
+  model.ground_a = from_center(joint.ground_anchor_a, {0, 0});
+  model.ground_b = from_center(joint.ground_anchor_b, {0, 0});
+  model.ratio = static_cast<Real>(joint.ratio);
+}
+
+void prepare_pulley(JointWork& joint, Real) {
+  const JointModel& model = *joint.model;
+  const Real shortest = shortest_share * model.length;
+  const Real length_a = length((joint.center_a - model.ground_a) + joint.anchor_a);
+  const Real length_b = length((joint.center_b - model.ground_b) + joint.anchor_b);
+  joint.axis = {Real(length_a > shortest ? 1 : 0), Real(length_b > shortest ? 1 : 0)};
+}
+
+void note_pulley(JointWork&, const JointBodies&) {}
+
+void warm_start_pulley(const JointWork& joint, JointBodies& pair) {
+  pulley_row(joint, pair).apply(joint, pair, joint.impulses.linear.x);
+}
+
+void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
+  const PulleyRow row = pulley_row(joint, pair);
+  const Real error = (row.a.length + row.ratio * row.b.length) - joint.model->length;
+  const Real lengthening =
+      bias == Bias::on ? lengthening_rate(row.a, pair.a, h) + row.ratio * lengthening_rate(row.b, pair.b, h) : Real(0);
+  solve_rigid(joint, row, pair, error, softness(joint, bias), joint.impulses.linear.x, lengthening);
+  joint.impulses.linear.y = row.ratio * joint.impulses.linear.x;
+}
+
+}  // namespace
+
+constexpr JointFunctions pulley_joint{describe_pulley, prepare_pulley, note_each<note_pulley>,
+                                      warm_start_each<warm_start_pulley>, solve_each<solve_pulley>};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,82 @@
+// What joints hold and look like in the world.
+// SPDX-License-Identifier: MIT
+#include "tool/drawing/joint_geometry.h"
+
+#include <cmath>
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::Joint;
+using engine::JointKind;
+using engine::Point;
+
+double between_anchors(const Joint&, const JointPlaces& places) {
+  return std::hypot(places.anchor_b.x - places.anchor_a.x, places.anchor_b.y - places.anchor_a.y);
+}
+
+double of_weld(const Joint& joint, const JointPlaces& places) {
+  return joint.linear_spring ? 0 : between_anchors(joint, places);
+}
+
+double across_axis(const Joint&, const JointPlaces& places) {
+  const Point d{places.anchor_b.x - places.anchor_a.x, places.anchor_b.y - places.anchor_a.y};
+  const Point axis = places.axis;
+  return std::fabs(d.y * axis.x - d.x * axis.y) / std::hypot(axis.x, axis.y);
+}
+
+double of_rod(const Joint& joint, const JointPlaces& places) {
+  const bool is_rod = !joint.spring && !joint.limits && !joint.motor;
+  return is_rod ? std::fabs(between_anchors(joint, places) - joint.length) : 0;
+}
+
+double of_pulley(const Joint& joint, const JointPlaces& places) {
+  const auto apart = [](Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); };
+  return std::fabs(apart(joint.ground_anchor_a, places.anchor_a) +
+                   joint.ratio * apart(joint.ground_anchor_b, places.anchor_b) - joint.length);
+}
+
+double nothing(const Joint&, const JointPlaces&) {
+  return 0;
+}
+
+JointLines one_line(const Joint&, const JointPlaces& places) {
+  return {1, {{{places.anchor_a, places.anchor_b}}}};
+}
+
+JointLines over_the_ground_anchors(const Joint& joint, const JointPlaces& places) {
+  return {3,
+          {{{joint.ground_anchor_a, places.anchor_a},
+            {joint.ground_anchor_b, places.anchor_b},
+            {joint.ground_anchor_a, joint.ground_anchor_b}}}};
+}
+
+struct JointGeometry {
+  JointKind kind;
+  double (*gap)(const Joint& joint, const JointPlaces& places);
+  JointLines (*lines)(const Joint& joint, const JointPlaces& places);
+};
+constexpr std::array<JointGeometry, engine::joint_kinds.size()> table{{
+    {JointKind::revolute, between_anchors, one_line},
+    {JointKind::prismatic, across_axis, one_line},
+    {JointKind::distance, of_rod, one_line},
+    {JointKind::weld, of_weld, one_line},
+    {JointKind::wheel, across_axis, one_line},
+    {JointKind::motor, nothing, one_line},
+    {JointKind::friction, nothing, one_line},
+    {JointKind::target, nothing, one_line},
+    {JointKind::pulley, of_pulley, over_the_ground_anchors},
+}};
+static_assert(engine::rows_are_in_order(table));
+
+}  // namespace
+
+double joint_gap(const Joint& joint, const JointPlaces& places) {
+  return info_of(table, joint.kind).gap(joint, places);
+}
+
+JointLines joint_lines(const Joint& joint, const JointPlaces& places) {
+  return info_of(table, joint.kind).lines(joint, places);
+}
+
+}  // namespace ticktrue::verifier
