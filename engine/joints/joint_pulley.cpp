@@ -32,8 +32,8 @@ struct RopeSide {
 RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv_mass, Real inv_inertia,
                  Real has_direction) {
   RopeSide side{};
-  side.arm = rotate(body.turned, anchor);
-  const Vec2 d = (from_ground + body.moved) + side.arm;
+  side.arm = rotate(body.delta_rotation, anchor);
+  const Vec2 d = (from_ground + body.delta_position) + side.arm;
   side.length = length(d);
   if (!(has_direction * side.length > 0)) return side;
   side.axis = {d.x / side.length, d.y / side.length};

@@ -132,7 +132,7 @@ TEST_CASE("two bodies on a pulley fall asleep together and wake together", "[eng
   engine::encode_inputs({push}, bytes);
   const TickInput input{scene.settings.dt, bytes};
   REQUIRE(engine->accept(input).has_value());
-  engine->step(input, nullptr);
+  REQUIRE(engine->step(input, nullptr));
   CHECK(engine->bodies()[0].velocity.y == Approx(-1));  // 2 N s for 2 kg
   CHECK(engine->bodies()[1].velocity.y == Approx(1));
 }
