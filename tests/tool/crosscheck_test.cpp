@@ -798,7 +798,7 @@ TEST_CASE("pulleys of the peer are ours: Atwood machines, swings, a bar at its e
   none.joints[0].anchor_b = {};
   none.joints[0].ground_anchor_a = {0, 10};
   none.joints[0].ground_anchor_b = {0.5, 0};
-  none.joints[0].length = 10;  // 5 cm are short here and there
+  none.joints[0].length = 10;                   // 5 cm are short here and there
   const Both falling = run_both(none, 0.0833);  // 3.5 cm
   check_same(falling, 0.005);
   CHECK(falling.ours[1].velocity.y == Approx(-10 * 5 / 60.0).epsilon(0.01));
