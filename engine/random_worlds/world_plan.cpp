@@ -114,6 +114,12 @@ bool is_solid(ShapeKind kind) {
   return kind != ShapeKind::segment && kind != ShapeKind::chain;
 }
 
+void add_once(std::vector<InputKind>& inputs, InputKind wanted) {
+  for (const InputKind kind : inputs)
+    if (kind == wanted) return;
+  inputs.push_back(wanted);
+}
+
 void draw_kinds(Draw& draw, WorldPlan& plan) {
   const auto knows_shape = [&](ShapeKind kind) {
     return !plan.is_plain() || kind == ShapeKind::circle || kind == ShapeKind::box || kind == ShapeKind::polygon;
@@ -134,6 +140,8 @@ void draw_kinds(Draw& draw, WorldPlan& plan) {
            (!is_pointer || plan.carries_constraints());
   };
   plan.inputs = draw_subset<InputKind>(draw, input_kinds, 40, takes_input);
+  if (!plan.joints.empty() && plan.has(WorldFeature::joint_motors) && draw.half())
+    add_once(plan.inputs, InputKind::set_motor);
   plan.has_end = draw.half();
 }
 
@@ -182,9 +190,7 @@ void draw_quiet(Draw& draw, WorldPlan& plan) {
   for (const ShapeKind kind : plan.shapes) some_round = some_round || is_round(kind);
   if (!some_round) plan.shapes.push_back(ShapeKind::circle);
   const InputKind push = draw.chance(70) ? InputKind::set_velocity : InputKind::impulse;
-  for (const InputKind kind : plan.inputs)
-    if (kind == push) return;
-  if (draw.chance(80)) plan.inputs.push_back(push);
+  if (draw.chance(80)) add_once(plan.inputs, push);
 }
 
 /// Small islands get a load, so that automatic substeps have something to choose. Large islands under many substeps
