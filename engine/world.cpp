@@ -84,7 +84,7 @@ class World final : public Engine {
 #endif
     const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
-    scratch_.planted = std::exchange(planted_, std::nullopt);
+    scratch_.injected = std::exchange(injected_, std::nullopt);
     if (check_ != nullptr) begin_check(input);
     begin_tick(state_, scratch_, input);
     const Real dt = static_cast<Real>(input.dt);
@@ -133,7 +133,7 @@ class World final : public Engine {
                          model_.bodies[state_.bodies[fault.place.row].source].type != BodyType::static_body;
     for (const Field& field : fields)
       if (has_substeps && has_row && field.column == table.columns[fault.place.column].name) {
-        planted_ = {fault.place.row, field.field, fault.place.lane, fault.bit, static_cast<int>(fault.substep)};
+        injected_ = {fault.place.row, field.field, fault.place.lane, fault.bit, static_cast<int>(fault.substep)};
         return {};
       }
     return Error{ErrorCode::unsupported, "the solver works on what moves, in substeps, with tgs_soft alone", ""};
@@ -245,13 +245,13 @@ class World final : public Engine {
     found.pair_count_max = pair_count_max();
     State poses = state_;
     broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
-    const Real fall = gravity_displacement_of_tick(model_, state_);
-    const MotionBounds reach = motion_bounds_of_tick(model_, state_, dt);
+    const Real gravity_displacement = gravity_displacement_of_tick(model_, state_);
+    const MotionBounds bounds = motion_bounds_of_tick(model_, state_, dt);
     BroadPhaseReport report;
     for (const Proxy& proxy : found.proxies) {
       const BodyRow& body = state_.bodies[proxy.body];
-      const Box box = box_around(model_, body, model_.shapes[proxy.shape], fall,
-                                 swept_displacement_of(reach, model_.bodies[body.source], body));
+      const Box box = box_around(model_, body, model_.shapes[proxy.shape], gravity_displacement,
+                                 swept_displacement_of(bounds, model_.bodies[body.source], body));
       report.boxes.push_back({body.id, to_point(box.lower), to_point(box.upper)});
     }
     for (const Pair& pair : found.pairs) report.pairs.push_back({pair.first, pair.second});
@@ -283,7 +283,7 @@ class World final : public Engine {
     Scratch& cold = check_->scratch.emplace();
     cold.parallel = scratch_.parallel;
     cold.inputs = scratch_.inputs;
-    cold.planted = scratch_.planted;
+    cold.injected = scratch_.injected;
     begin_tick(check_->state, cold, input);
   }
 
@@ -359,9 +359,9 @@ class World final : public Engine {
   State state_;
   Scratch scratch_;
   std::optional<std::size_t> pair_count_max_;
-  std::unique_ptr<ColdTick> check_;      // if every tick is to be done without cached structures, too
-  std::optional<PlantedFault> planted_;  // for the next tick
-  Status last_step_;                     // an error: the state is that of no tick
+  std::unique_ptr<ColdTick> check_;        // if every tick is to be done without cached structures, too
+  std::optional<InjectedFault> injected_;  // for the next tick
+  Status last_step_;                       // an error: the state is that of no tick
   StateView view_;
   std::vector<std::string> stage_names_;
 };

@@ -11,8 +11,8 @@ command -v objdump >/dev/null 2>&1 || exit 77
 object=$(mktemp) || exit 77
 trap 'rm -f "$object"' EXIT
 status=0
-for source in engine/narrow_phase/collide_polygons.cpp engine/solvers/impulse.cpp engine/joints/pointer.cpp \
-  engine/contacts/contact_kernels.cpp engine/joints/batched/pin_kernels.cpp engine/integrators/motion_kernels.cpp; do
+for source in engine/narrow_phase/collide_polygons.cpp engine/solvers/impulse.cpp engine/joints/mouse_joint.cpp \
+  engine/contacts/contact_kernels.cpp engine/joints/batched/revolute_kernels.cpp engine/integrators/motion_kernels.cpp; do
   "$compiler" -std=c++20 -O3 -march=x86-64-v4 "$@" -DTICKTRUE_PRECISION=f64 -I"$source_dir" -c "$source_dir/$source" \
     -o "$object" || exit 1
   count=$(objdump -d "$object" | grep -cE 'vfn?m(add|sub)')

@@ -39,13 +39,14 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
 
 namespace {
 
-Real swept_displacement_of_row(const Model& model, const State& state, const MotionBounds& reach, std::uint32_t row) {
-  return swept_displacement_of(reach, model.bodies[state.bodies[row].source], state.bodies[row]);
+Real swept_displacement_of_row(const Model& model, const State& state, const MotionBounds& bounds, std::uint32_t row) {
+  return swept_displacement_of(bounds, model.bodies[state.bodies[row].source], state.bodies[row]);
 }
 
 }  // namespace
 
-Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
+                    Real swept) {
   const Vec2* vertices = &model.vertices[shape.first_vertex];
   Vec2 lower = rotate(body.rotation, vertices[0]);
   Vec2 upper = lower;
@@ -54,23 +55,23 @@ Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& s
     lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
     upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
   }
-  return box_between(body, shape, lower, upper, fall, way);
+  return box_between(body, shape, lower, upper, gravity_displacement, swept);
 }
 
 void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
   scratch.caches.pairs.is_valid = false;  // of another broad phase
-  scratch.caches.has_touching = false;
-  const Real fall = gravity_displacement_of_tick(model, state);
-  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
+  scratch.caches.has_contact_pairs = false;
+  const Real gravity_displacement = gravity_displacement_of_tick(model, state);
+  const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
   scratch.proxy_rows.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
   scratch.proxies = scratch.proxy_rows;
   scratch.boxes.clear();
   for (Proxy& proxy : scratch.proxy_rows) {
     const BodyRow& body = state.bodies[proxy.body];
-    const Real way = swept_displacement_of_row(model, state, reach, proxy.body);
-    scratch.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], fall, way));
-    proxy.ahead = ahead_of(reach, model.bodies[body.source], way);
+    const Real swept = swept_displacement_of_row(model, state, bounds, proxy.body);
+    scratch.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], gravity_displacement, swept));
+    proxy.ccd_margin = ccd_margin_of(bounds, model.bodies[body.source], swept);
   }
 }
 
@@ -119,13 +120,13 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   make_proxies(model, state, scratch, dt);
   if (boxes_are_too_many(scratch)) return;
   const std::span<const Proxy> proxies = scratch.proxies;
-  const Real fall = gravity_displacement_of_tick(model, state);
-  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
+  const Real gravity_displacement = gravity_displacement_of_tick(model, state);
+  const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
   std::vector<Circle>& circles = scratch.circles;
   circles.clear();
   for (const Proxy& proxy : proxies)
-    circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], fall,
-                                    swept_displacement_of_row(model, state, reach, proxy.body)));
+    circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], gravity_displacement,
+                                    swept_displacement_of_row(model, state, bounds, proxy.body)));
   scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {

@@ -6,7 +6,7 @@
 #include "engine/model/model.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
-#include "engine/simd/four.h"
+#include "engine/simd/realx4.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -18,39 +18,43 @@ void add_proxies(const Model& model, const State& state, std::uint32_t row, std:
 
 /// What a shape is given around it, beside its way: what the narrow phase calls near, plus the rounding of coordinates
 /// this far out, so that no algorithm can miss a pair that another one finds.
-inline Real margin_around(Vec2 center, const ShapeModel& shape, Real fall) {
-  const Real reach = larger(magnitude(center.x), magnitude(center.y)) + shape.bounding_radius;
-  return speculative_margin(shape.size, fall) + 16 * epsilon * reach;
+inline Real margin_around(Vec2 center, const ShapeModel& shape, Real gravity_displacement) {
+  const Real extent = larger(magnitude(center.x), magnitude(center.y)) + shape.bounding_radius;
+  return speculative_margin(shape.size, gravity_displacement) + 16 * epsilon * extent;
 }
 
-/// The circle and the box around a shape of a body and its margin, and around its `way` of this tick
+/// The circle and the box around a shape of a body and its margin, and around its `swept` of this tick
 /// (swept_displacement_of): no two shapes between which the narrow phase finds anything have boxes, or circles, that do
-/// not overlap. `fall`: gravity_displacement_of_tick.
-inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
+/// not overlap. `gravity_displacement`: gravity_displacement_of_tick.
+inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real gravity_displacement, Real swept) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);
-  return {center, (shape.bounding_radius + margin_around(center, shape, fall)) + way};
+  return {center, (shape.bounding_radius + margin_around(center, shape, gravity_displacement)) + swept};
 }
-Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way);
+Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
+                    Real swept);
 /// `lower`, `upper`: of its vertices, from the body's position.
-inline Box box_between(const BodyRow& body, const ShapeModel& shape, Vec2 lower, Vec2 upper, Real fall, Real way) {
+inline Box box_between(const BodyRow& body, const ShapeModel& shape, Vec2 lower, Vec2 upper, Real gravity_displacement,
+                       Real swept) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);
-  const Real around = (shape.radius + margin_around(center, shape, fall)) + way;
+  const Real around = (shape.radius + margin_around(center, shape, gravity_displacement)) + swept;
   const Vec2 extent{around, around};
   return {(body.position + lower) - extent, (body.position + upper) + extent};
 }
-inline Box box_around_quad(const Quad& corners, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
-  const Four x = load_four(corners.x);
-  const Four y = load_four(corners.y);
+inline Box box_around_quad(const Quad& corners, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
+                           Real swept) {
+  const Realx4 x = load_x4(corners.x);
+  const Realx4 y = load_x4(corners.y);
   const Rotation q = body.rotation;
-  const Four turned_x = q.c * x - q.s * y;
-  const Four turned_y = q.s * x + q.c * y;
-  return box_between(body, shape, {least_of(turned_x), least_of(turned_y)}, {most_of(turned_x), most_of(turned_y)},
-                     fall, way);
+  const Realx4 rotated_x = q.c * x - q.s * y;
+  const Realx4 rotated_y = q.s * x + q.c * y;
+  return box_between(body, shape, {smallest_lane(rotated_x), smallest_lane(rotated_y)},
+                     {largest_lane(rotated_x), largest_lane(rotated_y)}, gravity_displacement, swept);
 }
-inline Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real fall, Real way) {
-  if (shape.quad != no_quad) return box_around_quad(model.quads[shape.quad], body, shape, fall, way);
-  if (shape.family != ShapeFamily::circle) return box_around_hull(model, body, shape, fall, way);
-  const Circle circle = circle_around(body, shape, fall, way);
+inline Box box_around(const Model& model, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
+                      Real swept) {
+  if (shape.quad != no_quad) return box_around_quad(model.quads[shape.quad], body, shape, gravity_displacement, swept);
+  if (shape.family != ShapeFamily::circle) return box_around_hull(model, body, shape, gravity_displacement, swept);
+  const Circle circle = circle_around(body, shape, gravity_displacement, swept);
   const Vec2 extent{circle.radius, circle.radius};
   return {circle.center - extent, circle.center + extent};
 }
@@ -73,16 +77,16 @@ inline bool may_touch(const Proxy& a, const Proxy& b) {
 }
 
 /// A box without what is there for guarded shapes alone.
-inline Box near_box(const Box& box, Real ahead) {
-  const Vec2 extent{ahead, ahead};
-  return ahead > 0 ? Box{box.lower + extent, box.upper - extent} : box;
+inline Box inner_box(const Box& box, Real ccd_margin) {
+  const Vec2 extent{ccd_margin, ccd_margin};
+  return ccd_margin > 0 ? Box{box.lower + extent, box.upper - extent} : box;
 }
 
 /// Whether two proxies whose boxes overlap are a pair that broad phases list.
 inline bool are_pair(const Proxy& a, const Proxy& b, const Box& box_a, const Box& box_b) {
   if (!may_touch(a, b)) return false;
-  if (a.ahead < 0 || b.ahead < 0 || a.ahead + b.ahead <= 0) return true;
-  return overlaps(near_box(box_a, a.ahead), near_box(box_b, b.ahead));
+  if (a.ccd_margin < 0 || b.ccd_margin < 0 || a.ccd_margin + b.ccd_margin <= 0) return true;
+  return overlaps(inner_box(box_a, a.ccd_margin), inner_box(box_b, b.ccd_margin));
 }
 
 /// Whether so many pairs are more than a tick may have; then also gives up: notes it and lists none. What counts are

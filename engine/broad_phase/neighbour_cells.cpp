@@ -14,12 +14,13 @@
 #include <algorithm>
 
 #include "engine/broad_phase/pair_listing.h"
-#include "engine/simd/four.h"
+#include "engine/simd/realx4.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real room_share = Real(1.02);  // cells are larger than boxes by far more than the rounding of a cell's number
+constexpr Real cell_margin_share =
+    Real(1.02);  // cells are larger than boxes by far more than the rounding of a cell's number
 constexpr Real cells_in_line_max = Real(1 << 15);  // more, and it is not
 constexpr Real cells_per_box = 2;                  // cells are as large as it takes
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
@@ -69,7 +70,7 @@ struct Cells {
   std::uint32_t rows;     // with the empty one
 };
 
-bool holds(const Spread& spread, Vec2 corner) {
+bool contains_corner(const Spread& spread, Vec2 corner) {
   return corner.x >= spread.lowest.x && corner.x <= spread.highest.x && corner.y >= spread.lowest.y &&
          corner.y <= spread.highest.y;
 }
@@ -81,20 +82,20 @@ Spread of_both(const Spread& a, const Spread& b) {
 
 constexpr std::size_t boxes_per_chunk_least = 256;
 
-/// Fills scratch.near_boxes, and finds what looks ahead and where boxes of at most this side are.
+/// Fills scratch.inner_boxes, and finds what looks ahead and where boxes of at most this side are.
 BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real side) {
   const std::size_t count = boxes.size();
   const std::size_t size = scratch.parallel.chunk_size(count, boxes_per_chunk_least);
-  scratch.near_boxes.resize(count);
+  scratch.inner_boxes.resize(count);
   scratch.outlines.assign(Parallel::chunk_count(count, size), {});
   scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
     BoxOutline outline;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const Real ahead = proxies[i].ahead;
-      outline.farthest = larger(outline.farthest, ahead);
-      outline.any_ccd_only |= ahead < 0;
-      const Box box = near_box(boxes[i], ahead);
-      scratch.near_boxes[i] = box;
+      const Real ccd_margin = proxies[i].ccd_margin;
+      outline.farthest = larger(outline.farthest, ccd_margin);
+      outline.any_ccd_target |= ccd_margin < 0;
+      const Box box = inner_box(boxes[i], ccd_margin);
+      scratch.inner_boxes[i] = box;
       if (fits_into(box, side)) outline.spread = of_both(outline.spread, {box.lower, box.lower});
     }
     scratch.outlines[chunk.index] = outline;
@@ -102,7 +103,7 @@ BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const st
   BoxOutline all;
   for (const BoxOutline& part : scratch.outlines)
     all = {of_both(all.spread, part.spread), larger(all.farthest, part.farthest),
-           all.any_ccd_only || part.any_ccd_only};
+           all.any_ccd_target || part.any_ccd_target};
   return all;
 }
 
@@ -111,9 +112,9 @@ Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread)
   constexpr Real deviations = 4;
   const auto for_each = [&](auto use) {
     for (const Box& box : boxes)
-      if (fits_into(box, side) && holds(spread, box.lower)) use(box.lower);
+      if (fits_into(box, side) && contains_corner(spread, box.lower)) use(box.lower);
   };
-  for (int round = 0; round < 3; ++round) {
+  for (int pass = 0; pass < 3; ++pass) {
     Real count = 0;
     Vec2 mean;
     for_each([&](Vec2 corner) {
@@ -135,7 +136,7 @@ Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread)
 Cells cells_in(const Spread& spread, Real side, std::size_t count) {
   const Vec2 extent = spread.highest - spread.lowest;
   const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(count));
-  const Real size = larger(room_share * side, square_root(area_per_cell));
+  const Real size = larger(cell_margin_share * side, square_root(area_per_cell));
   if (!(size <= cell_ratio_max * side)) return {};
   const Real inv_size = 1 / size;
   if (!(extent.x * inv_size < cells_in_line_max) || !(extent.y * inv_size < cells_in_line_max)) return {};
@@ -161,7 +162,7 @@ void find_cells(Scratch& scratch, const std::vector<Box>& boxes, Real side, cons
       boxes.size(), scratch.parallel.chunk_size(boxes.size(), boxes_per_chunk_least), [&](const Chunk& chunk) {
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
           cell_of[i] = in_no_cell;
-          if (!fits_into(boxes[i], side) || !holds(spread, boxes[i].lower)) continue;
+          if (!fits_into(boxes[i], side) || !contains_corner(spread, boxes[i].lower)) continue;
           const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
           const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
           const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
@@ -196,16 +197,16 @@ void fill_cells(Scratch& scratch, const std::vector<Box>& boxes, const Cells& ce
 
 /// A box, asked about many others.
 struct Query {
-  Four most;  // of the others' lower corners, and of their upper ones turned round
+  Realx4 most;  // of the others' lower corners, and of their upper ones turned round
 
   explicit Query(const Box& box) {
     const Real corners[4] = {box.upper.x, box.upper.y, -box.lower.x, -box.lower.y};
-    most = load_four(corners);
+    most = load_x4(corners);
   }
   /// overlaps(), without a branch.
   bool overlaps(const Box& other) const {
     const Real turns[4] = {1, 1, -1, -1};
-    return all_at_most(load_four(turns) * load_four(&other.lower.x), most);
+    return all_at_most(load_x4(turns) * load_x4(&other.lower.x), most);
   }
 };
 static_assert(sizeof(Box) == 4 * sizeof(Real));
@@ -231,15 +232,15 @@ struct PairsOfChunk {
   std::vector<Pair>& pairs;
   std::size_t count;
 
-  void make_room(std::size_t more) {
+  void reserve(std::size_t more) {
     if (pairs.size() < count + more) pairs.resize(2 * (count + more));
   }
   /// Of two near boxes that overlap. What looks ahead and what is guarded are paired by
   /// themselves. Requires: room.
-  bool add_near(std::uint32_t a, std::uint32_t b) {
-    const Real ahead_a = proxies[a].ahead;
-    const Real ahead_b = proxies[b].ahead;
-    return (ahead_a < 0 && ahead_b > 0) || (ahead_a > 0 && ahead_b < 0) || add(a, b);
+  bool add_inner(std::uint32_t a, std::uint32_t b) {
+    const Real margin_a = proxies[a].ccd_margin;
+    const Real margin_b = proxies[b].ccd_margin;
+    return (margin_a < 0 && margin_b > 0) || (margin_a > 0 && margin_b < 0) || add(a, b);
   }
   /// Requires: room.
   bool add(std::uint32_t a, std::uint32_t b) {
@@ -260,13 +261,13 @@ bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, Pai
     const std::uint32_t right_end = end_of[cell + 1];
     const std::uint32_t next_begin = end_of[cell + cells.columns - 2];
     const std::uint32_t next_end = end_of[cell + cells.columns + 1];
-    out.make_room((right_end - i) + (next_end - next_begin) + 2 * looked_at_least);
+    out.reserve((right_end - i) + (next_end - next_begin) + 2 * looked_at_least);
     const Query query(boxes[i]);
     Pair* found = out.pairs.data() + out.count;
     Pair* found_end = meet<2>(boxes, query, i, i + 1, right_end, found);
     found_end = meet<looked_at_least>(boxes, query, i, next_begin, next_end, found_end);
     for (; found < found_end; ++found)
-      if (!out.add_near(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy))
+      if (!out.add_inner(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy))
         return false;
   }
   return true;
@@ -280,7 +281,7 @@ std::uint32_t clamped(Real place, std::uint32_t count) {
 /// Calls use(place) for what is in the cells of a table whose boxes a box may overlap, row by row, until it returns
 /// false. `end_of`: [cell], where its entries end.
 template <typename MakeRoom, typename Use>
-bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, MakeRoom make_room,
+bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, MakeRoom reserve,
                   Use use) {
   // What overlaps it begins in a cell that it reaches, or in one before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
@@ -291,7 +292,7 @@ bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, 
   for (std::uint32_t row = clamped(first.y - 1, cells.rows - 1); row <= last_row; ++row) {
     const std::uint32_t end = end_of[row * cells.columns + last_column];
     std::uint32_t place = end_of[row * cells.columns + first_column - 1];
-    if (place < end) make_room(end - place);
+    if (place < end) reserve(end - place);
     for (; place < end; ++place)
       if (!use(place)) return false;
   }
@@ -299,80 +300,81 @@ bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, 
 }
 
 /// What looks ahead in this tick.
-struct Ahead {
+struct FastProxies {
   const std::vector<Box>& boxes;  // [proxy] with what is ahead
   Real farthest = 0;              // m, any looks
-  bool any_ccd_only = false;
+  bool any_ccd_target = false;
 };
 
 /// The pairs of a shape that looks ahead with guarded ones in cells.
-bool meet_ccd_only(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
+bool meet_ccd_targets(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
-  const Query query(ahead.boxes[index]);
+  const Query query(fast.boxes[index]);
   return for_cells_of(
-      cells, scratch.ccd_only_starts, ahead.boxes[index], [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.ccd_target_starts, fast.boxes[index], [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        const std::uint32_t other = scratch.ccd_only_places[place];
-        return !query.overlaps(ahead.boxes[other]) || out.add(index, other);
+        const std::uint32_t other = scratch.ccd_target_places[place];
+        return !query.overlaps(fast.boxes[other]) || out.add(index, other);
       });
 }
 
 /// The pairs of a large guarded shape with those that look ahead.
-bool meet_ahead(const Cells& cells, const Ahead& ahead, std::uint32_t index, PairsOfChunk& out) {
+bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
-  const Box& box = ahead.boxes[index];
+  const Box& box = fast.boxes[index];
   const Query query(box);
   const auto look_at = [&](std::uint32_t other) {
-    if (!(out.proxies[other].ahead > 0) || !query.overlaps(ahead.boxes[other])) return true;
+    if (!(out.proxies[other].ccd_margin > 0) || !query.overlaps(fast.boxes[other])) return true;
     return out.add(index, other);
   };
-  out.make_room(scratch.large.size());
+  out.reserve(scratch.large.size());
   for (const std::uint32_t large : scratch.large)
     if (!look_at(large)) return false;
   const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
                  larger(absolute(box.lower.y), absolute(box.upper.y))};
-  const Vec2 farthest{ahead.farthest, ahead.farthest};
+  const Vec2 farthest{fast.farthest, fast.farthest};
   const Vec2 extent = farthest + 16 * epsilon * (far + farthest);
   const Box around{box.lower - extent, box.upper + extent};
   const Query near(around);
   return for_cells_of(
-      cells, scratch.cell_starts, around, [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.cell_starts, around, [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
         return !near.overlaps(scratch.swept_boxes[place]) || look_at(scratch.swept_places[place].proxy);
       });
 }
 
 /// The pairs of a large box with the large ones after it and with what is in cells.
-bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const Ahead& ahead, std::size_t which,
+bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const FastProxies& fast, std::size_t which,
                 PairsOfChunk& out) {
   const Scratch& scratch = out.scratch;
   const std::uint32_t index = scratch.large[which];
   const Query query(boxes[index]);
-  out.make_room(scratch.large.size());
+  out.reserve(scratch.large.size());
   for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
-    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_near(index, scratch.large[k])) return false;
+    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_inner(index, scratch.large[k])) return false;
   const bool goes_on = for_cells_of(
-      cells, scratch.cell_starts, boxes[index], [&](std::size_t more) { out.make_room(more); },
+      cells, scratch.cell_starts, boxes[index], [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        return !query.overlaps(scratch.swept_boxes[place]) || out.add_near(index, scratch.swept_places[place].proxy);
+        return !query.overlaps(scratch.swept_boxes[place]) || out.add_inner(index, scratch.swept_places[place].proxy);
       });
-  if (!goes_on || !ahead.any_ccd_only || !(ahead.farthest > 0) || out.proxies[index].ahead == 0) return goes_on;
-  return out.proxies[index].ahead > 0 ? meet_ccd_only(cells, ahead, index, out) : meet_ahead(cells, ahead, index, out);
+  if (!goes_on || !fast.any_ccd_target || !(fast.farthest > 0) || out.proxies[index].ccd_margin == 0) return goes_on;
+  return out.proxies[index].ccd_margin > 0 ? meet_ccd_targets(cells, fast, index, out)
+                                           : meet_fast(cells, fast, index, out);
 }
 
 /// Sorts the guarded shapes by cell, but those in scratch.large. Requires: fill_cells.
-void fill_ccd_only_cells(Scratch& scratch, std::span<const Proxy> proxies) {
-  std::vector<std::uint32_t>& start = scratch.ccd_only_starts;
+void fill_ccd_target_cells(Scratch& scratch, std::span<const Proxy> proxies) {
+  std::vector<std::uint32_t>& start = scratch.ccd_target_starts;
   const std::vector<std::uint32_t>& cell_of = scratch.counts;
   start.assign(scratch.cell_starts.size(), 0);
   const auto for_each = [&](auto use) {
     for (std::uint32_t i = 0; i < proxies.size(); ++i)
-      if (proxies[i].ahead < 0 && cell_of[i] != in_no_cell) use(i);
+      if (proxies[i].ccd_margin < 0 && cell_of[i] != in_no_cell) use(i);
   };
   for_each([&](std::uint32_t i) { ++start[cell_of[i] + 1]; });
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.ccd_only_places.resize(start.back());
-  for_each([&](std::uint32_t i) { scratch.ccd_only_places[start[cell_of[i]]++] = i; });
+  scratch.ccd_target_places.resize(start.back());
+  for_each([&](std::uint32_t i) { scratch.ccd_target_places[start[cell_of[i]]++] = i; });
 }
 
 }  // namespace
@@ -380,7 +382,7 @@ void fill_ccd_only_cells(Scratch& scratch, std::span<const Proxy> proxies) {
 CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes,
                           Real& side) {
   BoxOutline outline = outline_of(scratch, proxies, all_boxes, side);
-  const std::vector<Box>& boxes = scratch.near_boxes;
+  const std::vector<Box>& boxes = scratch.inner_boxes;
   if (side == 0) {
     side = common_side(boxes, scratch.counts);
     if (side == 0) return CellListing::unsuited;
@@ -391,10 +393,10 @@ CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, cons
   find_cells(scratch, boxes, side, outline.spread, cells);
   if (scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(scratch, boxes, cells);
-  const Ahead ahead{all_boxes, outline.farthest * (1 + 64 * epsilon),
-                    outline.any_ccd_only};  // with what ahead_of puts on
-  const bool some_look_ahead = ahead.farthest > 0 && ahead.any_ccd_only;
-  if (some_look_ahead) fill_ccd_only_cells(scratch, proxies);
+  const FastProxies fast{all_boxes, outline.farthest * (1 + 64 * epsilon),
+                         outline.any_ccd_target};  // with what ccd_margin_of puts on
+  const bool some_are_fast = fast.farthest > 0 && fast.any_ccd_target;
+  if (some_are_fast) fill_ccd_target_cells(scratch, proxies);
   // Boxes in cells, then the large ones.
   const std::size_t end_in_cells = boxes.size() - scratch.large.size();
   const bool fits =
@@ -403,12 +405,12 @@ CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, cons
                        PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
                        const std::size_t end = std::min(chunk.end, end_in_cells);
                        bool goes_on = chunk.begin >= end || meet_neighbours(cells, chunk.begin, end, out);
-                       for (std::size_t place = chunk.begin; some_look_ahead && goes_on && place < end; ++place) {
+                       for (std::size_t place = chunk.begin; some_are_fast && goes_on && place < end; ++place) {
                          const std::uint32_t index = scratch.swept_places[place].proxy;
-                         if (proxies[index].ahead > 0) goes_on = meet_ccd_only(cells, ahead, index, out);
+                         if (proxies[index].ccd_margin > 0) goes_on = meet_ccd_targets(cells, fast, index, out);
                        }
                        for (std::size_t i = std::max(chunk.begin, end_in_cells); goes_on && i < chunk.end; ++i)
-                         goes_on = meet_large(cells, boxes, ahead, i - end_in_cells, out);
+                         goes_on = meet_large(cells, boxes, fast, i - end_in_cells, out);
                        pairs.resize(out.count);
                      });
   return fits ? CellListing::done : CellListing::too_many;

@@ -21,7 +21,8 @@ struct Proxy {
   bool is_sensor;
   bool is_line;
   Filter filter;
-  Real ahead;  // m: so much of its box is there for what must not be passed through alone; < 0: all is for everything
+  Real ccd_margin;  // m: so much of its box is there for what must not be passed through alone; < 0: all is for
+                    // everything
 };
 
 /// Two proxies that may touch, first < second.
@@ -35,19 +36,19 @@ struct Pair {
 struct BoxedBody {
   Vec2 position;
   Rotation rotation;
-  Real reach;  // m, BodyModel's
-  Real room;   // m
-  Real speed;  // m/s, of any of its points, as its velocities bound it
+  Real extent;  // m, BodyModel's
+  Real margin;  // m
+  Real speed;   // m/s, of any of its points, as its velocities bound it
 };
 
 /// What aabb_tree keeps: boxes that are too large on purpose, and which of them overlap. As long as every shape is
 /// inside its large box, the pairs that may touch are among these.
 struct PairCache {
   bool is_valid = false;
-  Real dt = 0;                  // s, for which `boxes` hold
-  Real fall = 0;                // m, likewise
-  Real farthest = 0;            // m, likewise
-  std::vector<BodyRow> bodies;  // as the boxes below were made
+  Real dt = 0;                    // s, for which `boxes` hold
+  Real gravity_displacement = 0;  // m, likewise
+  Real farthest = 0;              // m, likewise
+  std::vector<BodyRow> bodies;    // as the boxes below were made
   std::vector<std::uint8_t>
       is_unchanged;  // [body] its pose (where contacts are foreseen: all of it) has the bits of the tick before
   std::uint32_t body_set = 0;              // another number in each tick that has other bodies than the one before
@@ -55,24 +56,24 @@ struct PairCache {
   bool many_are_unchanged = false;         // of the others
   std::vector<std::uint32_t> first_proxy;  // [body], one more at the end
   std::vector<Proxy> proxies;
-  std::vector<std::uint8_t> looks;  // [body] bits: how its boxes were made (aabb_tree.cpp)
-  bool any_looks_ahead = false;
+  std::vector<std::uint8_t> box_flags;  // [body] bits: how its boxes were made (aabb_tree.cpp)
+  bool any_ccd_margin = false;
   bool any_swept = false;
   std::vector<Box> boxes;                    // [proxy] m, hold the shapes with their margins, and room to move
   std::vector<BoxedBody> boxed;              // [body] of those whose boxes have room
-  std::vector<Box> large_boxes;              // [proxy]
+  std::vector<Box> fat_boxes;                // [proxy]
   std::vector<Pair> pairs;                   // of large boxes that overlap, by (first, second)
   std::vector<Pair> merged;                  // the rows that replace them
   std::vector<Pair> present;                 // of them, those whose boxes overlap
   bool has_present = false;                  // those of the last tick
-  bool stay = false;                         // they are those of the tick before
+  bool present_unchanged = false;            // they are those of the tick before
   std::vector<std::uint8_t> is_moved_proxy;  // [proxy] has left the large box that is in the tree; 2: in this tick
   std::vector<std::uint32_t> moved_proxies;
-  std::vector<std::uint32_t> leaving;  // proxies that are not inside their large boxes
-  bool has_pairs = false;              // `pairs`, large boxes and trees are those of these proxies
-  std::uint32_t ticks_held = 0;        // since they were built
-  std::uint32_t high_churn_ticks = 0;  // for so many no pairs are kept
-  Real common_side = 0;                // m, of their boxes (neighbour_cells.h)
+  std::vector<std::uint32_t> leaving;   // proxies that are not inside their large boxes
+  bool has_pairs = false;               // `pairs`, large boxes and trees are those of these proxies
+  std::uint32_t ticks_since_build = 0;  // since they were built
+  std::uint32_t high_churn_ticks = 0;   // for so many no pairs are kept
+  Real common_side = 0;                 // m, of their boxes (neighbour_cells.h)
   BoxTree moving_tree;
   BoxTree static_tree;
 };
@@ -87,7 +88,7 @@ struct Spread {
 struct BoxOutline {
   Spread spread;      // of those that fit into cells
   Real farthest = 0;  // m, any looks ahead
-  bool any_ccd_only = false;
+  bool any_ccd_target = false;
 };
 
 /// Where a range of pairs is sorted.

@@ -39,12 +39,13 @@ std::string left_out(unsigned features) {
 void set_kernels(Model& model, InstructionSet set, unsigned features) {
   if ((features & contact_feature::surface) != 0) features = contact_feature::all;  // one kernel has them all
   model.contact_features = features;
-  model.kernels = {baseline::filling_kernels(), baseline::contact_kernels(features), baseline::pin_kernels(),
-                   baseline::hinge_kernels(),   baseline::motion_kernels(),          baseline::box_kernels()};
+  model.kernels = {baseline::filling_kernels(),  baseline::contact_kernels(features),
+                   baseline::revolute_kernels(), baseline::driven_revolute_kernels(),
+                   baseline::motion_kernels(),   baseline::box_kernels()};
 #if defined(TICKTRUE_HAS_AVX2_KERNELS)
   if (set == InstructionSet::avx2)
-    model.kernels = {avx2::filling_kernels(), avx2::contact_kernels(features), avx2::pin_kernels(),
-                     avx2::hinge_kernels(),   avx2::motion_kernels(),          avx2::box_kernels()};
+    model.kernels = {avx2::filling_kernels(),         avx2::contact_kernels(features), avx2::revolute_kernels(),
+                     avx2::driven_revolute_kernels(), avx2::motion_kernels(),          avx2::box_kernels()};
 #endif
   static_cast<void>(set);
 }

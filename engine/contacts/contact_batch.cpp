@@ -37,7 +37,7 @@ void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_firs
 }
 
 /// Makes room for batches.
-void make_room(ContactBatches& out, unsigned features) {
+void reserve_batches(ContactBatches& out, unsigned features) {
   const std::size_t end = out.batch_count;
   if (out.batches.size() < end) out.batches.resize(end);
   if ((features & contact_feature::bounce) != 0 && out.bounces.size() < end) out.bounces.resize(end);
@@ -103,11 +103,11 @@ static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std
 
 /// What a kernel fills the batches from `first` on from.
 ContactSource source_of(const State& state, const Scratch& scratch, const SolverSet& set, const std::uint32_t* slots,
-                        const std::uint8_t* in_turn, std::uint32_t unread) {
+                        const std::uint8_t* is_serial, std::uint32_t sink) {
   const ContactPair& pair = scratch.contact_pairs[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
   return {slots,
-          in_turn,
+          is_serial,
           sizeof(ContactPair),
           &pair.body_a,
           &pair.friction,
@@ -120,9 +120,9 @@ ContactSource source_of(const State& state, const Scratch& scratch, const Solver
           sizeof(BodyMass),
           &scratch.masses[0].inv_mass,
           &scratch.masses[0].read,
-          unread_record(scratch),
-          unread,
-          resting_record(scratch),
+          dummy_sink(scratch),
+          sink,
+          dummy_body(scratch),
           set.stiffness.slop};
 }
 
@@ -141,12 +141,12 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
   }
 }
 
-/// Fills the batches first..end-1 from the contacts in `slots`, of which some are `in_turn`.
+/// Fills the batches first..end-1 from the contacts in `slots`, of which some are `is_serial`.
 void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set,
-                  const std::uint32_t* slots, const std::uint8_t* in_turn, ContactBatches& out, std::size_t first,
-                  std::size_t end, std::uint32_t unread) {
+                  const std::uint32_t* slots, const std::uint8_t* is_serial, ContactBatches& out, std::size_t first,
+                  std::size_t end, std::uint32_t sink) {
   if (first == end) return;
-  scratch.kernels->filling.fill(source_of(state, scratch, set, slots, in_turn, unread), out.batches.data() + first,
+  scratch.kernels->filling.fill(source_of(state, scratch, set, slots, is_serial, sink), out.batches.data() + first,
                                 end - first);
   if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
@@ -193,16 +193,16 @@ void prepare_contacts(const Model& model, const State& state, Scratch& scratch, 
   set.run_end = static_cast<std::uint32_t>(out.runs.size());
   out.batch_count += coloring.slots.size() / contact_lane_count;
   set.batch_end = static_cast<std::uint32_t>(out.batch_count);
-  make_room(out, model.contact_features);
+  reserve_batches(out, model.contact_features);
   const std::uint32_t* slots = slots_of(scratch, set, coloring.blocks[0], out);
   for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
     const BatchRun& run = out.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
-      const std::size_t of_group = first - set.first_batch;
-      fill_batches(model, state, scratch, set, slots + of_group * contact_lane_count,
-                   coloring.in_turn.data() + of_group, out, first, end, unread_record(scratch, chunk.index));
+      const std::size_t of_set = first - set.first_batch;
+      fill_batches(model, state, scratch, set, slots + of_set * contact_lane_count, coloring.is_serial.data() + of_set,
+                   out, first, end, dummy_sink(scratch, chunk.index));
       scratch.kernels->contacts.prepare(work_of(scratch, set, out, first, end));
     });
   }
@@ -260,7 +260,7 @@ void store_contacts(const Scratch& scratch, const SolverSet& set, State& state) 
 }
 
 void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
-                   const ContactBlock& block, std::uint32_t unread, ContactBatches& out) {
+                   const ContactBlock& block, std::uint32_t sink, ContactBatches& out) {
   const ContactColoring& coloring = scratch.caches.coloring;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
@@ -270,9 +270,9 @@ void prepare_block(const Model& model, const State& state, Scratch& scratch, con
     __builtin_prefetch(&state.contacts[contact]);
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
-  make_room(out, model.contact_features);
+  reserve_batches(out, model.contact_features);
   fill_batches(model, state, scratch, set, slots_of(scratch, set, block, out),
-               coloring.in_turn.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, unread);
+               coloring.is_serial.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, sink);
   scratch.kernels->contacts.prepare(work_of_block(scratch, set, out));
 }
 

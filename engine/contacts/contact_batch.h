@@ -59,28 +59,28 @@ Real soft_contact_stiffness(Real h);
 void clear_contacts(Scratch& scratch);
 
 /// Packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h. Appends to the
-/// batches and notes the range in `group`. Requires: color_contacts, as one block.
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& group);
-void warm_start_contacts(Scratch& scratch, const SolverSet& group);
+/// batches and notes the range in `set`. Requires: color_contacts, as one block.
+void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set);
+void warm_start_contacts(Scratch& scratch, const SolverSet& set);
 /// `poses`: unmoved if none has changed since the last pass over the same contacts.
-void solve_contacts(Scratch& scratch, const SolverSet& group, Poses poses);
+void solve_contacts(Scratch& scratch, const SolverSet& set, Poses poses);
 /// Takes out the velocity that solve_contacts put in to push overlaps apart.
-void relax_contacts(Scratch& scratch, const SolverSet& group);
+void relax_contacts(Scratch& scratch, const SolverSet& set);
 /// Gives points that hit faster than `threshold` their bounce. True if any did.
-bool bounce_contacts(Scratch& scratch, const SolverSet& group, Real threshold);
+bool bounce_contacts(Scratch& scratch, const SolverSet& set, Real threshold);
 /// Keeps the normal impulses of a group for limit_impulses.
-void save_impulses(Scratch& scratch, const SolverSet& group);
+void save_impulses(Scratch& scratch, const SolverSet& set);
 /// No normal impulse above the saved one, and friction within its cone: what an impact added is no force that lasts.
-void limit_impulses(Scratch& scratch, const SolverSet& group);
+void limit_impulses(Scratch& scratch, const SolverSet& set);
 /// Impulses back to state.contacts, as forces.
-void store_contacts(const Scratch& scratch, const SolverSet& group, State& state);
+void store_contacts(const Scratch& scratch, const SolverSet& set, State& state);
 
-/// Packs the contacts of a block, as above, into `out`, which has no others then. `unread`: a record that no other
+/// Packs the contacts of a block, as above, into `out`, which has no others then. `sink`: a record that no other
 /// thread writes.
-void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& group,
-                   const ContactBlock& block, std::uint32_t unread, ContactBatches& out);
+void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
+                   const ContactBlock& block, std::uint32_t sink, ContactBatches& out);
 /// All batches of a block, for one call of a kernel.
-ContactWork work_of_block(Scratch& scratch, const SolverSet& group, ContactBatches& batches);
-void store_block(const Scratch& scratch, const SolverSet& group, const ContactBatches& batches, State& state);
+ContactWork work_of_block(Scratch& scratch, const SolverSet& set, ContactBatches& batches);
+void store_block(const Scratch& scratch, const SolverSet& set, const ContactBatches& batches, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

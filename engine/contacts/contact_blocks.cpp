@@ -9,14 +9,14 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set) {
-  if (!bodies_step_alone(model) || (model.contact_features & contact_feature::bounce) != 0 || scratch.planted ||
-      !state.joints.empty() || !scratch.pulls.empty() || !scratch.impacts.empty() || set.has_resting_impacts ||
+  if (!bodies_step_alone(model) || (model.contact_features & contact_feature::bounce) != 0 || scratch.injected ||
+      !state.joints.empty() || !scratch.mouse_joints.empty() || !scratch.impacts.empty() || set.has_resting_impacts ||
       scratch.solver_sets.size() != 1)
     return false;
   // What is kinematic moves with each substep, for all blocks.
-  const std::uint32_t unread = unread_record(scratch);
+  const std::uint32_t sink = dummy_sink(scratch);
   for (std::uint32_t i = set.first_row; i < set.row_end; ++i)
-    if (scratch.masses[scratch.set_rows[i]].write == unread) return false;
+    if (scratch.masses[scratch.set_rows[i]].write == sink) return false;
   return true;
 }
 
@@ -30,18 +30,18 @@ void solve_blocks(const Model& model, State& state, Scratch& scratch, const Solv
   scratch.block_batches.resize(Parallel::chunk_count(count, chunk_size));
   scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
     ContactBatches& batches = scratch.block_batches[chunk.index];
-    const std::uint32_t unread = unread_record(scratch, chunk.index);
+    const std::uint32_t sink = dummy_sink(scratch, chunk.index);
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const ContactBlock& block = coloring.blocks[i];
       const std::uint32_t* rows = coloring.rows.data() + block.first_row;
       const std::size_t row_count = block.row_end - block.first_row;
-      prepare_block(model, state, scratch, set, block, unread, batches);
+      prepare_block(model, state, scratch, set, block, sink, batches);
       const ContactWork work = work_of_block(scratch, set, batches);
       for (int substep = 0; substep < set.substeps; ++substep) {
         motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
         contacts.warm_start(work);
         contacts.solve_again(work);
-        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread, set.h);
+        motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), sink, set.h);
         contacts.relax(work);
       }
       store_block(scratch, set, batches, state);

@@ -11,7 +11,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Whether the contacts of this group can be solved in blocks: nothing else ties its bodies, or needs its contacts
-/// between substeps or later. Requires: prepare_pulls, prepare_joints.
+/// between substeps or later. Requires: prepare_mouse_joints, prepare_joints.
 bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set);
 
 /// All substeps of a group, block by block, with the impulses back in state.contacts. Requires: color_contacts has

@@ -13,7 +13,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// So many contacts are worth another thread's while.
-constexpr std::size_t ends_per_chunk_least = 256;
+constexpr std::size_t contact_bodies_per_chunk_least = 256;
 constexpr std::size_t slots_per_chunk_least = 1024;
 
 /// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
@@ -23,17 +23,17 @@ constexpr std::size_t contacts_to_split_least = 2 * contacts_per_block;
 /// Looking for islands costs as much as some ticks can save.
 constexpr std::uint32_t ticks_between_splits = 16;
 
-/// Fills coloring.ends: the i-th is ends_at(i). True if they are those that were there.
-template <typename EndsAt>
-bool find_ends(const Parallel& parallel, std::size_t count, EndsAt ends_at, ContactColoring& coloring) {
-  std::atomic<bool> changed{coloring.ends.size() != count};
-  coloring.ends.resize(count);
-  parallel.for_chunks(count, parallel.chunk_size(count, ends_per_chunk_least), [&](const Chunk& chunk) {
+/// Fills coloring.ends: the i-th is bodies_at(i). True if they are those that were there.
+template <typename BodiesAt>
+bool find_contact_bodies(const Parallel& parallel, std::size_t count, BodiesAt bodies_at, ContactColoring& coloring) {
+  std::atomic<bool> changed{coloring.body_indices.size() != count};
+  coloring.body_indices.resize(count);
+  parallel.for_chunks(count, parallel.chunk_size(count, contact_bodies_per_chunk_least), [&](const Chunk& chunk) {
     bool same = true;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const ContactEnds ends = ends_at(i);
-      same &= ends == coloring.ends[i];
-      coloring.ends[i] = ends;
+      const ContactBodies bodies = bodies_at(i);
+      same &= bodies == coloring.body_indices[i];
+      coloring.body_indices[i] = bodies;
     }
     if (!same) changed.store(true, std::memory_order_relaxed);
   });
@@ -46,37 +46,38 @@ bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
 }
 
 /// True if the ends of the group's contacts are those that were there.
-bool find_ends_of_group(Scratch& scratch, const SolverSet& set, ContactColoring& coloring) {
+bool find_contact_bodies_of_set(Scratch& scratch, const SolverSet& set, ContactColoring& coloring) {
   const std::size_t count = set.contact_end - set.first_contact;
   const bool is_whole_set = count == scratch.contact_pairs.size();
   if (is_whole_set && are_colored(scratch, coloring)) return true;
   coloring.is_whole_set = is_whole_set;
   coloring.contact_set = scratch.caches.contact_set;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
-  const std::uint32_t unread = unread_record(scratch);
-  const auto mover = [&](std::uint32_t row) { return scratch.masses[row].write == unread ? no_body : row; };
-  const auto ends_at = [&](std::size_t i) {
+  const std::uint32_t sink = dummy_sink(scratch);
+  const auto dynamic_row = [&](std::uint32_t row) { return scratch.masses[row].write == sink ? no_body : row; };
+  const auto bodies_at = [&](std::size_t i) {
     const ContactPair& pair = scratch.contact_pairs[contacts[i]];
-    return ContactEnds{mover(pair.body_a), mover(pair.body_b)};
+    return ContactBodies{dynamic_row(pair.body_a), dynamic_row(pair.body_b)};
   };
-  return find_ends(scratch.parallel, count, ends_at, coloring);
+  return find_contact_bodies(scratch.parallel, count, bodies_at, coloring);
 }
 
 // ---- Blocks ----
 
-bool is_tie(const ContactEnds& ends) {
-  return ends.a != no_body && ends.b != no_body;
+bool moves_both(const ContactBodies& bodies) {
+  return bodies.a != no_body && bodies.b != no_body;
 }
-std::uint32_t mover_of(const ContactEnds& ends) {
-  return ends.a != no_body ? ends.a : ends.b;
+std::uint32_t dynamic_body_of(const ContactBodies& bodies) {
+  return bodies.a != no_body ? bodies.a : bodies.b;
 }
 
 /// Whether every contact is within a block still.
-bool holds(const ContactColoring& coloring) {
-  return !coloring.blocks.empty() && std::all_of(coloring.ends.begin(), coloring.ends.end(), [&](const auto& ends) {
-    const std::uint32_t block = coloring.block_of[mover_of(ends)];
-    return block != no_block && (!is_tie(ends) || coloring.block_of[ends.b] == block);
-  });
+bool blocks_are_valid(const ContactColoring& coloring) {
+  return !coloring.blocks.empty() &&
+         std::all_of(coloring.body_indices.begin(), coloring.body_indices.end(), [&](const auto& bodies) {
+           const std::uint32_t block = coloring.block_of[dynamic_body_of(bodies)];
+           return block != no_block && (!moves_both(bodies) || coloring.block_of[bodies.b] == block);
+         });
 }
 
 /// Some islands to a block, in the order of their first rows. `forced`: so many contacts to a block, or 0 for as many
@@ -85,13 +86,14 @@ bool find_blocks(ContactColoring& coloring, std::size_t body_count, std::size_t 
   std::vector<std::uint32_t>& parent = coloring.island_parent;
   parent.resize(body_count);
   for (std::uint32_t row = 0; row < body_count; ++row) parent[row] = row;
-  for (const ContactEnds& ends : coloring.ends)
-    if (is_tie(ends)) unite(parent, ends.a, ends.b);
+  for (const ContactBodies& bodies : coloring.body_indices)
+    if (moves_both(bodies)) unite(parent, bodies.a, bodies.b);
   std::vector<std::uint32_t>& counts = coloring.block_starts;  // [body] contacts of the island, at its first row
   counts.assign(body_count, 0);
   std::uint32_t most = 0;
-  for (const ContactEnds& ends : coloring.ends) most = std::max(most, ++counts[find_root(parent, mover_of(ends))]);
-  if (forced == 0 && most > coloring.ends.size() / 2) return false;
+  for (const ContactBodies& bodies : coloring.body_indices)
+    most = std::max(most, ++counts[find_root(parent, dynamic_body_of(bodies))]);
+  if (forced == 0 && most > coloring.body_indices.size() / 2) return false;
   const std::size_t wanted = forced > 0 ? forced : contacts_per_block;
   coloring.block_of.assign(body_count, no_block);
   std::uint32_t block = 0;
@@ -131,8 +133,8 @@ void sort_by_block(ContactColoring& coloring, std::size_t count, BlockAt block_a
 /// Puts contacts and bodies into the blocks.
 void fill_blocks(ContactColoring& coloring) {
   sort_by_block(
-      coloring, coloring.ends.size(), [&](std::size_t i) { return coloring.block_of[mover_of(coloring.ends[i])]; },
-      coloring.contacts,
+      coloring, coloring.body_indices.size(),
+      [&](std::size_t i) { return coloring.block_of[dynamic_body_of(coloring.body_indices[i])]; }, coloring.contacts,
       [](ContactBlock& block, std::uint32_t first, std::uint32_t end) {
         block.first = first;
         block.end = end;
@@ -152,9 +154,9 @@ void fill_blocks(ContactColoring& coloring) {
 /// Splits the contacts into blocks, if that is worth it.
 bool split(Scratch& scratch, ContactColoring& coloring) {
   const std::size_t forced = scratch.parallel.chunk_size_forced;
-  if (coloring.ends.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
+  if (coloring.body_indices.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
   const std::size_t body_count = scratch.masses.size();
-  const bool is_hit = coloring.block_of.size() == body_count && holds(coloring);
+  const bool is_hit = coloring.block_of.size() == body_count && blocks_are_valid(coloring);
   count_use(scratch.caches.report, CacheKind::contact_blocks, is_hit);
   if (!is_hit) {
     if (forced == 0 && coloring.ticks_unsplit > 0) {
@@ -169,7 +171,7 @@ bool split(Scratch& scratch, ContactColoring& coloring) {
 }
 
 void make_one_block(ContactColoring& coloring) {
-  const auto count = static_cast<std::uint32_t>(coloring.ends.size());
+  const auto count = static_cast<std::uint32_t>(coloring.body_indices.size());
   coloring.block_of.clear();
   coloring.blocks.assign(1, {});
   coloring.blocks[0].end = count;
@@ -180,60 +182,60 @@ void make_one_block(ContactColoring& coloring) {
 // ---- Colours ----
 
 /// Colours `count` contacts, at place_at(0), .. in the block; those of bodies that have no colour left wait for the
-/// next round, in `left`. How many do.
+/// next round, in `uncolored`. How many do.
 template <typename PlaceAt>
-std::size_t color_round(ContactColoring& out, std::size_t count, PlaceAt place_at, std::uint32_t round) {
-  std::size_t left_count = 0;
-  const std::uint32_t first_color = round * round_color_count;
-  out.places.resize(first_color + round_color_count, {0, 0});
+std::size_t color_pass(ContactColoring& out, std::size_t count, PlaceAt place_at, std::uint32_t pass) {
+  std::size_t uncolored_count = 0;
+  const std::uint32_t first_color = pass * pass_color_count;
+  out.places.resize(first_color + pass_color_count, {0, 0});
   ColorPlace* places = out.places.data() + first_color;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t place = place_at(i);
-    const ContactEnds ends = out.ends[out.contacts[place]];
-    const bool both_move = is_tie(ends);
+    const ContactBodies bodies = out.body_indices[out.contacts[place]];
+    const bool both_move = moves_both(bodies);
     std::uint32_t used;
     if (both_move) {
-      BodyColors& a = out.body_colors[ends.a];
-      BodyColors& b = out.body_colors[ends.b];
+      BodyColors& a = out.body_colors[bodies.a];
+      BodyColors& b = out.body_colors[bodies.b];
       used = a.moving | b.moving;
       const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
       a.moving |= bit;
       b.moving |= bit;
     } else {
-      BodyColors& mover = out.body_colors[mover_of(ends)];
-      used = mover.immovable;
-      mover.immovable |= ~used & (used + 1);
+      BodyColors& body = out.body_colors[dynamic_body_of(bodies)];
+      used = body.immovable;
+      body.immovable |= ~used & (used + 1);
     }
     if (used == 0xffffffffu) {
-      out.left[left_count++] = place;
+      out.uncolored[uncolored_count++] = place;
       continue;
     }
     const std::uint32_t color = static_cast<std::uint32_t>(__builtin_ctz(~used)) + (both_move ? 0u : class_color_count);
     out.colors[place] = {first_color + color, places[color].count++};
   }
-  return left_count;
+  return uncolored_count;
 }
 
 /// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin
 /// on. Colours of one contact, as a body that touches everything has, follow each other in a batch.
-void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& block, std::uint32_t round_count) {
+void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& block, std::uint32_t pass_count) {
   block.first_slot = static_cast<std::uint32_t>(out.slots.size());
   std::uint32_t next = block.first_slot;
   for (const std::uint32_t first : {0u, class_color_count}) {
-    std::uint32_t in_turn = 0;  // contacts of the last batch, if it takes colours of one
-    for (std::uint32_t round = 0; round < round_count; ++round)
+    std::uint32_t serial_count = 0;  // contacts of the last batch, if it takes colours of one
+    for (std::uint32_t pass = 0; pass < pass_count; ++pass)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
-        ColorPlace& place = out.places[round * round_color_count + first + color];
+        ColorPlace& place = out.places[pass * pass_color_count + first + color];
         if (place.count == 0) continue;
-        if (place.count == 1 && in_turn % contact_lane_count != 0) {
-          place.first_slot = next - contact_lane_count + in_turn++;
+        if (place.count == 1 && serial_count % contact_lane_count != 0) {
+          place.first_slot = next - contact_lane_count + serial_count++;
           continue;
         }
-        in_turn = place.count == 1 ? 1 : 0;
+        serial_count = place.count == 1 ? 1 : 0;
         const std::uint32_t batch_count = (place.count + contact_lane_count - 1) / contact_lane_count;
         place.first_slot = next;
         next += batch_count * contact_lane_count;
-        out.in_turn.insert(out.in_turn.end(), batch_count, static_cast<std::uint8_t>(in_turn));
+        out.is_serial.insert(out.is_serial.end(), batch_count, static_cast<std::uint8_t>(serial_count));
         if (!out.is_split)
           out.color_batches.push_back({place.first_slot / contact_lane_count, next / contact_lane_count});
       }
@@ -249,26 +251,26 @@ void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& bl
 
 void color_block(const Parallel& parallel, ContactColoring& out, ContactBlock& block) {
   out.places.clear();
-  out.left.resize(out.colors.size());
-  std::uint32_t round_count = 1;
-  std::size_t left_count = color_round(
+  out.uncolored.resize(out.colors.size());
+  std::uint32_t pass_count = 1;
+  std::size_t uncolored_count = color_pass(
       out, block.end - block.first, [&](std::size_t i) { return block.first + static_cast<std::uint32_t>(i); }, 0);
-  while (left_count > 0) {
-    for (std::size_t i = 0; i < left_count; ++i) {
-      const ContactEnds ends = out.ends[out.contacts[out.left[i]]];
-      for (const std::uint32_t row : {ends.a, ends.b})
+  while (uncolored_count > 0) {
+    for (std::size_t i = 0; i < uncolored_count; ++i) {
+      const ContactBodies bodies = out.body_indices[out.contacts[out.uncolored[i]]];
+      for (const std::uint32_t row : {bodies.a, bodies.b})
         if (row != no_body) out.body_colors[row] = {0, 0};
     }
-    left_count = color_round(
-        out, left_count, [&](std::size_t i) { return out.left[i]; }, round_count++);
+    uncolored_count = color_pass(
+        out, uncolored_count, [&](std::size_t i) { return out.uncolored[i]; }, pass_count++);
   }
-  fill_slots(parallel, out, block, round_count);
+  fill_slots(parallel, out, block, pass_count);
 }
 
 void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColoring& coloring) {
-  coloring.colors.resize(coloring.ends.size());
+  coloring.colors.resize(coloring.body_indices.size());
   coloring.slots.clear();
-  coloring.in_turn.clear();
+  coloring.is_serial.clear();
   coloring.color_batches.clear();
   coloring.body_colors.assign(body_count, {0, 0});
   for (ContactBlock& block : coloring.blocks) color_block(parallel, coloring, block);
@@ -279,38 +281,38 @@ void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColor
 void color_ahead(const State& state, Scratch& scratch) {
   ContactColoring& coloring = scratch.caches.coloring;
   if (!coloring.is_whole_set || coloring.is_split || are_colored(scratch, coloring)) return;
-  const auto mover = [&](std::uint32_t proxy, std::uint32_t row) {
+  const auto dynamic_row = [&](std::uint32_t proxy, std::uint32_t row) {
     return scratch.proxies[proxy].is_dynamic ? row : no_body;
   };
-  const auto ends_at = [&](std::size_t i) {
+  const auto bodies_at = [&](std::size_t i) {
     const ContactPair& pair = scratch.contact_pairs[i];
-    return ContactEnds{mover(pair.proxy_a, pair.body_a), mover(pair.proxy_b, pair.body_b)};
+    return ContactBodies{dynamic_row(pair.proxy_a, pair.body_a), dynamic_row(pair.proxy_b, pair.body_b)};
   };
   const Parallel alone;
-  const bool same_ends = find_ends(alone, scratch.contact_pairs.size(), ends_at, coloring);
+  const bool same_bodies = find_contact_bodies(alone, scratch.contact_pairs.size(), bodies_at, coloring);
   coloring.contact_set = scratch.caches.contact_set;
-  if (same_ends && !coloring.blocks.empty()) return;
+  if (same_bodies && !coloring.blocks.empty()) return;
   make_one_block(coloring);
   color_blocks(alone, state.bodies.size(), coloring);
 }
 
 void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split) {
   ContactColoring& coloring = scratch.caches.coloring;
-  const bool same_ends = find_ends_of_group(scratch, set, coloring) && !coloring.blocks.empty();
-  count_use(scratch.caches.report, CacheKind::contact_colors, same_ends);
+  const bool same_bodies = find_contact_bodies_of_set(scratch, set, coloring) && !coloring.blocks.empty();
+  count_use(scratch.caches.report, CacheKind::contact_colors, same_bodies);
   if (may_split) {
     const std::span<const std::uint32_t> rows(scratch.set_rows.data() + set.first_row, set.row_end - set.first_row);
     const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.set_rows.begin(), coloring.set_rows.end());
-    if (same_ends && same_rows && coloring.is_split) {
+    if (same_bodies && same_rows && coloring.is_split) {
       count_use(scratch.caches.report, CacheKind::contact_blocks, true);
       return;
     }
     coloring.set_rows.assign(rows.begin(), rows.end());
     const bool was_split = coloring.is_split;
     coloring.is_split = split(scratch, coloring);
-    if (!coloring.is_split && same_ends && !was_split) return;
+    if (!coloring.is_split && same_bodies && !was_split) return;
   } else {
-    if (same_ends && !coloring.is_split) return;
+    if (same_bodies && !coloring.is_split) return;
     coloring.is_split = false;
   }
   if (!coloring.is_split) make_one_block(coloring);

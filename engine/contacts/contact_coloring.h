@@ -21,7 +21,7 @@ struct State;
 // One bit each in a body's colour set. Contacts between two moving bodies come first, those with something immovable
 // last: the last ones solved are met best, and nothing may sink into the ground.
 inline constexpr std::uint32_t class_color_count = 32;
-inline constexpr std::uint32_t round_color_count = 2 * class_color_count;
+inline constexpr std::uint32_t pass_color_count = 2 * class_color_count;
 
 /// The colours of a body's contacts so far, one bit each: with what moves and with what does not.
 struct BodyColors {
@@ -30,11 +30,11 @@ struct BodyColors {
 };
 
 /// The bodies that a contact moves, as rows; no_body for one that impulses do not move.
-struct ContactEnds {
+struct ContactBodies {
   std::uint32_t a;
   std::uint32_t b;
 
-  bool operator==(const ContactEnds&) const = default;
+  bool operator==(const ContactBodies&) const = default;
 };
 inline constexpr std::uint32_t no_body = 0xffffffff;
 
@@ -66,14 +66,14 @@ struct ContactBlock {
 /// The colours of some contacts, which follow from their ends alone: kept from tick to tick, they hold for the same
 /// ends. So do the blocks, for the same bodies.
 struct ContactColoring {
-  std::vector<ContactEnds> ends;  // [contact of the group]
-  std::uint32_t contact_set = 0;  // Kept's, if they are all of it
+  std::vector<ContactBodies> body_indices;  // [contact of the group]
+  std::uint32_t contact_set = 0;            // Kept's, if they are all of it
   bool is_whole_set = false;
   bool is_split = false;  // into blocks; else there is one of everything, without rows
   std::vector<ContactBlock> blocks;
   std::vector<std::uint32_t> contacts;    // of the group, by block
   std::vector<std::uint32_t> slots;       // [block, batch, lane] the contact of the group, or no_contact
-  std::vector<std::uint8_t> in_turn;      // [block, batch] 1: contacts of colours that have one each
+  std::vector<std::uint8_t> is_serial;    // [block, batch] 1: contacts of colours that have one each
   std::vector<BatchRange> color_batches;  // in solving order, where there is one block
   std::vector<std::uint32_t> rows;        // bodies that move, by block
   std::vector<std::uint32_t> free_rows;   // those that are in none
@@ -81,7 +81,7 @@ struct ContactColoring {
   std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; holds while no contact ties two blocks
   std::uint32_t ticks_unsplit = 0;        // to pass before islands are looked for
   std::vector<ContactColor> colors;       // [place in `contacts`]
-  std::vector<std::uint32_t> left;        // places of those that wait for the next round
+  std::vector<std::uint32_t> uncolored;   // places of those that wait for the next round
   std::vector<ColorPlace> places;         // [round, colour] of a block
   std::vector<BodyColors> body_colors;    // [body]
   std::vector<std::uint32_t> block_starts;
@@ -95,6 +95,6 @@ void color_ahead(const State& state, Scratch& scratch);
 
 /// Colours the contacts of a group: scratch.caches.coloring. `may_split`: in blocks, if there are contacts enough for
 /// some. Requires: prepare_bodies.
-void color_contacts(Scratch& scratch, const SolverSet& group, bool may_split);
+void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

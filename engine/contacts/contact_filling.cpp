@@ -4,7 +4,7 @@
 // Numbers that follow each other in a row are loaded as one and transposed in registers; none is stored by itself only
 // to be loaded with its vector, which would wait for it.
 #include "engine/contacts/solver_kernels.h"
-#include "engine/simd/twin.h"
+#include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 /// Lanes from `first` on of a batch that is filled, as many as V has.
 template <typename V>
 struct Filling {
-  static constexpr int count = VectorOf<V>::count;
+  static constexpr int count = SimdTraits<V>::count;
   Filling(ContactBatch& batch_, int first_) : batch(batch_), first(first_) {}  // the rest is not cleared
   ContactBatch& batch;
   int first;
@@ -21,7 +21,7 @@ struct Filling {
   std::size_t masses_a[count];
   std::size_t masses_b[count];
 
-  TICKTRUE_INLINE void store(ContactLanes& lanes, V value) const { VectorOf<V>::store(lanes.at + first, value); }
+  TICKTRUE_INLINE void store(ContactLanes& lanes, V value) const { SimdTraits<V>::store(lanes.at + first, value); }
 };
 
 template <typename T>
@@ -34,24 +34,24 @@ TICKTRUE_INLINE Real* behind(Real* first, std::size_t bytes) {
 
 /// Four numbers of each lane.
 template <typename V>
-TICKTRUE_INLINE QuadsOf<V> gather_behind(const Real* first, const std::size_t* bytes) {
-  QuadsOf<V> quads;
+TICKTRUE_INLINE Columns4<V> gather4_behind(const Real* first, const std::size_t* bytes) {
+  Columns4<V> columns;
   const auto place = [&](int lane) { return behind(first, bytes[lane]); };
-  if constexpr (VectorOf<V>::count == 1)
-    std::memcpy(quads.at, place(0), sizeof quads.at);
+  if constexpr (SimdTraits<V>::count == 1)
+    std::memcpy(columns.at, place(0), sizeof columns.at);
   else
-    Transposer<Real, wide_count>::gather(place, quads.at);
-  return quads;
+    Transposer<Real, simd_width>::gather(place, columns.at);
+  return columns;
 }
 
 /// How many points the contacts have. `normal`: the quads at ContactSource::normal, which hold it where it is as wide
 /// as a Real: no lane is then loaded by itself, only to wait for its vector.
 template <typename V>
-TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const QuadsOf<V>& normal) {
-  if constexpr (VectorOf<V>::count == 1) {
+TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const Columns4<V>& normal) {
+  if constexpr (SimdTraits<V>::count == 1) {
     return static_cast<Real>(*behind(source.point_count, lanes.pairs[0]));
   } else {
-    std::int32_t __attribute__((vector_size(wide_count * sizeof(std::int32_t)))) counts;
+    std::int32_t __attribute__((vector_size(simd_width * sizeof(std::int32_t)))) counts;
     if constexpr (sizeof counts == sizeof(V))
       std::memcpy(&counts, &normal.at[2], sizeof counts);
     else
@@ -69,16 +69,16 @@ TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_
     batch.contact[out.first + i] = contact;
     out.pairs[i] = contact * source.pair_size;
     out.rows[i] = contact * source.row_size;
-    const std::uint32_t* ends = behind(source.ends, out.pairs[i]);
-    out.masses_a[i] = ends[0] * source.mass_size;
-    out.masses_b[i] = ends[1] * source.mass_size;
+    const std::uint32_t* bodies = behind(source.body_indices, out.pairs[i]);
+    out.masses_a[i] = bodies[0] * source.mass_size;
+    out.masses_b[i] = bodies[1] * source.mass_size;
     const std::uint32_t* records_a = behind(source.records, out.masses_a[i]);
     const std::uint32_t* records_b = behind(source.records, out.masses_b[i]);
     batch.read_a[out.first + i] = words_per_record * records_a[0];
     batch.read_b[out.first + i] = words_per_record * records_b[0];
-    if (!writes_elsewhere(batch)) continue;
+    if (!has_sinks(batch)) continue;
     const auto write = [&](std::uint32_t record) {
-      return words_per_record * (record == source.unread ? source.own_unread : record);
+      return words_per_record * (record == source.sink ? source.own_sink : record);
     };
     batch.write_a[out.first + i] = write(records_a[1]);
     batch.write_b[out.first + i] = write(records_b[1]);
@@ -90,45 +90,45 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
                                 int first) {
   Filling<V> out(batch, first);
   fill_places(source, slots, out);
-  const QuadsOf<V> a = gather_behind<V>(source.masses, out.masses_a);
+  const Columns4<V> a = gather4_behind<V>(source.masses, out.masses_a);
   out.store(batch.inv_mass_a, a.at[0]);
   out.store(batch.inv_inertia_a, a.at[1]);
-  const QuadsOf<V> b = gather_behind<V>(source.masses, out.masses_b);
+  const Columns4<V> b = gather4_behind<V>(source.masses, out.masses_b);
   out.store(batch.inv_mass_b, b.at[0]);
   out.store(batch.inv_inertia_b, b.at[1]);
-  const QuadsOf<V> surface = gather_behind<V>(source.surface, out.pairs);
+  const Columns4<V> surface = gather4_behind<V>(source.surface, out.pairs);
   out.store(batch.friction, surface.at[0]);
   out.store(batch.radius_a, surface.at[1]);
   out.store(batch.radius_b, surface.at[2]);
-  const V slop = VectorOf<V>::spread(source.slop) * surface.at[3];
-  const QuadsOf<V> normal = gather_behind<V>(source.normal, out.pairs);
+  const V slop = SimdTraits<V>::broadcast(source.slop) * surface.at[3];
+  const Columns4<V> normal = gather4_behind<V>(source.normal, out.pairs);
   out.store(batch.normal_x, normal.at[0]);
   out.store(batch.normal_y, normal.at[1]);
-  const QuadsOf<V> forces = gather_behind<V>(source.forces, out.rows);
+  const Columns4<V> forces = gather4_behind<V>(source.forces, out.rows);
   const V counts = point_counts(source, out, normal);
   for (int p = 0; p < 2; ++p) {
     ContactPointLanes& point = batch.points[p];
-    const QuadsOf<V> anchors = gather_behind<V>(source.anchors[p], out.pairs);
+    const Columns4<V> anchors = gather4_behind<V>(source.anchors[p], out.pairs);
     const V zero{};
-    const V there = choose(counts > VectorOf<V>::spread(static_cast<Real>(p)), VectorOf<V>::spread(1), zero);
-    const auto set = [&](ContactLanes& lanes, V value) { out.store(lanes, choose(there > zero, value, zero)); };
+    const V exists = select(counts > SimdTraits<V>::broadcast(static_cast<Real>(p)), SimdTraits<V>::broadcast(1), zero);
+    const auto set = [&](ContactLanes& lanes, V value) { out.store(lanes, select(exists > zero, value, zero)); };
     set(point.normal_arm_a, anchors.at[0]);
     set(point.normal_arm_b, anchors.at[1]);
     set(point.tangent_arm_a, anchors.at[2]);
     set(point.tangent_arm_b, anchors.at[3]);
-    const V apart = choose(there > zero, gather_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
-    out.store(point.separation, apart);
-    out.store(point.present_separation, apart + zero);  // as separation_of gives it for bodies that have not moved
+    const V separation = select(exists > zero, gather4_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
+    out.store(point.separation, separation);
+    out.store(point.present_separation, separation + zero);  // as separation_of gives it for bodies that have not moved
     set(point.normal_impulse, forces.at[p]);
     set(point.tangent_impulse, forces.at[2 + p]);
-    out.store(point.normal_mass, there);
+    out.store(point.normal_mass, exists);
   }
 }
 
 /// Lanes without a contact push nothing and are written to a record nobody reads.
 TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch, int lane) {
-  batch.read_a[lane] = batch.read_b[lane] = words_per_record * source.resting;
-  batch.write_a[lane] = batch.write_b[lane] = words_per_record * source.own_unread;
+  batch.read_a[lane] = batch.read_b[lane] = words_per_record * source.dummy;
+  batch.write_a[lane] = batch.write_b[lane] = words_per_record * source.own_sink;
   batch.contact[lane] = 0;
   const auto empty = [&](ContactLanes& lanes) { lanes.at[lane] = 0; };
   empty(batch.inv_mass_a);
@@ -156,9 +156,9 @@ TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch
 
 /// Whether impulses move only one of the pair.
 TICKTRUE_INLINE bool is_immovable(const ContactSource& source, std::uint32_t contact) {
-  const std::uint32_t* ends = behind(source.ends, contact * source.pair_size);
-  return behind(source.records, ends[0] * source.mass_size)[1] == source.unread ||
-         behind(source.records, ends[1] * source.mass_size)[1] == source.unread;
+  const std::uint32_t* bodies = behind(source.body_indices, contact * source.pair_size);
+  return behind(source.records, bodies[0] * source.mass_size)[1] == source.sink ||
+         behind(source.records, bodies[1] * source.mass_size)[1] == source.sink;
 }
 
 void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_count) {
@@ -169,19 +169,19 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     while (count < contact_lane_count && slots[count] != no_contact) ++count;
     batch.count = count;
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
-    batch.in_turn = source.in_turn[i];
+    batch.is_serial = source.is_serial[i];
     batch.bounces = 0;
     if (i + 1 < batch_count)  // asks for the rows of the next one: a colour skips over memory
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
-        __builtin_prefetch(behind(source.ends, contact * source.pair_size));
+        __builtin_prefetch(behind(source.body_indices, contact * source.pair_size));
         __builtin_prefetch(behind(source.surface, contact * source.pair_size));
         __builtin_prefetch(behind(source.forces, contact * source.row_size));
       }
     int lane = 0;
-    for (; lane + wide_count <= count; lane += wide_count) fill_lanes<Wide>(source, slots, batch, lane);
+    for (; lane + simd_width <= count; lane += simd_width) fill_lanes<RealxN>(source, slots, batch, lane);
     for (; lane < count; ++lane) fill_lanes<Real>(source, slots, batch, lane);
-    if (batch.in_turn != 0) continue;
+    if (batch.is_serial != 0) continue;
     for (; lane % lane_count != 0; ++lane) empty_lane(source, batch, lane);
   }
 }
@@ -191,14 +191,14 @@ void store(const ContactBatch* batches, std::size_t count, Real* forces, std::si
     const ContactBatch& batch = batches[i];
     const ContactPointLanes(&points)[2] = batch.points;
     int lane = 0;
-    for (; lane + wide_count <= batch.count; lane += wide_count) {
+    for (; lane + simd_width <= batch.count; lane += simd_width) {
       const auto force = [&](const ContactLanes& impulse) {  // + 0: as `stored` has it
-        return spread(inv_h) * load_wide(impulse.at + lane) + Wide{};
+        return broadcast(inv_h) * load_xn(impulse.at + lane) + RealxN{};
       };
-      const Wide quads[4] = {force(points[0].normal_impulse), force(points[1].normal_impulse),
-                             force(points[0].tangent_impulse), force(points[1].tangent_impulse)};
-      Transposer<Real, wide_count>::scatter([&](int j) { return behind(forces, batch.contact[lane + j] * row_size); },
-                                            quads);
+      const RealxN columns[4] = {force(points[0].normal_impulse), force(points[1].normal_impulse),
+                                 force(points[0].tangent_impulse), force(points[1].tangent_impulse)};
+      Transposer<Real, simd_width>::scatter([&](int j) { return behind(forces, batch.contact[lane + j] * row_size); },
+                                            columns);
     }
     for (; lane < batch.count; ++lane) {
       Real* row = behind(forces, batch.contact[lane] * row_size);

@@ -8,13 +8,13 @@
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
 // The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
 #include "engine/contacts/solver_kernels.h"
-#include "engine/simd/twin.h"
+#include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
 /// Overlap is pushed out at most this fast, so that bodies created inside each other do not explode.
-constexpr Real push_speed_max = 3;  // m/s
+constexpr Real bias_speed_max = 3;  // m/s
 
 constexpr bool has(unsigned features, unsigned feature) {
   return (features & feature) != 0;
@@ -25,35 +25,35 @@ constexpr int points_of(unsigned features) {
 
 /// So many contacts of a batch as V has lanes, starting at lane `first`.
 template <typename V>
-struct Group {
+struct LaneRange {
   ContactBatch& batch;
   int first;
 
-  TICKTRUE_INLINE V load(const ContactLanes& lanes) const { return VectorOf<V>::load(lanes.at + first); }
-  TICKTRUE_INLINE void store(ContactLanes& lanes, V value) const { VectorOf<V>::store(lanes.at + first, value); }
+  TICKTRUE_INLINE V load(const ContactLanes& lanes) const { return SimdTraits<V>::load(lanes.at + first); }
+  TICKTRUE_INLINE void store(ContactLanes& lanes, V value) const { SimdTraits<V>::store(lanes.at + first, value); }
   TICKTRUE_INLINE const std::uint32_t* write_a() const {
-    return (writes_elsewhere(batch) ? batch.write_a : batch.read_a) + first;
+    return (has_sinks(batch) ? batch.write_a : batch.read_a) + first;
   }
   TICKTRUE_INLINE const std::uint32_t* write_b() const {
-    return (writes_elsewhere(batch) ? batch.write_b : batch.read_b) + first;
+    return (has_sinks(batch) ? batch.write_b : batch.read_b) + first;
   }
 };
 
-/// Runs `solve_group` over the contacts of all batches: as many as `Widest` has lanes at a time where there are so
+/// Runs `solve_lanes` over the contacts of all batches: as many as `Widest` has lanes at a time where there are so
 /// many, and one by itself where they are to be solved in turn.
 template <typename Widest, typename Solve>
-TICKTRUE_INLINE void for_groups(const ContactWork& work, Solve solve_group) {
+TICKTRUE_INLINE void for_lane_ranges(const ContactWork& work, Solve solve_lanes) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
     ContactBatch& batch = work.batches[i];
-    if (batch.in_turn != 0) {
-      for (int lane = 0; lane < batch.count; ++lane) solve_group(Group<Real>{batch, lane}, i);
+    if (batch.is_serial != 0) {
+      for (int lane = 0; lane < batch.count; ++lane) solve_lanes(LaneRange<Real>{batch, lane}, i);
       continue;
     }
-    for (int first = 0; first < batch.count; first += VectorOf<Widest>::count)
-      if (first + wide_count < batch.count)
-        solve_group(Group<Widest>{batch, first}, i);
+    for (int first = 0; first < batch.count; first += SimdTraits<Widest>::count)
+      if (first + simd_width < batch.count)
+        solve_lanes(LaneRange<Widest>{batch, first}, i);
       else
-        solve_group(Group<Wide>{batch, first}, i);
+        solve_lanes(LaneRange<RealxN>{batch, first}, i);
   }
 }
 
@@ -63,28 +63,28 @@ constexpr int word_length = 8 / static_cast<int>(sizeof(Real));
 /// Velocities of the two bodies, and what constants of a contact they meet.
 template <typename V>
 struct Pair {
-  QuadsOf<V> a, b;  // x, y, angular, unused
+  Columns4<V> a, b;  // x, y, angular, unused
   V nx, ny;
   V inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
 };
 
 template <typename V>
-TICKTRUE_INLINE Pair<V> load_pair(const Group<V>& group, const Real* bodies) {
-  return {gather_quads_of<V, word_length>(bodies, group.batch.read_a + group.first),
-          gather_quads_of<V, word_length>(bodies, group.batch.read_b + group.first),
-          group.load(group.batch.normal_x),
-          group.load(group.batch.normal_y),
-          group.load(group.batch.inv_mass_a),
-          group.load(group.batch.inv_mass_b),
-          group.load(group.batch.inv_inertia_a),
-          group.load(group.batch.inv_inertia_b)};
+TICKTRUE_INLINE Pair<V> load_pair(const LaneRange<V>& lanes, const Real* bodies) {
+  return {gather4<V, word_length>(bodies, lanes.batch.read_a + lanes.first),
+          gather4<V, word_length>(bodies, lanes.batch.read_b + lanes.first),
+          lanes.load(lanes.batch.normal_x),
+          lanes.load(lanes.batch.normal_y),
+          lanes.load(lanes.batch.inv_mass_a),
+          lanes.load(lanes.batch.inv_mass_b),
+          lanes.load(lanes.batch.inv_inertia_a),
+          lanes.load(lanes.batch.inv_inertia_b)};
 }
 
 /// Adds the contact's impulses to the velocities, but for the turn.
 template <typename V>
-TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V along_normal, V along_tangent) {
-  const V px = along_normal * pair.nx + along_tangent * pair.ny;
-  const V py = along_normal * pair.ny - along_tangent * pair.nx;
+TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V normal_impulse, V tangent_impulse) {
+  const V px = normal_impulse * pair.nx + tangent_impulse * pair.ny;
+  const V py = normal_impulse * pair.ny - tangent_impulse * pair.nx;
   pair.a.at[0] -= pair.inv_mass_a * px;
   pair.a.at[1] -= pair.inv_mass_a * py;
   pair.b.at[0] += pair.inv_mass_b * px;
@@ -93,53 +93,54 @@ TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V along_normal, V along_tangent
 
 /// Puts the velocities back.
 template <typename V>
-TICKTRUE_INLINE void store_pair(const Group<V>& group, Pair<V>& pair, Real* bodies) {
+TICKTRUE_INLINE void store_pair(const LaneRange<V>& lanes, Pair<V>& pair, Real* bodies) {
   pair.a.at[3] = pair.b.at[3] = V{};  // what it is, and no register has to hold
-  scatter_quads_of<V, word_length>(bodies, group.write_a(), pair.a);
-  scatter_quads_of<V, word_length>(bodies, group.write_b(), pair.b);
+  scatter4<V, word_length>(bodies, lanes.write_a(), pair.a);
+  scatter4<V, word_length>(bodies, lanes.write_b(), pair.b);
 }
 
 /// What the bodies have moved since the tick began, in the contact's frame.
 template <typename V>
-struct Slide {
-  V along;               // of B against A, m
-  V lost_a, lost_b;      // cosine of the turn, less 1
-  V turned_a, turned_b;  // its sine
+struct RelativeMotion {
+  V normal_displacement;               // of B against A, m
+  V cosine_less_1_a, cosine_less_1_b;  // cosine of the turn, less 1
+  V sine_a, sine_b;                    // its sine
   V radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
 };
 
 template <unsigned features, typename V>
-TICKTRUE_INLINE Slide<V> load_slide(const Group<V>& group, const Pair<V>& pair, const Real* bodies) {
-  const QuadsOf<V> a = gather_quads_of<V, word_length>(bodies + 4, group.batch.read_a + group.first);
-  const QuadsOf<V> b = gather_quads_of<V, word_length>(bodies + 4, group.batch.read_b + group.first);
-  const V one = VectorOf<V>::spread(1);
-  Slide<V> slide{(b.at[0] - a.at[0]) * pair.nx + (b.at[1] - a.at[1]) * pair.ny,
-                 a.at[2] - one,
-                 b.at[2] - one,
-                 a.at[3],
-                 b.at[3],
-                 {},
-                 {}};
+TICKTRUE_INLINE RelativeMotion<V> load_relative_motion(const LaneRange<V>& lanes, const Pair<V>& pair,
+                                                       const Real* bodies) {
+  const Columns4<V> a = gather4<V, word_length>(bodies + 4, lanes.batch.read_a + lanes.first);
+  const Columns4<V> b = gather4<V, word_length>(bodies + 4, lanes.batch.read_b + lanes.first);
+  const V one = SimdTraits<V>::broadcast(1);
+  RelativeMotion<V> motion{(b.at[0] - a.at[0]) * pair.nx + (b.at[1] - a.at[1]) * pair.ny,
+                           a.at[2] - one,
+                           b.at[2] - one,
+                           a.at[3],
+                           b.at[3],
+                           {},
+                           {}};
   if constexpr (has(features, contact_feature::radius)) {
-    slide.radius_a = group.load(group.batch.radius_a);
-    slide.radius_b = group.load(group.batch.radius_b);
+    motion.radius_a = lanes.load(lanes.batch.radius_a);
+    motion.radius_b = lanes.load(lanes.batch.radius_b);
   }
-  return slide;
+  return motion;
 }
 
 /// Present separation of a point: the normal stays, the pivots turn with the bodies.
 template <unsigned features, typename V>
-TICKTRUE_INLINE V separation_of(const Group<V>& group, const ContactPointLanes& point, const Slide<V>& slide, V arm_a,
-                                V arm_b) {
-  V back_a = group.load(point.tangent_arm_a);  // of the pivots, against the normal
-  V back_b = group.load(point.tangent_arm_b);
+TICKTRUE_INLINE V separation_of(const LaneRange<V>& lanes, const ContactPointLanes& point,
+                                const RelativeMotion<V>& motion, V arm_a, V arm_b) {
+  V back_a = lanes.load(point.tangent_arm_a);  // of the pivots, against the normal
+  V back_b = lanes.load(point.tangent_arm_b);
   if constexpr (has(features, contact_feature::radius)) {
-    back_a = back_a + slide.radius_a;
-    back_b = back_b - slide.radius_b;
+    back_a = back_a + motion.radius_a;
+    back_b = back_b - motion.radius_b;
   }
-  const V turned = slide.turned_b * arm_b - slide.turned_a * arm_a;
-  const V lost = slide.lost_a * back_a - slide.lost_b * back_b;
-  return group.load(point.separation) + (slide.along + (lost + turned));
+  const V by_sine = motion.sine_b * arm_b - motion.sine_a * arm_a;
+  const V by_cosine = motion.cosine_less_1_a * back_a - motion.cosine_less_1_b * back_b;
+  return lanes.load(point.separation) + (motion.normal_displacement + (by_cosine + by_sine));
 }
 
 template <typename V>
@@ -152,171 +153,173 @@ struct Target {
 template <typename V>
 TICKTRUE_INLINE V gap_rate(V separation, V inv_h) {
   const V zero{};
-  return choose(separation > zero, separation * inv_h, zero);
+  return select(separation > zero, separation * inv_h, zero);
 }
 
 /// Apart: as above. Overlapping: pushed out softly.
 template <typename V>
 TICKTRUE_INLINE Target<V> target_of(V separation, V inv_h, const Softness& soft) {
-  const auto spread = VectorOf<V>::spread;
+  const auto broadcast = SimdTraits<V>::broadcast;
   const V zero{};
-  const auto apart = separation > zero;
-  const V push = larger(spread(soft.bias_rate) * separation, spread(-push_speed_max));
-  return {choose(apart, separation * inv_h, push), choose(apart, spread(1), spread(soft.mass_scale)),
-          choose(apart, zero, spread(soft.impulse_scale))};
+  const auto is_separated = separation > zero;
+  const V bias = larger(broadcast(soft.bias_rate) * separation, broadcast(-bias_speed_max));
+  return {select(is_separated, separation * inv_h, bias),
+          select(is_separated, broadcast(1), broadcast(soft.mass_scale)),
+          select(is_separated, zero, broadcast(soft.impulse_scale))};
 }
 
 /// solve_again: no pose has changed since the last pass.
 enum class Pass { solve, solve_again, relax };
 
 template <unsigned features, Pass pass, typename V>
-TICKTRUE_INLINE void solve_group(const ContactWork& work, std::size_t i, const Group<V>& group, Real inv_h) {
-  ContactBatch& batch = group.batch;
+TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const LaneRange<V>& lanes, Real inv_h) {
+  ContactBatch& batch = lanes.batch;
   const V zero{};
   const Softness& soft = batch.immovable != 0 ? work.immovable : work.moving;
-  Pair<V> pair = load_pair(group, work.bodies);
-  Slide<V> slide;
-  if constexpr (pass != Pass::solve_again) slide = load_slide<features>(group, pair, work.bodies);
+  Pair<V> pair = load_pair(lanes, work.bodies);
+  RelativeMotion<V> motion;
+  if constexpr (pass != Pass::solve_again) motion = load_relative_motion<features>(lanes, pair, work.bodies);
   const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
   const V dx = pair.b.at[0] - pair.a.at[0];
   const V dy = pair.b.at[1] - pair.a.at[1];
   V& wa = pair.a.at[2];
   V& wb = pair.b.at[2];
-  V speed = dx * pair.nx + dy * pair.ny;
-  V pushed = zero;
+  V normal_velocity = dx * pair.nx + dy * pair.ny;
+  V normal_sum = zero;
   for (int p = 0; p < points_of(features); ++p) {
     ContactPointLanes& point = batch.points[p];
-    const V arm_a = group.load(point.normal_arm_a);
-    const V arm_b = group.load(point.normal_arm_b);
+    const V arm_a = lanes.load(point.normal_arm_a);
+    const V arm_b = lanes.load(point.normal_arm_b);
     V separation;
     if constexpr (pass == Pass::solve_again) {
-      separation = group.load(point.present_separation);
+      separation = lanes.load(point.present_separation);
     } else {
-      separation = separation_of<features>(group, point, slide, arm_a, arm_b);
-      group.store(point.present_separation, separation);
+      separation = separation_of<features>(lanes, point, motion, arm_a, arm_b);
+      lanes.store(point.present_separation, separation);
     }
-    const V old_impulse = group.load(point.normal_impulse);
-    V mass = group.load(point.normal_mass);
-    V kept = old_impulse;
+    const V old_impulse = lanes.load(point.normal_impulse);
+    V mass = lanes.load(point.normal_mass);
+    V base = old_impulse;
     if constexpr (pass == Pass::relax) {
-      kept -= mass * gap_rate(separation, VectorOf<V>::spread(inv_h));
+      base -= mass * gap_rate(separation, SimdTraits<V>::broadcast(inv_h));
     } else {
-      const Target<V> target = target_of(separation, VectorOf<V>::spread(inv_h), soft);
+      const Target<V> target = target_of(separation, SimdTraits<V>::broadcast(inv_h), soft);
       mass = mass * target.mass_scale;
-      kept = (old_impulse - target.impulse_scale * old_impulse) - mass * target.rate;
+      base = (old_impulse - target.impulse_scale * old_impulse) - mass * target.rate;
     }
-    const V velocity = speed + (wb * arm_b - wa * arm_a);
-    const V impulse = larger(kept - mass * velocity, zero);
-    group.store(point.normal_impulse, impulse);
+    const V velocity = normal_velocity + (wb * arm_b - wa * arm_a);
+    const V impulse = larger(base - mass * velocity, zero);
+    lanes.store(point.normal_impulse, impulse);
     if constexpr (has(features, contact_feature::bounce)) {
       ContactLanes& most = work.bounces[i].impulse_max[p];
-      group.store(most, larger(group.load(most), impulse));
+      lanes.store(most, larger(lanes.load(most), impulse));
     }
     const V change = impulse - old_impulse;
-    speed += inv_mass * change;
+    normal_velocity += inv_mass * change;
     wa -= (pair.inv_inertia_a * arm_a) * change;
     wb += (pair.inv_inertia_b * arm_b) * change;
-    pushed += change;
+    normal_sum += change;
   }
-  V rubbed = zero;
+  V tangent_sum = zero;
   if constexpr (has(features, contact_feature::friction)) {
-    V slip = dx * pair.ny - dy * pair.nx;
-    if constexpr (has(features, contact_feature::surface)) slip += group.load(work.surfaces[i].tangent_speed);
-    const V friction = group.load(batch.friction);
+    V tangent_velocity = dx * pair.ny - dy * pair.nx;
+    if constexpr (has(features, contact_feature::surface))
+      tangent_velocity += lanes.load(work.surfaces[i].tangent_speed);
+    const V friction = lanes.load(batch.friction);
     for (int p = 0; p < points_of(features); ++p) {
       ContactPointLanes& point = batch.points[p];
-      const V arm_a = group.load(point.tangent_arm_a);
-      const V arm_b = group.load(point.tangent_arm_b);
-      const V old_impulse = group.load(point.tangent_impulse);
-      const V limit = friction * group.load(point.normal_impulse);
-      const V velocity = slip + (wb * arm_b - wa * arm_a);
-      const V wanted = old_impulse - group.load(point.tangent_mass) * velocity;
+      const V arm_a = lanes.load(point.tangent_arm_a);
+      const V arm_b = lanes.load(point.tangent_arm_b);
+      const V old_impulse = lanes.load(point.tangent_impulse);
+      const V limit = friction * lanes.load(point.normal_impulse);
+      const V velocity = tangent_velocity + (wb * arm_b - wa * arm_a);
+      const V wanted = old_impulse - lanes.load(point.tangent_mass) * velocity;
       const V impulse = larger(zero - limit, smaller(limit, wanted));
-      group.store(point.tangent_impulse, impulse);
+      lanes.store(point.tangent_impulse, impulse);
       const V change = impulse - old_impulse;
-      slip += inv_mass * change;
+      tangent_velocity += inv_mass * change;
       wa -= (pair.inv_inertia_a * arm_a) * change;
       wb += (pair.inv_inertia_b * arm_b) * change;
-      rubbed += change;
+      tangent_sum += change;
     }
   }
   if constexpr (has(features, contact_feature::surface)) {
     // A torque against the relative turn, at most rolling resistance times normal force.
     SurfaceLanes& surface = work.surfaces[i];
-    const V pressed = group.load(batch.points[0].normal_impulse) + group.load(batch.points[1].normal_impulse);
-    const V limit = group.load(surface.rolling_resistance) * pressed;
-    const V old_impulse = group.load(surface.rolling_impulse);
-    const V wanted = old_impulse - group.load(surface.rolling_mass) * (wb - wa);
+    const V normal_impulse = lanes.load(batch.points[0].normal_impulse) + lanes.load(batch.points[1].normal_impulse);
+    const V limit = lanes.load(surface.rolling_resistance) * normal_impulse;
+    const V old_impulse = lanes.load(surface.rolling_impulse);
+    const V wanted = old_impulse - lanes.load(surface.rolling_mass) * (wb - wa);
     const V impulse = larger(zero - limit, smaller(limit, wanted));
-    group.store(surface.rolling_impulse, impulse);
+    lanes.store(surface.rolling_impulse, impulse);
     const V change = impulse - old_impulse;
     wa -= pair.inv_inertia_a * change;
     wb += pair.inv_inertia_b * change;
   }
-  add_impulses(pair, pushed, rubbed);
-  store_pair(group, pair, work.bodies);
+  add_impulses(pair, normal_sum, tangent_sum);
+  store_pair(lanes, pair, work.bodies);
 }
 
 template <unsigned features, Pass pass>
 void solve(const ContactWork& work) {
   const Real inv_h = 1 / work.h;
-  for_groups<Twin>(
-      work, [&](const auto& group, std::size_t i)
-                __attribute__((always_inline)) { solve_group<features, pass>(work, i, group, inv_h); });
+  for_lane_ranges<Realx2N>(
+      work, [&](const auto& lanes, std::size_t i)
+                __attribute__((always_inline)) { solve_lanes<features, pass>(work, i, lanes, inv_h); });
 }
 
 template <unsigned features, typename V>
-TICKTRUE_INLINE void warm_start_group(const ContactWork& work, const Group<V>& group) {
-  ContactBatch& batch = group.batch;
-  Pair<V> pair = load_pair(group, work.bodies);
-  V pushed{}, rubbed{}, turn_a{}, turn_b{};
+TICKTRUE_INLINE void warm_start_lanes(const ContactWork& work, const LaneRange<V>& lanes) {
+  ContactBatch& batch = lanes.batch;
+  Pair<V> pair = load_pair(lanes, work.bodies);
+  V normal_sum{}, tangent_sum{}, moment_a{}, moment_b{};
   for (int p = 0; p < points_of(features); ++p) {
     const ContactPointLanes& point = batch.points[p];
-    const V impulse = group.load(point.normal_impulse);
-    pushed += impulse;
-    turn_a += group.load(point.normal_arm_a) * impulse;
-    turn_b += group.load(point.normal_arm_b) * impulse;
+    const V impulse = lanes.load(point.normal_impulse);
+    normal_sum += impulse;
+    moment_a += lanes.load(point.normal_arm_a) * impulse;
+    moment_b += lanes.load(point.normal_arm_b) * impulse;
     if constexpr (has(features, contact_feature::friction)) {
-      const V rub = group.load(point.tangent_impulse);
-      rubbed += rub;
-      turn_a += group.load(point.tangent_arm_a) * rub;
-      turn_b += group.load(point.tangent_arm_b) * rub;
+      const V tangent_impulse = lanes.load(point.tangent_impulse);
+      tangent_sum += tangent_impulse;
+      moment_a += lanes.load(point.tangent_arm_a) * tangent_impulse;
+      moment_b += lanes.load(point.tangent_arm_b) * tangent_impulse;
     }
   }
-  pair.a.at[2] -= pair.inv_inertia_a * turn_a;
-  pair.b.at[2] += pair.inv_inertia_b * turn_b;
-  add_impulses(pair, pushed, rubbed);
-  store_pair(group, pair, work.bodies);
+  pair.a.at[2] -= pair.inv_inertia_a * moment_a;
+  pair.b.at[2] += pair.inv_inertia_b * moment_b;
+  add_impulses(pair, normal_sum, tangent_sum);
+  store_pair(lanes, pair, work.bodies);
 }
 
 template <unsigned features>
 void warm_start(const ContactWork& work) {
   if constexpr (has(features, contact_feature::surface))
     for (std::size_t i = 0; i < work.batch_count; ++i) work.surfaces[i].rolling_impulse = {};
-  for_groups<Twin>(
-      work, [&](const auto& group, std::size_t)
-                __attribute__((always_inline)) { warm_start_group<features>(work, group); });
+  for_lane_ranges<Realx2N>(
+      work, [&](const auto& lanes, std::size_t)
+                __attribute__((always_inline)) { warm_start_lanes<features>(work, lanes); });
 }
 
 template <typename V>
 TICKTRUE_INLINE V inverse_or_zero(V k) {
   const V zero{};
-  const V one = VectorOf<V>::spread(1);
+  const V one = SimdTraits<V>::broadcast(1);
   const auto exists = k > zero;
-  return choose(exists, one / choose(exists, k, one), zero);
+  return select(exists, one / select(exists, k, one), zero);
 }
 
 template <unsigned features, typename V>
-TICKTRUE_INLINE void prepare_group(const ContactWork& work, std::size_t i, const Group<V>& group) {
-  ContactBatch& batch = group.batch;
-  const V h = VectorOf<V>::spread(work.h);
-  const Pair<V> pair = load_pair(group, work.bodies);
+TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, std::size_t i, const LaneRange<V>& lanes) {
+  ContactBatch& batch = lanes.batch;
+  const V h = SimdTraits<V>::broadcast(work.h);
+  const Pair<V> pair = load_pair(lanes, work.bodies);
   const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-  const V speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+  const V normal_velocity = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
   for (int p = 0; p < points_of(features); ++p) {
     ContactPointLanes& point = batch.points[p];
-    const V ax = group.load(point.normal_arm_a), ay = group.load(point.normal_arm_b);
-    const V bx = group.load(point.tangent_arm_a), by = group.load(point.tangent_arm_b);
+    const V ax = lanes.load(point.normal_arm_a), ay = lanes.load(point.normal_arm_b);
+    const V bx = lanes.load(point.tangent_arm_a), by = lanes.load(point.tangent_arm_b);
     const auto effective_mass = [&](V arm_a, V arm_b) {
       return inverse_or_zero((inv_mass + pair.inv_inertia_a * arm_a * arm_a) + pair.inv_inertia_b * arm_b * arm_b);
     };
@@ -324,96 +327,96 @@ TICKTRUE_INLINE void prepare_group(const ContactWork& work, std::size_t i, const
     const V arm_b = bx * pair.ny - by * pair.nx;
     const V tangent_a = -(ax * pair.nx + ay * pair.ny);
     const V tangent_b = -(bx * pair.nx + by * pair.ny);
-    const V exists = group.load(point.normal_mass);
-    group.store(point.normal_arm_a, arm_a);
-    group.store(point.normal_arm_b, arm_b);
-    group.store(point.tangent_arm_a, tangent_a);
-    group.store(point.tangent_arm_b, tangent_b);
-    group.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
-    group.store(point.normal_impulse, h * group.load(point.normal_impulse));
+    const V exists = lanes.load(point.normal_mass);
+    lanes.store(point.normal_arm_a, arm_a);
+    lanes.store(point.normal_arm_b, arm_b);
+    lanes.store(point.tangent_arm_a, tangent_a);
+    lanes.store(point.tangent_arm_b, tangent_b);
+    lanes.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
+    lanes.store(point.normal_impulse, h * lanes.load(point.normal_impulse));
     if constexpr (has(features, contact_feature::friction)) {
-      group.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
-      group.store(point.tangent_impulse, h * group.load(point.tangent_impulse));
+      lanes.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
+      lanes.store(point.tangent_impulse, h * lanes.load(point.tangent_impulse));
     } else {
-      group.store(point.tangent_impulse, V{});
+      lanes.store(point.tangent_impulse, V{});
     }
     if constexpr (has(features, contact_feature::bounce)) {
-      const V approach = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
-      group.store(work.bounces[i].approach[p], approach);
+      const V approach = normal_velocity + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+      lanes.store(work.bounces[i].approach[p], approach);
     }
   }
 }
 
 template <unsigned features>
 void prepare(const ContactWork& work) {
-  for_groups<Twin>(
-      work, [&](const auto& group, std::size_t i)
-                __attribute__((always_inline)) { prepare_group<features>(work, i, group); });
+  for_lane_ranges<Realx2N>(
+      work, [&](const auto& lanes, std::size_t i)
+                __attribute__((always_inline)) { prepare_lanes<features>(work, i, lanes); });
 }
 
 // Conditions of a lane, and of as many as a Wide has.
 bool any_of(bool lane) {
   return lane;
 }
-bool any_of(WideMask lanes) {
+bool any_of(MaskxN lanes) {
   bool any = false;
-  for (int lane = 0; lane < wide_count; ++lane) any |= lanes[lane] != 0;
+  for (int lane = 0; lane < simd_width; ++lane) any |= lanes[lane] != 0;
   return any;
 }
 bool both(bool a, bool b) {
   return a && b;
 }
-WideMask both(WideMask a, WideMask b) {
+MaskxN both(MaskxN a, MaskxN b) {
   return a & b;
 }
 bool either(bool a, bool b) {
   return a || b;
 }
-WideMask either(WideMask a, WideMask b) {
+MaskxN either(MaskxN a, MaskxN b) {
   return a | b;
 }
 
 template <unsigned features, typename V>
-TICKTRUE_INLINE bool bounce_group(const ContactWork& work, std::size_t i, const Group<V>& group, Real threshold) {
-  ContactBatch& batch = group.batch;
+TICKTRUE_INLINE bool bounce_lanes(const ContactWork& work, std::size_t i, const LaneRange<V>& lanes, Real threshold) {
+  ContactBatch& batch = lanes.batch;
   BounceLanes& bounces = work.bounces[i];
   const V zero{};
-  Pair<V> pair = load_pair(group, work.bodies);
+  Pair<V> pair = load_pair(lanes, work.bodies);
   const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-  const V restitution = group.load(bounces.restitution);
-  V speed = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
-  V pushed = zero;
+  const V restitution = lanes.load(bounces.restitution);
+  V normal_velocity = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
+  V normal_sum = zero;
   auto bounced = zero > zero;
   for (int p = 0; p < points_of(features); ++p) {
     // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
     ContactPointLanes& point = batch.points[p];
-    const V approach = group.load(bounces.approach[p]);
-    const auto hits = both(both(restitution > zero, VectorOf<V>::spread(-threshold) >= approach),
-                           group.load(bounces.impulse_max[p]) > zero);
+    const V approach = lanes.load(bounces.approach[p]);
+    const auto hits = both(both(restitution > zero, SimdTraits<V>::broadcast(-threshold) >= approach),
+                           lanes.load(bounces.impulse_max[p]) > zero);
     if (!any_of(hits)) continue;
     bounced = either(bounced, hits);
-    const V arm_a = group.load(point.normal_arm_a);
-    const V arm_b = group.load(point.normal_arm_b);
-    const V velocity = speed + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
-    const V old_impulse = group.load(point.normal_impulse);
-    const V wanted = old_impulse - group.load(point.normal_mass) * (velocity + restitution * approach);
-    const V impulse = choose(hits, larger(wanted, zero), old_impulse);
-    group.store(point.normal_impulse, impulse);
+    const V arm_a = lanes.load(point.normal_arm_a);
+    const V arm_b = lanes.load(point.normal_arm_b);
+    const V velocity = normal_velocity + (pair.b.at[2] * arm_b - pair.a.at[2] * arm_a);
+    const V old_impulse = lanes.load(point.normal_impulse);
+    const V wanted = old_impulse - lanes.load(point.normal_mass) * (velocity + restitution * approach);
+    const V impulse = select(hits, larger(wanted, zero), old_impulse);
+    lanes.store(point.normal_impulse, impulse);
     const V change = impulse - old_impulse;
-    speed += inv_mass * change;
+    normal_velocity += inv_mass * change;
     pair.a.at[2] -= (pair.inv_inertia_a * arm_a) * change;
     pair.b.at[2] += (pair.inv_inertia_b * arm_b) * change;
-    pushed += change;
+    normal_sum += change;
   }
   if (!any_of(bounced)) return false;
   // Velocities of what does not bounce keep the signs of their zeros, whoever is beside it.
-  const Pair<V> before = load_pair(group, work.bodies);
-  add_impulses(pair, pushed, zero);
+  const Pair<V> before = load_pair(lanes, work.bodies);
+  add_impulses(pair, normal_sum, zero);
   for (int axis = 0; axis < 3; ++axis) {
-    pair.a.at[axis] = choose(bounced, pair.a.at[axis], before.a.at[axis]);
-    pair.b.at[axis] = choose(bounced, pair.b.at[axis], before.b.at[axis]);
+    pair.a.at[axis] = select(bounced, pair.a.at[axis], before.a.at[axis]);
+    pair.b.at[axis] = select(bounced, pair.b.at[axis], before.b.at[axis]);
   }
-  store_pair(group, pair, work.bodies);
+  store_pair(lanes, pair, work.bodies);
   return true;
 }
 
@@ -421,9 +424,9 @@ template <unsigned features>
 bool bounce(const ContactWork& work, Real threshold) {
   bool any = false;
   if constexpr (has(features, contact_feature::bounce))
-    for_groups<Wide>(
-        work, [&](const auto& group, std::size_t i) __attribute__((always_inline)) {
-          if (group.batch.bounces != 0) any |= bounce_group<features>(work, i, group, threshold);
+    for_lane_ranges<RealxN>(
+        work, [&](const auto& lanes, std::size_t i) __attribute__((always_inline)) {
+          if (lanes.batch.bounces != 0) any |= bounce_lanes<features>(work, i, lanes, threshold);
         });
   return any;
 }

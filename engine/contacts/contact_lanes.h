@@ -32,7 +32,7 @@ struct ContactBatch {
   std::uint32_t read_b[contact_lane_count];
   std::int32_t count;       // lanes from here on are empty
   std::uint32_t immovable;  // 1: one body of each contact is not moved by impulses
-  std::uint32_t in_turn;    // 1: lanes are solved one after the other; else no body is moved by two of them
+  std::uint32_t is_serial;  // 1: lanes are solved one after the other; else no body is moved by two of them
   std::uint32_t bounces;    // 1: some lane has restitution
   ContactLanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   ContactLanes normal_x, normal_y, friction;
@@ -63,23 +63,23 @@ inline constexpr std::uint32_t no_contact = 0xffffffff;
 /// What batches are filled from: numbers of the first of rows that follow each other at a distance in bytes. Four
 /// numbers are there for each pointer, whatever the fourth may be.
 struct ContactSource {
-  const std::uint32_t* slots;   // [batch, lane] the contact
-  const std::uint8_t* in_turn;  // [batch] ContactBatch::in_turn
-  std::size_t pair_size;        // of TouchingPair, bytes
-  const std::uint32_t* ends;    // rows of the two bodies
-  const Real* surface;          // friction, radius of A, radius of B, size
-  const Real* normal;           // x, y
-  const Real* anchors[2];       // of the points: A's x, y, B's x, y
-  const Real* separation[2];    // of the points
+  const std::uint32_t* slots;         // [batch, lane] the contact
+  const std::uint8_t* is_serial;      // [batch] ContactBatch::is_serial
+  std::size_t pair_size;              // of TouchingPair, bytes
+  const std::uint32_t* body_indices;  // rows of the two bodies
+  const Real* surface;                // friction, radius of A, radius of B, size
+  const Real* normal;                 // x, y
+  const Real* anchors[2];             // of the points: A's x, y, B's x, y
+  const Real* separation[2];          // of the points
   const std::int32_t* point_count;
   std::size_t row_size;          // of ContactRow, bytes
   const Real* forces;            // normal ones of the points, tangential ones
   std::size_t mass_size;         // of BodyMass, bytes
   const Real* masses;            // inverse mass, inverse inertia
   const std::uint32_t* records;  // of each body: where to read it, where to write it
-  std::uint32_t unread;          // written for what impulses do not move; in `records`, and
-  std::uint32_t own_unread;      // instead of it
-  std::uint32_t resting;         // read for empty lanes
+  std::uint32_t sink;            // written for what impulses do not move; in `records`, and
+  std::uint32_t own_sink;        // instead of it
+  std::uint32_t dummy;           // read for empty lanes
   Real slop;                     // of the size
 };
 
@@ -107,7 +107,7 @@ inline constexpr unsigned all = 31;
 }  // namespace contact_feature
 
 /// Whether bodies are written elsewhere than they are read: full batches of moving ones are not.
-[[gnu::always_inline]] inline bool writes_elsewhere(const ContactBatch& batch) {
+[[gnu::always_inline]] inline bool has_sinks(const ContactBatch& batch) {
   return batch.immovable != 0 || batch.count < contact_lane_count;
 }
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "engine/contacts/contact_lanes.h"
-#include "engine/joints/batched/hinge_lanes.h"
-#include "engine/joints/batched/pin_lanes.h"
+#include "engine/joints/batched/driven_revolute_lanes.h"
+#include "engine/joints/batched/revolute_lanes.h"
 #include "engine/narrow_phase/box_lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -12,26 +12,26 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct SolverKernels {
   FillingKernels filling;
   ContactKernels contacts;
-  PinKernels pins;
-  HingeKernels hinges;
+  RevoluteKernels revolutes;
+  DrivenRevoluteKernels driven_revolutes;
   MotionKernels motion;
   BoxKernels boxes;
 };
 
-// Units of these namespaces include no standard header with code in it (math/wide.h).
+// Units of these namespaces include no standard header with code in it (simd/realxn.h).
 namespace baseline {
 FillingKernels filling_kernels();
 ContactKernels contact_kernels(unsigned features);
-PinKernels pin_kernels();
-HingeKernels hinge_kernels();
+RevoluteKernels revolute_kernels();
+DrivenRevoluteKernels driven_revolute_kernels();
 MotionKernels motion_kernels();
 BoxKernels box_kernels();
 }  // namespace baseline
 namespace avx2 {
 FillingKernels filling_kernels();
 ContactKernels contact_kernels(unsigned features);
-PinKernels pin_kernels();
-HingeKernels hinge_kernels();
+RevoluteKernels revolute_kernels();
+DrivenRevoluteKernels driven_revolute_kernels();
 MotionKernels motion_kernels();
 BoxKernels box_kernels();
 }  // namespace avx2

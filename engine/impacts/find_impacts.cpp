@@ -37,14 +37,14 @@ const BodyModel& constants_of(const Model& model, const BodyRow& body) {
 }
 
 /// Notes which bodies are fast. False: none is.
-bool find_fast(const Model& model, const State& state, Scratch& scratch, const MotionBounds& reach) {
+bool find_fast(const Model& model, const State& state, Scratch& scratch, const MotionBounds& bounds) {
   std::atomic<bool> any{false};
   const std::size_t count = state.bodies.size();
   scratch.is_fast.resize(count);
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
     bool found = false;
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
-      const bool fast = is_fast(reach, constants_of(model, state.bodies[row]), state.bodies[row]);
+      const bool fast = is_fast(bounds, constants_of(model, state.bodies[row]), state.bodies[row]);
       scratch.is_fast[row] = fast ? 1 : 0;
       found |= fast;
     }
@@ -54,10 +54,10 @@ bool find_fast(const Model& model, const State& state, Scratch& scratch, const M
 }
 
 /// Appends those of the candidate pairs begin..end-1 whose impacts are located.
-void add_impacts(const Model& model, const State& state, const Scratch& scratch, const MotionBounds& reach,
+void add_impacts(const Model& model, const State& state, const Scratch& scratch, const MotionBounds& bounds,
                  std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
   const Settings& settings = model.scene.settings;
-  const Real fall = gravity_displacement_of_tick(model, state);
+  const Real gravity_displacement = gravity_displacement_of_tick(model, state);
   std::uint32_t next_contact = no_reference;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair& candidate = scratch.pairs[i];
@@ -71,18 +71,18 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     const Real restitution = mix(settings.restitution_mix, shape_a.restitution, shape_b.restitution);
     const bool bounces = settings.locate_impacts && restitution > 0;
     const bool between_moving = a.is_dynamic && b.is_dynamic;
-    const bool guarded = !between_moving || model.bodies[state.bodies[a.body].source].is_bullet ||
-                         model.bodies[state.bodies[b.body].source].is_bullet;
+    const bool is_ccd_pair = !between_moving || model.bodies[state.bodies[a.body].source].is_bullet ||
+                             model.bodies[state.bodies[b.body].source].is_bullet;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
-    const bool fast = settings.continuous && guarded && one_is_fast;
+    const bool fast = settings.continuous && is_ccd_pair && one_is_fast;
     if (!bounces && !fast) continue;
-    const Real swept_a = swept_displacement_of(reach, constants_of(model, body_a), body_a);
-    const Real swept_b = swept_displacement_of(reach, constants_of(model, body_b), body_b);
-    const Circle circle_a = circle_around(body_a, shape_a, fall, swept_a);
-    const Circle circle_b = circle_around(body_b, shape_b, fall, swept_b);
-    const Real near = circle_a.radius + circle_b.radius;
-    if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near)) continue;
+    const Real swept_a = swept_displacement_of(bounds, constants_of(model, body_a), body_a);
+    const Real swept_b = swept_displacement_of(bounds, constants_of(model, body_b), body_b);
+    const Circle circle_a = circle_around(body_a, shape_a, gravity_displacement, swept_a);
+    const Circle circle_b = circle_around(body_b, shape_b, gravity_displacement, swept_b);
+    const Real touch_distance = circle_a.radius + circle_b.radius;
+    if (length_squared(circle_b.center - circle_a.center) > Real(1.01) * (touch_distance * touch_distance)) continue;
     if (are_separated(model, body_a.id, body_b.id)) continue;
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
@@ -97,7 +97,7 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     pair.friction = mix(settings.friction_mix, shape_a.friction, shape_b.friction);
     pair.restitution = restitution;
     pair.is_fast = fast;
-    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), reach.dt);
+    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), bounds.dt);
     impacts.push_back(pair);
   }
 }
@@ -106,13 +106,13 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
 
 MotionBounds motion_bounds_of_tick(const Model& model, const State& state, Real dt) {
   const Settings& settings = model.scene.settings;
-  MotionBounds reach{
+  MotionBounds bounds{
       dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
       0};
-  if (!settings.locate_impacts) return reach;
+  if (!settings.locate_impacts) return bounds;
   for (const BodyRow& body : state.bodies)
-    reach.farthest = larger(reach.farthest, motion_bound_in(reach, constants_of(model, body), body));
-  return reach;
+    bounds.farthest = larger(bounds.farthest, motion_bound_in(bounds, constants_of(model, body), body));
+  return bounds;
 }
 
 void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
@@ -120,20 +120,21 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.impacts.clear();
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
   if (scratch.pairs.empty()) return;
-  const MotionBounds reach = motion_bounds_of_tick(model, state, dt);
+  const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
   // Broad phases that follow bodies know whether any is fast.
-  if (reach.guards && !reach.locates && scratch.caches.pairs.is_valid && !scratch.caches.pairs.any_swept) return;
-  if (!find_fast(model, state, scratch, reach) && !settings.locate_impacts) return;
+  if (bounds.has_ccd && !bounds.locates_impacts && scratch.caches.pairs.is_valid && !scratch.caches.pairs.any_swept)
+    return;
+  if (!find_fast(model, state, scratch, bounds) && !settings.locate_impacts) return;
   const std::size_t count = scratch.pairs.size();
   const std::size_t size = scratch.parallel.chunk_size(count, 256);
-  if (size >= count) return add_impacts(model, state, scratch, reach, 0, count, scratch.impacts);
+  if (size >= count) return add_impacts(model, state, scratch, bounds, 0, count, scratch.impacts);
   const std::size_t chunk_count = Parallel::chunk_count(count, size);
   if (scratch.impact_parts.size() < chunk_count) scratch.impact_parts.resize(chunk_count);
   scratch.parallel.for_chunks_beside(
       count, size,
       [&](const Chunk& chunk) {
         scratch.impact_parts[chunk.index].clear();
-        add_impacts(model, state, scratch, reach, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
+        add_impacts(model, state, scratch, bounds, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
       },
       [&] { color_ahead(state, scratch); });
   for (std::size_t i = 0; i < chunk_count; ++i)

@@ -13,9 +13,9 @@ namespace {
 
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
-constexpr Real slow_share = Real(0.05);   // of the smaller shape in a tick: a pair so slow is left to its contact
-constexpr Real turn_max = Real(0.25);     // rad in a tick, likewise: a contact has one normal for all of it
-constexpr Real near_share = Real(0.005);  // of the smaller shape: so near, and slow, a pair is left to its contact
+constexpr Real slow_share = Real(0.05);    // of the smaller shape in a tick: a pair so slow is left to its contact
+constexpr Real rotation_max = Real(0.25);  // rad in a tick, likewise: a contact has one normal for all of it
+constexpr Real near_share = Real(0.005);   // of the smaller shape: so near, and slow, a pair is left to its contact
 // In a substep; after so many, bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
@@ -32,17 +32,18 @@ Vec2 velocity_at(const ImpactPath& path, Real time) {
   return path.velocity + (time - path.time) * path.acceleration;
 }
 
-Vec2 moved_at(const ImpactPath& path, Real time) {
+Vec2 delta_position_at(const ImpactPath& path, Real time) {
   const Real t = time - path.time;
   return path.delta_position + t * (path.velocity + (Real(0.5) * t) * path.acceleration);
 }
 
-Rotation turned_at(const ImpactPath& path, Real time) {
+Rotation delta_rotation_at(const ImpactPath& path, Real time) {
   return rotation_by((time - path.time) * path.angular_velocity) * path.delta_rotation;
 }
 
 Placement pose_at(const State& state, const ImpactPath& path, std::uint32_t row, Real time) {
-  return {state.bodies[row].position + moved_at(path, time), turned_at(path, time) * state.bodies[row].rotation};
+  return {state.bodies[row].position + delta_position_at(path, time),
+          delta_rotation_at(path, time) * state.bodies[row].rotation};
 }
 
 /// Velocity of B's surface against A's at a point.
@@ -60,34 +61,34 @@ Real touch_tolerance(Real size, Vec2 a, Vec2 b) {
 
 /// How fast turning may bring a point of a shape nearer to something, m/s. Turning a disc about its middle does not.
 Real turning_speed(const BodyModel& body, const ShapeModel& shape, const ImpactPath& path) {
-  const Real arm = shape.family == ShapeFamily::circle ? length(shape.center) : body.reach;
+  const Real arm = shape.family == ShapeFamily::circle ? length(shape.center) : body.extent;
   return absolute(path.angular_velocity) * arm;
 }
 
 /// Whether the circles around two shapes stay apart until h, so that nothing exact is needed.
-bool stay_apart(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
-                Real closing_max, Real time_left) {
-  const Vec2 apart =
+bool stay_separated(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
+                    Real closing_max, Real time_left) {
+  const Vec2 offset =
       (b.position + rotate(b.rotation, shape_b.center)) - (a.position + rotate(a.rotation, shape_a.center));
-  const Real reach = (shape_a.bounding_radius + shape_b.bounding_radius) + closing_max * time_left;
-  return length_squared(apart) > Real(1.01) * (reach * reach);
+  const Real distance_max = (shape_a.bounding_radius + shape_b.bounding_radius) + closing_max * time_left;
+  return length_squared(offset) > Real(1.01) * (distance_max * distance_max);
 }
 
 /// Along which normal, from A to B, an edge of a chain may push the other shape of a pair; others along any.
-EdgePush push_of_pair(const Model& model, const ShapeModel& shape_a, const Placement& a, const ShapeModel& shape_b,
-                      const Placement& b, const Distance& gap) {
-  const auto push_of = [&](const ShapeModel& edge, const Placement& at, const ShapeModel& other,
-                           const Placement& other_at, Vec2 normal) {
+EdgeNormal edge_normal_of_pair(const Model& model, const ShapeModel& shape_a, const Placement& a,
+                               const ShapeModel& shape_b, const Placement& b, const Distance& gap) {
+  const auto normal_of = [&](const ShapeModel& edge, const Placement& at, const ShapeModel& other,
+                             const Placement& other_at, Vec2 normal) {
     const Vec2 center = (other_at.position - at.position) + rotate(other_at.rotation, other.center);
-    EdgePush push = edge_push(model, edge, rotate_back(at.rotation, normal), rotate_back(at.rotation, center));
-    push.normal = rotate(at.rotation, push.normal);
-    return push;
+    EdgeNormal direction = edge_normal(model, edge, rotate_back(at.rotation, normal), rotate_back(at.rotation, center));
+    direction.normal = rotate(at.rotation, direction.normal);
+    return direction;
   };
-  if (shape_a.family == ShapeFamily::chain_edge) return push_of(shape_a, a, shape_b, b, gap.normal);
+  if (shape_a.family == ShapeFamily::chain_edge) return normal_of(shape_a, a, shape_b, b, gap.normal);
   if (shape_b.family != ShapeFamily::chain_edge) return {true, true, gap.normal};
-  EdgePush push = push_of(shape_b, b, shape_a, a, -gap.normal);
-  push.normal = -push.normal;
-  return push;
+  EdgeNormal direction = normal_of(shape_b, b, shape_a, a, -gap.normal);
+  direction.normal = -direction.normal;
+  return direction;
 }
 
 /// Sets the pair's next impact at or after `start`.
@@ -101,50 +102,51 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const BodyModel& model_a = body_model(model, state, pair.body_a);
   const BodyModel& model_b = body_model(model, state, pair.body_b);
   const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
-  const Real quickening = length(path_b.acceleration - path_a.acceleration);
+  const Real acceleration = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   const Real size = pair_size(shape_a, shape_b);
   // slow = slow_share size / dt, which tells dt.
   const Real turning = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
-  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= turn_max * pair.slow;
+  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= rotation_max * pair.slow;
   Real time = start;
   for (int i = 0; i < advance_count_max; ++i) {
     const Placement a = pose_at(state, path_a, pair.body_a, time);
     const Placement b = pose_at(state, path_b, pair.body_b, time);
     if (i == 0) {
       const Vec2 relative = velocity_at(path_b, time) - velocity_at(path_a, time);
-      if (stay_apart(a, b, shape_a, shape_b, (length(relative) + quickening * (h - time)) + spin, h - time)) return;
+      if (stay_separated(a, b, shape_a, shape_b, (length(relative) + acceleration * (h - time)) + spin, h - time))
+        return;
     }
     Distance gap = distance(model, shape_a, a, shape_b, b);
-    const EdgePush push = push_of_pair(model, shape_a, a, shape_b, b, gap);
+    const EdgeNormal direction = edge_normal_of_pair(model, shape_a, a, shape_b, b, gap);
     const Real tolerance = touch_tolerance(size, a.position, b.position);
     // What an edge of a chain does not push along may come nearer until it touches; then the edge's own normal counts.
-    if (!push.is_allowed && gap.separation <= tolerance) {
-      if (!push.in_front) return;
-      gap.normal = push.normal;
+    if (!direction.is_allowed && gap.separation <= tolerance) {
+      if (!direction.in_front) return;
+      gap.normal = direction.normal;
     }
-    const Real near = has_contact && push.is_allowed ? larger(tolerance, near_share * size) : tolerance;
+    const Real near = has_contact && direction.is_allowed ? larger(tolerance, near_share * size) : tolerance;
     if (gap.separation <= near) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       const bool bounces = pair.restitution > 0 && closing > threshold;
       // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
       // and a wall would push each other without end.
       // At a joint of a chain the edge that the shape is over has it, with friction: this one stops only what falls.
-      if (!push.is_allowed && !bounces && closing * h <= slow_share * size) return;
+      if (!direction.is_allowed && !bounces && closing * h <= slow_share * size) return;
       const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
       const bool touches = gap.separation <= tolerance;
       // Nor is there an impact where what is left of the substep is too short to get anywhere.
       if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
         // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
         // Not needed where it could not get to the middle of the thinner shape anyway.
-        if (!pair.is_fast || !((spin + quickening * (h - time)) * (h - time) > Real(0.1) * size)) return;
-        time += Real(0.05) * size / (spin + quickening * (h - time));
+        if (!pair.is_fast || !((spin + acceleration * (h - time)) * (h - time) > Real(0.1) * size)) return;
+        time += Real(0.05) * size / (spin + acceleration * (h - time));
         if (!(time < h)) return;
         if (i + 1 == advance_count_max) {
           pair.time = time;
           pair.normal = gap.normal;
           pair.point = gap.point;
-          pair.is_settled = false;
+          pair.is_located = false;
         }
         continue;
       }
@@ -152,34 +154,34 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
         pair.time = time;
         pair.normal = gap.normal;
         pair.point = gap.point;
-        pair.is_settled = true;
+        pair.is_located = true;
         return;
       }
     }
     const Real along = -dot(velocity_at(path_b, time) - velocity_at(path_a, time), gap.normal);
-    const Real closing_max = (along + quickening * (h - time)) + spin;
+    const Real closing_max = (along + acceleration * (h - time)) + spin;
     if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
     time += gap.separation / closing_max;
-    if (i + 1 < advance_count_max || !pair.is_fast || !push.is_allowed) continue;
+    if (i + 1 < advance_count_max || !pair.is_fast || !direction.is_allowed) continue;
     // A grazing or spinning pair that is not settled: rather stopped than passed.
     pair.time = time;
     pair.normal = gap.normal;
     pair.point = gap.point;
-    pair.is_settled = false;
+    pair.is_located = false;
   }
 }
 
 /// Moves a body's reference to `time` and changes its velocity there.
-void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
+void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
   path.is_hit = true;
   if (path.is_stopped) {
-    path.kept_velocity = path.kept_velocity + change;
-    path.kept_spin += spin_change;
+    path.saved_velocity = path.saved_velocity + change;
+    path.saved_spin += spin_change;
     return;
   }
-  path.delta_position = moved_at(path, time);
+  path.delta_position = delta_position_at(path, time);
   path.velocity = velocity_at(path, time) + change;
-  path.delta_rotation = turned_at(path, time);
+  path.delta_rotation = delta_rotation_at(path, time);
   path.angle += (time - path.time) * path.angular_velocity;
   path.angular_velocity += spin_change;
   path.time = time;
@@ -189,10 +191,10 @@ void kick(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
 void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
           std::uint32_t carrier_row) {
   if (path.is_stopped) return;
-  kick(path, time, {0, 0}, 0);
-  path.kept_velocity = path.velocity;
-  path.kept_spin = path.angular_velocity;
-  path.kept_acceleration = path.acceleration;
+  change_velocity(path, time, {0, 0}, 0);
+  path.saved_velocity = path.velocity;
+  path.saved_spin = path.angular_velocity;
+  path.saved_acceleration = path.acceleration;
   path.velocity = path.acceleration = {0, 0};
   path.angular_velocity = 0;
   path.is_stopped = true;
@@ -213,35 +215,37 @@ void resolve(const Model& model, const State& state, Scratch& scratch, const Imp
   const Vec2 arm_b = pair.point - b.position;
   const Vec2 relative = relative_velocity(a, b, path_a, path_b, pair.point, pair.time);
   const auto effective_mass = [&](Vec2 direction) {
-    const Real turn_a = cross(arm_a, direction);
-    const Real turn_b = cross(arm_b, direction);
-    const Real k = ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * turn_a * turn_a) +
-                   model_b.inv_inertia * turn_b * turn_b;
+    const Real lever_a = cross(arm_a, direction);
+    const Real lever_b = cross(arm_b, direction);
+    const Real k = ((model_a.inv_mass + model_b.inv_mass) + model_a.inv_inertia * lever_a * lever_a) +
+                   model_b.inv_inertia * lever_b * lever_b;
     return k > 0 ? 1 / k : Real(0);
   };
   const Real closing = -dot(relative, pair.normal);
   const Real e = closing > static_cast<Real>(model.restitution_threshold) ? pair.restitution : Real(0);
   const Real normal_mass = effective_mass(pair.normal);
-  const Real push = closing > 0 ? (1 + e) * closing * normal_mass : Real(0);
+  const Real normal_impulse = closing > 0 ? (1 + e) * closing * normal_mass : Real(0);
   const Vec2 tangent = right_turn(pair.normal);
   const Real tangent_mass = effective_mass(tangent);
-  const Real limit = pair.friction * push;
-  const auto rub_against = [&](Real sliding) { return smaller(larger(-sliding * tangent_mass, -limit), limit); };
-  const Real sliding = dot(relative, tangent);
-  Real rub = rub_against(sliding);
+  const Real limit = pair.friction * normal_impulse;
+  const auto friction_against = [&](Real tangent_velocity) {
+    return smaller(larger(-tangent_velocity * tangent_mass, -limit), limit);
+  };
+  const Real tangent_velocity = dot(relative, tangent);
+  Real tangent_impulse = friction_against(tangent_velocity);
   // The push turns a body beside its middle. Where friction against the velocity before the push would make the impact
   // gain energy, it acts against the velocity after the push, which never does.
   const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
                         model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
-  const Real sliding_after = sliding + push * coupling;
-  if (push > 0 && tangent_mass > 0) {
-    const Real by_push = push * ((Real(0.5) / normal_mass) * push - closing);
-    const Real by_friction = rub * (sliding_after + (Real(0.5) / tangent_mass) * rub);
-    if (by_push + by_friction > 0) rub = rub_against(sliding_after);
+  const Real tangent_velocity_after = tangent_velocity + normal_impulse * coupling;
+  if (normal_impulse > 0 && tangent_mass > 0) {
+    const Real normal_work = normal_impulse * ((Real(0.5) / normal_mass) * normal_impulse - closing);
+    const Real tangent_work = tangent_impulse * (tangent_velocity_after + (Real(0.5) / tangent_mass) * tangent_impulse);
+    if (normal_work + tangent_work > 0) tangent_impulse = friction_against(tangent_velocity_after);
   }
-  const Vec2 impulse = push * pair.normal + rub * tangent;
-  kick(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
-  kick(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
+  const Vec2 impulse = normal_impulse * pair.normal + tangent_impulse * tangent;
+  change_velocity(path_a, pair.time, -model_a.inv_mass * impulse, -model_a.inv_inertia * cross(arm_a, impulse));
+  change_velocity(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
 }
 
 /// The way of a body without impacts, from the integrator's prediction.
@@ -275,19 +279,19 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
   if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) return;
   const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
   const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
-  const Vec2 moved = moved_at(path, h);
+  const Vec2 delta_position = delta_position_at(path, h);
   const Real angle = path.angle + (h - path.time) * path.angular_velocity;
   // Schemes keep a velocity that differs from the true one by `offset - h a / 2` at the end of a substep.
-  const Vec2 true_end = path.is_stopped ? path.kept_velocity : velocity_at(path, h);
-  const Vec2 acceleration = path.is_stopped ? path.kept_acceleration : path.acceleration;
+  const Vec2 true_end = path.is_stopped ? path.saved_velocity : velocity_at(path, h);
+  const Vec2 acceleration = path.is_stopped ? path.saved_acceleration : path.acceleration;
   const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
-  const Real spin = (path.is_stopped ? path.kept_spin : path.angular_velocity) + spin_offset;
+  const Real spin = (path.is_stopped ? path.saved_spin : path.angular_velocity) + spin_offset;
   if (scratch.offsets_in_use && model.position_forces == nullptr && !model.has_velocity_forces) {
     scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
     scratch.predicted[row].angular += spin - body.angular_velocity;
   }
-  path.correction = (moved - body.delta_position) - h * (velocity - offset);
-  path.turn_correction = angle - h * (spin - spin_offset);
+  path.correction = (delta_position - body.delta_position) - h * (velocity - offset);
+  path.rotation_correction = angle - h * (spin - spin_offset);
   scratch.hit_rows.push_back(row);
   body.velocity = velocity;
   body.angular_velocity = spin;
@@ -390,7 +394,7 @@ void finish_impacts(Scratch& scratch) {
   for (const std::uint32_t row : scratch.hit_rows) {
     MovingBody& body = scratch.bodies[row];
     body.delta_position = body.delta_position + scratch.paths[row].correction;
-    body.delta_rotation = rotation_by(scratch.paths[row].turn_correction) * body.delta_rotation;
+    body.delta_rotation = rotation_by(scratch.paths[row].rotation_correction) * body.delta_rotation;
   }
 }
 
@@ -426,8 +430,8 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
       return is_dynamic(model, state, row) && !scratch.paths[row].is_stopped;
     };
     const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
-    if (hit.is_settled) resolve(model, state, scratch, hit);
-    if (left > 0 && searches_left > 0 && hit.is_settled) {
+    if (hit.is_located) resolve(model, state, scratch, hit);
+    if (left > 0 && searches_left > 0 && hit.is_located) {
       --left;
     } else {
       // Each round stops a body, or is the pair's last.

@@ -22,7 +22,7 @@ struct ImpactPair {
   std::uint32_t shape_a, shape_b;  // in Model::shapes
   Real friction, restitution;
   bool is_fast;     // may pass through within a substep
-  bool is_settled;  // the impact below is one; else the pair is only near it, and stops there
+  bool is_located;  // the impact below is one; else the pair is only near it, and stops there
   Real slow;        // m/s: what touches, does not bounce and closes no faster is the contact solver's; < 0: nothing is
   bool is_done;     // for this substep
   Real time;        // s from the start of the substep; no_impact: none
@@ -46,11 +46,11 @@ struct ImpactPath {
   Real angular_velocity;
   Real angle;           // turned since the start of the substep, at `time`, rad
   Vec2 start_velocity;  // before the integrator's prediction, m/s
-  Vec2 kept_velocity;   // of a body that is stopped for the rest of the substep: what it goes on with, m/s
-  Real kept_spin;       // rad/s
-  Vec2 kept_acceleration;
-  Vec2 correction;       // what the drift with the end velocity misses of the way, m
-  Real turn_correction;  // rad
+  Vec2 saved_velocity;  // of a body that is stopped for the rest of the substep: what it goes on with, m/s
+  Real saved_spin;      // rad/s
+  Vec2 saved_acceleration;
+  Vec2 correction;           // what the drift with the end velocity misses of the way, m
+  Real rotation_correction;  // rad
   bool is_hit;
   bool is_stopped;
 };

@@ -18,7 +18,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr double give_share = 1e-9;  // of a row's own mobility
+constexpr double compliance_share = 1e-9;  // of a row's own mobility
 constexpr int proximal_count = 3;
 constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
 
@@ -26,16 +26,16 @@ constexpr double envelope_work_max = 1 << 24;  // multiplications of a factoriza
 double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
                      const MovingBody& b) {
   const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
-  const Vec2 way = b.delta_position - a.delta_position;
-  const double along =
-      static_cast<double>(way.x) * at(batch.normal_x) + static_cast<double>(way.y) * at(batch.normal_y);
+  const Vec2 displacement = b.delta_position - a.delta_position;
+  const double along = static_cast<double>(displacement.x) * at(batch.normal_x) +
+                       static_cast<double>(displacement.y) * at(batch.normal_y);
   const double back_a = at(point.tangent_arm_a) + at(batch.radius_a);
   const double back_b = at(point.tangent_arm_b) - at(batch.radius_b);
-  const double lost =
+  const double by_cosine =
       (static_cast<double>(a.delta_rotation.c) - 1) * back_a - (static_cast<double>(b.delta_rotation.c) - 1) * back_b;
-  const double turned = static_cast<double>(b.delta_rotation.s) * at(point.normal_arm_b) -
-                        static_cast<double>(a.delta_rotation.s) * at(point.normal_arm_a);
-  return at(point.separation) + (along + (lost + turned));
+  const double by_sine = static_cast<double>(b.delta_rotation.s) * at(point.normal_arm_b) -
+                         static_cast<double>(a.delta_rotation.s) * at(point.normal_arm_a);
+  return at(point.separation) + (along + (by_cosine + by_sine));
 }
 
 double speed_along(const double (&row)[3], const double* velocity) {
@@ -43,7 +43,7 @@ double speed_along(const double (&row)[3], const double* velocity) {
 }
 
 /// J v of a row; `velocity`: three of each place.
-double speed_along(const PushingRow& row, const std::vector<double>& velocity) {
+double speed_along(const ActiveRow& row, const std::vector<double>& velocity) {
   double sum = 0;
   if (row.place_a != no_body) sum += speed_along(row.along_a, &velocity[3 * row.place_a]);
   if (row.place_b != no_body) sum += speed_along(row.along_b, &velocity[3 * row.place_b]);
@@ -51,14 +51,14 @@ double speed_along(const PushingRow& row, const std::vector<double>& velocity) {
 }
 
 /// v += J^T impulse of a row.
-void add(const PushingRow& row, double impulse, std::vector<double>& velocity) {
+void add(const ActiveRow& row, double impulse, std::vector<double>& velocity) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (row.place_a != no_body) velocity[3 * row.place_a + i] += row.along_a[i] * impulse;
     if (row.place_b != no_body) velocity[3 * row.place_b + i] += row.along_b[i] * impulse;
   }
 }
 
-double speed_of(const PushingRow& row, const Scratch& scratch) {
+double speed_of(const ActiveRow& row, const Scratch& scratch) {
   const auto part = [&](std::uint32_t body, const double(&along)[3]) {
     const MovingBody& moving = scratch.bodies[body];
     const double velocity[3] = {static_cast<double>(moving.velocity.x), static_cast<double>(moving.velocity.y),
@@ -73,7 +73,7 @@ double mobility_of(const BodyMass& mass, const double (&along)[3]) {
          static_cast<double>(mass.inv_inertia) * along[2] * along[2];
 }
 
-void set_along(PushingRow& row, const double (&arms)[3][2]) {
+void set_along(ActiveRow& row, const double (&arms)[3][2]) {
   for (std::size_t i = 0; i < 3; ++i) {
     row.along_a[i] = arms[i][0];
     row.along_b[i] = arms[i][1];
@@ -96,7 +96,7 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
       for (std::uint32_t p = 0; p < 2; ++p) {
         const ContactPointLanes& point = batch.points[p];
         if (!(point.normal_mass.at[lane] > 0) || !(point.normal_impulse.at[lane] > 0)) continue;
-        PushingRow row{};
+        ActiveRow row{};
         row.batch = i;
         row.lane = lane;
         row.point = p;
@@ -110,20 +110,20 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
         set_along(row, arms);
         const double separation =
             separation_of(batch, point, lane, scratch.bodies[row.read_a], scratch.bodies[row.read_b]);
-        row.off = speed_of(row, scratch) + (separation > 0 ? separation * inv_h : 0);
-        row.stiffness = 1 / (give_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
+        row.residual = speed_of(row, scratch) + (separation > 0 ? separation * inv_h : 0);
+        row.stiffness = 1 / (compliance_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
         row.impulse = at(point.normal_impulse);
         out.rows.push_back(row);
         const double limit = at(batch.friction) * row.impulse;
-        const double rubs = at(point.tangent_impulse);
-        if (!(point.tangent_mass.at[lane] > 0) || !((rubs < 0 ? -rubs : rubs) < limit)) continue;
+        const double tangent = at(point.tangent_impulse);
+        if (!(point.tangent_mass.at[lane] > 0) || !((tangent < 0 ? -tangent : tangent) < limit)) continue;
         row.is_friction = true;
-        const double rubbing[3][2] = {{-ny, ny}, {nx, -nx}, {-at(point.tangent_arm_a), at(point.tangent_arm_b)}};
-        set_along(row, rubbing);
-        row.off = speed_of(row, scratch) +
-                  (all.surfaces.empty() ? 0.0 : static_cast<double>(all.surfaces[i].tangent_speed.at[lane]));
-        row.stiffness = 1 / (give_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
-        row.impulse = rubs;
+        const double tangent_arms[3][2] = {{-ny, ny}, {nx, -nx}, {-at(point.tangent_arm_a), at(point.tangent_arm_b)}};
+        set_along(row, tangent_arms);
+        row.residual = speed_of(row, scratch) +
+                       (all.surfaces.empty() ? 0.0 : static_cast<double>(all.surfaces[i].tangent_speed.at[lane]));
+        row.stiffness = 1 / (compliance_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
+        row.impulse = tangent;
         row.friction = at(batch.friction);
         out.rows.push_back(row);
       }
@@ -134,11 +134,11 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
 /// Places for the bodies that rows move: breadth first from what touches the ground, so that neighbours are close.
 void find_places(Scratch& scratch) {
   ImpulseStep& out = scratch.impulse_step;
-  const std::uint32_t unread = unread_record(scratch);
-  const auto moves = [&](std::uint32_t body) { return scratch.masses[body].write != unread; };
+  const std::uint32_t sink = dummy_sink(scratch);
+  const auto moves = [&](std::uint32_t body) { return scratch.masses[body].write != sink; };
   out.start.assign(scratch.masses.size() + 2, 0);
   out.is_start.assign(scratch.masses.size(), 0);
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     if (moves(row.body_a) && moves(row.body_b)) {
       ++out.start[row.body_a + 2];
       ++out.start[row.body_b + 2];
@@ -148,7 +148,7 @@ void find_places(Scratch& scratch) {
   }
   for (std::size_t i = 2; i < out.start.size(); ++i) out.start[i] += out.start[i - 1];
   out.neighbours.resize(out.start.back());
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     if (!moves(row.body_a) || !moves(row.body_b)) continue;
     out.neighbours[out.start[row.body_a + 1]++] = row.body_b;
     out.neighbours[out.start[row.body_b + 1]++] = row.body_a;
@@ -170,12 +170,12 @@ void find_places(Scratch& scratch) {
   for (std::uint32_t body = 0; body < out.is_start.size(); ++body)
     if (out.is_start[body] != 0) put(body);
   spread_out();
-  for (const PushingRow& row : out.rows) {  // what nothing immovable holds
+  for (const ActiveRow& row : out.rows) {  // what nothing immovable holds
     put(row.body_a);
     put(row.body_b);
     spread_out();
   }
-  for (PushingRow& row : out.rows) {
+  for (ActiveRow& row : out.rows) {
     row.place_a = out.place[row.body_a];
     row.place_b = out.place[row.body_b];
   }
@@ -187,7 +187,7 @@ bool make_system(Scratch& scratch) {
   const std::size_t size = 3 * out.bodies.size();
   out.first.resize(size);
   for (std::size_t i = 0; i < size; ++i) out.first[i] = static_cast<std::uint32_t>(i - i % 3);
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     if (row.place_a == no_body || row.place_b == no_body) continue;
     const std::uint32_t low = row.place_a < row.place_b ? row.place_a : row.place_b;
     const std::uint32_t high = row.place_a < row.place_b ? row.place_b : row.place_a;
@@ -221,7 +221,7 @@ bool make_system(Scratch& scratch) {
       for (std::size_t j = 0; j < 3; ++j)
         if (3 * q + j <= 3 * p + i) at(3 * p + i, 3 * q + j) += factor * u[i] * w[j];
   };
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     add_block(row.place_a, row.place_a, row.along_a, row.along_a, row.stiffness);
     add_block(row.place_b, row.place_b, row.along_b, row.along_b, row.stiffness);
     add_block(row.place_a, row.place_b, row.along_a, row.along_b, row.stiffness);
@@ -261,15 +261,15 @@ void solve_factored(const ImpulseStep& out, std::vector<double>& x) {
 
 /// What the impulses of all rows would have to change by.
 void find_changes(ImpulseStep& out) {
-  for (PushingRow& row : out.rows) row.change = 0;
+  for (ActiveRow& row : out.rows) row.change = 0;
   out.total.assign(out.first.size(), 0);
   for (int i = 0; i < proximal_count; ++i) {
     out.velocity.assign(out.first.size(), 0);
-    for (const PushingRow& row : out.rows)
-      add(row, -row.stiffness * (row.off + speed_along(row, out.total)), out.velocity);
+    for (const ActiveRow& row : out.rows)
+      add(row, -row.stiffness * (row.residual + speed_along(row, out.total)), out.velocity);
     solve_factored(out, out.velocity);
-    for (PushingRow& row : out.rows)
-      row.change -= row.stiffness * ((row.off + speed_along(row, out.total)) + speed_along(row, out.velocity));
+    for (ActiveRow& row : out.rows)
+      row.change -= row.stiffness * ((row.residual + speed_along(row, out.total)) + speed_along(row, out.velocity));
     for (std::size_t k = 0; k < out.total.size(); ++k) out.total[k] += out.velocity[k];
   }
 }
@@ -278,10 +278,10 @@ void find_changes(ImpulseStep& out) {
 double longest_step(const ImpulseStep& out) {
   double step = 1;
   double normal = 0, normal_change = 0;
-  const auto bound = [&step](double room, double rate) {  // room + step rate >= 0
-    if (rate < 0 && room < -rate * step) step = room / -rate;
+  const auto bound = [&step](double slack, double rate) {  // room + step rate >= 0
+    if (rate < 0 && slack < -rate * step) step = slack / -rate;
   };
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     if (!row.is_friction) {
       normal = row.impulse;
       normal_change = row.change;
@@ -297,7 +297,7 @@ double longest_step(const ImpulseStep& out) {
 /// Velocities that the changes of all rows make.
 void find_velocities(const Scratch& scratch, ImpulseStep& out) {
   out.velocity.assign(out.first.size(), 0);
-  for (const PushingRow& row : out.rows) add(row, row.change, out.velocity);
+  for (const ActiveRow& row : out.rows) add(row, row.change, out.velocity);
   for (std::size_t place = 0; place < out.bodies.size(); ++place) {
     const BodyMass& mass = scratch.masses[out.bodies[place]];
     out.velocity[3 * place] *= static_cast<double>(mass.inv_mass);
@@ -309,7 +309,7 @@ void find_velocities(const Scratch& scratch, ImpulseStep& out) {
 /// Cuts each change to where its point still pushes and holds.
 void cut_changes(ImpulseStep& out) {
   double normal = 0;
-  for (PushingRow& row : out.rows) {
+  for (ActiveRow& row : out.rows) {
     const double wanted = row.impulse + row.change;
     const double low = row.is_friction ? -row.friction * normal : 0;
     const double cut = wanted < low ? low : row.is_friction && wanted > -low ? -low : wanted;
@@ -321,13 +321,13 @@ void cut_changes(ImpulseStep& out) {
 /// What the changes add to the energy that passes minimize.
 double added_energy(const ImpulseStep& out) {
   double sum = 0;
-  for (const PushingRow& row : out.rows) sum += row.change * (row.off + 0.5 * speed_along(row, out.velocity));
+  for (const ActiveRow& row : out.rows) sum += row.change * (row.residual + 0.5 * speed_along(row, out.velocity));
   return sum;
 }
 
 void apply(Scratch& scratch) {
   const ImpulseStep& out = scratch.impulse_step;
-  for (const PushingRow& row : out.rows) {
+  for (const ActiveRow& row : out.rows) {
     ContactPointLanes& point = scratch.contact_batches.batches[row.batch].points[row.point];
     ContactLanes& impulse = row.is_friction ? point.tangent_impulse : point.normal_impulse;
     impulse.at[row.lane] = static_cast<Real>(row.impulse + row.change);
@@ -343,7 +343,7 @@ void apply(Scratch& scratch) {
 
 }  // namespace
 
-void step_pushing_contacts(Scratch& scratch, const SolverSet& set) {
+void step_active_contacts(Scratch& scratch, const SolverSet& set) {
   ImpulseStep& out = scratch.impulse_step;
   find_rows(scratch, set);
   find_places(scratch);
@@ -351,14 +351,14 @@ void step_pushing_contacts(Scratch& scratch, const SolverSet& set) {
   factor(out);
   find_changes(out);
   const double step = longest_step(out);
-  out.whole.resize(out.rows.size());
-  for (std::size_t i = 0; i < out.rows.size(); ++i) out.whole[i] = out.rows[i].change;
+  out.full_change.resize(out.rows.size());
+  for (std::size_t i = 0; i < out.rows.size(); ++i) out.full_change[i] = out.rows[i].change;
   cut_changes(out);
   find_velocities(scratch, out);
   if (!(added_energy(out) < 0)) {
     for (std::size_t i = 0; i < out.rows.size(); ++i) {
-      PushingRow& row = out.rows[i];
-      row.change = step * out.whole[i];
+      ActiveRow& row = out.rows[i];
+      row.change = step * out.full_change[i];
       if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by a rounding error
     }
     find_velocities(scratch, out);

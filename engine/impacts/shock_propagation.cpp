@@ -13,9 +13,9 @@ namespace {
 
 constexpr Real least_share = Real(0.05);    // of the allowed way: what moves less in a substep is no impact
 constexpr Real settled_share = Real(1e-5);  // likewise, of a change of speed
-constexpr int passes_per_look = 8;
+constexpr int passes_per_check = 8;
 // Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
-constexpr std::uint32_t look_count_max = 2048;
+constexpr std::uint32_t check_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
 // In a tick, with as much for each look as it takes beside the contacts; then substeps get one look: so that even what
 // never settles takes hundredths of a second and not tenths.
@@ -35,13 +35,13 @@ Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocitie
   return closing;
 }
 
-Real closing_now(const Scratch& scratch, const RestingImpact& landing) {
-  const ContactPair& pair = scratch.contact_pairs[landing.contact];
+Real closing_now(const Scratch& scratch, const RestingImpact& impact) {
+  const ContactPair& pair = scratch.contact_pairs[impact.contact];
   return closing_speed(pair, scratch.bodies[pair.body_a], scratch.bodies[pair.body_b]);
 }
 
-bool is_in(const Scratch& scratch, const RestingImpact& landing) {
-  return scratch.body_solver_set[scratch.contact_pairs[landing.contact].body_a] == scratch.set_index;
+bool is_in(const Scratch& scratch, const RestingImpact& impact) {
+  return scratch.body_solver_set[scratch.contact_pairs[impact.contact].body_a] == scratch.set_index;
 }
 
 std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
@@ -80,8 +80,8 @@ void find_resting_impacts(const Model& model, const State& state, Scratch& scrat
 }
 
 void begin_resting_impacts(Scratch& scratch, const SolverSet& set) {
-  for (RestingImpact& landing : scratch.resting_impacts)
-    if (is_in(scratch, landing)) landing.closing = closing_now(scratch, landing);
+  for (RestingImpact& impact : scratch.resting_impacts)
+    if (is_in(scratch, impact)) impact.closing = closing_now(scratch, impact);
   save_impulses(scratch, set);
 }
 
@@ -89,11 +89,11 @@ Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& 
   bool any = false;
   Real settled = 0;  // m/s
   const Real own = 4 * set.h * length(state.world.gravity);
-  for (const RestingImpact& landing : scratch.resting_impacts) {
-    if (!is_in(scratch, landing)) continue;
-    const Real stopped = landing.closing - closing_now(scratch, landing);
-    if (!(stopped > own) || !(stopped * set.h > least_share * landing.allowed)) continue;
-    const Real small = settled_share * landing.allowed / set.h;
+  for (const RestingImpact& impact : scratch.resting_impacts) {
+    if (!is_in(scratch, impact)) continue;
+    const Real stopped = impact.closing - closing_now(scratch, impact);
+    if (!(stopped > own) || !(stopped * set.h > least_share * impact.allowed)) continue;
+    const Real small = settled_share * impact.allowed / set.h;
     settled = any ? smaller(settled, small) : small;
     any = true;
   }
@@ -104,21 +104,21 @@ void propagate_shock(const Model& model, const State& state, Scratch& scratch, c
   std::vector<Twist>& before = scratch.shock_velocities;
   before.resize(scratch.bodies.size());
   const std::uint32_t contact_count = set.contact_end - set.first_contact;
-  const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_look * (contact_count + 1));
-  const std::uint32_t work_of_look = passes_per_look * (contact_count + work_beside);
-  const std::uint32_t look_count = std::min({bounded, look_count_max, 1 + scratch.shock_work_left / work_of_look});
-  for (std::uint32_t look = 0; look < look_count; ++look) {
-    scratch.shock_work_left -= std::min(scratch.shock_work_left, work_of_look);
+  const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_check * (contact_count + 1));
+  const std::uint32_t work_of_check = passes_per_check * (contact_count + work_beside);
+  const std::uint32_t check_count = std::min({bounded, check_count_max, 1 + scratch.shock_work_left / work_of_check});
+  for (std::uint32_t check = 0; check < check_count; ++check) {
+    scratch.shock_work_left -= std::min(scratch.shock_work_left, work_of_check);
     for (const std::uint32_t row : scratch.moving_rows)
       before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
-    for (int pass = 0; pass < passes_per_look; ++pass) relax_contacts(scratch, set);
-    step_pushing_contacts(scratch, set);
+    for (int pass = 0; pass < passes_per_check; ++pass) relax_contacts(scratch, set);
+    step_active_contacts(scratch, set);
     Real most = 0;
     for (const std::uint32_t row : scratch.moving_rows) {
       const MovingBody& body = scratch.bodies[row];
-      const Real reach = model.bodies[state.bodies[row].source].reach;
+      const Real extent = model.bodies[state.bodies[row].source].extent;
       most = larger(most, length(body.velocity - before[row].linear) +
-                              absolute(body.angular_velocity - before[row].angular) * reach);
+                              absolute(body.angular_velocity - before[row].angular) * extent);
     }
     if (!(most > settled)) break;
   }

@@ -10,8 +10,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Finds the contacts that will hit bodies at rest in this tick, and the islands of those. Requires: find_sags has told
-/// what is carried, and island_level is that of the tick.
+/// Finds the contacts that will hit bodies at rest in this tick, and the islands of those. Requires: estimate_errors
+/// has told what is carried, and island_level is that of the tick.
 void find_resting_impacts(const Model& model, const State& state, Scratch& scratch, Real dt);
 
 /// Notes how fast landings close, and the impulses of all contacts. Call before they are warm started.

@@ -13,7 +13,7 @@ void begin_explicit_euler(const Model& model, const State& state, Scratch& scrat
 }
 
 void predict_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h) {
-  keep_start(state, scratch);
+  save_start(state, scratch);
   step_velocities(model, state, scratch);
   flow_velocity_forces(model, state, scratch, h, FlowOrder::forward);
   for (const std::uint32_t row : scratch.moving_rows) {

@@ -52,19 +52,19 @@ void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
 
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
   prepare_free_motion(model, scratch, h);
-  VelocitySteps& kept = scratch.caches.velocity_steps;
+  VelocitySteps& cache = scratch.caches.velocity_steps;
   const PairCache& pairs = scratch.caches.pairs;
   const Vec2 gravity = state.world.gravity;
-  const bool may_keep = pairs.is_valid && scratch.force.empty();
-  const bool is_hit = may_keep && kept.is_valid && kept.body_set == pairs.body_set && kept.h == h &&
-                      kept.gravity.x == gravity.x && kept.gravity.y == gravity.y;
+  const bool may_cache = pairs.is_valid && scratch.force.empty();
+  const bool is_hit = may_cache && cache.is_valid && cache.body_set == pairs.body_set && cache.h == h &&
+                      cache.gravity.x == gravity.x && cache.gravity.y == gravity.y;
   count_use(scratch.caches.report, CacheKind::velocity_steps, is_hit);
   if (is_hit) return;
-  kept.is_valid = may_keep;
-  kept.body_set = pairs.body_set;
-  kept.h = h;
-  kept.gravity = gravity;
-  kept.rows.resize(state.bodies.size());
+  cache.is_valid = may_cache;
+  cache.body_set = pairs.body_set;
+  cache.h = h;
+  cache.gravity = gravity;
+  cache.rows.resize(state.bodies.size());
   const auto step_of = [&](std::size_t row) -> VelocityStep {
     const BodyModel& body = model.bodies[state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) return {{0, 0, 0, 0}, {1, 1, 1, 0}};
@@ -76,7 +76,7 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
   };
   const std::size_t count = state.bodies.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
-    for (std::size_t row = chunk.begin; row < chunk.end; ++row) kept.rows[row] = step_of(row);
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) cache.rows[row] = step_of(row);
   });
 }
 
@@ -104,8 +104,8 @@ void move_bodies(Scratch& scratch, Real h) {
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
     scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data() + chunk.begin,
-                                        chunk.end - chunk.begin, resting_record(scratch),
-                                        unread_record(scratch, chunk.index), h);
+                                        chunk.end - chunk.begin, dummy_body(scratch), dummy_sink(scratch, chunk.index),
+                                        h);
   });
 }
 
@@ -125,7 +125,7 @@ void integrate_freely(Scratch& scratch, Real h, int substeps) {
       const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
       for (int substep = 0; substep < substeps; ++substep) {
         motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
-        motion.move_bodies(bodies, rows, row_count, resting_record(scratch), unread_record(scratch, chunk.index), h);
+        motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), dummy_sink(scratch, chunk.index), h);
       }
     }
   });
@@ -153,7 +153,7 @@ void total_accelerations(const Model& model, const State& state, Scratch& scratc
   add_velocity_forces(model, state, scratch);
 }
 
-void keep_start(const State& state, Scratch& scratch) {
+void save_start(const State& state, Scratch& scratch) {
   scratch.stages.resize(state.bodies.size());
   scratch.velocity_offsets.resize(state.bodies.size());
   scratch.predicted.resize(state.bodies.size());

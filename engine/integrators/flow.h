@@ -29,7 +29,7 @@ void prepare_constant_accelerations(const Model& model, const State& state, Scra
 void total_accelerations(const Model& model, const State& state, Scratch& scratch);
 
 /// Keeps the present records in scratch.stages, where the substep begins.
-void keep_start(const State& state, Scratch& scratch);
+void save_start(const State& state, Scratch& scratch);
 
 /// The present velocity is that of the end of the substep without constraints, and bodies drift with `drift`. Keeps
 /// both, for move_bodies_by_drift.

@@ -155,16 +155,16 @@ SpringLine line_of(const SpringRow& spring, const Scratch& scratch) {
   SpringLine line;
   line.arm_a = rotate(a.delta_rotation, spring.arm_a);
   line.arm_b = rotate(b.delta_rotation, spring.arm_b);
-  const Vec2 apart = (spring.offset + (b.delta_position - a.delta_position)) + (line.arm_b - line.arm_a);
-  line.length = length(apart);
+  const Vec2 offset = (spring.offset + (b.delta_position - a.delta_position)) + (line.arm_b - line.arm_a);
+  line.length = length(offset);
   line.exists = line.length > 0;
   if (!line.exists) return line;
-  line.along = (1 / line.length) * apart;
+  line.along = (1 / line.length) * offset;
   line.tension = spring.stiffness * (line.length - spring.rest_length);
-  const Real turn_a = cross(line.arm_a, line.along);
-  const Real turn_b = cross(line.arm_b, line.along);
+  const Real lever_a = cross(line.arm_a, line.along);
+  const Real lever_b = cross(line.arm_b, line.along);
   line.inv_mass = (spring.inv_mass_a + spring.inv_mass_b) +
-                  (spring.inv_inertia_a * turn_a * turn_a + spring.inv_inertia_b * turn_b * turn_b);
+                  (spring.inv_inertia_a * lever_a * lever_a + spring.inv_inertia_b * lever_b * lever_b);
   return line;
 }
 
@@ -201,7 +201,7 @@ void add_forces(Model& model) {
 namespace {
 
 /// Whether a spring pulls at bodies of the group that is being solved; both ends are of one island.
-bool is_in_group(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
+bool is_in_set(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
   if (scratch.body_solver_set[row_a] == scratch.set_index) return true;
   if (spring.other == no_reference) return false;
   const std::size_t row_b = state.find_body(spring.other);
@@ -221,7 +221,7 @@ void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
   for (const SpringForce& spring : model.springs) {
     const std::size_t row_a = state.find_body(spring.body);
     if (row_a == state.bodies.size()) continue;
-    if (!is_in_group(scratch, spring, row_a, state)) continue;
+    if (!is_in_set(scratch, spring, row_a, state)) continue;
     const BodyRow& a = state.bodies[row_a];
     const BodyModel& constants_a = model.bodies[a.source];
     SpringRow out{};
@@ -230,8 +230,8 @@ void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
     out.inv_mass_a = constants_a.inv_mass;
     out.inv_inertia_a = constants_a.inv_inertia;
     if (spring.other == no_reference) {
-      out.body_b = resting_record(scratch);
-      out.write_b = unread_record(scratch);
+      out.body_b = dummy_body(scratch);
+      out.write_b = dummy_sink(scratch);
       out.offset = spring.point - a.position;
     } else {
       const std::size_t row_b = state.find_body(spring.other);

@@ -16,10 +16,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr int newton_round_max = 60;
+constexpr int newton_iteration_max = 60;
 constexpr Real newton_tolerance = 64 * epsilon;
 constexpr Real gradient_tolerance_squared = Real(1e-6);
-constexpr std::size_t gradient_round_max = 2000;
+constexpr std::size_t gradient_iteration_max = 2000;
 
 enum Rows : std::size_t { diagonal, solution, residual, direction, product };
 
@@ -144,8 +144,8 @@ void solve_linear(const Model& model, const State& state, Scratch& scratch) {
   }
   Real error = weighted();
   const Real wanted = gradient_tolerance_squared * error;
-  const std::size_t round_max = 3 * count + 50 < gradient_round_max ? 3 * count + 50 : gradient_round_max;
-  for (std::size_t round = 0; round < round_max && error > wanted; ++round) {
+  const std::size_t iteration_max = 3 * count + 50 < gradient_iteration_max ? 3 * count + 50 : gradient_iteration_max;
+  for (std::size_t iteration = 0; iteration < iteration_max && error > wanted; ++iteration) {
     multiply(model, state, scratch, p, q);
     const Real curvature = product_of(p, q, count);
     if (!(curvature > 0)) return;
@@ -178,8 +178,8 @@ void move_to_middle(Scratch& scratch, Real h) {
 Real size_of_system(const Model& model, const State& state, const Scratch& scratch) {
   Real size = 1;
   for (const SpringRow& spring : scratch.springs) {
-    const Vec2 apart = spring.offset + (spring.arm_b - spring.arm_a);
-    size = larger(size, absolute(apart.x) + absolute(apart.y));
+    const Vec2 offset = spring.offset + (spring.arm_b - spring.arm_a);
+    size = larger(size, absolute(offset.x) + absolute(offset.y));
   }
   for (const CentralForce& central : model.centrals)
     for (const BodyRow& body : state.bodies)
@@ -188,7 +188,7 @@ Real size_of_system(const Model& model, const State& state, const Scratch& scrat
 }
 
 /// One round of Newton's iteration; the largest change of a position, relative to what is allowed.
-Real newton_round(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
+Real newton_iteration(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
   move_to_middle(scratch, h);
   total_accelerations(model, state, scratch);
   scratch.newton[residual].assign(scratch.newton[residual].size(), Twist{});
@@ -230,11 +230,11 @@ void begin_implicit_midpoint(const Model& model, const State& state, Scratch& sc
 }
 
 void predict_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h) {
-  keep_start(state, scratch);
+  save_start(state, scratch);
   const Real size = size_of_system(model, state, scratch);
   bool converged = false;
-  for (int round = 0; round < newton_round_max && !converged; ++round)
-    converged = newton_round(model, state, scratch, h, size) <= 1;
+  for (int iteration = 0; iteration < newton_iteration_max && !converged; ++iteration)
+    converged = newton_iteration(model, state, scratch, h, size) <= 1;
   if (!converged) ++scratch.unconverged;
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];

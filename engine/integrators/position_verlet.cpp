@@ -14,7 +14,7 @@ void begin_position_verlet(const Model& model, const State& state, Scratch& scra
 }
 
 void predict_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  keep_start(state, scratch);
+  save_start(state, scratch);
   move_bodies(scratch, Real(0.5) * h);
   flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::forward);
   step_velocities(model, state, scratch);

@@ -23,7 +23,7 @@ void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real) {
 }
 
 void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
-  keep_start(state, scratch);
+  save_start(state, scratch);
   for (const RungeKuttaStage& stage : rk4_stages) {
     total_accelerations(model, state, scratch);
     for (const std::uint32_t row : scratch.moving_rows) {

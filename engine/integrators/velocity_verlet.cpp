@@ -16,7 +16,7 @@ void begin_velocity_verlet(const Model& model, const State& state, Scratch& scra
 void predict_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
   flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::forward);
   step_velocities(model, state, scratch);
-  keep_start(state, scratch);
+  save_start(state, scratch);
   // The second kick, as if forces did not change on the way: constraints work on the velocity of the end.
   step_velocities(model, state, scratch);
   flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::backward);

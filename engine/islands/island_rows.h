@@ -10,25 +10,25 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// How far an island is from what its scene allows.
-struct Shortfall {
-  Real sag;    // at the most substeps, of what is allowed
+struct IslandError {
+  Real error;  // at the most substeps, of what is allowed
   Real depth;  // steps from what cannot move to what is farthest from it
 };
 
 /// A contact or joint by which a body may be carried.
 struct Support {
-  std::uint32_t other;  // row
-  Real softness;        // m/N at four substeps
-  Real arm, other_arm;  // of a joint, from the two centres of mass, m; of a contact 0
-  Vec2 middle;          // of a contact, or a joint's anchor, from the body's centre of mass, m
-  Real half_width2;     // of a contact with two points, m^2; else 0
-  Real turn_softness;   // of what holds the angle, rad/(N m) at four substeps; else 0
+  std::uint32_t other;      // row
+  Real compliance;          // m/N at four substeps
+  Real arm, other_arm;      // of a joint, from the two centres of mass, m; of a contact 0
+  Vec2 middle;              // of a contact, or a joint's anchor, from the body's centre of mass, m
+  Real half_width2;         // of a contact with two points, m^2; else 0
+  Real angular_compliance;  // of what holds the angle, rad/(N m) at four substeps; else 0
 };
 
 /// How far a body leans with what carries it.
-struct Lean {
-  Vec2 way;   // m
-  Real turn;  // rad
+struct TiltError {
+  Vec2 displacement;  // m
+  Real angle;         // rad
 };
 
 inline constexpr std::uint32_t no_solver_set = 0xffffffff;

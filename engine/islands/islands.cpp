@@ -88,14 +88,14 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
 constexpr std::size_t bodies_per_chunk_least = 512;
 
 /// Calls look(row), a bool, for each body. True if it was for any.
-template <typename Look>
-bool any_body(const Scratch& scratch, std::size_t count, Look look) {
+template <typename Predicate>
+bool any_body(const Scratch& scratch, std::size_t count, Predicate predicate) {
   std::atomic<bool> any{false};
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, bodies_per_chunk_least, 64),
                               [&](const Chunk& chunk) {
                                 bool found = false;
                                 for (std::size_t row = chunk.begin; row < chunk.end; ++row)
-                                  found |= look(static_cast<std::uint32_t>(row));
+                                  found |= predicate(static_cast<std::uint32_t>(row));
                                 if (found) any.store(true, std::memory_order_relaxed);
                               });
   return any.load(std::memory_order_relaxed);
@@ -187,8 +187,8 @@ void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
 
 // ---- Groups ----
 
-constexpr std::uint32_t key_of_no_group = 0;  // asleep, or static
-constexpr std::uint32_t key_of_all_groups = 1;
+constexpr std::uint32_t key_of_no_set = 0;  // asleep, or static
+constexpr std::uint32_t key_of_all_sets = 1;
 constexpr std::uint32_t key_least = 2;
 constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
 
@@ -198,7 +198,7 @@ void find_set_keys(Scratch& scratch) {
   scratch.set_keys.resize(count);
   for (std::uint32_t row = 0; row < count; ++row) {
     const BodyType type = scratch.body_types[row];
-    std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_groups : key_of_no_group;
+    std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_sets : key_of_no_set;
     if (type == BodyType::dynamic_body) {
       const std::uint32_t root = find_root(scratch.island_parent, row);
       if (scratch.island_awake[root] != 0)
@@ -208,7 +208,7 @@ void find_set_keys(Scratch& scratch) {
   }
 }
 
-void add_group(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
+void add_solver_set(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
   const auto index = static_cast<std::uint32_t>(scratch.solver_sets.size());
   SolverSet set;
   set.substeps = static_cast<int>(key / 2);
@@ -216,7 +216,7 @@ void add_group(const Model& model, const State& state, Scratch& scratch, std::ui
   set.first_row = static_cast<std::uint32_t>(scratch.set_rows.size());
   set.first_contact = static_cast<std::uint32_t>(scratch.set_contacts.size());
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (scratch.set_keys[row] != key && scratch.set_keys[row] != key_of_all_groups) continue;
+    if (scratch.set_keys[row] != key && scratch.set_keys[row] != key_of_all_sets) continue;
     scratch.set_rows.push_back(row);
     scratch.body_solver_set[row] = index;
   }
@@ -254,7 +254,7 @@ void make_solver_sets(const Model& model, const State& state, Scratch& scratch) 
   in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
   for (const std::uint32_t key : scratch.set_keys) in_use[key] = true;
   for (std::uint32_t key = key_least; key < key_count; ++key)
-    if (in_use[key]) add_group(model, state, scratch, key);
+    if (in_use[key]) add_solver_set(model, state, scratch, key);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ void measure_idle_time(const Model& model, State& state, Scratch& scratch, Real 
       SleepRow& sleep = state.sleep[row];
       if (constants.type != BodyType::dynamic_body || sleep.asleep != 0) continue;
       // No point of the body is faster than this.
-      const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.reach;
+      const Real speed = length(body.velocity) + magnitude(body.angular_velocity) * constants.extent;
       sleep.calm = constants.can_sleep && speed <= speed_max ? sleep.calm + dt : Real(0);
     }
   });

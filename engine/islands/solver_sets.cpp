@@ -46,14 +46,14 @@ void enter_solver_set(const State& state, Scratch& scratch, SolverSet& set, Real
 bool find_constrained(const Model& model, const State& state, Scratch& scratch) {
   constexpr std::size_t bodies_per_contact_least = 2;
   if (!model.is_composed || !bodies_step_alone(model) || model.has_pointer || !state.joints.empty() ||
-      scratch.planted || state.bodies.size() < bodies_per_contact_least * scratch.contact_pairs.size())
+      scratch.injected || state.bodies.size() < bodies_per_contact_least * scratch.contact_pairs.size())
     return false;
   scratch.is_constrained.assign(state.bodies.size(), 0);
-  const auto tie = [&](const auto& pairs) {
+  const auto mark = [&](const auto& pairs) {
     for (const auto& pair : pairs) scratch.is_constrained[pair.body_a] = scratch.is_constrained[pair.body_b] = 1;
   };
-  tie(scratch.contact_pairs);
-  tie(scratch.impacts);
+  mark(scratch.contact_pairs);
+  mark(scratch.impacts);
   return true;
 }
 
@@ -62,16 +62,16 @@ void integrate_free_bodies(Scratch& scratch, const SolverSet& set) {
   const std::size_t count = scratch.moving_rows.size();
   std::size_t constrained_count = 0;
   scratch.free_rows.resize(count);
-  std::size_t loose_count = 0;
+  std::size_t free_count = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t row = rows[i];
     const std::size_t is_constrained = scratch.is_constrained[row];
     rows[constrained_count] = row;
-    scratch.free_rows[loose_count] = row;
+    scratch.free_rows[free_count] = row;
     constrained_count += is_constrained;
-    loose_count += 1 - is_constrained;
+    free_count += 1 - is_constrained;
   }
-  scratch.moving_rows = {scratch.free_rows.data(), loose_count};
+  scratch.moving_rows = {scratch.free_rows.data(), free_count};
   integrate_freely(scratch, set.h, set.substeps);
   scratch.moving_rows = {rows, constrained_count};
 }

@@ -24,7 +24,7 @@ Real inv_effective_mass(const Model& model, const State& state, const ContactPai
 }
 
 /// m/N of a contact at the reference number of substeps.
-Real contact_softness(const Model& model, const State& state, const ContactPair& pair, Real h) {
+Real contact_compliance(const Model& model, const State& state, const ContactPair& pair, Real h) {
   Real stiffness = 0;  // N/m
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const Real inv_mass = inv_effective_mass(model, state, pair, pair.manifold.points[i]);
@@ -38,14 +38,14 @@ Real contact_softness(const Model& model, const State& state, const ContactPair&
 
 /// m/N of a joint at the reference number of substeps. Chains whip: they get twice the substeps that their weight asks
 /// for, and so a softness four times theirs.
-Real joint_softness(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
+Real joint_compliance(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
   const Real inv_mass = model.bodies[state.bodies[a].source].inv_mass + model.bodies[state.bodies[b].source].inv_mass;
   return 4 * inv_mass / joint_stiffness(h);
 }
 
 /// rad/(N m) of a rigid weld at the reference number of substeps, 0 of other joints.
-Real joint_turn_softness(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
-                         std::uint32_t b, Real h) {
+Real joint_angular_compliance(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
+                              std::uint32_t b, Real h) {
   if (!joint.rigid_angle) return 0;
   const Real inv_inertia =
       model.bodies[state.bodies[a].source].inv_inertia + model.bodies[state.bodies[b].source].inv_inertia;
@@ -77,29 +77,29 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
   scratch.supports.resize(start.back());
   for (const ContactPair& pair : scratch.contact_pairs) {
     if (!carries(pair)) continue;
-    const Real softness = contact_softness(model, state, pair, h);
+    const Real compliance = contact_compliance(model, state, pair, h);
     const ManifoldPoint& p = pair.manifold.points[0];
     const ManifoldPoint& q = pair.manifold.points[pair.manifold.point_count - 1];
     const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
-    const Real turns = half_width2 > 0 ? softness / half_width2 : Real(0);
-    scratch.supports[start[pair.body_a + 1]++] = {pair.body_b, softness, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a),
-                                                  half_width2, turns};
-    scratch.supports[start[pair.body_b + 1]++] = {pair.body_a, softness, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b),
-                                                  half_width2, turns};
+    const Real angular_compliance = half_width2 > 0 ? compliance / half_width2 : Real(0);
+    scratch.supports[start[pair.body_a + 1]++] = {
+        pair.body_b, compliance, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a), half_width2, angular_compliance};
+    scratch.supports[start[pair.body_b + 1]++] = {
+        pair.body_a, compliance, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b), half_width2, angular_compliance};
   }
   for (const JointRow& joint : state.joints) {
     if (joint.body_a == no_reference) continue;
     const std::uint32_t a = row_of(state, joint.body_a);
     const std::uint32_t b = row_of(state, joint.body_b);
-    const Real softness = joint_softness(model, state, a, b, h);
+    const Real compliance = joint_compliance(model, state, a, b, h);
     const JointModel& constants = model.joints[joint.joint];
     const Real arm_a = length(constants.anchor_a);
     const Real arm_b = length(constants.anchor_b);
     const Vec2 anchor_a = rotate(state.bodies[a].rotation, constants.anchor_a);
     const Vec2 anchor_b = rotate(state.bodies[b].rotation, constants.anchor_b);
-    const Real turns = joint_turn_softness(model, state, constants, a, b, h);
-    scratch.supports[start[a + 1]++] = {b, softness, arm_a, arm_b, anchor_a, 0, turns};
-    scratch.supports[start[b + 1]++] = {a, softness, arm_b, arm_a, anchor_b, 0, turns};
+    const Real angular_compliance = joint_angular_compliance(model, state, constants, a, b, h);
+    scratch.supports[start[a + 1]++] = {b, compliance, arm_a, arm_b, anchor_a, 0, angular_compliance};
+    scratch.supports[start[b + 1]++] = {a, compliance, arm_b, arm_a, anchor_b, 0, angular_compliance};
   }
 }
 
@@ -135,30 +135,31 @@ void for_each_carrier(const Scratch& scratch, std::uint32_t row, Use use) {
 }
 
 /// How hard joints hold each body that whirls: w^2 r of every arm on the way to what cannot move.
-void find_pulls(const State& state, Scratch& scratch) {
-  scratch.pull.assign(state.bodies.size(), 0);
+void find_joint_accelerations(const State& state, Scratch& scratch) {
+  scratch.joint_acceleration.assign(state.bodies.size(), 0);
   const auto spin2 = [&](std::uint32_t row) {
     return state.bodies[row].angular_velocity * state.bodies[row].angular_velocity;
   };
   for (const std::uint32_t row : scratch.support_order)
     for_each_carrier(scratch, row, [&](const Support& support) {
       const Real here = spin2(support.other) * support.other_arm + spin2(row) * support.arm;
-      scratch.pull[row] = larger(scratch.pull[row], scratch.pull[support.other] + here);
+      scratch.joint_acceleration[row] =
+          larger(scratch.joint_acceleration[row], scratch.joint_acceleration[support.other] + here);
     });
 }
 
 /// What a body adds to the load, N: its weight, and what its joints hold it by.
 Real own_load(const Model& model, const State& state, const Scratch& scratch, std::uint32_t row) {
   const BodyModel& body = model.bodies[state.bodies[row].source];
-  return (absolute(body.gravity_scale) * length(state.world.gravity) + scratch.pull[row]) * body.mass;
+  return (absolute(body.gravity_scale) * length(state.world.gravity) + scratch.joint_acceleration[row]) * body.mass;
 }
 
 /// Weights and pulls go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
-void find_sags(const Model& model, const State& state, Scratch& scratch) {
+void estimate_errors(const Model& model, const State& state, Scratch& scratch) {
   scratch.load.assign(state.bodies.size(), 0);
-  scratch.sag.assign(state.bodies.size(), 0);
-  scratch.give.assign(state.bodies.size(), 0);
-  find_pulls(state, scratch);
+  scratch.position_error.assign(state.bodies.size(), 0);
+  scratch.local_error.assign(state.bodies.size(), 0);
+  find_joint_accelerations(state, scratch);
   const auto share_of = [&](std::uint32_t row) {
     int count = 0;
     for_each_carrier(scratch, row, [&](const Support&) { ++count; });
@@ -176,21 +177,22 @@ void find_sags(const Model& model, const State& state, Scratch& scratch) {
     const Real share = share_of(row);
     const Real size = model.bodies[state.bodies[row].source].size;
     for_each_carrier(scratch, row, [&](const Support& support) {
-      const Real gives = share * support.softness;
-      scratch.sag[row] = larger(scratch.sag[row], scratch.sag[support.other] + gives);
+      const Real compression = share * support.compliance;
+      scratch.position_error[row] =
+          larger(scratch.position_error[row], scratch.position_error[support.other] + compression);
       const bool both_move = scratch.support_depth[support.other] != 0;
       const Real other_size = model.bodies[state.bodies[support.other].source].size;
       const Real least = both_move ? smaller(size, other_size) : size;
-      if (least > 0) scratch.give[row] = larger(scratch.give[row], gives / least);
+      if (least > 0) scratch.local_error[row] = larger(scratch.local_error[row], compression / least);
     });
   }
 }
 
 /// A load beside the middle of a contact tilts what lies on it, and all that stands there leans; a weld bends under
 /// what hangs from it. Of bodies that one contact or weld alone carries.
-void find_leans(const State& state, Scratch& scratch) {
+void estimate_tilts(const State& state, Scratch& scratch) {
   scratch.load_moment.assign(state.bodies.size(), {0, 0});
-  scratch.leans.assign(state.bodies.size(), {{0, 0}, 0});
+  scratch.tilt_errors.assign(state.bodies.size(), {{0, 0}, 0});
   const Vec2 gravity = state.world.gravity;
   if (!(length(gravity) > 0)) return;
   const Vec2 down = (1 / length(gravity)) * gravity;
@@ -199,43 +201,43 @@ void find_leans(const State& state, Scratch& scratch) {
     for_each_carrier(scratch, row, [&](const Support&) { ++count; });
     return count;
   };
-  std::vector<Real>& handed_down = scratch.handed_down;
-  handed_down.assign(state.bodies.size(), 0);
+  std::vector<Real>& load_passed_on = scratch.load_passed_on;
+  load_passed_on.assign(state.bodies.size(), 0);
   for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
     const std::uint32_t row = scratch.support_order[i];
     if (scratch.support_depth[row] == 0) continue;
     Vec2& moment = scratch.load_moment[row];
-    moment = moment + (scratch.load[row] - handed_down[row]) * state.bodies[row].position;
+    moment = moment + (scratch.load[row] - load_passed_on[row]) * state.bodies[row].position;
     const Real share = 1 / static_cast<Real>(count_of(row));
     for_each_carrier(scratch, row, [&](const Support& support) {
-      handed_down[support.other] += share * scratch.load[row];
+      load_passed_on[support.other] += share * scratch.load[row];
       scratch.load_moment[support.other] = scratch.load_moment[support.other] + share * moment;
     });
   }
   for (const std::uint32_t row : scratch.support_order) {
     if (scratch.support_depth[row] == 0 || count_of(row) != 1 || !(scratch.load[row] > 0)) continue;
     for_each_carrier(scratch, row, [&](const Support& support) {
-      if (!(support.turn_softness > 0)) return;
+      if (!(support.angular_compliance > 0)) return;
       const Vec2 position = state.bodies[row].position;
       const Vec2 middle = position + support.middle;
       const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
       const Real lever = cross(center - middle, down);
       if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // it topples
       const Real torque = scratch.load[row] * lever;
-      const Lean& below = scratch.leans[support.other];
-      Lean& lean = scratch.leans[row];
-      lean.turn = below.turn + torque * support.turn_softness;
+      const TiltError& below = scratch.tilt_errors[support.other];
+      TiltError& tilt = scratch.tilt_errors[row];
+      tilt.angle = below.angle + torque * support.angular_compliance;
       const Vec2 under = middle - state.bodies[support.other].position;
-      lean.way = (below.way + cross(below.turn, under)) - cross(lean.turn, support.middle);
+      tilt.displacement = (below.displacement + cross(below.angle, under)) - cross(tilt.angle, support.middle);
     });
   }
 }
 
 /// Powers of two from `least` to `most` that keep the sag of a body within its allowance.
-std::uint32_t wanted_substeps(Real sag, Real allowed, std::uint32_t least, std::uint32_t most) {
+std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std::uint32_t most) {
   std::uint32_t count = least;
   // sag at n substeps = sag * (4 / n)^2
-  while (count < most && sag * static_cast<Real>(reference_substeps * reference_substeps) >
+  while (count < most && error * static_cast<Real>(reference_substeps * reference_substeps) >
                              allowed * static_cast<Real>(count) * static_cast<Real>(count))
     count *= 2;
   return count < most ? count : most;
@@ -251,23 +253,23 @@ void find_mass_factors(const Model& model, const State& state, Scratch& scratch)
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
   const Real ratio = static_cast<Real>(reference_substeps) / static_cast<Real>(settings.auto_substeps->substeps_max);
   scratch.mass_factor.assign(state.bodies.size(), 1);
-  std::vector<Shortfall>& islands = scratch.shortfalls;
+  std::vector<IslandError>& islands = scratch.island_errors;
   islands.assign(state.bodies.size(), {0, 0});
   for (const std::uint32_t row : scratch.support_order) {
     if (scratch.support_depth[row] == 0) continue;
     const Real size = model.bodies[state.bodies[row].source].size;
-    const Real whole = size > 0 ? scratch.sag[row] / size : Real(0);
-    Shortfall& island = islands[find_root(scratch.island_parent, row)];
-    island.sag = larger(island.sag, (ratio * ratio) * larger(whole, scratch.give[row]) / target);
+    const Real whole = size > 0 ? scratch.position_error[row] / size : Real(0);
+    IslandError& island = islands[find_root(scratch.island_parent, row)];
+    island.error = larger(island.error, (ratio * ratio) * larger(whole, scratch.local_error[row]) / target);
     island.depth = larger(island.depth, static_cast<Real>(scratch.support_depth[row]));
   }
   for (const std::uint32_t row : scratch.support_order) {
     if (scratch.support_depth[row] == 0) continue;
-    const Shortfall& island = islands[find_root(scratch.island_parent, row)];
+    const IslandError& island = islands[find_root(scratch.island_parent, row)];
     const Real own = own_load(model, state, scratch, row);
-    if (!(island.sag > 1) || !(own > 0)) continue;
+    if (!(island.error > 1) || !(own > 0)) continue;
     const Real most = added_share_max * (scratch.load[row] - own) / (own * island.depth);
-    scratch.mass_factor[row] = larger(1, smaller(island.sag, most));
+    scratch.mass_factor[row] = larger(1, smaller(island.error, most));
   }
 }
 
@@ -282,8 +284,8 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   if (!settings.auto_substeps) return;
   list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
   find_depths(model, state, scratch);
-  find_sags(model, state, scratch);
-  find_leans(state, scratch);
+  estimate_errors(model, state, scratch);
+  estimate_tilts(state, scratch);
   find_mass_factors(model, state, scratch);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
@@ -294,34 +296,34 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
     std::uint32_t& island = level[find_root(scratch.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
     // What comes suddenly swings out twice as far.
-    const Real way = larger(scratch.sag[row], 2 * length(scratch.leans[row].way));
-    const std::uint32_t wanted = wanted_substeps(way, target * body.size, least, most);
-    const std::uint32_t wanted_here = wanted_substeps(scratch.give[row], target, least, most);
+    const Real error = larger(scratch.position_error[row], 2 * length(scratch.tilt_errors[row].displacement));
+    const std::uint32_t wanted = wanted_substeps(error, target * body.size, least, most);
+    const std::uint32_t wanted_here = wanted_substeps(scratch.local_error[row], target, least, most);
     island = island > wanted ? island : wanted;
     island = island > wanted_here ? island : wanted_here;
   }
   // What it has had: rises at once, falls after calm ticks.
   std::vector<std::uint32_t>& had = scratch.support_depth;
   had.assign(state.bodies.size(), 0);
-  std::vector<std::uint32_t>& calm = scratch.support_order;
-  calm.assign(state.bodies.size(), idle_tick_count);
+  std::vector<std::uint32_t>& idle = scratch.support_order;
+  idle.assign(state.bodies.size(), idle_tick_count);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t root = find_root(scratch.island_parent, row);
     const SubstepRow& now = state.substeps[row];
     if (now.count > had[root]) {
       had[root] = now.count;
-      calm[root] = now.idle_ticks;
-    } else if (now.count == had[root] && now.idle_ticks < calm[root]) {
-      calm[root] = now.idle_ticks;
+      idle[root] = now.idle_ticks;
+    } else if (now.count == had[root] && now.idle_ticks < idle[root]) {
+      idle[root] = now.idle_ticks;
     }
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
     const std::uint32_t root = find_root(scratch.island_parent, row);
-    const bool keeps = had[root] > level[root] && calm[root] + 1 < idle_tick_count;
+    const bool keeps = had[root] > level[root] && idle[root] + 1 < idle_tick_count;
     SubstepRow& now = state.substeps[row];
     now.count = keeps ? had[root] : level[root];
-    now.idle_ticks = keeps ? calm[root] + 1 : 0;
+    now.idle_ticks = keeps ? idle[root] + 1 : 0;
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)

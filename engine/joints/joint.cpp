@@ -4,7 +4,7 @@
 // square of the substep.
 #include "engine/joints/joint.h"
 
-#include "engine/joints/batched/weave.h"
+#include "engine/joints/batched/wavefront.h"
 #include "engine/joints/joint_inertia.h"
 #include "engine/joints/joint_rows.h"
 #include "engine/model/bodies.h"
@@ -17,29 +17,29 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
                     const BodyRow& body_b) {
   const JointModel& constants = *joint.model;
   if (constants.body_a == no_reference) {
-    joint.read_a = resting_record(scratch);
-    joint.write_a = unread_record(scratch);
+    joint.read_a = dummy_body(scratch);
+    joint.write_a = dummy_sink(scratch);
     joint.inv_mass_a = 0;
     joint.inv_inertia_a = 0;
     joint.anchor_a = {0, 0};
-    joint.apart = body_b.position - constants.anchor_a;
+    joint.center_offset = body_b.position - constants.anchor_a;
     joint.center_a = {0, 0};
     joint.axis = constants.axis;
-    joint.turn = between(constants.reference, body_b.rotation);
+    joint.relative_rotation = between(constants.reference, body_b.rotation);
     return;
   }
   const std::uint32_t row = row_of_body(state, constants.body_a);
   const BodyRow& body = state.bodies[row];
   const BodyModel& mass = model.bodies[body.source];
-  joint.read_a = mass.type == BodyType::static_body ? resting_record(scratch) : row;
-  joint.write_a = mass.type == BodyType::dynamic_body ? row : unread_record(scratch);
+  joint.read_a = mass.type == BodyType::static_body ? dummy_body(scratch) : row;
+  joint.write_a = mass.type == BodyType::dynamic_body ? row : dummy_sink(scratch);
   joint.inv_mass_a = scratch.masses[row].inv_mass;
   joint.inv_inertia_a = scratch.masses[row].inv_inertia;
   joint.anchor_a = rotate(body.rotation, constants.anchor_a);
-  joint.apart = body_b.position - body.position;
+  joint.center_offset = body_b.position - body.position;
   joint.center_a = body.position;
   joint.axis = rotate(body.rotation, constants.axis);
-  joint.turn = between(body.rotation * constants.reference, body_b.rotation);
+  joint.relative_rotation = between(body.rotation * constants.reference, body_b.rotation);
 }
 
 JointRun run_of(Scratch& scratch, const JointRange& range) {
@@ -82,8 +82,8 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
 
 /// Calls body(first, last) for all batches of pins, in chunks.
 template <typename Body>
-static void for_pins(const Scratch& scratch, const Body& body) {
-  const std::size_t count = scratch.caches.joints.pins.size();
+static void for_revolutes(const Scratch& scratch, const Body& body) {
+  const std::size_t count = scratch.caches.joints.revolutes.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) { body(chunk.begin, chunk.end); });
 }
@@ -92,55 +92,57 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   const Real h = set.h;
   const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
   scratch.joints.clear();
-  scratch.pins.soft = soft;
-  scratch.hinges.soft = soft;
-  scratch.is_woven = false;
+  scratch.revolutes.soft = soft;
+  scratch.driven_revolutes.soft = soft;
+  scratch.uses_wavefront = false;
   if (state.joints.empty()) {
     scratch.caches.joints = {};
     return;
   }
   plan_joints(model, state, scratch);
   JointPlan& plan = scratch.caches.joints;
-  scratch.pins.order = plan.in_levels ? PinOrder::levels : PinOrder::row;
-  scratch.is_woven = plan.is_woven && is_left_to_joints(scratch, set) &&
-                     plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
+  scratch.revolutes.order = plan.in_levels ? RevoluteOrder::levels : RevoluteOrder::serial;
+  scratch.uses_wavefront = plan.uses_wavefront && is_left_to_joints(scratch, set) &&
+                           plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
   raise_inertias(state, scratch, h);
-  for (const std::uint32_t place : plan.single)
+  for (const std::uint32_t place : plan.scalar)
     scratch.joints.push_back(make_joint(model, state, scratch, plan.places[place], soft, h));
-  if (scratch.is_woven) set_apart_levels(scratch);
-  make_room_for_pins(scratch);
-  if (!scratch.is_woven)
-    for_pins(scratch, [&](std::size_t first, std::size_t last) { fill_pins(state, scratch, first, last, h); });
-  fill_hinges(model, state, scratch, soft, h);
-  if (scratch.is_woven) return;
+  if (scratch.uses_wavefront) separate_level_sinks(scratch);
+  reserve_revolutes(scratch);
+  if (!scratch.uses_wavefront)
+    for_revolutes(scratch,
+                  [&](std::size_t first, std::size_t last) { fill_revolutes(state, scratch, first, last, h); });
+  fill_driven_revolutes(model, state, scratch, soft, h);
+  if (scratch.uses_wavefront) return;
   for (JointRange& range : plan.ranges) {
-    if (range.way == JointWay::pin) range.chunk_size = share_pins(scratch, range.first, range.last);
-    if (range.way == JointWay::hinge) range.chunk_size = share_hinges(scratch, range.first, range.last);
+    if (range.path == JointPath::revolute) range.chunk_size = split_revolutes(scratch, range.first, range.last);
+    if (range.path == JointPath::driven_revolute)
+      range.chunk_size = split_driven_revolutes(scratch, range.first, range.last);
   }
 }
 
 void save_velocities_of(Scratch& scratch, const JointRange& range) {
   if (!range.springs) return;
-  if (range.way == JointWay::hinge)
-    note_hinges(scratch, range);
+  if (range.path == JointPath::driven_revolute)
+    save_driven_revolutes(scratch, range);
   else
-    functions_of(range.kind).note(run_of(scratch, range));
+    functions_of(range.kind).save_velocities(run_of(scratch, range));
 }
 
 void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
-  if (range.way == JointWay::pin)
-    warm_start_pins(scratch, range, poses, line);
-  else if (range.way == JointWay::hinge)
-    warm_start_hinges(scratch, range);
+  if (range.path == JointPath::revolute)
+    warm_start_revolutes(scratch, range, poses, line);
+  else if (range.path == JointPath::driven_revolute)
+    warm_start_driven_revolutes(scratch, range);
   else
     functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
 void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
-  if (range.way == JointWay::pin)
-    solve_pins(scratch, range, h, bias, line);
-  else if (range.way == JointWay::hinge)
-    solve_hinges(scratch, range, h, bias);
+  if (range.path == JointPath::revolute)
+    solve_revolutes(scratch, range, h, bias, line);
+  else if (range.path == JointPath::driven_revolute)
+    solve_driven_revolutes(scratch, range, h, bias);
   else
     functions_of(range.kind).solve(run_of(scratch, range), h, bias);
 }
@@ -169,9 +171,10 @@ void store_joints(const Scratch& scratch, State& state, Real h) {
     row.upper_force = stored(inv_h * impulses.upper);
     row.motor_force = stored(inv_h * impulses.motor);
   }
-  if (!scratch.is_woven)
-    for_pins(scratch, [&](std::size_t first, std::size_t last) { store_pins(scratch, state, first, last, h); });
-  store_hinges(scratch, state, h);
+  if (!scratch.uses_wavefront)
+    for_revolutes(scratch,
+                  [&](std::size_t first, std::size_t last) { store_revolutes(scratch, state, first, last, h); });
+  store_driven_revolutes(scratch, state, h);
 }
 
 // ---- Springs ----

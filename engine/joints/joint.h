@@ -41,12 +41,12 @@ struct JointWork {
   std::uint32_t write_a, write_b;  // bodies that impulses do not move are written to a record nobody reads
   Real inv_mass_a, inv_mass_b;
   Real inv_inertia_a, inv_inertia_b;
-  Vec2 anchor_a, anchor_b;  // from the centres of mass at the start of the tick, world axes, m
-  Vec2 axis;                // at the start of the tick, world axes
-  Vec2 apart;               // from A's centre of mass to B's at the start of the tick, m
-  Vec2 center_a, center_b;  // of mass, at the start of the tick, world, m
-  Rotation turn;            // of B relative to A and the reference, at the start of the tick
-  Softness soft;            // of the rigid rows
+  Vec2 anchor_a, anchor_b;     // from the centres of mass at the start of the tick, world axes, m
+  Vec2 axis;                   // at the start of the tick, world axes
+  Vec2 center_offset;          // from A's centre of mass to B's at the start of the tick, m
+  Vec2 center_a, center_b;     // of mass, at the start of the tick, world, m
+  Rotation relative_rotation;  // of B relative to A and the reference, at the start of the tick
+  Softness soft;               // of the rigid rows
   SpringStep spring;
   SpringStep linear_spring[2];  // along the principal axes of the point's mobility, the more mobile one first
   Real motor_speed;             // m/s or rad/s
@@ -70,7 +70,7 @@ struct JointRun {
 struct JointFunctions {
   void (*describe)(JointModel& model, const Joint& joint, const JointCenters& centers);
   void (*prepare)(JointWork& joint, Real h);
-  void (*note)(JointRun run);
+  void (*save_velocities)(JointRun run);
   void (*warm_start)(JointRun run);
   void (*solve)(JointRun run, Real h, Bias bias);
 };
@@ -78,8 +78,8 @@ struct JointFunctions {
 /// Joints of one kind that follow each other in Scratch::joints; or batches of pins or hinges.
 struct JointRange {
   JointKind kind;
-  JointWay way;  // `first`, `last`: in Scratch::pins, ::hinges or ::joints
-  bool springs;  // some joint of the run has one, or is driven like one
+  JointPath path;  // `first`, `last`: in Scratch::pins, ::hinges or ::joints
+  bool springs;    // some joint of the run has one, or is driven like one
   std::uint32_t first;
   std::uint32_t last;          // one beyond
   std::uint32_t level;         // of batches, where several threads solve them: a run is of one level
@@ -91,14 +91,14 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
                      const Softness& soft, Real h);
 
 /// Fills scratch.joints with those of a group. Requires: scratch.bodies filled (prepare_bodies).
-void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& group);
+void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
 /// N/m of a rigid row per kg of effective mass, for substeps of length h.
 Real joint_stiffness(Real h);
 /// Notes the velocities before a substep. Call before the integrator predicts.
 void save_joint_velocities(Scratch& scratch);
 void warm_start_joints(Scratch& scratch);
 void solve_joints(Scratch& scratch, Real h, Bias bias);
-// The same for a part of them, by a line of passes (weave.h).
+// The same for a part of them, by a line of passes (wavefront.h).
 void save_velocities_of(Scratch& scratch, const JointRange& range);
 void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
 void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);

@@ -18,7 +18,7 @@ struct Span {
 Span span_of(const JointWork& joint, const JointBodies& pair) {
   const Vec2 arm_a = rotate(pair.a.delta_rotation, joint.anchor_a);
   const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
-  const Vec2 d = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + (arm_b - arm_a);
+  const Vec2 d = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + (arm_b - arm_a);
   const Real distance = length(d);
   // Coincident anchors have no direction: a fixed one is as good as any, and gives no NaN.
   const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};
@@ -45,7 +45,7 @@ void prepare_distance(JointWork& joint, Real h) {
   joint.spring = spring_step(joint.model->spring, span_of(joint, {at_start, at_start}).row.mobility, h);
 }
 
-void note_distance(JointWork& joint, const JointBodies& pair) {
+void save_distance(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = span_of(joint, pair).row.speed(pair);
 }
 
@@ -74,7 +74,7 @@ void solve_distance(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions distance_joint{describe_distance, prepare_distance, note_each<note_distance>,
+constexpr JointFunctions distance_joint{describe_distance, prepare_distance, save_each<save_distance>,
                                         warm_start_each<warm_start_distance>, solve_each<solve_distance>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -26,7 +26,7 @@ void warm_start_drive(const JointWork& joint, JointBodies& pair) {
   point_row(joint, pair, ActsAt::anchor_b).apply(joint, pair, joint.impulses.linear);
 }
 
-void note_drive(JointWork& joint, const JointBodies& pair) {
+void save_drive(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = angle_row(joint).speed(pair);
   joint.start_velocity = point_row(joint, pair, ActsAt::anchor_b).velocity(pair);
 }
@@ -89,11 +89,11 @@ void solve_target(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions motor_joint{describe_motor, prepare_motor, note_each<note_drive>,
+constexpr JointFunctions motor_joint{describe_motor, prepare_motor, save_each<save_drive>,
                                      warm_start_each<warm_start_drive>, solve_each<solve_motor_joint>};
-constexpr JointFunctions friction_joint{describe_friction, prepare_friction, note_each<note_drive>,
+constexpr JointFunctions friction_joint{describe_friction, prepare_friction, save_each<save_drive>,
                                         warm_start_each<warm_start_drive>, solve_each<solve_friction_joint>};
-constexpr JointFunctions target_joint{describe_target, prepare_target, note_each<note_drive>,
+constexpr JointFunctions target_joint{describe_target, prepare_target, save_each<save_drive>,
                                       warm_start_each<warm_start_drive>, solve_each<solve_target>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -24,7 +24,7 @@ void raise_inertias(const State& state, Scratch& scratch, Real h) {
   of_joints.resize(places.size());
   parallel.for_chunks(places.size(), parallel.chunk_size(places.size(), 256), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      ask_early(state, scratch, i);
+      prefetch_joint(state, scratch, i);
       const Real force2 = length_squared(state.joints[places[i].row].linear_force);
       of_joints[i] = {square_root(force2 * length_squared(places[i].anchor_a)),
                       square_root(force2 * length_squared(places[i].anchor_b))};

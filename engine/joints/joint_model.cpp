@@ -82,16 +82,16 @@ double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2
   const auto part = [](double own, double all) { return all > 0 ? own / all : 0.0; };
   const double own = mobility(body, anchor);
   const double point = part(own, own + mobility(other, other_anchor));
-  const auto turn = static_cast<double>(body.inv_inertia);
-  const double angle = holds_angle ? part(turn, turn + static_cast<double>(other.inv_inertia)) : 0;
+  const auto inv_inertia = static_cast<double>(body.inv_inertia);
+  const double angle = holds_angle ? part(inv_inertia, inv_inertia + static_cast<double>(other.inv_inertia)) : 0;
   return point < angle ? angle : point;
 }
 
 // Measured on hubs of 1, 0.01 and 0.0001 kg with 3 to 24 rods of 1 kg, pinned and welded: k rods on a light hub need at
 // most k^2 / 4 sweeps; the sum of shares is k there. It is 2 at most in chains and nets.
 constexpr double share_sum_max = 2.5;
-constexpr double sweeps_per_share2 = 0.25;
-constexpr double joints_swept_max = 1 << 14;  // in all sweeps over the scene's joints
+constexpr double iterations_per_share2 = 0.25;
+constexpr double joint_visits_max = 1 << 14;  // in all sweeps over the scene's joints
 
 void find_light_bodies(Model& model) {
   std::vector<double> sums(model.scene.bodies.size(), 0);
@@ -103,10 +103,10 @@ void find_light_bodies(Model& model) {
     sums[joint.body_a] += share_of(a, joint.anchor_a, b, joint.anchor_b, joint.holds_angle);
     sums[joint.body_b] += share_of(b, joint.anchor_b, a, joint.anchor_a, joint.holds_angle);
   }
-  const double most = joints_swept_max / static_cast<double>(model.joints.size() + 1);
+  const double most = joint_visits_max / static_cast<double>(model.joints.size() + 1);
   for (std::uint32_t body = 0; body < sums.size(); ++body) {
     if (!(sums[body] > share_sum_max)) continue;
-    const double wanted = sweeps_per_share2 * sums[body] * sums[body];
+    const double wanted = iterations_per_share2 * sums[body] * sums[body];
     const double iterations = wanted < most ? wanted : most;
     if (iterations > 1) model.light_bodies.push_back({body, 1 + static_cast<std::uint32_t>(iterations)});
   }
@@ -120,8 +120,8 @@ Vec2 from_center(Point anchor, Vec2 center) {
 }
 
 Rotation rotation_of(double angle_rad) {
-  const SinCos turn = turn_of(angle_rad);
-  return {static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)};
+  const SinCos rotation = pose_sin_cos(angle_rad);
+  return {static_cast<Real>(rotation.cos), static_cast<Real>(rotation.sin)};
 }
 
 void describe_axis(JointModel& model, const Joint& joint, const JointCenters&) {

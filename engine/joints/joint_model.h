@@ -22,18 +22,18 @@ struct SpringModel {
 
 struct JointModel {
   JointKind kind = JointKind::revolute;
-  bool is_pin = false;       // revolute without spring, limits and motor
-  bool is_hinge = false;     // revolute with one of them
-  std::uint32_t body_a = 0;  // id; no_reference: the world
-  std::uint32_t body_b = 0;  // id
-  Vec2 anchor_a;             // from A's centre of mass in its frame, m; target: the point of the world
-  Vec2 anchor_b;             // from B's centre of mass in its frame, m
-  Vec2 axis{1, 0};           // unit, in A's frame
-  Rotation reference;        // of B relative to A
-  Real length = 0;           // m
-  bool rigid = true;         // the rows that a linear spring (distance: anything soft) would replace
-  bool rigid_angle = false;  // weld: has the row that an angular spring would replace
-  bool holds_angle = false;  // by a rigid row
+  bool is_plain_revolute = false;   // revolute without spring, limits and motor
+  bool is_driven_revolute = false;  // revolute with one of them
+  std::uint32_t body_a = 0;         // id; no_reference: the world
+  std::uint32_t body_b = 0;         // id
+  Vec2 anchor_a;                    // from A's centre of mass in its frame, m; target: the point of the world
+  Vec2 anchor_b;                    // from B's centre of mass in its frame, m
+  Vec2 axis{1, 0};                  // unit, in A's frame
+  Rotation reference;               // of B relative to A
+  Real length = 0;                  // m
+  bool rigid = true;                // the rows that a linear spring (distance: anything soft) would replace
+  bool rigid_angle = false;         // weld: has the row that an angular spring would replace
+  bool holds_angle = false;         // by a rigid row
   bool has_limits = false;
   Real lower = 0;  // m or rad
   Real upper = 0;

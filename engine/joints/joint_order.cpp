@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_order.h"
 
-#include "engine/joints/batched/near_levels.h"
+#include "engine/joints/batched/level_schedule.h"
 #include "engine/model/bodies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -11,18 +11,18 @@ namespace {
 /// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
 constexpr std::size_t joints_per_level_least = 2;
 
-JointWay way_of(const JointModel& joint) {
-  if (joint.is_pin) return JointWay::pin;
-  return joint.is_hinge ? JointWay::hinge : JointWay::single;
+JointPath path_of(const JointModel& joint) {
+  if (joint.is_plain_revolute) return JointPath::revolute;
+  return joint.is_driven_revolute ? JointPath::driven_revolute : JointPath::scalar;
 }
 
 /// Sorts the places by level and way, otherwise in the order they are in.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
   std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::vector<std::uint32_t>& start = scratch.level_starts;
-  start.assign(joint_way_count * static_cast<std::size_t>(level_count) + 1, 0);
+  start.assign(joint_path_count * static_cast<std::size_t>(level_count) + 1, 0);
   const auto key_of = [](const JointPlace& place) {
-    return joint_way_count * place.level + static_cast<std::uint32_t>(place.way);
+    return joint_path_count * place.level + static_cast<std::uint32_t>(place.path);
   };
   for (const JointPlace& place : places) ++start[key_of(place) + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
@@ -38,20 +38,20 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
   return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
 }
 
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven) {
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront) {
   JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t unread = unread_record(scratch);
+  const std::uint32_t sink = dummy_sink(scratch);
   plan.places.clear();
   plan.level_count = 0;
-  plan.is_woven = false;
+  plan.uses_wavefront = false;
   scratch.body_levels.assign(state.bodies.size(), 0);
   std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointModel& joint = model.joints[state.joints[i].joint];
     const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
     const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);
-    const bool b_moves = scratch.masses[b].write != unread;
-    const bool a_moves = a != no_reference && scratch.masses[a].write != unread;
+    const bool b_moves = scratch.masses[b].write != sink;
+    const bool a_moves = a != no_reference && scratch.masses[a].write != sink;
     if (!a_moves && !b_moves) continue;
     if (scratch.body_solver_set[b_moves ? b : a] != scratch.set_index) continue;
     std::uint32_t level = 0;
@@ -60,13 +60,13 @@ void order_joints(const Model& model, const State& state, Scratch& scratch, bool
     if (a_moves) scratch.body_levels[a] = level + 1;
     if (b_moves) scratch.body_levels[b] = level + 1;
     if (level >= plan.level_count) plan.level_count = level + 1;
-    const JointWay way = way_of(joint);
-    in_batches += way == JointWay::single ? 0u : 1u;
-    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, way, joint.anchor_a, joint.anchor_b});
+    const JointPath path = path_of(joint);
+    in_batches += path == JointPath::scalar ? 0u : 1u;
+    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
   }
   plan.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * plan.level_count;
   if (!plan.in_levels) return;
-  plan.is_woven = may_be_woven && draw_near(scratch);
+  plan.uses_wavefront = may_use_wavefront && schedule_levels(scratch);
   sort_by_level(scratch, plan.level_count);
 }
 

@@ -20,8 +20,8 @@ struct State;
 struct Scratch;
 
 /// How a joint is solved: by kernels, in batches with others (pins also in a row), or by itself.
-enum class JointWay : std::uint8_t { pin, hinge, single };
-inline constexpr std::uint32_t joint_way_count = 3;
+enum class JointPath : std::uint8_t { revolute, driven_revolute, scalar };
+inline constexpr std::uint32_t joint_path_count = 3;
 
 /// A joint of the group that is being solved.
 struct JointPlace {
@@ -30,7 +30,7 @@ struct JointPlace {
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;
-  JointWay way;             // where joints are in levels; in scene order hinges are solved by themselves
+  JointPath path;           // where joints are in levels; in scene order hinges are solved by themselves
   Vec2 anchor_a, anchor_b;  // as in JointModel, which is large and elsewhere
 };
 
@@ -38,8 +38,8 @@ struct JointPlace {
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Fills the places of the plan with the group's joints in the order in which they are to be prepared: by level, in
-/// each level the pins first, then the hinges; or in scene order. `may_be_woven`: looks for levels that can be
-/// (weave.h). Requires: prepare_bodies, enter_solver_set.
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_be_woven);
+/// each level the pins first, then the hinges; or in scene order. `may_use_wavefront`: looks for levels that can be
+/// (wavefront.h). Requires: prepare_bodies, enter_solver_set.
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

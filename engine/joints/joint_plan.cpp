@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_plan.h"
 
-#include "engine/joints/batched/weave.h"
+#include "engine/joints/batched/wavefront.h"
 #include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -29,29 +29,30 @@ void add_to_batches(std::vector<JointSpan>& spans, std::uint32_t place, std::uin
 /// Divides the places into runs, and those of pins and hinges into batches.
 void make_ranges(const Model& model, JointPlan& plan) {
   plan.ranges.clear();
-  plan.pins.clear();
-  plan.hinges.clear();
-  plan.single.clear();
+  plan.revolutes.clear();
+  plan.driven_revolutes.clear();
+  plan.scalar.clear();
   plan.level_ranges.clear();
-  const auto end_of = [&plan](JointWay way) {
-    if (way == JointWay::single) return static_cast<std::uint32_t>(plan.single.size());
-    return static_cast<std::uint32_t>((way == JointWay::pin ? plan.pins : plan.hinges).size());
+  const auto end_of = [&plan](JointPath path) {
+    if (path == JointPath::scalar) return static_cast<std::uint32_t>(plan.scalar.size());
+    return static_cast<std::uint32_t>((path == JointPath::revolute ? plan.revolutes : plan.driven_revolutes).size());
   };
   for (std::uint32_t i = 0; i < plan.places.size(); ++i) {
     const JointPlace& place = plan.places[i];
-    const JointWay way = plan.in_levels || place.way == JointWay::pin ? place.way : JointWay::single;
-    const bool begins = plan.ranges.empty() || plan.ranges.back().kind != place.kind || plan.ranges.back().way != way ||
-                        (plan.by_level && plan.ranges.back().level != place.level);
+    const JointPath path = plan.in_levels || place.path == JointPath::revolute ? place.path : JointPath::scalar;
+    const bool begins = plan.ranges.empty() || plan.ranges.back().kind != place.kind ||
+                        plan.ranges.back().path != path || (plan.by_level && plan.ranges.back().level != place.level);
     if (plan.by_level)
       while (plan.level_ranges.size() <= place.level)
         plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
-    if (begins) plan.ranges.push_back({place.kind, way, false, end_of(way), end_of(way), place.level});
-    if (way == JointWay::single)
-      plan.single.push_back(i);
+    if (begins) plan.ranges.push_back({place.kind, path, false, end_of(path), end_of(path), place.level});
+    if (path == JointPath::scalar)
+      plan.scalar.push_back(i);
     else
-      add_to_batches(way == JointWay::pin ? plan.pins : plan.hinges, i, plan.in_levels ? place.level : 0, begins);
-    plan.ranges.back().last = end_of(way);
-    plan.ranges.back().springs |= way != JointWay::pin && has_springs(model.joints[place.joint]);
+      add_to_batches(path == JointPath::revolute ? plan.revolutes : plan.driven_revolutes, i,
+                     plan.in_levels ? place.level : 0, begins);
+    plan.ranges.back().last = end_of(path);
+    plan.ranges.back().springs |= path != JointPath::revolute && has_springs(model.joints[place.joint]);
   }
   plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
 }
@@ -65,9 +66,9 @@ void plan_joints(const Model& model, const State& state, Scratch& scratch) {
   count_use(scratch.caches.report, CacheKind::joint_plan, is_hit);
   if (is_hit) return;
   plan.is_of_scene = is_of_scene;
-  order_joints(model, state, scratch, is_of_scene && allows_weaving(model));
+  order_joints(model, state, scratch, is_of_scene && allows_wavefront(model));
   // Joints of one level may be solved side by side.
-  plan.by_level = plan.in_levels && (scratch.parallel.runner != nullptr || plan.is_woven);
+  plan.by_level = plan.in_levels && (scratch.parallel.runner != nullptr || plan.uses_wavefront);
   make_ranges(model, plan);
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/joints/batched/pin_batch.h"
+#include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -11,16 +11,16 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// as all joints of the scene are there, and is kept.
 struct JointPlan {
   bool is_of_scene = false;
-  bool in_levels = false;             // else in scene order
-  bool by_level = false;              // runs end where levels do
-  std::vector<JointPlace> places;     // in solving order
-  std::vector<JointRange> ranges;     // runs of one kind and way
-  std::vector<JointSpan> pins;        // [batch of pins]
-  std::vector<JointSpan> hinges;      // [batch of hinges]
-  std::vector<std::uint32_t> single;  // in `places`: those that are solved by themselves
+  bool in_levels = false;                   // else in scene order
+  bool by_level = false;                    // runs end where levels do
+  std::vector<JointPlace> places;           // in solving order
+  std::vector<JointRange> ranges;           // runs of one kind and way
+  std::vector<JointSpan> revolutes;         // [batch of pins]
+  std::vector<JointSpan> driven_revolutes;  // [batch of hinges]
+  std::vector<std::uint32_t> scalar;        // in `places`: those that are solved by themselves
 
   std::uint32_t level_count = 0;
-  bool is_woven = false;  // in ticks in which nothing else acts on the bodies (weave.h)
+  bool uses_wavefront = false;  // in ticks in which nothing else acts on the bodies (wavefront.h)
 
   // For weaving.
   std::uint32_t distance = 0;               // between the levels of two joints that move one body: less than this
@@ -36,7 +36,7 @@ struct JointTorques {
 };
 
 /// The first and the last joint that moves a body: in the plan's places, before they are sorted.
-struct JointEnds {
+struct BodyJoints {
   std::uint32_t first = 0;
   std::uint32_t last = 0;
   std::uint32_t count = 0;  // of its joints

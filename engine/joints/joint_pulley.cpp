@@ -92,7 +92,7 @@ void prepare_pulley(JointWork& joint, Real) {
   joint.axis = {Real(length_a > shortest ? 1 : 0), Real(length_b > shortest ? 1 : 0)};
 }
 
-void note_pulley(JointWork&, const JointBodies&) {}
+void save_pulley(JointWork&, const JointBodies&) {}
 
 void warm_start_pulley(const JointWork& joint, JointBodies& pair) {
   pulley_row(joint, pair).apply(joint, pair, joint.impulses.linear.x);
@@ -109,7 +109,7 @@ void solve_pulley(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions pulley_joint{describe_pulley, prepare_pulley, note_each<note_pulley>,
+constexpr JointFunctions pulley_joint{describe_pulley, prepare_pulley, save_each<save_pulley>,
                                       warm_start_each<warm_start_pulley>, solve_each<solve_pulley>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

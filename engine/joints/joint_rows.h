@@ -49,7 +49,7 @@ inline Softness softness(const JointWork& joint, Bias bias) {
 
 /// Of B relative to A and the reference, rad, -pi..pi.
 inline Real relative_angle(const JointWork& joint, const JointBodies& pair) {
-  const Rotation q = between(pair.a.delta_rotation, pair.b.delta_rotation) * joint.turn;
+  const Rotation q = between(pair.a.delta_rotation, pair.b.delta_rotation) * joint.relative_rotation;
   return static_cast<Real>(arc_tangent(static_cast<double>(q.s), static_cast<double>(q.c)));
 }
 
@@ -107,16 +107,16 @@ void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error
   row.apply(joint, pair, change);
 }
 
-/// One-sided: `room` >= 0 may be used up within the substep, < 0 is pushed out. sign 1: pushes up from a lower limit.
+/// One-sided: `slack` >= 0 may be used up within the substep, < 0 is pushed out. sign 1: pushes up from a lower limit.
 template <typename Row>
-void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real room, Real sign, Real h, Bias bias,
+void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real slack, Real sign, Real h, Bias bias,
                  Real& impulse) {
   if (row.mobility <= 0) return;
   Softness soft;
-  Real target = room / h;
-  if (room < 0) {
+  Real target = slack / h;
+  if (slack < 0) {
     soft = softness(joint, bias);
-    target = soft.bias_rate * room;
+    target = soft.bias_rate * slack;
   }
   const Real wanted = soft.mass_scale * (sign * row.speed(pair) + target) / row.mobility;
   const Real total = larger((impulse - wanted) - soft.impulse_scale * impulse, 0);
@@ -192,11 +192,11 @@ struct PointRow {
 /// How much of `error` each arm is lengthened by to meet the other in the middle: half of it. Beyond the longer arm of
 /// a body that turns they shrink back to where they were: a wide gap is no lever. Arms of nothing meet in the middle.
 inline Real middle_share(const JointWork& joint, const PointRow& row) {
-  const Real reach_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
-  const Real reach_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
-  const Real reach = larger(reach_a, reach_b);
-  const Real most = larger(Real(0.25) * length_squared(row.error), reach);
-  return reach > 0 ? Real(0.5) * (reach / most) : Real(0.5);
+  const Real arm2_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
+  const Real arm2_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
+  const Real arm2 = larger(arm2_a, arm2_b);
+  const Real most = larger(Real(0.25) * length_squared(row.error), arm2);
+  return arm2 > 0 ? Real(0.5) * (arm2 / most) : Real(0.5);
 }
 
 /// Where impulses of a point row act.
@@ -206,7 +206,7 @@ inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsA
   PointRow row;
   row.arm_a = rotate(pair.a.delta_rotation, joint.anchor_a);
   row.arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
-  row.error = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + (row.arm_b - row.arm_a);
+  row.error = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + (row.arm_b - row.arm_a);
   if (place == ActsAt::middle) {
     const Real share = middle_share(joint, row);
     row.arm_a = row.arm_a + share * row.error;
@@ -236,11 +236,11 @@ inline bool moves_something(const JointWork& joint) {
 /// What the turning of the arms adds to d = error in a substep, per h: an arm r that turns by x = w h ends
 /// r (1 - cos x) short of where its tangent leads. 1 - cos x as x^2 / (2 + x^2 / 2): off by x^4 / 12, never above 2.
 inline Vec2 turning_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h) {
-  const auto short_of = [h](Real spin) {
+  const auto versine = [h](Real spin) {
     const Real x2 = (h * spin) * (h * spin);
     return x2 / (2 + Real(0.5) * x2);
   };
-  return (1 / h) * (short_of(pair.a.angular_velocity) * arm_a - short_of(pair.b.angular_velocity) * arm_b);
+  return (1 / h) * (versine(pair.a.angular_velocity) * arm_a - versine(pair.b.angular_velocity) * arm_b);
 }
 
 /// `drift_rate`: what moves the error in this substep besides the velocity, m/s.
@@ -255,16 +255,16 @@ inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies
 
 /// The angle of two bodies that are pinned at a point: an angular impulse draws the pin's reaction with it, so that the
 /// pin stays at rest and the angle's row is solved as if the pin were not there.
-struct PinnedAngleRow {
+struct ConstrainedAngleRow {
   Real mobility;
   Vec2 reaction;  // of the pin, per angular impulse, 1/m
-  PointRow pin;
+  PointRow point;
 
   Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
   void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
     angle_row(joint).apply(joint, pair, impulse);
     const Vec2 p = impulse * reaction;
-    pin.apply(joint, pair, p);
+    point.apply(joint, pair, p);
     joint.impulses.linear = joint.impulses.linear + p;
   }
 };
@@ -278,15 +278,16 @@ inline Vec2 angle_coupling(const JointWork& joint, const PointRow& row) {
 /// With m, a, b the inverse masses (summed) and inertias: the 3 x 3 determinant of point and angle over the 2 x 2 one
 /// of the point, both as sums of positive terms (Cauchy-Binet), divided by m: (m (a + b) + a b |r_a - r_b|^2) / (m + a
 /// |r_a|^2 + b |r_b|^2 + a b (r_a x r_b)^2 / m).
-inline PinnedAngleRow pinned_angle_row(const JointWork& joint, const PointRow& pin) {
+inline ConstrainedAngleRow constrained_angle_row(const JointWork& joint, const PointRow& point) {
   const Real m = joint.inv_mass_a + joint.inv_mass_b;
   const Real a = joint.inv_inertia_a;
   const Real b = joint.inv_inertia_b;
-  if (m <= 0 || a + b <= 0) return {0, {0, 0}, pin};
-  const Real area = cross(pin.arm_a, pin.arm_b);
-  const Real above = m * (a + b) + a * b * length_squared(pin.arm_a - pin.arm_b);
-  const Real below = m + (a * length_squared(pin.arm_a) + b * length_squared(pin.arm_b)) + a * area * (b * area / m);
-  return {above / below, -pin.solved(angle_coupling(joint, pin)), pin};
+  if (m <= 0 || a + b <= 0) return {0, {0, 0}, point};
+  const Real area = cross(point.arm_a, point.arm_b);
+  const Real above = m * (a + b) + a * b * length_squared(point.arm_a - point.arm_b);
+  const Real below =
+      m + (a * length_squared(point.arm_a) + b * length_squared(point.arm_b)) + a * area * (b * area / m);
+  return {above / below, -point.solved(angle_coupling(joint, point)), point};
 }
 
 /// The principal axes of a point's mobility: along each, the point moves as if it were alone.
@@ -301,7 +302,7 @@ void solve_point_spring(JointWork& joint, const PointRow& row, JointBodies& pair
 // ---- Runs of joints ----
 
 template <auto one>
-void note_each(JointRun run) {
+void save_each(JointRun run) {
   for (JointWork* joint = run.first; joint != run.last; ++joint) one(*joint, load(*joint, run.bodies));
 }
 template <auto one>
@@ -323,10 +324,10 @@ void solve_each(JointRun run, Real h, Bias bias) {
 
 // ---- The kinds ----
 
-extern const JointFunctions revolute_joint;   // joint_pin.cpp
+extern const JointFunctions revolute_joint;   // joint_point.cpp
 extern const JointFunctions prismatic_joint;  // joint_slider.cpp
 extern const JointFunctions distance_joint;   // joint_distance.cpp
-extern const JointFunctions weld_joint;       // joint_pin.cpp
+extern const JointFunctions weld_joint;       // joint_point.cpp
 extern const JointFunctions wheel_joint;      // joint_slider.cpp
 extern const JointFunctions motor_joint;      // joint_drive.cpp
 extern const JointFunctions friction_joint;   // joint_drive.cpp

@@ -21,7 +21,7 @@ Slide slide_of(const JointWork& joint, const JointBodies& pair) {
   const Vec2 axis = rotate(pair.a.delta_rotation, joint.axis);
   const Vec2 normal = cross(Real(1), axis);
   const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
-  const Vec2 arm_a = (joint.apart + (pair.b.delta_position - pair.a.delta_position)) + arm_b;  // d + r_a
+  const Vec2 arm_a = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + arm_b;  // d + r_a
   const Vec2 d = arm_a - rotate(pair.a.delta_rotation, joint.anchor_a);
   return {line_row(joint, axis, arm_a, arm_b), line_row(joint, normal, arm_a, arm_b), dot(axis, d), dot(normal, d)};
 }
@@ -31,7 +31,7 @@ Slide slide_at_start(const JointWork& joint) {
   return slide_of(joint, {at_start, at_start});
 }
 
-void note_slide(JointWork& joint, const JointBodies& pair) {
+void save_slide(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = slide_of(joint, pair).along.speed(pair);
 }
 
@@ -46,19 +46,19 @@ void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, R
 
 /// The axis of bodies that do not turn against each other: an impulse along it draws the reactions of the two rigid
 /// rows with it, so that those stay at rest and the axis is solved as if they were not there.
-struct HeldLineRow {
+struct ConstrainedLineRow {
   Real mobility;
   Real across;  // reactions per impulse
-  Real turning;
+  Real about_angle;
   const Slide& slide;
 
   Real speed(const JointBodies& pair) const { return slide.along.speed(pair); }
   void apply(JointWork& joint, JointBodies& pair, Real impulse) const {
     slide.along.apply(joint, pair, impulse);
     slide.across.apply(joint, pair, across * impulse);
-    angle_row(joint).apply(joint, pair, turning * impulse);
+    angle_row(joint).apply(joint, pair, about_angle * impulse);
     joint.impulses.linear.x += across * impulse;
-    joint.impulses.angular += turning * impulse;
+    joint.impulses.angular += about_angle * impulse;
   }
 };
 
@@ -70,20 +70,20 @@ Real coupling(const JointWork& joint, const LineRow& row) {
 /// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
 /// axis: the energy of a slide and a common turn gives m (a b r^2 + m (a + b)) / (a b s^2 + m (a + b)), all terms
 /// positive. Requires: m > 0.
-HeldLineRow held_line_row(const JointWork& joint, const Slide& slide) {
+ConstrainedLineRow constrained_line_row(const JointWork& joint, const Slide& slide) {
   const Real m = joint.inv_mass_a + joint.inv_mass_b;
   const Real a = joint.inv_inertia_a;
   const Real b = joint.inv_inertia_b;
   if (a + b <= 0) return {m, 0, 0, slide};
   const Real r_along = slide.across.lever_a - slide.across.lever_b;  // cross(r, normal) = dot(r, axis)
   const Real r_across = slide.along.lever_b - slide.along.lever_a;
-  const Real turn = m * (a + b);
+  const Real mass_term = m * (a + b);
   const Real along = a * b * r_along * r_along;
   const Real k12 = coupling(joint, slide.across);
   const Real k13 = a * slide.across.lever_a * slide.along.lever_a + b * slide.across.lever_b * slide.along.lever_b;
   const Real k23 = coupling(joint, slide.along);
   const Real inv_determinant = 1 / (slide.across.mobility * (a + b) - k12 * k12);
-  return {m * ((along + a * b * r_across * r_across + turn) / (along + turn)),
+  return {m * ((along + a * b * r_across * r_across + mass_term) / (along + mass_term)),
           inv_determinant * (k12 * k23 - (a + b) * k13), inv_determinant * (k12 * k13 - slide.across.mobility * k23),
           slide};
 }
@@ -96,7 +96,7 @@ void describe_prismatic(JointModel& model, const Joint& joint, const JointCenter
 void prepare_prismatic(JointWork& joint, Real h) {
   if (!moves_something(joint)) return;
   const Slide slide = slide_at_start(joint);
-  joint.spring = spring_step(joint.model->spring, held_line_row(joint, slide).mobility, h);
+  joint.spring = spring_step(joint.model->spring, constrained_line_row(joint, slide).mobility, h);
 }
 
 void warm_start_prismatic(const JointWork& joint, JointBodies& pair) {
@@ -111,7 +111,7 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
   const Slide slide = slide_of(joint, pair);
   if (model.spring.exists || model.has_motor || model.has_limits) {
-    const HeldLineRow along = held_line_row(joint, slide);
+    const ConstrainedLineRow along = constrained_line_row(joint, slide);
     solve_spring_along(joint, along, pair, slide.translation, bias);
     if (model.has_motor)
       solve_motor(joint, along, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
@@ -132,11 +132,11 @@ void solve_prismatic(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const Real p = inv_determinant * (angle.mobility * rate - k12 * spin);
   const Real t = inv_determinant * (slide.across.mobility * spin - k12 * rate);
   const Real across = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear.x;
-  const Real turning = -(soft.mass_scale * t) - soft.impulse_scale * joint.impulses.angular;
+  const Real about_angle = -(soft.mass_scale * t) - soft.impulse_scale * joint.impulses.angular;
   joint.impulses.linear.x += across;
-  joint.impulses.angular += turning;
+  joint.impulses.angular += about_angle;
   slide.across.apply(joint, pair, across);
-  angle.apply(joint, pair, turning);
+  angle.apply(joint, pair, about_angle);
 }
 
 // ---- Wheel ----
@@ -165,9 +165,9 @@ void solve_wheel(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions prismatic_joint{describe_prismatic, prepare_prismatic, note_each<note_slide>,
+constexpr JointFunctions prismatic_joint{describe_prismatic, prepare_prismatic, save_each<save_slide>,
                                          warm_start_each<warm_start_prismatic>, solve_each<solve_prismatic>};
-constexpr JointFunctions wheel_joint{describe_axis, prepare_wheel, note_each<note_slide>,
+constexpr JointFunctions wheel_joint{describe_axis, prepare_wheel, save_each<save_slide>,
                                      warm_start_each<warm_start_wheel>, solve_each<solve_wheel>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

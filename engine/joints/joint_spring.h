@@ -27,9 +27,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// impulse = -mass (loss v + pull x + give (u - v)): v the velocity before the substep, u with all impulses but this.
 struct SpringStep {
-  Real loss = 0;  // 1 - D
-  Real pull = 0;  // A / h, 1/s
-  Real give = 0;  // 1 - A / (h w)^2
+  Real velocity_gain = 0;  // 1 - D
+  Real position_gain = 0;  // A / h, 1/s
+  Real change_gain = 0;    // 1 - A / (h w)^2
 };
 
 /// For a spring with angular frequency w (`stiffness_per_mass` = w^2) and x' coefficient 2 a (`damping_per_mass`).
@@ -40,7 +40,7 @@ SpringStep make_spring_step(double stiffness_per_mass, double damping_per_mass, 
 inline Real spring_impulse(const SpringStep& step, Real inv_mass, Real error, Real start_speed, Real speed,
                            Real old_impulse) {
   const Real others = (speed - inv_mass * old_impulse) - start_speed;
-  return -(step.loss * start_speed + step.pull * error + step.give * others) / inv_mass;
+  return -(step.velocity_gain * start_speed + step.position_gain * error + step.change_gain * others) / inv_mass;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

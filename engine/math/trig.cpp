@@ -105,13 +105,13 @@ SinCos sin_cos(double angle) {
   return result;
 }
 
-SinCos turn_of(double angle) {
-  SinCos turn = sin_cos(angle);
+SinCos pose_sin_cos(double angle) {
+  SinCos result = sin_cos(angle);
   const double size = angle < 0 ? -angle : angle;
   const double rounding = std::numeric_limits<double>::epsilon() * (size > 1 ? size : 1);
-  if (turn.sin > -rounding && turn.sin < rounding && angle != 0) turn = {0, turn.cos < 0 ? -1.0 : 1.0};
-  if (turn.cos > -rounding && turn.cos < rounding) turn = {turn.sin < 0 ? -1.0 : 1.0, 0};
-  return turn;
+  if (result.sin > -rounding && result.sin < rounding && angle != 0) result = {0, result.cos < 0 ? -1.0 : 1.0};
+  if (result.cos > -rounding && result.cos < rounding) result = {result.sin < 0 ? -1.0 : 1.0, 0};
+  return result;
 }
 
 double arc_tangent(double y, double x) {

@@ -16,7 +16,7 @@ SinCos sin_cos(double angle);
 /// The same, for the pose of a body: a component below the rounding of the angle is zero, so that what is turned by a
 /// quarter (which no double says exactly) stands exactly upright. A rest of 6e-17 would make subnormal numbers in the
 /// solver, which some processors compute seven times as slowly.
-SinCos turn_of(double angle);
+SinCos pose_sin_cos(double angle);
 
 /// Angle of (x, y) in rad, -pi..pi; 0 for (0, 0). Error at most 4 ulp.
 double arc_tangent(double y, double x);

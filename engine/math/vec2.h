@@ -102,11 +102,11 @@ inline Rotation rotation_by(Real angle) {
   constexpr Real limit = sizeof(Real) == 4 ? Real(0x1.8p21) : Real(0x1.8p50);
   angle = angle > limit ? limit : (angle < -limit ? -limit : angle);
   const Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
-  const Real turn = (quarters + round) - round;
+  const Real quarter_turns = (quarters + round) - round;
   // pi / 2 in two parts, the first with few enough digits that turn * part is exact for |turn| < 2^11.
   constexpr Real part_1 = sizeof(Real) == 4 ? Real(1.5703125) : Real(0x1.921fb54p0);
   constexpr Real part_2 = sizeof(Real) == 4 ? Real(4.83826794896619e-4) : Real(0x1.10b4611a62633p-30);
-  const Real x = (angle - turn * part_1) - turn * part_2;
+  const Real x = (angle - quarter_turns * part_1) - quarter_turns * part_2;
   const Real z = x * x;
   Real sine, cosine;
   if constexpr (sizeof(Real) == 4) {
@@ -129,7 +129,8 @@ inline Rotation rotation_by(Real angle) {
                                       z * (Real(1.0 / 479001600.0) +
                                            z * (Real(-1.0 / 87178291200.0) + z * Real(1.0 / 20922789888000.0))))))));
   }
-  const auto quadrant = static_cast<std::int64_t>(turn == turn ? turn : Real(0)) & 3;  // a NaN stays in sine, cosine
+  const auto quadrant = static_cast<std::int64_t>(quarter_turns == quarter_turns ? quarter_turns : Real(0)) &
+                        3;  // a NaN stays in sine, cosine
   if (quadrant == 0) return {cosine, sine};
   if (quadrant == 1) return {-sine, cosine};
   if (quadrant == 2) return {-cosine, -sine};

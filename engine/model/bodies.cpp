@@ -21,9 +21,9 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
   // Loops of the solver are as long as there are bodies, contacts or joints.
   const std::size_t longest = std::max({count, scratch.contact_pairs.size(), state.joints.size()});
   scratch.masses.resize(count);
-  scratch.bodies.resize(unread_record(scratch, scratch.parallel.chunk_count_max(longest)));
-  const std::uint32_t resting = resting_record(scratch);
-  const std::uint32_t unread = unread_record(scratch);
+  scratch.bodies.resize(dummy_sink(scratch, scratch.parallel.chunk_count_max(longest)));
+  const std::uint32_t dummy = dummy_body(scratch);
+  const std::uint32_t sink = dummy_sink(scratch);
   const bool raises = model.scene.settings.auto_substeps.has_value();
   scratch.parallel.for_chunks(count, chunk_of_bodies(scratch, count), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
@@ -32,8 +32,8 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
       const auto record = static_cast<std::uint32_t>(row);
       scratch.bodies[row] = {body.velocity, body.angular_velocity, {0, 0}, {1, 0}};
       scratch.masses[row] = {constants.inv_mass, constants.inv_inertia,
-                             constants.type == BodyType::static_body ? resting : record,
-                             constants.type == BodyType::dynamic_body ? record : unread};
+                             constants.type == BodyType::static_body ? dummy : record,
+                             constants.type == BodyType::dynamic_body ? record : sink};
       if (!raises) continue;
       const Real share = 1 / scratch.mass_factor[row];
       scratch.masses[row].inv_mass *= share;
@@ -63,8 +63,8 @@ void store_bodies(const Scratch& scratch, State& state) {
   for (std::size_t row = 0; row < state.accelerations.size(); ++row)
     state.accelerations[row] = {stored(scratch.previous_accelerations[row].linear),
                                 stored(scratch.previous_accelerations[row].angular)};
-  const std::uint32_t room = no_reference - state.integrator.unconverged;
-  state.integrator.unconverged += scratch.unconverged < room ? scratch.unconverged : room;
+  const std::uint32_t count_left = no_reference - state.integrator.unconverged;
+  state.integrator.unconverged += scratch.unconverged < count_left ? scratch.unconverged : count_left;
 }
 
 void store_velocities(const Scratch& scratch, State& state) {

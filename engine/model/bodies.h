@@ -11,14 +11,14 @@ void prepare_bodies(const Model& model, const State& state, Scratch& scratch);
 
 /// So many records from each other no two threads meet in a cache line, or in the pair of lines that is fetched at
 /// once.
-inline constexpr std::size_t records_apart = 4;
+inline constexpr std::size_t record_stride = 4;
 /// A record at rest that is only read.
-inline std::uint32_t resting_record(const Scratch& scratch) {
-  return static_cast<std::uint32_t>(scratch.masses.size() + records_apart);
+inline std::uint32_t dummy_body(const Scratch& scratch) {
+  return static_cast<std::uint32_t>(scratch.masses.size() + record_stride);
 }
 /// Records that are only written: where impulses on immovable bodies go. Each chunk of a loop has its own.
-inline std::uint32_t unread_record(const Scratch& scratch, std::size_t chunk = 0) {
-  return static_cast<std::uint32_t>(scratch.masses.size() + (2 + chunk) * records_apart);
+inline std::uint32_t dummy_sink(const Scratch& scratch, std::size_t chunk = 0) {
+  return static_cast<std::uint32_t>(scratch.masses.size() + (2 + chunk) * record_stride);
 }
 
 /// Poses and velocities of all bodies in groups back to the state.

@@ -32,7 +32,7 @@ enum class Poses : std::uint8_t { moved, unmoved };
 
 /// A bit to flip in a hot record after a substep.
 enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
-struct PlantedFault {
+struct InjectedFault {
   std::size_t row = 0;
   BodyField field = BodyField::velocity;
   std::size_t lane = 0;

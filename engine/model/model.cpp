@@ -73,9 +73,9 @@ void add_hull(Model& model, ShapeModel& out, const std::vector<Point>& hull, Poi
     const Point normal{(b.y - a.y) / edge_length, (a.x - b.x) / edge_length};
     model.vertices.push_back(from(body_center, a));
     model.normals.push_back(to_vec2(normal));
-    const double reach = distance(a, middle);
+    const double distance_to_vertex = distance(a, middle);
     const double depth = (a.x - middle.x) * normal.x + (a.y - middle.y) * normal.y;
-    if (reach > farthest) farthest = reach;
+    if (distance_to_vertex > farthest) farthest = distance_to_vertex;
     if (i == 0 || depth < nearest) nearest = depth;
   }
   out.bounding_radius = static_cast<Real>(farthest);
@@ -202,7 +202,7 @@ void add_body(Model& model, const Body& body, std::vector<std::vector<KnownShape
   out.is_bullet = body.bullet;
   for (std::uint32_t child = 0; child < out.shape_count; ++child) {
     const ShapeModel& shape = model.shape(out, child);
-    out.reach = larger(out.reach, length(shape.center) + shape.bounding_radius);
+    out.extent = larger(out.extent, length(shape.center) + shape.bounding_radius);
     if (shape.size > 0 && (out.size == 0 || shape.size < out.size)) out.size = shape.size;
   }
   model.bodies.push_back(out);

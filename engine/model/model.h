@@ -76,8 +76,8 @@ struct BodyModel {
   Real linear_damping = 0;       // 1/s, with linear drags
   Real angular_damping = 0;      // 1/s, with linear drags
   Real gravity_scale = 1;
-  Real size = 0;   // of the smallest shape, m
-  Real reach = 0;  // of the farthest point from the centre of mass, m
+  Real size = 0;    // of the smallest shape, m
+  Real extent = 0;  // of the farthest point from the centre of mass, m
   bool can_sleep = true;
   bool is_bullet = false;
   std::uint32_t first_shape = 0;  // in Model::body_shapes

@@ -33,7 +33,7 @@ void poison_batches(ContactBatches& batches) {
 }  // namespace
 
 void poison(Scratch& scratch) {
-  // Inputs are decoded by the caller; `kept` and free_motion are caches with their keys beside them.
+  // Inputs are decoded by the caller; `cached` and free_motion are caches with their keys beside them.
   poison_rows(scratch.force);
   poison_rows(scratch.torque);
   scratch.proxies = {};
@@ -56,10 +56,10 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.cell_entries);
   poison_rows(scratch.cell_starts);
   poison_rows(scratch.large);
-  poison_rows(scratch.near_boxes);
+  poison_rows(scratch.inner_boxes);
   poison_rows(scratch.outlines);
-  poison_rows(scratch.ccd_only_starts);
-  poison_rows(scratch.ccd_only_places);
+  poison_rows(scratch.ccd_target_starts);
+  poison_rows(scratch.ccd_target_places);
   poison_rows(scratch.contact_pairs);
   poison_rows(scratch.contacts);
   poison_rows(scratch.part_counts);
@@ -86,7 +86,7 @@ void poison(Scratch& scratch) {
   for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
   poison_batches(scratch.contact_batches);
   for (ContactBatches& batches : scratch.block_batches) poison_batches(batches);
-  poison_rows(scratch.pulls);
+  poison_rows(scratch.mouse_joints);
   poison_rows(scratch.impacts);
   poison_rows(scratch.paths);
   poison_rows(scratch.hit_rows);
@@ -115,27 +115,27 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.support_depth);
   poison_rows(scratch.support_order);
   poison_rows(scratch.load);
-  poison_rows(scratch.pull);
-  poison_rows(scratch.sag);
-  poison_rows(scratch.give);
+  poison_rows(scratch.joint_acceleration);
+  poison_rows(scratch.position_error);
+  poison_rows(scratch.local_error);
   poison_rows(scratch.load_moment);
-  poison_rows(scratch.handed_down);
-  poison_rows(scratch.leans);
+  poison_rows(scratch.load_passed_on);
+  poison_rows(scratch.tilt_errors);
   ImpulseStep& step = scratch.impulse_step;
   poison_rows(step.rows);
-  for (std::vector<double>* rows : {&step.whole, &step.matrix, &step.velocity, &step.total}) poison_rows(*rows);
+  for (std::vector<double>* rows : {&step.full_change, &step.matrix, &step.velocity, &step.total}) poison_rows(*rows);
   for (std::vector<std::uint32_t>* rows : {&step.start, &step.neighbours, &step.place, &step.bodies, &step.first})
     poison_rows(*rows);
   poison_rows(step.is_start);
   poison_rows(step.row_start);
-  poison_rows(scratch.shortfalls);
+  poison_rows(scratch.island_errors);
   poison_rows(scratch.mass_factor);
   poison_rows(scratch.joints);
-  poison_in_place(scratch.pins.batches);
-  poison_in_place(scratch.pins.arms);
-  poison_in_place(scratch.hinges.batches);
+  poison_in_place(scratch.revolutes.batches);
+  poison_in_place(scratch.revolutes.arms);
+  poison_in_place(scratch.driven_revolutes.batches);
   poison_rows(scratch.sorted_places);
-  poison_rows(scratch.joint_ends);
+  poison_rows(scratch.body_joints);
   poison_rows(scratch.body_levels);
   poison_rows(scratch.joint_torques);
   poison_rows(scratch.body_torques);
@@ -143,30 +143,30 @@ void poison(Scratch& scratch) {
 }
 
 void forget(Scratch& scratch, CacheSet caches) {
-  TickCaches& kept = scratch.caches;
+  TickCaches& cached = scratch.caches;
   const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
-  if (caches == all_caches) kept.pairs.is_valid = false;  // with the proxies, which all of it is about
-  if (is_in(CacheKind::pair_list)) kept.pairs.has_pairs = false;
-  if (is_in(CacheKind::boxes)) kept.pairs.farthest = -1;  // no tick has this
-  if (is_in(CacheKind::present_pairs)) kept.pairs.has_present = false;
-  if (is_in(CacheKind::manifolds)) kept.has_touching = false;
-  if (is_in(CacheKind::contact_places)) kept.is_settled = false;
+  if (caches == all_caches) cached.pairs.is_valid = false;  // with the proxies, which all of it is about
+  if (is_in(CacheKind::pair_list)) cached.pairs.has_pairs = false;
+  if (is_in(CacheKind::boxes)) cached.pairs.farthest = -1;  // no tick has this
+  if (is_in(CacheKind::present_pairs)) cached.pairs.has_present = false;
+  if (is_in(CacheKind::manifolds)) cached.has_contact_pairs = false;
+  if (is_in(CacheKind::contact_places)) cached.is_settled = false;
   if (is_in(CacheKind::pair_blocks))
-    for (PairBlock& block : kept.pair_blocks) block.is_valid = false;
-  if (is_in(CacheKind::velocity_steps)) kept.velocity_steps.is_valid = false;
+    for (PairBlock& block : cached.pair_blocks) block.is_valid = false;
+  if (is_in(CacheKind::velocity_steps)) cached.velocity_steps.is_valid = false;
   if (is_in(CacheKind::free_motion)) scratch.free_motion_step = 0;
-  if (is_in(CacheKind::joint_plan)) kept.joints.is_of_scene = false;
+  if (is_in(CacheKind::joint_plan)) cached.joints.is_of_scene = false;
   if (is_in(CacheKind::contact_colors)) {
-    kept.coloring.is_whole_set = false;
-    kept.coloring.ends.clear();
-    kept.coloring.blocks.clear();
+    cached.coloring.is_whole_set = false;
+    cached.coloring.body_indices.clear();
+    cached.coloring.blocks.clear();
   }
   if (is_in(CacheKind::contact_blocks)) {
-    kept.coloring.block_of.clear();
-    kept.coloring.set_rows.clear();
-    kept.coloring.ticks_unsplit = 0;
+    cached.coloring.block_of.clear();
+    cached.coloring.set_rows.clear();
+    cached.coloring.ticks_unsplit = 0;
   }
-  if (is_in(CacheKind::cell_side)) kept.pairs.common_side = 0;
+  if (is_in(CacheKind::cell_side)) cached.pairs.common_side = 0;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -17,11 +17,11 @@
 #include "engine/impacts/impulse_rows.h"
 #include "engine/integrators/motion_rows.h"
 #include "engine/islands/island_rows.h"
-#include "engine/joints/batched/hinge_batch.h"
-#include "engine/joints/batched/pin_batch.h"
+#include "engine/joints/batched/driven_revolute_batch.h"
+#include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
 #include "engine/joints/joint_plan.h"
-#include "engine/joints/pointer.h"
+#include "engine/joints/mouse_joint.h"
 #include "engine/model/body_rows.h"
 #include "engine/model/state.h"
 #include "engine/narrow_phase/pair_block.h"
@@ -35,11 +35,11 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct TickCaches {
   PairCache pairs;
   std::vector<ContactPair> contact_pairs;  // of the tick before, row by row those of State::contacts
-  bool has_touching = false;               // and no contact, body or margin has changed since
+  bool has_contact_pairs = false;          // and no contact, body or margin has changed since
   bool is_settled = false;                 // none of them was new: those of the next tick are likely the same
   std::uint32_t contact_set = 0;           // another number in each tick that has other contacts than the one before
   std::vector<PairBlock> pair_blocks;      // of that tick's pairs
-  std::uint32_t look = 0;                  // counts the ticks in which they were looked at
+  std::uint32_t generation = 0;            // counts the ticks in which they were looked at
   VelocitySteps velocity_steps;
   JointPlan joints;
   ContactColoring coloring;
@@ -74,16 +74,16 @@ struct Scratch {
   std::vector<std::uint32_t> counts;
   std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
   std::vector<SortEntry> sort_buffer;
-  std::vector<Box> swept_boxes;                // sweep_and_prune: in sweep order; neighbour_cells: by cell
-  std::vector<SweptPlace> swept_places;        // neighbour_cells: whose boxes those are
-  std::vector<CellRange> cell_ranges;          // uniform_grid, [proxy]
-  std::vector<CellEntry> cell_entries;         // uniform_grid, by bucket, dynamic ones first
-  std::vector<std::uint32_t> cell_starts;      // uniform_grid, [bucket]; neighbour_cells, [cell]
-  std::vector<std::uint32_t> large;            // uniform_grid, neighbour_cells: proxies in no cell, ascending
-  std::vector<Box> near_boxes;                 // neighbour_cells, [proxy] without what is ahead
-  std::vector<BoxOutline> outlines;            // neighbour_cells, [chunk]
-  std::vector<std::uint32_t> ccd_only_starts;  // neighbour_cells: [cell]
-  std::vector<std::uint32_t> ccd_only_places;  // neighbour_cells: the guarded proxies, by cell
+  std::vector<Box> swept_boxes;                  // sweep_and_prune: in sweep order; neighbour_cells: by cell
+  std::vector<SweptPlace> swept_places;          // neighbour_cells: whose boxes those are
+  std::vector<CellRange> cell_ranges;            // uniform_grid, [proxy]
+  std::vector<CellEntry> cell_entries;           // uniform_grid, by bucket, dynamic ones first
+  std::vector<std::uint32_t> cell_starts;        // uniform_grid, [bucket]; neighbour_cells, [cell]
+  std::vector<std::uint32_t> large;              // uniform_grid, neighbour_cells: proxies in no cell, ascending
+  std::vector<Box> inner_boxes;                  // neighbour_cells, [proxy] without what is ahead
+  std::vector<BoxOutline> outlines;              // neighbour_cells, [chunk]
+  std::vector<std::uint32_t> ccd_target_starts;  // neighbour_cells: [cell]
+  std::vector<std::uint32_t> ccd_target_places;  // neighbour_cells: the guarded proxies, by cell
 
   // narrow_phase
   std::vector<ContactPair> contact_pairs;
@@ -130,13 +130,13 @@ struct Scratch {
   std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
   std::vector<std::uint32_t> support_order;  // bodies by depth
   std::vector<Real> load;                    // [body] N
-  std::vector<Real> pull;                    // [body] m/s^2, of the joints that it whirls at
-  std::vector<Real> sag;                     // [body] m, expected at four substeps
+  std::vector<Real> joint_acceleration;      // [body] m/s^2, of the joints that it whirls at
+  std::vector<Real> position_error;          // [body] m, expected at four substeps
   std::vector<Vec2> load_moment;             // [body] N m, load times where it is
-  std::vector<Real> handed_down;             // [body] N, of what others have put on it
-  std::vector<Lean> leans;                   // [body] expected at four substeps
-  std::vector<Real> give;                    // [body] the same against what carries it alone, of the smaller of the two
-  std::vector<Shortfall> shortfalls;         // [body] at the island's first row
+  std::vector<Real> load_passed_on;          // [body] N, of what others have put on it
+  std::vector<TiltError> tilt_errors;        // [body] expected at four substeps
+  std::vector<Real> local_error;             // [body] the same against what carries it alone, of the smaller of the two
+  std::vector<IslandError> island_errors;    // [body] at the island's first row
   std::vector<Real> mass_factor;             // [body] how much heavier constraints see it; with automatic substeps
 
   // events
@@ -147,7 +147,7 @@ struct Scratch {
 
   // solver
   const SolverKernels* kernels = nullptr;  // the model's
-  std::optional<PlantedFault> planted;     // for this tick
+  std::optional<InjectedFault> injected;   // for this tick
   std::vector<MovingBody> bodies;
   std::vector<BodyMass> masses;               // [body]
   std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
@@ -165,13 +165,13 @@ struct Scratch {
   std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
   std::vector<ContactBatches> block_batches;  // [chunk] those of the block that is being solved
-  std::vector<PointerPull> pulls;
+  std::vector<MouseJoint> mouse_joints;
   std::vector<JointWork> joints;  // those of the group that are solved by themselves
-  PinBatches pins;
-  HingeBatches hinges;
-  bool is_woven = false;  // the passes over the group's joints are
+  RevoluteBatches revolutes;
+  DrivenRevoluteBatches driven_revolutes;
+  bool uses_wavefront = false;  // the passes over the group's joints are
   std::vector<JointPlace> sorted_places;
-  std::vector<JointEnds> joint_ends;        // [body]
+  std::vector<BodyJoints> body_joints;      // [body]
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
   std::vector<JointTorques> joint_torques;  // [place of the plan]
   std::vector<Real> body_torques;           // [body] the most that its joints' forces turn it with, N m

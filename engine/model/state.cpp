@@ -342,15 +342,15 @@ State initial_state(const Model& model) {
   state.world.next_id = static_cast<std::uint32_t>(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    const SinCos turn = turn_of(body.angle);
+    const SinCos rotation = pose_sin_cos(body.angle);
     const double center_x = model.bodies[i].center.x;
     const double center_y = model.bodies[i].center.y;
     BodyRow row{};
     row.id = static_cast<std::uint32_t>(i);
     row.source = static_cast<std::uint32_t>(i);
-    row.position = stored(Vec2{static_cast<Real>(body.position.x + turn.cos * center_x - turn.sin * center_y),
-                               static_cast<Real>(body.position.y + turn.sin * center_x + turn.cos * center_y)});
-    row.rotation = stored(Rotation{static_cast<Real>(turn.cos), static_cast<Real>(turn.sin)});
+    row.position = stored(Vec2{static_cast<Real>(body.position.x + rotation.cos * center_x - rotation.sin * center_y),
+                               static_cast<Real>(body.position.y + rotation.sin * center_x + rotation.cos * center_y)});
+    row.rotation = stored(Rotation{static_cast<Real>(rotation.cos), static_cast<Real>(rotation.sin)});
     if (body.type != BodyType::static_body) {
       row.velocity = stored(Vec2{static_cast<Real>(body.velocity.x), static_cast<Real>(body.velocity.y)});
       row.angular_velocity = stored(static_cast<Real>(body.angular_velocity));

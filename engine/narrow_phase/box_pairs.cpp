@@ -51,7 +51,7 @@ BoxManifolds::BoxManifolds(const Model& model, const State& state, const PairBlo
                                 contacts_[first / lane_count]);
 }
 
-void BoxManifolds::keep_features(PairBlock& block) const {
+void BoxManifolds::cache_features(PairBlock& block) const {
   block.has_features = block.box_count > 0 && block.box_count == block.candidate_count;
   for (std::uint32_t i = 0; i < block.box_count && block.has_features; ++i) {
     const BoxFeatures& features = contacts_[i / lane_count].features;

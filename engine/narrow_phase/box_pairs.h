@@ -9,10 +9,10 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Adds a pair to the boxes of a block, if it is one for kernels. Returns its place. `fall`:
+/// Adds a pair to the boxes of a block, if it is one for kernels. Returns its place. `gravity_displacement`:
 /// gravity_displacement_of_tick.
 inline std::uint8_t add_box(PairBlock& block, const ShapeModel& a, const ShapeModel& b, std::uint32_t body_a,
-                            std::uint32_t body_b, Real fall) {
+                            std::uint32_t body_b, Real gravity_displacement) {
   if (a.quad == no_quad || b.quad == no_quad) return no_place;
   const Real size = pair_size(a, b);
   const std::size_t lane = block.box_count % lane_count;
@@ -21,7 +21,7 @@ inline std::uint8_t add_box(PairBlock& block, const ShapeModel& a, const ShapeMo
   pairs.body_b[lane] = body_b;
   pairs.quad_a[lane] = a.quad;
   pairs.quad_b[lane] = b.quad;
-  pairs.margin.at[lane] = speculative_margin(size, fall);
+  pairs.margin.at[lane] = speculative_margin(size, gravity_displacement);
   pairs.preference.at[lane] = Real(0.1) * linear_slop(size);
   return static_cast<std::uint8_t>(block.box_count++);
 }
@@ -46,7 +46,7 @@ class BoxManifolds {
 
   /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which
   /// it did. `touching`: those contacts. Requires: block.has_features.
-  bool renew(const PairBlock& block, ContactPair* touching) const {
+  bool renew(const PairBlock& block, ContactPair* contacts) const {
     for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
       if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],
                       sizeof(BoxFeatures)) != 0)
@@ -54,7 +54,7 @@ class BoxManifolds {
     for (std::uint32_t i = 0; i < block.box_count; ++i) {
       const BoxContacts& found = contacts_[i / lane_count];
       const std::size_t lane = i % lane_count;
-      Manifold& manifold = touching[i].manifold;
+      Manifold& manifold = contacts[i].manifold;
       std::memcpy(&manifold.normal, found.normals[lane], sizeof manifold.normal);
       for (int p = 0; p < 2; ++p) {
         std::memcpy(&manifold.points[p].anchor_a, found.anchors[p][lane], 4 * sizeof(Real));
@@ -64,7 +64,7 @@ class BoxManifolds {
     return true;
   }
   /// Notes in the block at which points its boxes touch.
-  void keep_features(PairBlock& block) const;
+  void cache_features(PairBlock& block) const;
 
  private:
   static std::uint32_t as_feature(Real feature) {

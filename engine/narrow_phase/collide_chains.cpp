@@ -27,8 +27,8 @@ struct Edge {
 /// Also where the chain turns back on itself: the tip must be met from ahead.
 bool is_convex(Vec2 first, Vec2 second) {
   const Real limit = straight_sine * square_root(length_squared(first) * length_squared(second));
-  const Real turn = cross(first, second);
-  return turn > limit || (turn >= -limit && dot(first, second) < 0);
+  const Real sine = cross(first, second);
+  return sine > limit || (sine >= -limit && dot(first, second) < 0);
 }
 
 Edge edge_of(const Model& model, const ShapeModel& shape) {
@@ -48,8 +48,8 @@ Edge edge_of(const Model& model, const ShapeModel& shape) {
 
 /// Whether a normal is one of the corners at the ends of the edge.
 bool belongs_to_corner(const Edge& edge, Vec2 normal) {
-  const Real lean = dot(edge.along, normal);
-  if (lean > 0) {
+  const Real along = dot(edge.along, normal);
+  if (along > 0) {
     if (!edge.has_after) return dot(edge.normal, normal) >= 0;
     return edge.convex_after && dot(edge.along_after, normal) <= 0;
   }
@@ -63,13 +63,13 @@ enum class Region : std::uint8_t { none, face, corner };
 Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) {
   const Region face = in_front ? Region::face : Region::none;
   if (closest.vertex_a == no_vertex) return face;
-  const Vec2 apart = closest.on_b - closest.on_a;
+  const Vec2 offset = closest.on_b - closest.on_a;
   const bool at_end = closest.vertex_a == 1;
-  if (at_end ? !edge.has_after : !edge.has_before) return dot(edge.normal, apart) >= 0 ? Region::corner : Region::none;
+  if (at_end ? !edge.has_after : !edge.has_before) return dot(edge.normal, offset) >= 0 ? Region::corner : Region::none;
   if (at_end ? !edge.convex_after : !edge.convex_before) return face;
   if (!at_end) return Region::none;  // the edge before has it
   const Real limit = region_tolerance * square_root(length_squared(edge.along_after) * closest.distance_squared);
-  return dot(edge.along_after, apart) <= limit ? Region::corner : Region::none;
+  return dot(edge.along_after, offset) <= limit ? Region::corner : Region::none;
 }
 
 /// The normal where the cores overlap: the edge's own, or one of the hull's that belongs to a corner, if less deep.
@@ -93,7 +93,7 @@ Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real p
 
 }  // namespace
 
-EdgePush edge_push(const Model& model, const ShapeModel& shape, Vec2 normal, Vec2 center) {
+EdgeNormal edge_normal(const Model& model, const ShapeModel& shape, Vec2 normal, Vec2 center) {
   const Edge edge = edge_of(model, shape);
   const bool in_front = dot(edge.normal, center - edge.begin) >= 0;
   const Real limit = 16 * epsilon * square_root(length_squared(edge.along));  // of turning there and back
@@ -109,8 +109,8 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
   const Vec2 from_begin = center - edge.begin;
   const Vec2 from_end = center - edge.end;
   const Real height = dot(edge.normal, from_begin);
-  const Real reach = b.radius + margin;
-  if (!(height <= reach)) return {};
+  const Real distance_max = b.radius + margin;
+  if (!(height <= distance_max)) return {};
   ClosestPoints closest;
   closest.on_b = center;
   closest.vertex_b = 0;
@@ -128,12 +128,12 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
     closest.on_a = center - height * edge.normal;
     return between_points(closest, 0, b.radius, edge.normal, margin);
   }
-  const Vec2 apart = closest.on_b - closest.on_a;
-  const Real distance = length(apart);
+  const Vec2 offset = closest.on_b - closest.on_a;
+  const Real distance = length(offset);
   const bool at_joint = closest.vertex_a == 1 && edge.has_after;
-  const bool in_front = height >= 0 || (at_joint && dot(right_turn(edge.along_after), apart) >= 0);
-  if (!in_front || !(distance <= reach)) return {};
-  return between_points(closest, 0, b.radius, distance > 0 ? (1 / distance) * apart : edge.normal, margin);
+  const bool in_front = height >= 0 || (at_joint && dot(right_turn(edge.along_after), offset) >= 0);
+  if (!in_front || !(distance <= distance_max)) return {};
+  return between_points(closest, 0, b.radius, distance > 0 ? (1 / distance) * offset : edge.normal, margin);
 }
 
 Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
@@ -141,8 +141,8 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
   HullBuffer buffer;
   const Hull line = hull_of(model, a);
   const Hull hull = hull_of(model, b, b_in_a, buffer);
-  const Real reach = b.radius + margin;
-  const Overlap overlap = find_overlap(line, hull, reach);
+  const Real distance_max = b.radius + margin;
+  const Overlap overlap = find_overlap(line, hull, distance_max);
   if (!overlap.near) return {};
   const Edge edge = edge_of(model, a);
   const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
@@ -150,7 +150,7 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
 
   if (!overlap.found) {
     const ClosestPoints closest = closest_points(line, hull);
-    if (!(closest.distance_squared <= reach * reach)) return {};
+    if (!(closest.distance_squared <= distance_max * distance_max)) return {};
     if (closest.distance_squared > 0) {
       const Region region = region_of(edge, closest, in_front);
       if (region == Region::none) return {};

@@ -10,12 +10,12 @@ namespace {
 Manifold between_rounds(Vec2 center_a, Real radius_a, Vec2 center_b, Real radius_b, Real margin,
                         std::uint32_t feature) {
   Manifold manifold;
-  const Vec2 apart = center_b - center_a;
-  const Real distance = length(apart);
+  const Vec2 offset = center_b - center_a;
+  const Real distance = length(offset);
   const Real separation = distance - radius_a - radius_b;
   if (!(separation <= margin)) return manifold;
   // Coincident centres have no direction between them; any fixed one separates them.
-  manifold.normal = distance > 0 ? (1 / distance) * apart : Vec2{0, 1};
+  manifold.normal = distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
   const Vec2 on_a = center_a + radius_a * manifold.normal;
   const Vec2 on_b = center_b - radius_b * manifold.normal;
   manifold.point_count = 1;

@@ -5,7 +5,7 @@
 // Two polygons of four corners take all axes of one at once; each lane does what the loop over edges does, in its
 // order.
 #include "engine/narrow_phase/convex_hulls.h"
-#include "engine/simd/four.h"
+#include "engine/simd/realx4.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -34,17 +34,17 @@ std::uint32_t next_of(const Quad&, std::uint32_t i) {
   return (i + 1) & 3;
 }
 
-Four dot_four(const Four& ax, const Four& ay, const Four& bx, const Four& by) {
+Realx4 dot_x4(const Realx4& ax, const Realx4& ay, const Realx4& bx, const Realx4& by) {
   return ax * bx + ay * by;
 }
 
 Axis best_axis(const Quad& a, const Quad& b) {
-  const Four normal_x = load_four(a.normal_x);
-  const Four normal_y = load_four(a.normal_y);
+  const Realx4 normal_x = load_x4(a.normal_x);
+  const Realx4 normal_y = load_x4(a.normal_y);
   const auto along = [&](int j) { return b.x[j] * normal_x + b.y[j] * normal_y; };
-  const Four deepest = smaller(smaller(smaller(along(0), along(1)), along(2)), along(3));
+  const Realx4 deepest = smaller(smaller(smaller(along(0), along(1)), along(2)), along(3));
   Real separations[4];
-  store_four(separations, deepest - dot_four(normal_x, normal_y, load_four(a.x), load_four(a.y)));
+  store_x4(separations, deepest - dot_x4(normal_x, normal_y, load_x4(a.x), load_x4(a.y)));
   Axis best{0, separations[0]};
   for (std::uint32_t i = 1; i < 4; ++i) {  // two selections: which axis it is, is hard to guess
     const bool is_better = separations[i] > best.separation;
@@ -56,7 +56,7 @@ Axis best_axis(const Quad& a, const Quad& b) {
 
 std::uint32_t opposite_edge(const Quad& quad, Vec2 normal) {
   Real along[4];
-  store_four(along, normal.x * load_four(quad.normal_x) + normal.y * load_four(quad.normal_y));
+  store_x4(along, normal.x * load_x4(quad.normal_x) + normal.y * load_x4(quad.normal_y));
   std::uint32_t edge = 0;
   Real least = along[0];
   for (std::uint32_t i = 1; i < 4; ++i) {
@@ -69,13 +69,13 @@ std::uint32_t opposite_edge(const Quad& quad, Vec2 normal) {
 
 Quad seen_from(const Placement& placement, const Quad& quad) {
   const Rotation q = placement.rotation;
-  const Four x = load_four(quad.x), y = load_four(quad.y);
-  const Four normal_x = load_four(quad.normal_x), normal_y = load_four(quad.normal_y);
+  const Realx4 x = load_x4(quad.x), y = load_x4(quad.y);
+  const Realx4 normal_x = load_x4(quad.normal_x), normal_y = load_x4(quad.normal_y);
   Quad seen;
-  store_four(seen.x, placement.position.x + (q.c * x - q.s * y));
-  store_four(seen.y, placement.position.y + (q.s * x + q.c * y));
-  store_four(seen.normal_x, q.c * normal_x - q.s * normal_y);
-  store_four(seen.normal_y, q.s * normal_x + q.c * normal_y);
+  store_x4(seen.x, placement.position.x + (q.c * x - q.s * y));
+  store_x4(seen.y, placement.position.y + (q.s * x + q.c * y));
+  store_x4(seen.normal_x, q.c * normal_x - q.s * normal_y);
+  store_x4(seen.normal_y, q.s * normal_x + q.c * normal_y);
   return seen;
 }
 

@@ -11,13 +11,13 @@ Manifold collide_rounds(const Model& model, const ShapeModel& a, const ShapeMode
   HullBuffer buffer;
   const Hull hull_a = hull_of(model, a);
   const Hull hull_b = hull_of(model, b, b_in_a, buffer);
-  const Real reach = (a.radius + b.radius) + margin;
-  const Overlap overlap = find_overlap(hull_a, hull_b, reach);
+  const Real distance_max = (a.radius + b.radius) + margin;
+  const Overlap overlap = find_overlap(hull_a, hull_b, distance_max);
   if (!overlap.near) return {};
 
   if (!overlap.found) {
     const ClosestPoints closest = closest_points(hull_a, hull_b);
-    if (!(closest.distance_squared <= reach * reach)) return {};
+    if (!(closest.distance_squared <= distance_max * distance_max)) return {};
     if (closest.distance_squared > 0) {
       const Vec2 normal = closest_normal(hull_a, hull_b, closest);
       const Manifold manifold = between_edges(hull_a, a.radius, hull_b, b.radius, normal, margin);

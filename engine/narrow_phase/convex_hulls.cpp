@@ -54,28 +54,28 @@ ClosestPoints closest_points(const Hull& a, const Hull& b) {
   return best;
 }
 
-Overlap find_overlap(const Hull& a, const Hull& b, Real reach) {
+Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max) {
   const Axis axis_a = best_axis(a, b);
-  if (!(axis_a.separation <= reach)) return {axis_a, axis_a, false, false};
+  if (!(axis_a.separation <= distance_max)) return {axis_a, axis_a, false, false};
   const Axis axis_b = best_axis(b, a);
   const Real separation = larger(axis_a.separation, axis_b.separation);
   // Two lines overlap where they cross; on one line, or end to end, no axis of theirs tells them apart.
   const bool lines = a.count == 2 && b.count == 2;
-  return {axis_a, axis_b, lines ? separation < 0 : separation <= 0, axis_b.separation <= reach};
+  return {axis_a, axis_b, lines ? separation < 0 : separation <= 0, axis_b.separation <= distance_max};
 }
 
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest) {
-  const Vec2 apart = closest.on_b - closest.on_a;
+  const Vec2 offset = closest.on_b - closest.on_a;
   // Beside an edge its normal is more exact than the difference of two points; a line has one on either side.
   if (closest.vertex_a == no_vertex) {
     const Vec2 normal = a.normals[closest.edge_a];
-    return dot(normal, apart) < 0 ? -normal : normal;
+    return dot(normal, offset) < 0 ? -normal : normal;
   }
   if (closest.vertex_b == no_vertex) {
     const Vec2 normal = -b.normals[closest.edge_b];
-    return dot(normal, apart) < 0 ? -normal : normal;
+    return dot(normal, offset) < 0 ? -normal : normal;
   }
-  return (1 / length(apart)) * apart;
+  return (1 / length(offset)) * offset;
 }
 
 Manifold between_points(const ClosestPoints& closest, Real radius_a, Real radius_b, Vec2 normal, Real margin) {

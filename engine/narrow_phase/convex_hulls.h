@@ -95,9 +95,9 @@ struct Overlap {
   Axis axis_a;  // best_axis(a, b)
   Axis axis_b;  // best_axis(b, a), if they are near
   bool found;
-  bool near;  // no axis separates them by more than `reach`
+  bool near;  // no axis separates them by more than `distance_max`
 };
-Overlap find_overlap(const Hull& a, const Hull& b, Real reach);
+Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max);
 
 /// Up to two points between the edges of A and B (hulls with radii around them) that face each other along `normal`:
 /// at both ends of their common width. None if they have none, or where they are farther apart than `margin`.

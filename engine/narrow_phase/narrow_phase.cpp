@@ -77,10 +77,10 @@ void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::u
 }  // namespace
 
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b, Real fall) {
+                 const BodyRow& body_b, Real gravity_displacement) {
   const Placement b_in_a{rotate_back(body_a.rotation, body_b.position - body_a.position),
                          between(body_a.rotation, body_b.rotation)};
-  const Real margin = speculative_margin(pair_size(a, b), fall);
+  const Real margin = speculative_margin(pair_size(a, b), gravity_displacement);
   Manifold manifold = collide_functions[row_of(a.family)][row_of(b.family)](model, a, b, b_in_a, margin);
   manifold.normal = rotate(body_a.rotation, manifold.normal);
   const Vec2 a_from_b = body_a.position - body_b.position;
@@ -115,18 +115,18 @@ struct PairSearch {
   const Model& model;
   const State& state;
   const Scratch& scratch;
-  Real fall;
+  Real gravity_displacement;
   Real dt;
   bool speculates;
   bool is_sparse;  // most pairs are far from touching, and a look at them is worth its time
   bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
-  bool is_in_place;                 // contacts are written where those of the tick before are
-  const ContactRow* old_rows;       // of the tick before, ascending
-  const ContactPair* old_touching;  // likewise, if may_reuse
+  bool is_in_place;              // contacts are written where those of the tick before are
+  const ContactRow* old_rows;    // of the tick before, ascending
+  const ContactPair* old_pairs;  // likewise, if may_reuse
   std::size_t old_count;
-  std::uint32_t look;
-  bool may_skip;  // blocks of the same pairs as a tick ago are what they were
-  bool stay;      // all pairs are those
+  std::uint32_t generation;
+  bool may_skip;         // blocks of the same pairs as a tick ago are what they were
+  bool pairs_unchanged;  // all pairs are those
 
   ContactKey key(const Pair& pair) const {
     const Proxy& a = scratch.proxies[pair.first];
@@ -166,10 +166,10 @@ std::uint64_t place_of(const ContactPair& pair) {
 }
 
 /// Leads old.next to the contact of a pair, if there was one. Requires: may_reuse.
-inline bool find_same(const ContactPair* old_touching, const Pair& pair, OldContacts& old) {
+inline bool find_same(const ContactPair* old_pairs, const Pair& pair, OldContacts& old) {
   const std::uint64_t place = place_of(pair);
-  while (old.next < old.end && place_of(old_touching[old.next]) < place) ++old.next;
-  return old.next < old.end && place_of(old_touching[old.next]) == place;
+  while (old.next < old.end && place_of(old_pairs[old.next]) < place) ++old.next;
+  return old.next < old.end && place_of(old_pairs[old.next]) == place;
 }
 /// The same where bodies have come or gone, and rows are not what they were.
 bool find_old(const PairSearch& search, const Pair& pair, OldContacts& old) {
@@ -179,11 +179,12 @@ bool find_old(const PairSearch& search, const Pair& pair, OldContacts& old) {
 }
 
 /// Whether two shapes are certainly too far apart to touch: so are the circles around them.
-bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow& a, const BodyRow& b, Real fall) {
-  const Circle circle_a = circle_around(a, shape_a, fall, 0);
-  const Circle circle_b = circle_around(b, shape_b, fall, 0);
-  const Real near = circle_a.radius + circle_b.radius;
-  return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (near * near);
+bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow& a, const BodyRow& b,
+             Real gravity_displacement) {
+  const Circle circle_a = circle_around(a, shape_a, gravity_displacement, 0);
+  const Circle circle_b = circle_around(b, shape_b, gravity_displacement, 0);
+  const Real touch_distance = circle_a.radius + circle_b.radius;
+  return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (touch_distance * touch_distance);
 }
 
 /// Whether a pair that did not touch may do so now.
@@ -192,14 +193,14 @@ bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
   const BodyRow& body_a = search.state.bodies[a.body];
   const BodyRow& body_b = search.state.bodies[b.body];
   if (are_separated(search.model, body_a.id, body_b.id)) return false;
-  return !search.is_sparse ||
-         !are_far(search.model.shapes[a.shape], search.model.shapes[b.shape], body_a, body_b, search.fall);
+  return !search.is_sparse || !are_far(search.model.shapes[a.shape], search.model.shapes[b.shape], body_a, body_b,
+                                       search.gravity_displacement);
 }
 
 /// What the candidates of a block were a tick ago.
 struct OldCandidates {
   std::uint64_t touched = 0;                      // [candidate] one bit each
-  std::uint64_t still = 0;                        // likewise: it does what it did
+  std::uint64_t unchanged = 0;                    // likewise: it does what it did
   std::uint32_t next[PairBlock::pair_count_max];  // where the contacts of this and later ones were, if may_reuse
 
   bool all_touched(std::uint32_t count) const {
@@ -209,14 +210,15 @@ struct OldCandidates {
 
 /// Whether the pairs of a block are those it was made for.
 bool is_same(const PairSearch& search, const PairBlock& block, const Pair* pairs, std::size_t count) {
-  return search.may_skip && block.is_valid && block.look + 1 == search.look &&
-         (search.stay || (block.pair_count == count && std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0));
+  return search.may_skip && block.is_valid && block.generation + 1 == search.generation &&
+         (search.pairs_unchanged ||
+          (block.pair_count == count && std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0));
 }
 
 /// For a block that is what it was: its contacts were in a row.
 void find_old_of_block(const PairSearch& search, const PairBlock& block, OldContacts& old, OldCandidates& out) {
   const std::uint64_t place = place_of(block.pairs[0]);
-  while (old.next < old.end && place_of(search.old_touching[old.next]) < place) ++old.next;
+  while (old.next < old.end && place_of(search.old_pairs[old.next]) < place) ++old.next;
   out.touched = block.found;
   auto next = static_cast<std::uint32_t>(old.next);
   if (out.all_touched(block.candidate_count)) {
@@ -236,7 +238,7 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
                        PairBlock& block, OldCandidates& out) {
   const ShapeModel* shapes = search.model.shapes.data();
   const Proxy* proxies = search.scratch.proxies.data();
-  const std::uint8_t* still = search.may_reuse ? search.scratch.caches.pairs.is_unchanged.data() : nullptr;
+  const std::uint8_t* unchanged = search.may_reuse ? search.scratch.caches.pairs.is_unchanged.data() : nullptr;
   block.pair_count = static_cast<std::uint32_t>(count);
   block.candidate_count = 0;
   block.box_count = 0;
@@ -246,33 +248,34 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
     const Pair pair = pairs[i];
     const Proxy& a = proxies[pair.first];
     const Proxy& b = proxies[pair.second];
-    const bool has_old = search.may_reuse && find_same(search.old_touching, pair, old);
+    const bool has_old = search.may_reuse && find_same(search.old_pairs, pair, old);
     if (!has_old && !may_begin(search, a, b)) continue;
-    const bool is_unchanged = search.may_reuse && still[a.body] != 0 && still[b.body] != 0;
+    const bool is_unchanged = search.may_reuse && unchanged[a.body] != 0 && unchanged[b.body] != 0;
     if (is_unchanged && !has_old) {
       leaves_out_unchanged = true;
       continue;
     }
     const std::uint32_t place = block.candidate_count++;
     out.touched |= std::uint64_t{has_old} << place;
-    out.still |= std::uint64_t{is_unchanged} << place;
+    out.unchanged |= std::uint64_t{is_unchanged} << place;
     out.next[place] = static_cast<std::uint32_t>(old.next);
     block.candidates[place] = {
         static_cast<std::uint8_t>(i),
-        is_unchanged ? no_place : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.fall)};
+        is_unchanged ? no_place
+                     : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.gravity_displacement)};
   }
   complete_boxes(block);
   // A block holds for later ticks only if what was left out of it follows from the pairs alone.
-  block.is_valid = !search.is_sparse && out.still == 0 && !leaves_out_unchanged;
+  block.is_valid = !search.is_sparse && out.unchanged == 0 && !leaves_out_unchanged;
 }
 
 /// Where the contacts of some pairs are written: the first `limit` from `touching` and `rows` on, the others apart.
-struct ContactRoom {
-  ContactPair* touching;
+struct ContactBuffer {
+  ContactPair* pairs;
   ContactRow* rows;
   std::size_t limit;
   ContactPair* contact_pairs_spilled;
-  ContactRow* rows_apart;
+  ContactRow* rows_spilled;
 };
 
 struct FoundContacts {
@@ -317,23 +320,23 @@ class ContactWriter {
 
   /// Chooses what may touch of the pairs of a block, unless it is what it was. True if it is.
   bool begin(const Pair* pairs, std::size_t count, PairBlock& block) {
-    before_.touched = before_.still = 0;
+    before_.touched = before_.unchanged = 0;
     const bool is_same_block = is_same(search_, block, pairs, count);
     if (is_same_block)
       find_old_of_block(search_, block, old_, before_);
     else
       choose_candidates(search_, pairs, count, old_, block, before_);
     ++(is_same_block ? found.blocks.hits : found.blocks.invalidations);
-    found.unchanged_count += static_cast<std::uint64_t>(__builtin_popcountll(before_.still));
-    block.look = search_.look;
+    found.unchanged_count += static_cast<std::uint64_t>(__builtin_popcountll(before_.unchanged));
+    block.generation = search_.generation;
     block.found = 0;
     return is_same_block;
   }
 
   /// Where the contacts of the block are to be.
-  void enter(const ContactRoom& room) {
-    room_ = room;
-    limit_ = std::min(room.limit, limit_in_place_);
+  void enter(const ContactBuffer& buffer) {
+    buffer_ = buffer;
+    limit_ = std::min(buffer.limit, limit_in_place_);
   }
 
   /// Renews the contacts of a block that is what it was, if all of its pairs are boxes that touched and touch at the
@@ -342,7 +345,7 @@ class ContactWriter {
     const std::size_t count = block.candidate_count;
     if (!is_in_place_ || !block.has_features || !before_.all_touched(block.candidate_count) ||
         found.count + count > limit_ || old_.first + found.count != before_.next[0] ||
-        !boxes.renew(block, room_.touching + found.count))
+        !boxes.renew(block, buffer_.pairs + found.count))
       return false;
     found.count += count;
     block.found = before_.touched;
@@ -354,11 +357,11 @@ class ContactWriter {
     const auto [index, place] = block.candidates[i];
     const Pair& pair = block.pairs[index];
     const bool touched = (before_.touched >> i & 1) != 0;
-    const bool is_unchanged = (before_.still >> i & 1) != 0;
+    const bool is_unchanged = (before_.unchanged >> i & 1) != 0;
     // A contact that was not there before would be written over a later one.
     const bool is_taken =
         is_in_place_ && !touched && found.count < limit_ && old_.first + found.count == before_.next[i];
-    Manifold& manifold = is_taken ? not_yet_ : touching_at(found.count).manifold;
+    Manifold& manifold = is_taken ? not_yet_ : pair_at(found.count).manifold;
     if (!is_unchanged) {
       collide_pair(boxes, pair, place, manifold);
       if (manifold.point_count == 0) return;
@@ -368,7 +371,7 @@ class ContactWriter {
     if (is_taken) {
       limit_ = limit_in_place_ = found.count;
       is_in_place_ = false;
-      touching_at(found.count).manifold = not_yet_;
+      pair_at(found.count).manifold = not_yet_;
     }
     write(pair, is_unchanged, has_old, old_index);
     block.found |= std::uint64_t{1} << i;
@@ -379,11 +382,11 @@ class ContactWriter {
   void leave() { found.in_place = std::min(found.count, limit_); }
 
  private:
-  ContactPair& touching_at(std::size_t index) {
-    return index < limit_ ? room_.touching[index] : room_.contact_pairs_spilled[index - limit_];
+  ContactPair& pair_at(std::size_t index) {
+    return index < limit_ ? buffer_.pairs[index] : buffer_.contact_pairs_spilled[index - limit_];
   }
   ContactRow& row_at(std::size_t index) {
-    return index < limit_ ? room_.rows[index] : room_.rows_apart[index - limit_];
+    return index < limit_ ? buffer_.rows[index] : buffer_.rows_spilled[index - limit_];
   }
 
   /// `place`: of the pair in `boxes`, or no_place.
@@ -399,33 +402,34 @@ class ContactWriter {
     const BodyRow& body_a = bodies_[a.body];
     const BodyRow& body_b = bodies_[b.body];
     if (place == no_place)
-      new (&manifold) Manifold(collide(search_.model, shape_a, shape_b, body_a, body_b, search_.fall));
+      new (&manifold) Manifold(collide(search_.model, shape_a, shape_b, body_a, body_b, search_.gravity_displacement));
     if (search_.speculates && manifold.point_count == 0)
-      manifold = speculative_manifold(search_.model, shape_a, shape_b, body_a, body_b, search_.fall, search_.dt);
+      manifold = speculative_manifold(search_.model, shape_a, shape_b, body_a, body_b, search_.gravity_displacement,
+                                      search_.dt);
   }
 
   /// Completes the contact of a pair, which has its manifold unless the pair is still.
   void write(const Pair& pair, bool is_unchanged, bool has_old, std::size_t old_index) {
-    ContactPair& touching = touching_at(found.count);
+    ContactPair& contact = pair_at(found.count);
     ContactRow& row = row_at(found.count);
     const ContactRow* old_row = has_old ? search_.old_rows + old_index : nullptr;
     const Proxy& a = proxies_[pair.first];
     const Proxy& b = proxies_[pair.second];
     const auto write_now = [&](const ContactRow* old) {
-      write_row(bodies_[a.body], a.child, bodies_[b.body], b.child, touching.manifold, old, row);
+      write_row(bodies_[a.body], a.child, bodies_[b.body], b.child, contact.manifold, old, row);
     };
     if (old_row == &row) {
-      if (has_features(row, touching.manifold)) return;
+      if (has_features(row, contact.manifold)) return;
       const ContactRow was = row;
       write_now(&was);
       return;
     }
     if (is_unchanged)
-      touching = search_.old_touching[old_index];
+      contact = search_.old_pairs[old_index];
     else if (has_old && search_.may_reuse)
-      copy_constants(search_.old_touching[old_index], touching);
+      copy_constants(search_.old_pairs[old_index], contact);
     else
-      fill_constants(search_.model, search_.scratch.proxies, pair, touching);
+      fill_constants(search_.model, search_.scratch.proxies, pair, contact);
     write_now(old_row);
   }
 
@@ -434,18 +438,18 @@ class ContactWriter {
   const Proxy* proxies_;
   OldContacts old_;
   OldCandidates before_;
-  ContactRoom room_{};
+  ContactBuffer buffer_{};
   std::size_t limit_ = 0;                         // contacts from here on are apart
   std::size_t limit_in_place_ = ~std::size_t{0};  // once one is new
   bool is_in_place_;
   Manifold not_yet_;
 };
 
-/// Finds the contacts of some pairs, at most one each: manifolds are large. room_for(n, m): where to write
+/// Finds the contacts of some pairs, at most one each: manifolds are large. buffer_for(n, m): where to write
 /// the first n of them, m of them apart at most.
-template <typename RoomFor>
+template <typename BufferFor>
 FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, const OldContacts& old,
-                               RoomFor room_for) {
+                               BufferFor buffer_for) {
   ContactWriter writer(search, old);
   const FoundContacts& found = writer.found;
   for (std::size_t first = range.begin; first < range.end; first += PairBlock::pair_count_max) {
@@ -454,9 +458,9 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
     const bool is_same_block = writer.begin(search.scratch.pairs.data() + first, pair_count, block);
     const BoxManifolds boxes(search.model, search.state, block);
     const std::size_t count = block.candidate_count;
-    writer.enter(room_for(found.count + count, found.count - found.in_place + count));
+    writer.enter(buffer_for(found.count + count, found.count - found.in_place + count));
     if (!is_same_block || !writer.renew(boxes, block)) {
-      boxes.keep_features(block);
+      boxes.cache_features(block);
       for (std::size_t i = 0; i < count; ++i) writer.find(boxes, block, i);
     }
     writer.leave();
@@ -487,23 +491,23 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
     scratch.parts[chunk].first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
   std::atomic<bool> any_new{false};
-  std::atomic<std::uint64_t> held_count{0};
+  std::atomic<std::uint64_t> hit_count{0};
   std::atomic<std::uint64_t> made_count{0};
   std::atomic<std::uint64_t> unchanged_count{0};
   scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
     ListPart& part = scratch.parts[chunk.index];
     const std::size_t old_end = chunk.index + 1 < chunk_count ? scratch.parts[chunk.index + 1].first : search.old_count;
     const std::size_t first = std::min(part.first, old_count);
-    const ContactRoom place{scratch.contact_pairs.data() + first, scratch.contacts.data() + first,
-                            std::min(old_end, old_count) - first, scratch.contact_pairs_spilled.data() + chunk.begin,
-                            scratch.contacts_spilled.data() + chunk.begin};
+    const ContactBuffer place{scratch.contact_pairs.data() + first, scratch.contacts.data() + first,
+                              std::min(old_end, old_count) - first, scratch.contact_pairs_spilled.data() + chunk.begin,
+                              scratch.contacts_spilled.data() + chunk.begin};
     const FoundContacts found = find_contacts_of(
         search, {chunk.begin, chunk.end, scratch.caches.pair_blocks.data() + chunk.index * blocks_of(chunk_size)},
         {first, part.first, old_end}, [&](std::size_t, std::size_t) { return place; });
     part.in_place = found.in_place;
     part.count = found.count;
     if (found.any_new) any_new.store(true, std::memory_order_relaxed);
-    held_count.fetch_add(found.blocks.hits, std::memory_order_relaxed);
+    hit_count.fetch_add(found.blocks.hits, std::memory_order_relaxed);
     made_count.fetch_add(found.blocks.invalidations, std::memory_order_relaxed);
     unchanged_count.fetch_add(found.unchanged_count, std::memory_order_relaxed);
   });
@@ -515,7 +519,7 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
     part.place = total;
     total += part.count;
   }
-  const CacheCounts blocks{held_count, made_count};
+  const CacheCounts blocks{hit_count, made_count};
   if (all_in_place) return {total, total, any_new, blocks, unchanged_count};
   scratch.contact_pairs_moved.resize(total);
   scratch.contacts_moved.resize(total);
@@ -523,11 +527,11 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
     const ListPart& part = scratch.parts[chunk.index];
     for (std::size_t i = 0; i < part.count; ++i) {
       const bool is_there = i < part.in_place;
-      const std::size_t apart = chunk.begin + i - part.in_place;
+      const std::size_t spilled = chunk.begin + i - part.in_place;
       scratch.contact_pairs_moved[part.place + i] =
-          is_there ? scratch.contact_pairs[part.first + i] : scratch.contact_pairs_spilled[apart];
+          is_there ? scratch.contact_pairs[part.first + i] : scratch.contact_pairs_spilled[spilled];
       scratch.contacts_moved[part.place + i] =
-          is_there ? scratch.contacts[part.first + i] : scratch.contacts_spilled[apart];
+          is_there ? scratch.contacts[part.first + i] : scratch.contacts_spilled[spilled];
     }
   });
   scratch.contact_pairs.swap(scratch.contact_pairs_moved);
@@ -544,8 +548,8 @@ FoundContacts find_all_contacts(const PairSearch& search, Scratch& scratch) {
                               scratch.contact_pairs.resize(count);
                               scratch.contacts.resize(count);
                             }
-                            return ContactRoom{scratch.contact_pairs.data(), scratch.contacts.data(),
-                                               scratch.contact_pairs.size(), nullptr, nullptr};
+                            return ContactBuffer{scratch.contact_pairs.data(), scratch.contacts.data(),
+                                                 scratch.contact_pairs.size(), nullptr, nullptr};
                           });
 }
 
@@ -553,13 +557,13 @@ FoundContacts find_all_contacts(const PairSearch& search, Scratch& scratch) {
 FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch) {
   const FoundContacts found =
       find_contacts_of(search, {0, scratch.pairs.size(), scratch.caches.pair_blocks.data()}, {0, 0, search.old_count},
-                       [&](std::size_t, std::size_t apart) {
-                         if (scratch.contact_pairs_spilled.size() < apart) {
-                           scratch.contact_pairs_spilled.resize(apart);
-                           scratch.contacts_spilled.resize(apart);
+                       [&](std::size_t, std::size_t spilled) {
+                         if (scratch.contact_pairs_spilled.size() < spilled) {
+                           scratch.contact_pairs_spilled.resize(spilled);
+                           scratch.contacts_spilled.resize(spilled);
                          }
-                         return ContactRoom{scratch.contact_pairs.data(), scratch.contacts.data(), search.old_count,
-                                            scratch.contact_pairs_spilled.data(), scratch.contacts_spilled.data()};
+                         return ContactBuffer{scratch.contact_pairs.data(), scratch.contacts.data(), search.old_count,
+                                              scratch.contact_pairs_spilled.data(), scratch.contacts_spilled.data()};
                        });
   scratch.contact_pairs.resize(found.count);
   scratch.contacts.resize(found.count);
@@ -573,12 +577,12 @@ FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch)
 }  // namespace
 
 void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  TickCaches& kept = scratch.caches;
+  TickCaches& caches = scratch.caches;
   const bool speculates = model.scene.settings.auto_substeps.has_value();
-  const bool may_reuse = kept.has_touching && kept.contact_pairs.size() == state.contacts.size();
-  const bool is_in_place = may_reuse && kept.is_settled;
+  const bool may_reuse = caches.has_contact_pairs && caches.contact_pairs.size() == state.contacts.size();
+  const bool is_in_place = may_reuse && caches.is_settled;
   if (is_in_place) {
-    scratch.contact_pairs.swap(kept.contact_pairs);
+    scratch.contact_pairs.swap(caches.contact_pairs);
     scratch.contacts.swap(state.contacts);
   }
   const std::vector<ContactRow>& old = is_in_place ? scratch.contacts : state.contacts;
@@ -586,7 +590,7 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
   const std::size_t chunk_size =
       scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least, PairBlock::pair_count_max);
   const std::size_t block_count = Parallel::chunk_count(pair_count, chunk_size) * blocks_of(chunk_size);
-  if (kept.pair_blocks.size() < block_count) kept.pair_blocks.resize(block_count);
+  if (caches.pair_blocks.size() < block_count) caches.pair_blocks.resize(block_count);
   const bool is_sparse = !speculates && pair_count > pairs_per_contact_dense * old.size();
   const PairSearch search{model,
                           state,
@@ -598,25 +602,25 @@ void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) 
                           may_reuse,
                           is_in_place,
                           old.data(),
-                          (is_in_place ? scratch.contact_pairs : kept.contact_pairs).data(),
+                          (is_in_place ? scratch.contact_pairs : caches.contact_pairs).data(),
                           old.size(),
-                          ++kept.look,
-                          may_reuse && !is_sparse && !kept.pairs.many_are_unchanged,
-                          kept.pairs.stay};
+                          ++caches.generation,
+                          may_reuse && !is_sparse && !caches.pairs.many_are_unchanged,
+                          caches.pairs.present_unchanged};
   FoundContacts found{};
-  count_use(kept.report, CacheKind::contact_places, is_in_place);
+  count_use(caches.report, CacheKind::contact_places, is_in_place);
   if (chunk_size < pair_count)
     found = find_contacts_in_chunks(search, scratch, chunk_size);
   else
     found = is_in_place ? find_contacts_in_place(search, scratch) : find_all_contacts(search, scratch);
-  count_uses(kept.report, CacheKind::pair_blocks, found.blocks);
-  count_uses(kept.report, CacheKind::manifolds, {found.unchanged_count, may_reuse ? 0u : 1u});
+  count_uses(caches.report, CacheKind::pair_blocks, found.blocks);
+  count_uses(caches.report, CacheKind::manifolds, {found.unchanged_count, may_reuse ? 0u : 1u});
   scratch.contact_pairs.resize(found.count);
   scratch.contacts.resize(found.count);
   state.contacts.swap(scratch.contacts);
-  kept.has_touching = kept.pairs.is_valid;
-  kept.is_settled = !found.any_new;
-  if (!is_in_place || found.any_new || found.count != search.old_count) ++kept.contact_set;
+  caches.has_contact_pairs = caches.pairs.is_valid;
+  caches.is_settled = !found.any_new;
+  if (!is_in_place || found.any_new || found.count != search.old_count) ++caches.contact_set;
 }
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {

@@ -20,11 +20,11 @@ inline Real gravity_displacement_of_tick(const Model& model, const State& state)
 inline Real resting_margin(Real size) {
   return 4 * linear_slop(size);
 }
-/// Shapes closer than this get contact points before they touch. `fall`: gravity_displacement_of_tick; else shapes that
-/// are small against it would first be seen deep inside each other. At most eight sizes: nothing then sees the whole
-/// world.
-inline Real speculative_margin(Real size, Real fall) {
-  return larger(resting_margin(size), smaller(fall, 8 * size));
+/// Shapes closer than this get contact points before they touch. `gravity_displacement`: gravity_displacement_of_tick;
+/// else shapes that are small against it would first be seen deep inside each other. At most eight sizes: nothing then
+/// sees the whole world.
+inline Real speculative_margin(Real size, Real gravity_displacement) {
+  return larger(resting_margin(size), smaller(gravity_displacement, 8 * size));
 }
 
 /// A's frame as seen from the world, B's frame as seen from A.
@@ -58,19 +58,19 @@ Manifold collide_chain_circle(const Model& model, const ShapeModel& a, const Sha
 Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a,
                             Real margin);
 
-/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `fall`:
+/// The manifold of two shapes of two bodies, in world axes, anchors from each centre of mass. `gravity_displacement`:
 /// gravity_displacement_of_tick.
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                 const BodyRow& body_b, Real fall);
+                 const BodyRow& body_b, Real gravity_displacement);
 
 /// How an edge of a chain pushes what lies from it along some normal.
-struct EdgePush {
+struct EdgeNormal {
   bool is_allowed;  // along that normal: the edge's own, or one of a convex corner or free end
   bool in_front;    // the centre of the other shape is on the right side of the edge
   Vec2 normal;      // that one, or the edge's own
 };
 /// `normal` from the edge, `center` of the other shape, both in the frame of the edge's body.
-EdgePush edge_push(const Model& model, const ShapeModel& edge, Vec2 normal, Vec2 center);
+EdgeNormal edge_normal(const Model& model, const ShapeModel& edge, Vec2 normal, Vec2 center);
 
 /// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);

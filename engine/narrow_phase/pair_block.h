@@ -26,10 +26,10 @@ struct PairBlock {
   bool is_valid = false;
   std::uint32_t pair_count = 0;
   std::uint32_t candidate_count = 0;
-  std::uint32_t box_count = 0;  // pairs of shapes with four sharp corners, for kernels
-  std::uint32_t look = 0;       // when `found` was
-  std::uint64_t found = 0;      // [candidate] one bit each: it is a contact
-  bool has_features = false;    // all candidates are boxes that touch at two points
+  std::uint32_t box_count = 0;   // pairs of shapes with four sharp corners, for kernels
+  std::uint32_t generation = 0;  // when `found` was
+  std::uint64_t found = 0;       // [candidate] one bit each: it is a contact
+  bool has_features = false;     // all candidates are boxes that touch at two points
   Pair pairs[pair_count_max];
   Candidate candidates[pair_count_max];
   BoxPairs boxes[pair_count_max / lane_count];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int speculative_step_max = 16;
 
-BodyRow moved_by(const BodyRow& body, Real time) {
+BodyRow predicted_pose(const BodyRow& body, Real time) {
   BodyRow later = body;
   later.position = body.position + time * body.velocity;
   later.rotation = rotation_by(time * body.angular_velocity) * body.rotation;
@@ -19,14 +19,14 @@ BodyRow moved_by(const BodyRow& body, Real time) {
 }
 
 Real spin_of(const Model& model, const BodyRow& body) {
-  return absolute(body.angular_velocity) * model.bodies[body.source].reach;
+  return absolute(body.angular_velocity) * model.bodies[body.source].extent;
 }
 
 }  // namespace
 
 Manifold speculative_manifold(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                              const BodyRow& body_b, Real fall, Real dt) {
-  const Real margin = speculative_margin(pair_size(a, b), fall);
+                              const BodyRow& body_b, Real gravity_displacement, Real dt) {
+  const Real margin = speculative_margin(pair_size(a, b), gravity_displacement);
   const Vec2 relative = body_b.velocity - body_a.velocity;
   const Real spin = spin_of(model, body_a) + spin_of(model, body_b);
   Real time = 0;
@@ -36,25 +36,26 @@ Manifold speculative_manifold(const Model& model, const ShapeModel& a, const Sha
     const Distance gap = distance(model, a, {at_a.position, at_a.rotation}, b, {at_b.position, at_b.rotation});
     if (gap.separation <= Real(0.5) * margin) break;
     const Real closing_max = spin - dot(relative, gap.normal);
-    const Real way = gap.separation - Real(0.25) * margin;
-    if (i == speculative_step_max || !(way < closing_max * (dt - time))) return {};
-    time += way / closing_max;
-    at_a = moved_by(body_a, time);
-    at_b = moved_by(body_b, time);
+    const Real distance_left = gap.separation - Real(0.25) * margin;
+    if (i == speculative_step_max || !(distance_left < closing_max * (dt - time))) return {};
+    time += distance_left / closing_max;
+    at_a = predicted_pose(body_a, time);
+    at_b = predicted_pose(body_b, time);
   }
-  Manifold manifold = collide(model, a, b, at_a, at_b, fall);
+  Manifold manifold = collide(model, a, b, at_a, at_b, gravity_displacement);
   // Back to the start of the tick: the points that turn with the bodies are a radius behind the anchors.
   const Rotation back_a = rotation_by(-time * body_a.angular_velocity);
   const Rotation back_b = rotation_by(-time * body_b.angular_velocity);
   const Vec2 normal = manifold.normal;
-  const Real way = time * dot(relative, normal);
+  const Real normal_displacement = time * dot(relative, normal);
   for (int i = 0; i < manifold.point_count; ++i) {
     ManifoldPoint& point = manifold.points[i];
     const Vec2 pivot_a = point.anchor_a - a.radius * normal;
     const Vec2 pivot_b = point.anchor_b + b.radius * normal;
     const Vec2 start_a = rotate(back_a, pivot_a);
     const Vec2 start_b = rotate(back_b, pivot_b);
-    point.separation = (point.separation - way) + dot((start_b - pivot_b) - (start_a - pivot_a), normal);
+    point.separation =
+        (point.separation - normal_displacement) + dot((start_b - pivot_b) - (start_a - pivot_a), normal);
     if (!(point.separation > 0)) return {};
     point.anchor_a = start_a + a.radius * normal;
     point.anchor_b = start_b - b.radius * normal;

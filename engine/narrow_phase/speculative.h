@@ -8,8 +8,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// The manifold of two shapes that are still apart but will be near within dt, as far as velocities tell: normal and
 /// points are those of that moment, anchors and separations those of the start of the tick. No points if they stay
-/// apart. `fall`: gravity_displacement_of_tick.
+/// apart. `gravity_displacement`: gravity_displacement_of_tick.
 Manifold speculative_manifold(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
-                              const BodyRow& body_b, Real fall, Real dt);
+                              const BodyRow& body_b, Real gravity_displacement, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

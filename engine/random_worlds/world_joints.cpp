@@ -16,9 +16,9 @@ bool is_dynamic(const Body& body) {
 
 /// A point of the world in a body's frame.
 Point in_frame(const Body& body, Point p) {
-  const SinCos turn = turn_of(body.angle);
+  const SinCos rotation = pose_sin_cos(body.angle);
   const Point d{p.x - body.position.x, p.y - body.position.y};
-  return {turn.cos * d.x + turn.sin * d.y, turn.cos * d.y - turn.sin * d.x};
+  return {rotation.cos * d.x + rotation.sin * d.y, rotation.cos * d.y - rotation.sin * d.x};
 }
 
 /// The least mass (kg) or inertia (kg m^2) above zero of the dynamic bodies.

@@ -166,13 +166,14 @@ Moments rounded_moments(const std::vector<Point>& hull, double radius) {
 }
 
 std::vector<Point> box_corners(const Shape& shape) {
-  const SinCos turn = turn_of(shape.angle);
+  const SinCos rotation = pose_sin_cos(shape.angle);
   const Point signs[4] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   std::vector<Point> corners;
   for (const Point sign : signs) {
     const double x = sign.x * shape.half_size.x;
     const double y = sign.y * shape.half_size.y;
-    corners.push_back({shape.center.x + turn.cos * x - turn.sin * y, shape.center.y + turn.sin * x + turn.cos * y});
+    corners.push_back(
+        {shape.center.x + rotation.cos * x - rotation.sin * y, shape.center.y + rotation.sin * x + rotation.cos * y});
   }
   return corners;
 }

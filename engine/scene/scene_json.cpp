@@ -18,7 +18,7 @@ namespace {
 
 /// Of the world, in the frame of a body in its initial pose.
 Point in_frame_of(const Body& body, const Point& point) {
-  const SinCos rotation = turn_of(body.angle);
+  const SinCos rotation = pose_sin_cos(body.angle);
   const double x = point.x - body.position.x;
   const double y = point.y - body.position.y;
   return {rotation.cos * x + rotation.sin * y, rotation.cos * y - rotation.sin * x};

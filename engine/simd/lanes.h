@@ -1,4 +1,4 @@
-// What solvers hand to kernels, whatever instruction set these are compiled for: plain numbers, eight lanes at a time.
+// The arguments of kernels, the same for every instruction set: plain numbers in batches of eight lanes.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -22,16 +22,17 @@ struct Softness {
   Real impulse_scale = 0;
 };
 
-/// Kernels see MovingBody as so many numbers: velocity x, y, angular velocity, 0; moved x, y, turned c, s.
+/// Kernels read a MovingBody as so many numbers: velocity x, y, angular velocity, 0; delta position x, y; delta
+/// rotation c, s.
 inline constexpr int body_record_length = 8;
 
-/// How bodies advance by themselves. `rows`: `count` records of `bodies`, no two alike.
+/// Integration of velocities and positions. `rows`: `count` different records of `bodies`.
 struct MotionKernels {
   /// v' = decay * v + gain; steps[record]: gain x, y, angular, 0; decay x, y, angular, 0.
   void (*step_velocities)(Real* bodies, const Real* steps, const std::uint32_t* rows, std::size_t count);
-  /// x' = x + h v. `resting`, `unread`: records for empty lanes.
-  void (*move_bodies)(Real* bodies, const std::uint32_t* rows, std::size_t count, std::uint32_t resting,
-                      std::uint32_t unread, Real h);
+  /// x' = x + h v. Empty lanes read record `dummy` and write record `sink`.
+  void (*move_bodies)(Real* bodies, const std::uint32_t* rows, std::size_t count, std::uint32_t dummy,
+                      std::uint32_t sink, Real h);
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,17 +1,17 @@
-// Square roots, rotations and lanes of Wide over fixed arguments. Compiled with the flags of the solvers, as they are.
+// Square roots, rotations and vector lanes over fixed arguments, compiled with the flags of the solvers.
 // SPDX-License-Identifier: MIT
 #include "engine/simd/probe.h"
 
 #include "base/random.h"
 #include "engine/math/vec2.h"
-#include "engine/simd/wide.h"
+#include "engine/simd/realxn.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 using namespace TICKTRUE_ISA;
 
-constexpr int round_count = 256;
+constexpr int sample_count = 256;
 
 void put(ByteWriter& out, Real value) {
   if constexpr (sizeof(Real) == 4)
@@ -30,24 +30,25 @@ void put(ByteWriter& out, Rotation q) {
 void probe_arithmetic(ByteWriter& out) {
   Random random(1);
   Rotation pose;
-  // Eight lanes whatever the width of Wide is, so that builds of different widths give the same bytes.
-  constexpr int lane_count = 8;
-  Real lanes[lane_count] = {};
-  for (int i = 0; i < round_count; ++i) {
+  // Eight lanes for every width of RealxN, so that builds of different widths give the same bytes.
+  constexpr int value_count = 8;
+  Real lanes[value_count] = {};
+  for (int i = 0; i < sample_count; ++i) {
     const Real angle = Real(random.real(-20, 20));
     const Real magnitude = Real(random.real(1e-30, 1e-3));
-    const Rotation turn = rotation_by(angle);
-    pose = normalized(pose * turn);
-    put(out, turn);
+    const Rotation rotation = rotation_by(angle);
+    pose = normalized(pose * rotation);
+    put(out, rotation);
     put(out, pose);
     put(out, square_root(magnitude));
-    const Vec2 turned = rotate(turn, {angle, magnitude});
-    put(out, length(turned));
-    put(out, cross(turned, rotate_back(pose, turned)));
-    for (int lane = 0; lane < lane_count; ++lane) lanes[lane] += angle * Real(lane) / Real(7);
-    for (int first = 0; first < lane_count; first += wide_count) {
-      const Wide value = load_wide(lanes + first);
-      store_wide(lanes + first, smaller(larger(value * turn.c - value * turn.s, spread(Real(-9))), spread(Real(9))));
+    const Vec2 rotated = rotate(rotation, {angle, magnitude});
+    put(out, length(rotated));
+    put(out, cross(rotated, rotate_back(pose, rotated)));
+    for (int lane = 0; lane < value_count; ++lane) lanes[lane] += angle * Real(lane) / Real(7);
+    for (int first = 0; first < value_count; first += simd_width) {
+      const RealxN value = load_xn(lanes + first);
+      store_xn(lanes + first,
+               smaller(larger(value * rotation.c - value * rotation.s, broadcast(Real(-9))), broadcast(Real(9))));
     }
     for (const Real lane : lanes) put(out, lane);
   }

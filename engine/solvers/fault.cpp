@@ -24,9 +24,9 @@ Real* lane_of(MovingBody& body, BodyField field, std::size_t lane) {
 
 }  // namespace
 
-void flip_planted(Scratch& scratch, std::size_t group, int substep) {
-  const PlantedFault& fault = *scratch.planted;
-  if (fault.substep != substep || scratch.body_solver_set[fault.row] != group) return;
+void flip_injected(Scratch& scratch, std::size_t set, int substep) {
+  const InjectedFault& fault = *scratch.injected;
+  if (fault.substep != substep || scratch.body_solver_set[fault.row] != set) return;
   Real* lane = lane_of(scratch.bodies[fault.row], fault.field, fault.lane);
   unsigned char bytes[sizeof(Real)];
   std::memcpy(bytes, lane, sizeof bytes);

@@ -40,16 +40,16 @@ struct Placed {
 };
 
 /// Of what is `distance` long; upwards where that is nothing, as for discs in one place.
-Vec2 direction_of(Vec2 apart, Real distance) {
-  return distance > 0 ? (1 / distance) * apart : Vec2{0, 1};
+Vec2 direction_of(Vec2 offset, Real distance) {
+  return distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
 }
 
 Hit circle_circle(const Placed& a, const Placed& b) {
-  const Vec2 apart = b.center() - a.center();
-  const Real distance = length(apart);
+  const Vec2 offset = b.center() - a.center();
+  const Real distance = length(offset);
   const Real depth = (a.shape.radius + b.shape.radius) - distance;
   if (depth <= 0) return {};
-  const Vec2 normal = direction_of(apart, distance);
+  const Vec2 normal = direction_of(offset, distance);
   return {true, normal, depth, b.center() - b.shape.radius * normal};
 }
 
@@ -78,10 +78,10 @@ Hit polygon_circle(const Model& model, const Placed& polygon, const Placed& circ
     const bool zone_c = dot(center - v2, v1 - v2) < 0;
     if (zone_a || zone_c) {
       const Vec2 corner = zone_a ? v1 : v2;
-      const Vec2 apart = center - corner;
-      const Real gap = length(apart);
+      const Vec2 offset = center - corner;
+      const Real gap = length(offset);
       if (gap >= circle.shape.radius) return {};
-      return {true, direction_of(apart, gap), circle.shape.radius - gap, corner};
+      return {true, direction_of(offset, gap), circle.shape.radius - gap, corner};
     }
   }
   if (distance >= circle.shape.radius) return {};
@@ -125,8 +125,8 @@ Hit detect(const Model& model, const Placed& a, const Placed& b) {
   const bool a_round = a.shape.family == ShapeFamily::circle;
   const bool b_round = b.shape.family == ShapeFamily::circle;
   if (a_round && b_round) return circle_circle(a, b);
-  const Real reach = a.shape.bounding_radius + b.shape.bounding_radius;
-  if (length_squared(b.center() - a.center()) > reach * reach) return {};
+  const Real radius_sum = a.shape.bounding_radius + b.shape.bounding_radius;
+  if (length_squared(b.center() - a.center()) > radius_sum * radius_sum) return {};
   if (!a_round && b_round) return polygon_circle(model, a, b);
   if (a_round) {
     Hit hit = polygon_circle(model, b, a);
@@ -158,10 +158,10 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
   const Vec2 relative =
       (a.velocity + cross(a.angular_velocity, arm_a)) - (b.velocity + cross(b.angular_velocity, arm_b));
   const auto impulse_along = [&](Vec2 direction) {
-    const Real turn_a = cross(arm_a, direction);
-    const Real turn_b = cross(arm_b, direction);
-    const Real denominator = (inv_mass + turn_a * turn_a * constants_a.impulse_inv_inertia) +
-                             turn_b * turn_b * constants_b.impulse_inv_inertia;
+    const Real lever_a = cross(arm_a, direction);
+    const Real lever_b = cross(arm_b, direction);
+    const Real denominator = (inv_mass + lever_a * lever_a * constants_a.impulse_inv_inertia) +
+                             lever_b * lever_b * constants_b.impulse_inv_inertia;
     return -(1 + e) * dot(relative, direction) / denominator;
   };
   const Vec2 tangent = right_turn(hit.normal);
@@ -183,14 +183,14 @@ void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt) 
   prepare_bodies(model, state, scratch);
   put_all_into_one_set(model, state, scratch);
   enter_solver_set(state, scratch, scratch.solver_sets[0], dt);
-  prepare_pulls(model, state, scratch, scratch.solver_sets[0]);
+  prepare_mouse_joints(model, state, scratch, scratch.solver_sets[0]);
   scheme.begin(model, state, scratch, dt);
   scheme.predict(model, state, scratch, dt);
-  warm_start_pulls(scratch);
-  solve_pulls(scratch);
+  warm_start_mouse_joints(scratch);
+  solve_mouse_joints(scratch);
   scheme.drift(model, state, scratch, dt);
   store_bodies(scratch, state);
-  store_pulls(scratch, state, dt);
+  store_mouse_joints(scratch, state, dt);
 
   for (std::size_t i = 0; i < state.bodies.size(); ++i)
     for (std::size_t j = i + 1; j < state.bodies.size(); ++j) {

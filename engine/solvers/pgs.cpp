@@ -17,7 +17,7 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
   const Integrator& scheme = integrator(model.scene.settings.integrator);
   for (SolverSet& set : scratch.solver_sets) {
     enter_solver_set(state, scratch, set, dt);
-    prepare_pulls(model, state, scratch, set);
+    prepare_mouse_joints(model, state, scratch, set);
     prepare_joints(model, state, scratch, set);
     set.stiffness = baumgarte_contacts(dt);
     color_contacts(scratch, set, false);
@@ -28,17 +28,17 @@ void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
     scheme.predict(model, state, scratch, dt);
     if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, dt);
     warm_start_joints(scratch);
-    warm_start_pulls(scratch);
+    warm_start_mouse_joints(scratch);
     warm_start_contacts(scratch, set);
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
       solve_joints(scratch, dt, Bias::on);
-      solve_pulls(scratch);
+      solve_mouse_joints(scratch);
       solve_contacts(scratch, set, iteration > 0 ? Poses::unmoved : Poses::moved);
     }
     scheme.drift(model, state, scratch, dt);
     if (!scratch.impacts.empty()) finish_impacts(scratch);
     store_contacts(scratch, set, state);
-    store_pulls(scratch, state, dt);
+    store_mouse_joints(scratch, state, dt);
     store_joints(scratch, state, dt);
   }
   store_bodies(scratch, state);

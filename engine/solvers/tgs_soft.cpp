@@ -7,7 +7,7 @@
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
-#include "engine/joints/batched/weave.h"
+#include "engine/joints/batched/wavefront.h"
 #include "engine/model/bodies.h"
 #include "engine/solvers/fault.h"
 #include "engine/solvers/solver.h"
@@ -33,13 +33,13 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
   if (!scratch.has_solver_sets) put_all_into_one_set(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  const bool poses_stay = bodies_step_alone(model) && !scratch.planted;  // from one drift to the next
+  const bool poses_stay = bodies_step_alone(model) && !scratch.injected;  // from one drift to the next
   const bool some_are_free = find_constrained(model, state, scratch);
   for (SolverSet& set : scratch.solver_sets) {
     const Real h = dt / static_cast<Real>(set.substeps);  // s
     enter_solver_set(state, scratch, set, h);
     set.joint_iterations = iterations_of(model, state, scratch);
-    prepare_pulls(model, state, scratch, set);
+    prepare_mouse_joints(model, state, scratch, set);
     prepare_joints(model, state, scratch, set);
     set.stiffness = soft_contacts(h);
     color_contacts(scratch, set, !some_are_free && allows_blocks(model, state, scratch, set));
@@ -51,20 +51,21 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       integrate_freely(scratch, h, set.substeps);
     else if (some_are_free)
       integrate_free_bodies(scratch, set);
-    if (scratch.is_woven) solve_woven(state, scratch, set);
+    if (scratch.uses_wavefront) solve_wavefront(state, scratch, set);
     if (in_blocks) solve_blocks(model, state, scratch, set);
-    const int substeps_in_turn = all_are_free || scratch.is_woven || in_blocks ? 0 : set.substeps;
-    for (int substep = 0; substep < substeps_in_turn; ++substep) {
+    const int plain_substeps = all_are_free || scratch.uses_wavefront || in_blocks ? 0 : set.substeps;
+    for (int substep = 0; substep < plain_substeps; ++substep) {
       save_joint_velocities(scratch);
       save_impact_velocities(state, scratch);
       scheme.predict(model, state, scratch, h);
       if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, h);
       if (set.has_resting_impacts) begin_resting_impacts(scratch, set);
       warm_start_joints(scratch);
-      warm_start_pulls(scratch);
+      warm_start_mouse_joints(scratch);
       warm_start_contacts(scratch, set);
-      for (std::uint32_t sweep = 0; sweep < set.joint_iterations; ++sweep) solve_joints(scratch, h, Bias::on);
-      solve_pulls(scratch);
+      for (std::uint32_t iteration = 0; iteration < set.joint_iterations; ++iteration)
+        solve_joints(scratch, h, Bias::on);
+      solve_mouse_joints(scratch);
       solve_contacts(scratch, set,
                      poses_stay && (substep > 0 || scratch.impacts.empty()) ? Poses::unmoved : Poses::moved);
       Real settled = set.has_resting_impacts ? settled_speed(state, scratch, set) : Real(0);
@@ -81,7 +82,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
       after_substep(scratch, static_cast<std::size_t>(&set - scratch.solver_sets.data()), substep);
     }
     store_contacts(scratch, set, state);  // forces, since the next tick may have another h
-    store_pulls(scratch, state, h);
+    store_mouse_joints(scratch, state, h);
     store_joints(scratch, state, h);
   }
   store_bodies(scratch, state);

@@ -21,10 +21,10 @@ void wake_joint(State& state, const JointRow& joint) {
 
 template <typename Vector, typename Predicate>
 void erase_where(Vector& rows, Predicate predicate) {
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (!predicate(rows[i])) rows[kept++] = rows[i];
-  rows.resize(kept);
+    if (!predicate(rows[i])) rows[count++] = rows[i];
+  rows.resize(count);
 }
 
 /// Counts an input to something already removed.
@@ -56,11 +56,11 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
   }
   const std::uint32_t source = model.first_prototype + prototype;
   const BodyModel& constants = model.bodies[source];
-  const SinCos turn = turn_of(pose.values[2]);
+  const SinCos rotation = pose_sin_cos(pose.values[2]);
   BodyRow row{};
   row.id = state.world.next_id++;
   row.source = source;
-  row.rotation = {to_real(turn.cos), to_real(turn.sin)};
+  row.rotation = {to_real(rotation.cos), to_real(rotation.sin)};
   row.position = stored(to_vec2(pose.values[0], pose.values[1]) + rotate(row.rotation, constants.center));
   if (constants.type != BodyType::static_body) {
     row.velocity = to_vec2(pose.values[3], pose.values[4]);
@@ -73,7 +73,7 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
   }
 }
 
-void make_room_for_forces(const State& state, Scratch& scratch) {
+void allocate_forces(const State& state, Scratch& scratch) {
   if (!scratch.force.empty()) return;
   scratch.force.assign(state.bodies.size(), Vec2{0, 0});
   scratch.torque.assign(state.bodies.size(), Real(0));
@@ -100,7 +100,7 @@ void do_impulse(const Model& model, State& state, Scratch&, const Input& input) 
 void do_force(const Model&, State& state, Scratch& scratch, const Input& input) {
   const BodyRow* body = find(state, input);
   if (body == nullptr) return;
-  make_room_for_forces(state, scratch);
+  allocate_forces(state, scratch);
   const std::size_t row = state.find_body(input.body);
   const Vec2 force = to_vec2(input.values[0], input.values[1]);
   const Vec2 arm = rotate(body->rotation, to_vec2(input.values[2], input.values[3]));
@@ -110,7 +110,7 @@ void do_force(const Model&, State& state, Scratch& scratch, const Input& input) 
 
 void do_torque(const Model&, State& state, Scratch& scratch, const Input& input) {
   if (find(state, input) == nullptr) return;
-  make_room_for_forces(state, scratch);
+  allocate_forces(state, scratch);
   scratch.torque[state.find_body(input.body)] += static_cast<Real>(input.values[0]);
 }
 

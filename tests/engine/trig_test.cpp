@@ -46,20 +46,21 @@ TEST_CASE("sine and cosine keep the symmetries of the functions to the last bit"
 
 TEST_CASE("what is turned by quarters stands exactly upright, and nothing else is moved", "[engine][trig][analytic]") {
   for (int quarters = -4000; quarters <= 4000; ++quarters) {
-    const SinCos turn = turn_of(quarters * (pi / 2));
+    const SinCos rotation = pose_sin_cos(quarters * (pi / 2));
     const int rest = ((quarters % 4) + 4) % 4;
     CAPTURE(quarters);
-    REQUIRE(turn.cos == (rest == 0 ? 1 : rest == 2 ? -1 : 0));
-    REQUIRE(turn.sin == (rest == 1 ? 1 : rest == 3 ? -1 : 0));
+    REQUIRE(rotation.cos == (rest == 0 ? 1 : rest == 2 ? -1 : 0));
+    REQUIRE(rotation.sin == (rest == 1 ? 1 : rest == 3 ? -1 : 0));
   }
   for (int i = -200000; i <= 200000; ++i) {
     const double x = i * 1.00001e-4;
-    if (bits_of(turn_of(x).sin) != bits_of(sin_cos(x).sin) || bits_of(turn_of(x).cos) != bits_of(sin_cos(x).cos))
+    if (bits_of(pose_sin_cos(x).sin) != bits_of(sin_cos(x).sin) ||
+        bits_of(pose_sin_cos(x).cos) != bits_of(sin_cos(x).cos))
       FAIL("moved at " << x);
   }
-  CHECK(bits_of(turn_of(-0.0).sin) == bits_of(-0.0));
-  CHECK(turn_of(1e-9).sin == 1e-9);
-  CHECK(std::isnan(turn_of(infinite).sin));
+  CHECK(bits_of(pose_sin_cos(-0.0).sin) == bits_of(-0.0));
+  CHECK(pose_sin_cos(1e-9).sin == 1e-9);
+  CHECK(std::isnan(pose_sin_cos(infinite).sin));
 }
 
 TEST_CASE("sine and cosine stay on the unit circle for any finite angle and are NaN for others",

@@ -22,9 +22,9 @@ engine/broad_phase/aabb_tree.cpp engine/broad_phase/box_tree.cpp engine/broad_ph
 engine/broad_phase/sort_pairs.cpp engine/broad_phase/pair_listing.h engine/broad_phase/box_tree.h
 engine/narrow_phase/narrow_phase.cpp engine/narrow_phase/box_pairs.cpp engine/narrow_phase/box_pairs.h
 engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp engine/contacts/contact_coloring.cpp
-engine/contacts/contact_filling.cpp engine/islands/solver_sets.cpp engine/joints/batched/hinge_batch.cpp
-engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/near_levels.cpp
-engine/joints/batched/pin_batch.cpp engine/joints/batched/weave.cpp engine/model/bodies.cpp
+engine/contacts/contact_filling.cpp engine/islands/solver_sets.cpp engine/joints/batched/driven_revolute_batch.cpp
+engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/level_schedule.cpp
+engine/joints/batched/revolute_batch.cpp engine/joints/batched/wavefront.cpp engine/model/bodies.cpp
 engine/integrators/flow.cpp engine/narrow_phase/motion_bounds.h engine/model/scratch.cpp
 """.split()
 
@@ -36,7 +36,7 @@ REPLACEMENTS = {
     'true': ['false'], 'false': ['true'], 'continue': ['break'], '!': [''],
     'first': ['second'], 'second': ['first'], 'begin': ['end'], 'end': ['begin'], 'lower': ['upper'],
     'upper': ['lower'], 'smaller': ['larger'], 'larger': ['smaller'], 'body_a': ['body_b'], 'body_b': ['body_a'],
-    'touching': ['touching_moved'], 'row': ['row + 1'], 'count': ['count - 1'],
+    'contact_pairs': ['contact_pairs_moved'], 'row': ['row + 1'], 'count': ['count - 1'],
 }
 WORD = re.compile(r'[A-Za-z_]\w*|\d+')
 OPERATORS = sorted((o for o in REPLACEMENTS if not WORD.fullmatch(o)), key=len, reverse=True)

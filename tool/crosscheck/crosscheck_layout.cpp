@@ -56,7 +56,7 @@ std::vector<Point> rounded(const std::vector<Point>& core, double radius) {
 }
 
 BoundedOutline bounded_outline_of(const Body& body, const std::vector<Point>& corners, const CrosscheckLayout& layout) {
-  const engine::SinCos turn = engine::turn_of(body.angle);
+  const engine::SinCos turn = engine::pose_sin_cos(body.angle);
   BoundedOutline outline;
   for (const Point& corner : corners) {
     const Point p = turned(corner, turn);
@@ -234,7 +234,7 @@ CrosscheckLayout make_layout(const engine::Scene& scene) {
     body.is_dynamic = description.type == BodyType::dynamic_body;
     const engine::MassProperties mass = engine::body_mass(description);
     body.weight = mass.mass * layout.gravity * description.gravity_scale;
-    const Point offset = turned(mass.center, engine::turn_of(description.angle));
+    const Point offset = turned(mass.center, engine::pose_sin_cos(description.angle));
     const Point center{description.position.x + offset.x, description.position.y + offset.y};
     body.across = dot(center, layout.right);
     body.up = dot(center, layout.up);

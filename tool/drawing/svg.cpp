@@ -45,7 +45,7 @@ bool is_finite(const BodyReport& body) {
 }
 
 Point to_world(const BodyReport& body, const Point& local) {
-  const engine::SinCos turn = engine::turn_of(body.angle);
+  const engine::SinCos turn = engine::pose_sin_cos(body.angle);
   return {body.origin.x + turn.cos * local.x - turn.sin * local.y,
           body.origin.y + turn.sin * local.x + turn.cos * local.y};
 }
@@ -54,7 +54,7 @@ Point to_world(const BodyReport& body, const Point& local) {
 std::vector<Point> corners_of(const Shape& shape) {
   if (shape.kind == ShapeKind::polygon) return shape.vertices;
   std::vector<Point> corners;
-  const engine::SinCos turn = engine::turn_of(shape.angle);
+  const engine::SinCos turn = engine::pose_sin_cos(shape.angle);
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
     const double dx = x * shape.half_size.x;
     const double dy = y * shape.half_size.y;

@@ -132,9 +132,9 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
 }
 
 /// Whether the kept pairs are those of brute force, and a few whose boxes nearly overlap.
-bool hold_those_of(const f64::Model& model, const f64::State& state, const f64::Scratch& kept,
-                   const f64::Scratch& expected) {
-  const Pairs found = pairs_of(kept);
+bool contain_those_of(const f64::Model& model, const f64::State& state, const f64::Scratch& cached,
+                      const f64::Scratch& expected) {
+  const Pairs found = pairs_of(cached);
   const Pairs wanted = pairs_of(expected);
   if (!std::is_sorted(found.begin(), found.end()) ||
       !std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
@@ -154,18 +154,18 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
           "[engine][broad_phase][kept]") {
   Random random(12);
   std::size_t more = 0;
-  std::size_t stay_count = 0;
+  std::size_t unchanged_count = 0;
   for (Case& c : cases()) {
     if (c.scene.bodies.size() > 1000) continue;
     if (random.below(2) == 0) c.scene.gravity = {0, -500};  // some are fast for what they fall in a tick
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
-    f64::Scratch kept;
+    f64::Scratch cached;
     std::size_t moved_proxies = 0;
     for (int tick = 0; tick < 90; ++tick) {
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
-        const double size = model.bodies[body.source].reach;
+        const double size = model.bodies[body.source].extent;
         // Most lie still or stir in the room of their boxes, some crawl, a few jump far beyond their boxes.
         const double crawl = random.below(3) == 0 ? 0.02 : random.below(2) == 0 ? 1e-4 : 0;
         const double step = tick % 60 >= 57 ? 0.5 : tick % 7 == 3 ? 1e-5 : random.below(40) == 0 ? 3 : crawl;
@@ -179,26 +179,26 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
       if (tick % 25 == 24 && state.bodies.size() > 2) f64::erase_body_row(state, random.below(state.bodies.size()));
       f64::Scratch expected;
       f64::brute_force(model, state, expected, 0.01);
-      f64::aabb_tree(model, state, kept, 0.01);
-      moved_proxies += kept.caches.pairs.moved_proxies.size();
-      const bool same = hold_those_of(model, state, kept, expected);
+      f64::aabb_tree(model, state, cached, 0.01);
+      moved_proxies += cached.caches.pairs.moved_proxies.size();
+      const bool same = contain_those_of(model, state, cached, expected);
       CAPTURE(c.name, tick);
       REQUIRE(same);
-      more += kept.pairs.size() - expected.pairs.size();
-      stay_count += kept.caches.pairs.stay ? 1 : 0;
-      f64::poison(kept);
+      more += cached.pairs.size() - expected.pairs.size();
+      unchanged_count += cached.caches.pairs.present_unchanged ? 1 : 0;
+      f64::poison(cached);
     }
     if (c.scene.bodies.size() > 100) CHECK(moved_proxies > 0);
   }
   CHECK(more > 0);
-  CHECK(stay_count > 100);
+  CHECK(unchanged_count > 100);
 }
 
 TEST_CASE("the room of boxes does not count against the limit of pairs", "[engine][broad_phase][kept][hostile]") {
   Random random(3);
   const f64::Model model = f64::make_model(scattered(1, 600, 8, 0.4, 0.5, {}));
   f64::State state = f64::initial_state(model);
-  f64::Scratch kept;
+  f64::Scratch cached;
   std::size_t more = 0;
   for (int tick = 0; tick < 40; ++tick) {
     for (f64::BodyRow& body : state.bodies)
@@ -208,7 +208,7 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
     f64::brute_force(model, state, expected, dt);
     for (const bool by_cells : {false, true})
       for (const std::size_t too_few : {0, 1}) {
-        f64::Scratch limited = kept;
+        f64::Scratch limited = cached;
         limited.pair_count_max = expected.pairs.size() - too_few;
         limited.caches.pairs.has_pairs = false;  // what was built is to be built again
         limited.caches.pairs.high_churn_ticks = by_cells ? 5 : 0;
@@ -216,8 +216,8 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
         CAPTURE(tick, by_cells, too_few);
         CHECK(limited.has_too_many_pairs == (too_few > 0));
       }
-    f64::aabb_tree(model, state, kept, dt);
-    more += kept.pairs.size() - expected.pairs.size();
+    f64::aabb_tree(model, state, cached, dt);
+    more += cached.pairs.size() - expected.pairs.size();
   }
   CHECK(more > 10);
 }
@@ -225,15 +225,15 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
 TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][kept]") {
   const f64::Model model = f64::make_model(coincident(0, 2));
   f64::State state = f64::initial_state(model);
-  f64::Scratch kept;
+  f64::Scratch cached;
   for (int tick = 0; tick < 3; ++tick) {
-    f64::aabb_tree(model, state, kept, dt);
-    CHECK(kept.pairs.size() == 1);
-    f64::poison(kept);
+    f64::aabb_tree(model, state, cached, dt);
+    CHECK(cached.pairs.size() == 1);
+    f64::poison(cached);
   }
   while (!state.bodies.empty()) f64::erase_body_row(state, 0);
-  f64::aabb_tree(model, state, kept, dt);
-  CHECK(kept.pairs.empty());
+  f64::aabb_tree(model, state, cached, dt);
+  CHECK(cached.pairs.empty());
 }
 
 TEST_CASE("while everything flies, pairs are listed anew; once it lies still, they are kept again",
@@ -242,8 +242,8 @@ TEST_CASE("while everything flies, pairs are listed anew; once it lies still, th
   Scene scene = scattered(1, 500, 20, 0.4, 0.5, {});
   const f64::Model model = f64::make_model(scene);
   f64::State state = f64::initial_state(model);
-  f64::Scratch kept;
-  int restless_count = 0;
+  f64::Scratch cached;
+  int high_churn_count = 0;
   for (int tick = 0; tick < 200; ++tick) {
     for (f64::BodyRow& body : state.bodies) {
       if (tick >= 100 || model.bodies[body.source].type == BodyType::static_body) continue;
@@ -252,16 +252,16 @@ TEST_CASE("while everything flies, pairs are listed anew; once it lies still, th
     if (tick == 50) f64::erase_body_row(state, 7);
     f64::Scratch expected;
     f64::brute_force(model, state, expected, 0.01);
-    f64::aabb_tree(model, state, kept, 0.01);
-    const bool same = pairs_of(kept) == pairs_of(expected);
+    f64::aabb_tree(model, state, cached, 0.01);
+    const bool same = pairs_of(cached) == pairs_of(expected);
     CAPTURE(tick);
     REQUIRE(same);
-    if (kept.caches.pairs.high_churn_ticks > 0) ++restless_count;
-    f64::poison(kept);
+    if (cached.caches.pairs.high_churn_ticks > 0) ++high_churn_count;
+    f64::poison(cached);
   }
-  CHECK(restless_count > 90);
-  CHECK(kept.caches.pairs.high_churn_ticks == 0);
-  CHECK(kept.caches.pairs.ticks_held > 30);
+  CHECK(high_churn_count > 90);
+  CHECK(cached.caches.pairs.high_churn_ticks == 0);
+  CHECK(cached.caches.pairs.ticks_since_build > 30);
 }
 
 TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[engine][broad_phase][cells]") {

@@ -1,4 +1,4 @@
-// Levels in which the joints of a body are near each other, so that passes over the levels can be woven (weave.h).
+// Levels in which the joints of a body are near each other, so that passes over the levels can be woven (wavefront.h).
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,6 +11,6 @@ struct Scratch;
 /// Raises levels of the plan's joints until those of each body are less than plan.distance apart, and sorts the bodies
 /// by the first. False: no distance is found that is worth it, or a joint holds on to a kinematic body; the levels are
 /// as before. Requires: places in scene order.
-bool draw_near(Scratch& scratch);
+bool schedule_levels(Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

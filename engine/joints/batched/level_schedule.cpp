@@ -1,7 +1,7 @@
 // Raising of levels.
 // SPDX-License-Identifier: MIT
 // Source: Bellman, "On a Routing Problem", 1958 (relaxation until nothing changes).
-#include "engine/joints/batched/near_levels.h"
+#include "engine/joints/batched/level_schedule.h"
 
 #include "engine/model/bodies.h"
 
@@ -16,17 +16,17 @@ constexpr int iteration_count_max = 8;
 
 /// Calls `use` with the bodies that a joint moves.
 template <typename Use>
-void for_movers(const Scratch& scratch, const JointPlace& place, Use use) {
-  const std::uint32_t unread = unread_record(scratch);
-  if (place.body_a != no_reference && scratch.masses[place.body_a].write != unread) use(place.body_a);
-  if (scratch.masses[place.body_b].write != unread) use(place.body_b);
+void for_dynamic_bodies(const Scratch& scratch, const JointPlace& place, Use use) {
+  const std::uint32_t sink = dummy_sink(scratch);
+  if (place.body_a != no_reference && scratch.masses[place.body_a].write != sink) use(place.body_a);
+  if (scratch.masses[place.body_b].write != sink) use(place.body_b);
 }
 
 /// Whether a joint reads a body that moves without it.
 bool joins_kinematic(const Scratch& scratch) {
-  const std::uint32_t unread = unread_record(scratch);
+  const std::uint32_t sink = dummy_sink(scratch);
   const auto is_kinematic = [&](std::uint32_t row) {
-    return scratch.masses[row].write == unread && scratch.masses[row].read == row;
+    return scratch.masses[row].write == sink && scratch.masses[row].read == row;
   };
   for (const JointPlace& place : scratch.caches.joints.places)
     if (is_kinematic(place.body_b) || (place.body_a != no_reference && is_kinematic(place.body_a))) return true;
@@ -34,16 +34,16 @@ bool joins_kinematic(const Scratch& scratch) {
 }
 
 /// Notes the first and the last joint of each body. Returns the most joints that one has.
-std::uint32_t find_ends(Scratch& scratch) {
+std::uint32_t find_body_joints(Scratch& scratch) {
   const std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::uint32_t most = 0;
-  scratch.joint_ends.assign(scratch.masses.size(), {});
+  scratch.body_joints.assign(scratch.masses.size(), {});
   for (std::uint32_t i = 0; i < places.size(); ++i)
-    for_movers(scratch, places[i], [&](std::uint32_t row) {
-      JointEnds& ends = scratch.joint_ends[row];
-      if (ends.count++ == 0) ends.first = i;
-      ends.last = i;
-      most = ends.count > most ? ends.count : most;
+    for_dynamic_bodies(scratch, places[i], [&](std::uint32_t row) {
+      BodyJoints& joints = scratch.body_joints[row];
+      if (joints.count++ == 0) joints.first = i;
+      joints.last = i;
+      most = joints.count > most ? joints.count : most;
     });
   return most;
 }
@@ -54,55 +54,55 @@ bool raise_levels(Scratch& scratch, std::uint32_t distance) {
   JointPlan& plan = scratch.caches.joints;
   std::vector<std::uint32_t>& next = scratch.body_levels;
   next.assign(scratch.masses.size(), 0);
-  bool is_near = true;
+  bool fits = true;
   for (std::uint32_t i = 0; i < plan.places.size(); ++i) {
     JointPlace& place = plan.places[i];
     std::uint32_t level = place.level;
-    for_movers(scratch, place, [&](std::uint32_t row) {
-      const JointEnds& ends = scratch.joint_ends[row];
+    for_dynamic_bodies(scratch, place, [&](std::uint32_t row) {
+      const BodyJoints& joints = scratch.body_joints[row];
       level = next[row] > level ? next[row] : level;
-      if (ends.first != i) return;
-      const std::uint32_t last = plan.places[ends.last].level;
+      if (joints.first != i) return;
+      const std::uint32_t last = plan.places[joints.last].level;
       if (last >= level + distance) level = last - distance + 1;
     });
-    is_near = is_near && level == place.level;
+    fits = fits && level == place.level;
     place.level = level;
-    for_movers(scratch, place, [&](std::uint32_t row) { next[row] = level + 1; });
+    for_dynamic_bodies(scratch, place, [&](std::uint32_t row) { next[row] = level + 1; });
     if (level >= plan.level_count) plan.level_count = level + 1;
   }
-  return is_near;
+  return fits;
 }
 
 void sort_bodies(Scratch& scratch) {
   JointPlan& plan = scratch.caches.joints;
   std::vector<std::uint32_t>& start = plan.level_bodies;
   start.assign(std::size_t{plan.level_count} + 2, 0);
-  const auto first_level = [&](const JointEnds& ends) { return plan.places[ends.first].level; };
-  for (const JointEnds& ends : scratch.joint_ends)
-    if (ends.count > 0) ++start[first_level(ends) + 2];
+  const auto first_level = [&](const BodyJoints& joints) { return plan.places[joints.first].level; };
+  for (const BodyJoints& joints : scratch.body_joints)
+    if (joints.count > 0) ++start[first_level(joints) + 2];
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
   plan.body_rows.resize(start.back());
-  for (std::uint32_t row = 0; row < scratch.joint_ends.size(); ++row) {
-    const JointEnds& ends = scratch.joint_ends[row];
-    if (ends.count > 0) plan.body_rows[start[first_level(ends) + 1]++] = row;
+  for (std::uint32_t row = 0; row < scratch.body_joints.size(); ++row) {
+    const BodyJoints& joints = scratch.body_joints[row];
+    if (joints.count > 0) plan.body_rows[start[first_level(joints) + 1]++] = row;
   }
   start.pop_back();
 }
 
 }  // namespace
 
-bool draw_near(Scratch& scratch) {
+bool schedule_levels(Scratch& scratch) {
   JointPlan& plan = scratch.caches.joints;
   const bool is_forced = scratch.parallel.chunk_size_forced > 0;
   if ((plan.places.size() < joint_count_least && !is_forced) || joins_kinematic(scratch)) return false;
   const std::uint32_t level_count = plan.level_count;
   scratch.sorted_places = plan.places;
-  const std::uint32_t least = find_ends(scratch);
+  const std::uint32_t least = find_body_joints(scratch);
   for (plan.distance = least; is_forced || plan.distance * distances_least <= level_count; plan.distance *= 2) {
-    bool is_near = false;
-    for (int sweep = 0; !is_near && sweep < iteration_count_max; ++sweep)
-      is_near = raise_levels(scratch, plan.distance);
-    if (is_near && (is_forced || plan.level_count <= level_count + level_count / 8)) {
+    bool fits = false;
+    for (int iteration = 0; !fits && iteration < iteration_count_max; ++iteration)
+      fits = raise_levels(scratch, plan.distance);
+    if (fits && (is_forced || plan.level_count <= level_count + level_count / 8)) {
       sort_bodies(scratch);
       return true;
     }

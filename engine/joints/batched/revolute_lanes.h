@@ -7,7 +7,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct PinBatch {
+struct RevoluteBatch {
   std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
   std::uint32_t read_b[lane_count];
   std::uint32_t write_a[lane_count];  // bodies that impulses do not move are written to a record nobody reads
@@ -15,39 +15,39 @@ struct PinBatch {
   Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   Lanes anchor_a_x, anchor_a_y;  // from the centres of mass at the start of the tick, world axes, m
   Lanes anchor_b_x, anchor_b_y;
-  Lanes apart_x, apart_y;         // from A's centre of mass to B's at the start of the tick, m
-  Lanes impulse_x, impulse_y;     // N s, accumulated in this substep
-  std::uint32_t row[lane_count];  // in State::joints
-  std::int32_t count;             // lanes from here on are empty
+  Lanes center_offset_x, center_offset_y;  // from A's centre of mass to B's at the start of the tick, m
+  Lanes impulse_x, impulse_y;              // N s, accumulated in this substep
+  std::uint32_t row[lane_count];           // in State::joints
+  std::int32_t count;                      // lanes from here on are empty
 };
 
 /// What the poses make of the pins of a batch: found for eight at a time, once per change of the poses.
-struct PinArms {
+struct RevoluteArms {
   Lanes ax, ay, bx, by;  // from the centres of mass to where the impulse acts, m
   Lanes ex, ey;          // the anchors' gap, m
   Lanes k11, k12, k22, inv_determinant;
 };
 
 /// Batches that follow each other, for one call of a kernel.
-struct PinWork {
-  PinBatch* batches;
-  PinArms* arms;  // [batch]
+struct RevoluteWork {
+  RevoluteBatch* batches;
+  RevoluteArms* arms;  // [batch]
   std::size_t batch_count;
   Real* bodies;
   Real h;  // s, of a substep
   Softness soft;
 };
 
-struct PinKernels {
+struct RevoluteKernels {
   // Requires of `solve`: `warm_start` since the poses changed; of `warm_start_again`: `relax` since then.
-  void (*warm_start)(const PinWork& work);
-  void (*warm_start_again)(const PinWork& work);
-  void (*solve)(const PinWork& work);
-  void (*relax)(const PinWork& work);
+  void (*warm_start)(const RevoluteWork& work);
+  void (*warm_start_again)(const RevoluteWork& work);
+  void (*solve)(const RevoluteWork& work);
+  void (*relax)(const RevoluteWork& work);
   // Of pins that share bodies, so that velocities go from one to the next. Requires as above.
-  void (*warm_start_row)(const PinWork& work);
-  void (*solve_row)(const PinWork& work);
-  void (*relax_row)(const PinWork& work);
+  void (*warm_start_serial)(const RevoluteWork& work);
+  void (*solve_serial)(const RevoluteWork& work);
+  void (*relax_serial)(const RevoluteWork& work);
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

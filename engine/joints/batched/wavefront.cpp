@@ -1,6 +1,6 @@
 // Weaving of the passes over joints.
 // SPDX-License-Identifier: MIT
-#include "engine/joints/batched/weave.h"
+#include "engine/joints/batched/wavefront.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// A pass over all joints, and before it a step of all bodies.
-enum class Pass : std::uint8_t { note, warm_start, warm_start_again, solve, relax };
+enum class Pass : std::uint8_t { save_velocities, warm_start, warm_start_again, solve, relax };
 
 void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
   const JointPlan& plan = scratch.caches.joints;
@@ -24,8 +24,7 @@ void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
   Real* bodies = &scratch.bodies.data()->velocity.x;
   if (pass == Pass::warm_start || pass == Pass::warm_start_again)
     motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, count);
-  if (pass == Pass::relax)
-    motion.move_bodies(bodies, rows, count, resting_record(scratch), unread_record(scratch, level), h);
+  if (pass == Pass::relax) motion.move_bodies(bodies, rows, count, dummy_body(scratch), dummy_sink(scratch, level), h);
 }
 
 void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level, Real h) {
@@ -34,7 +33,7 @@ void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
     const JointRange& range = plan.ranges[i];
     switch (pass) {
-      case Pass::note:
+      case Pass::save_velocities:
         save_velocities_of(scratch, range);
         break;
       case Pass::warm_start:
@@ -55,9 +54,9 @@ void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level
 
 /// For the pins of a level.
 template <typename Body>
-void for_pins_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
+void for_revolutes_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
-    if (plan.ranges[i].way == JointWay::pin) body(plan.ranges[i].first, plan.ranges[i].last);
+    if (plan.ranges[i].path == JointPath::revolute) body(plan.ranges[i].first, plan.ranges[i].last);
 }
 
 constexpr std::size_t line_count_max = 64;
@@ -76,7 +75,7 @@ struct Passes {
   }
 
   Pass at(std::size_t i) const {
-    constexpr Pass order[] = {Pass::note, Pass::warm_start, Pass::solve, Pass::relax};
+    constexpr Pass order[] = {Pass::save_velocities, Pass::warm_start, Pass::solve, Pass::relax};
     const Pass pass = order[i % per_substep + (has_springs ? 0 : 1)];
     return pass == Pass::warm_start && i >= per_substep ? Pass::warm_start_again : pass;
   }
@@ -84,7 +83,7 @@ struct Passes {
   /// The i-th pass in a line from `first` on: a line finds what poses make of its joints itself.
   Pass in_line(std::size_t i, std::size_t first) const {
     if (at(i) != Pass::warm_start_again) return at(i);
-    while (first < i && at(first) == Pass::note) ++first;
+    while (first < i && at(first) == Pass::save_velocities) ++first;
     return first == i ? Pass::warm_start : Pass::warm_start_again;
   }
 
@@ -107,53 +106,55 @@ struct Passes {
 
 }  // namespace
 
-bool allows_weaving(const Model& model) {
+bool allows_wavefront(const Model& model) {
   return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model) && model.light_bodies.empty();
 }
 
 bool is_left_to_joints(const Scratch& scratch, const SolverSet& set) {
-  return set.first_contact == set.contact_end && scratch.impacts.empty() && scratch.pulls.empty() && !scratch.planted;
+  return set.first_contact == set.contact_end && scratch.impacts.empty() && scratch.mouse_joints.empty() &&
+         !scratch.injected;
 }
 
-std::size_t woven_line_count(const Scratch& scratch) {
+std::size_t wavefront_line_count(const Scratch& scratch) {
   const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
   return std::min(width, line_count_max);
 }
 
-void set_apart_levels(Scratch& scratch) {
+void separate_level_sinks(Scratch& scratch) {
   JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t needed = unread_record(scratch, plan.level_count);
+  const std::uint32_t needed = dummy_sink(scratch, plan.level_count);
   if (scratch.bodies.size() < needed) scratch.bodies.resize(needed);
   for (JointRange& range : plan.ranges) {
     range.chunk_size = range.last - range.first;
-    if (range.way != JointWay::single) continue;
+    if (range.path != JointPath::scalar) continue;
     for (std::uint32_t i = range.first; i < range.last; ++i) {
       JointWork& joint = scratch.joints[i];
-      if (joint.write_a == unread_record(scratch)) joint.write_a = unread_record(scratch, range.level);
-      if (joint.write_b == unread_record(scratch)) joint.write_b = unread_record(scratch, range.level);
+      if (joint.write_a == dummy_sink(scratch)) joint.write_a = dummy_sink(scratch, range.level);
+      if (joint.write_b == dummy_sink(scratch)) joint.write_b = dummy_sink(scratch, range.level);
     }
   }
 }
 
-void solve_woven(State& state, Scratch& scratch, const SolverSet& set) {
+void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
   const JointPlan& plan = scratch.caches.joints;
   const Passes passes(plan, set.substeps);
-  const std::size_t pass_line_count = woven_line_count(scratch);
+  const std::size_t pass_line_count = wavefront_line_count(scratch);
   std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
   std::size_t longest = 0;
   for (std::size_t line = 1; line <= pass_line_count; ++line) {
     first[line] = passes.up_to_share(first[line - 1], line, pass_line_count);
-    // Not with what needs another pass before it (pin_lanes.h).
+    // Not with what needs another pass before it (revolute_lanes.h).
     if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
     longest = std::max(longest, first[line] - first[line - 1]);
   }
   if (longest == 0) return;
   const auto fill = [&](std::uint32_t level) {
-    for_pins_of(plan, level, [&](std::size_t begin, std::size_t end) { fill_pins(state, scratch, begin, end, set.h); });
+    for_revolutes_of(plan, level,
+                     [&](std::size_t begin, std::size_t end) { fill_revolutes(state, scratch, begin, end, set.h); });
   };
   const auto store = [&](std::uint32_t level) {
-    for_pins_of(plan, level,
-                [&](std::size_t begin, std::size_t end) { store_pins(scratch, state, begin, end, set.h); });
+    for_revolutes_of(plan, level,
+                     [&](std::size_t begin, std::size_t end) { store_revolutes(scratch, state, begin, end, set.h); });
   };
   const std::uint32_t filled_first = plan.level_count / 2;
   scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),

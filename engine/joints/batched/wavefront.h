@@ -14,16 +14,17 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Whether the scene's solver, integrator and forces leave bodies to joints alone, but for steps of their own.
-bool allows_weaving(const Model& model);
+bool allows_wavefront(const Model& model);
 /// Whether in this tick nothing but joints acts on the bodies of a group.
 bool is_left_to_joints(const Scratch& scratch, const SolverSet& set);
 /// How many lines of passes there are at most: one for each thread.
-std::size_t woven_line_count(const Scratch& scratch);
+std::size_t wavefront_line_count(const Scratch& scratch);
 /// Makes joints ready for it: what nobody reads is written to a record of the level's own. Call before batches are
 /// filled.
-void set_apart_levels(Scratch& scratch);
+void separate_level_sinks(Scratch& scratch);
 
-/// All substeps of a group. Requires: JointPlan::is_woven, is_left_to_joints; prepare_joints; the integrator's begin.
-void solve_woven(State& state, Scratch& scratch, const SolverSet& set);
+/// All substeps of a group. Requires: JointPlan::uses_wavefront, is_left_to_joints; prepare_joints; the integrator's
+/// begin.
+void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

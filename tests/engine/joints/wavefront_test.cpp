@@ -19,7 +19,7 @@ namespace ticktrue::test {
 namespace {
 
 /// What joins two neighbours of a net, in turn.
-enum class Kind : std::uint8_t { pin, limited, sprung, driven, weld, rod, rope };
+enum class Kind : std::uint8_t { plain, limited, sprung, driven, weld, rod, rope };
 
 Joint joint_between(Kind kind, std::uint32_t a, std::uint32_t b, Point half) {
   JointKind of = JointKind::revolute;
@@ -64,7 +64,7 @@ Scene mixed_net(Precision precision, int columns, const std::vector<Kind>& kinds
 }
 
 /// A kinematic body beside a net: it moves without joints, and the passes are not woven.
-Scene unwoven(Scene scene) {
+Scene without_wavefront(Scene scene) {
   scene.bodies.push_back(body_of(disc_shape(0.1), {-50, 0}, BodyType::kinematic_body));
   scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};
   return scene;
@@ -75,11 +75,11 @@ struct Net {
   std::vector<Kind> kinds;
 };
 std::vector<Net> nets() {
-  return {
-      {"pins", {Kind::pin}},
-      {"hinges", {Kind::limited, Kind::sprung, Kind::driven}},
-      {"pins and hinges", {Kind::pin, Kind::pin, Kind::sprung, Kind::pin, Kind::limited}},
-      {"all", {Kind::pin, Kind::limited, Kind::pin, Kind::weld, Kind::sprung, Kind::rod, Kind::driven, Kind::rope}}};
+  return {{"pins", {Kind::plain}},
+          {"hinges", {Kind::limited, Kind::sprung, Kind::driven}},
+          {"pins and hinges", {Kind::plain, Kind::plain, Kind::sprung, Kind::plain, Kind::limited}},
+          {"all",
+           {Kind::plain, Kind::limited, Kind::plain, Kind::weld, Kind::sprung, Kind::rod, Kind::driven, Kind::rope}}};
 }
 
 /// The bytes of the bodies that two engines have in common, and of all joints.
@@ -96,9 +96,9 @@ void check_same(const engine::Engine& a, const engine::Engine& b) {
 }
 
 /// `removal_tick`: a body goes then.
-void check_woven(const Scene& scene, const engine::EngineOptions& options, int tick_count, int removal_tick = -1) {
-  const auto woven = make_engine_or_fail(scene, options);
-  const auto in_turn = make_engine_or_fail(unwoven(scene));
+void check_wavefront(const Scene& scene, const engine::EngineOptions& options, int tick_count, int removal_tick = -1) {
+  const auto wavefront = make_engine_or_fail(scene, options);
+  const auto plain = make_engine_or_fail(without_wavefront(scene));
   Bytes removal;
   engine::Input remove;
   remove.kind = engine::InputKind::remove;
@@ -106,10 +106,10 @@ void check_woven(const Scene& scene, const engine::EngineOptions& options, int t
   engine::encode_inputs({remove}, removal);
   for (int tick = 0; tick < tick_count; ++tick) {
     const TickInput input{scene.settings.dt, tick == removal_tick ? ByteView(removal) : ByteView{}};
-    REQUIRE(woven->step(input, nullptr));
-    REQUIRE(in_turn->step(input, nullptr));
+    REQUIRE(wavefront->step(input, nullptr));
+    REQUIRE(plain->step(input, nullptr));
   }
-  check_same(*woven, *in_turn);
+  check_same(*wavefront, *plain);
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ TEST_CASE("woven joints give the bits of passes that follow each other", "[engin
         for (const bool reversed : {false, true}) {
           ChunkOrder order(reversed);
           options.parallel = {&order, 3};
-          check_woven(scene, options, 90, 60);
+          check_wavefront(scene, options, 90, 60);
           CHECK(order.line_run_count == 60);  // they were woven, as long as all were there
         }
         if (!build_info().has_threads) continue;
@@ -134,7 +134,7 @@ TEST_CASE("woven joints give the bits of passes that follow each other", "[engin
         for (const unsigned thread_count : {2u, 4u, 8u}) {
           CAPTURE(thread_count);
           options.thread_count = thread_count;
-          check_woven(scene, options, 20);
+          check_wavefront(scene, options, 20);
         }
       }
 }
@@ -143,11 +143,11 @@ TEST_CASE("large nets are woven without being forced to", "[engine][joints][thre
   for (const Net& net : nets()) {
     CAPTURE(net.name);
     const Scene scene = mixed_net(Precision::f32, 26, net.kinds);
-    check_woven(scene, {}, 30);
+    check_wavefront(scene, {}, 30);
     ChunkOrder order(true);
     engine::EngineOptions options;
     options.parallel = {&order, 0};
-    check_woven(scene, options, 30);
+    check_wavefront(scene, options, 30);
     CHECK(order.line_run_count == 30);
   }
 }

@@ -13,18 +13,18 @@ namespace {
 
 void describe_revolute(JointModel& model, const Joint& joint, const JointCenters& centers) {
   describe_reference(model, joint, centers);
-  model.is_hinge = model.spring.exists || model.has_limits || model.has_motor;
-  model.is_pin = !model.is_hinge;
+  model.is_driven_revolute = model.spring.exists || model.has_limits || model.has_motor;
+  model.is_plain_revolute = !model.is_driven_revolute;
 }
 
 void prepare_spring_of_angle(JointWork& joint, Real h) {
   if (!joint.model->spring.exists) return;
   const MovingBody at_start{{0, 0}, 0, {0, 0}, {1, 0}};
-  const PointRow pin = point_row(joint, {at_start, at_start}, ActsAt::middle);
-  joint.spring = spring_step(joint.model->spring, pinned_angle_row(joint, pin).mobility, h);
+  const PointRow point = point_row(joint, {at_start, at_start}, ActsAt::middle);
+  joint.spring = spring_step(joint.model->spring, constrained_angle_row(joint, point).mobility, h);
 }
 
-void note_revolute(JointWork& joint, const JointBodies& pair) {
+void save_revolute(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = angle_row(joint).speed(pair);
 }
 
@@ -35,9 +35,9 @@ void warm_start_revolute(const JointWork& joint, JointBodies& pair) {
 
 void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
   const JointModel& model = *joint.model;
-  const PointRow pin = point_row(joint, pair, ActsAt::middle);
+  const PointRow point = point_row(joint, pair, ActsAt::middle);
   if (model.spring.exists || model.has_limits || model.has_motor) {
-    const PinnedAngleRow row = pinned_angle_row(joint, pin);
+    const ConstrainedAngleRow row = constrained_angle_row(joint, point);
     const Real angle = model.spring.exists || model.has_limits ? relative_angle(joint, pair) : 0;
     if (model.spring.exists && bias == Bias::on)
       solve_spring(joint, row, pair, joint.spring, angle, joint.start_speed, no_impulse_limit, joint.impulses.spring);
@@ -45,8 +45,8 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
       solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
     if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
   }
-  const Vec2 turning = bias == Bias::on ? turning_rate(pin.arm_a, pin.arm_b, pair, h) : Vec2{0, 0};
-  solve_rigid_point(joint, pin, pair, softness(joint, bias), turning);
+  const Vec2 turning = bias == Bias::on ? turning_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
+  solve_rigid_point(joint, point, pair, softness(joint, bias), turning);
 }
 
 // ---- Weld ----
@@ -65,7 +65,7 @@ void prepare_weld(JointWork& joint, Real h) {
   prepare_point_spring(joint, joint.model->linear_spring, ActsAt::middle, h);
 }
 
-void note_weld(JointWork& joint, const JointBodies& pair) {
+void save_weld(JointWork& joint, const JointBodies& pair) {
   joint.start_speed = angle_row(joint).speed(pair);
   joint.start_velocity = point_row(joint, pair, ActsAt::middle).velocity(pair);
 }
@@ -84,12 +84,12 @@ void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const S
   const Vec2 coupling = angle_coupling(joint, row);
   const Real inv = 1 / angle.mobility;
   const Real inv_mass = joint.inv_mass_a + joint.inv_mass_b;
-  const Real turn = inv * joint.inv_inertia_a * joint.inv_inertia_b;
-  const Vec2 between = row.arm_a - row.arm_b;
-  row.k11 = inv_mass + turn * between.y * between.y;
-  row.k12 = -(turn * between.x * between.y);
-  row.k22 = inv_mass + turn * between.x * between.x;
-  row.determinant = inv_mass * (inv_mass + turn * length_squared(between));
+  const Real reduced_inv_inertia = inv * joint.inv_inertia_a * joint.inv_inertia_b;
+  const Vec2 arm_difference = row.arm_a - row.arm_b;
+  row.k11 = inv_mass + reduced_inv_inertia * arm_difference.y * arm_difference.y;
+  row.k12 = -(reduced_inv_inertia * arm_difference.x * arm_difference.y);
+  row.k22 = inv_mass + reduced_inv_inertia * arm_difference.x * arm_difference.x;
+  row.determinant = inv_mass * (inv_mass + reduced_inv_inertia * length_squared(arm_difference));
   const Vec2 p = row.solved(rate - inv * spin * coupling);
   const Real t = inv * (spin - dot(coupling, p));
   const Vec2 linear = -(soft.mass_scale * p) - soft.impulse_scale * joint.impulses.linear;
@@ -113,7 +113,7 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
   if (!model.rigid_angle && bias == Bias::on) {
     const Real error = relative_angle(joint, pair);
     if (model.rigid)
-      solve_spring(joint, pinned_angle_row(joint, point), pair, joint.spring, error, joint.start_speed,
+      solve_spring(joint, constrained_angle_row(joint, point), pair, joint.spring, error, joint.start_speed,
                    no_impulse_limit, joint.impulses.angular);
     else
       solve_spring(joint, angle, pair, joint.spring, error, joint.start_speed, no_impulse_limit,
@@ -127,9 +127,9 @@ void solve_weld(JointWork& joint, JointBodies& pair, Real, Bias bias) {
 
 }  // namespace
 
-constexpr JointFunctions revolute_joint{describe_revolute, prepare_spring_of_angle, note_each<note_revolute>,
+constexpr JointFunctions revolute_joint{describe_revolute, prepare_spring_of_angle, save_each<save_revolute>,
                                         warm_start_each<warm_start_revolute>, solve_each<solve_revolute>};
-constexpr JointFunctions weld_joint{describe_weld, prepare_weld, note_each<note_weld>, warm_start_each<warm_start_weld>,
+constexpr JointFunctions weld_joint{describe_weld, prepare_weld, save_each<save_weld>, warm_start_each<warm_start_weld>,
                                     solve_each<solve_weld>};
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

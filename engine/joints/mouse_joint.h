@@ -15,7 +15,7 @@ struct Scratch;
 struct SolverSet;
 
 /// A PointerRow made ready for one tick.
-struct PointerPull {
+struct MouseJoint {
   std::uint32_t pointer;  // row
   std::uint32_t body;     // row
   Real inv_mass;
@@ -27,11 +27,11 @@ struct PointerPull {
   Vec2 impulse;      // N s, accumulated
 };
 
-/// Fills scratch.pulls from the pointers that pull bodies of a group.
-void prepare_pulls(const Model& model, const State& state, Scratch& scratch, const SolverSet& group);
-void warm_start_pulls(Scratch& scratch);
-void solve_pulls(Scratch& scratch);
+/// Fills scratch.mouse_joints from the pointers that pull bodies of a group.
+void prepare_mouse_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
+void warm_start_mouse_joints(Scratch& scratch);
+void solve_mouse_joints(Scratch& scratch);
 /// Impulses back to state.pointers, as forces.
-void store_pulls(const Scratch& scratch, State& state, Real h);
+void store_mouse_joints(const Scratch& scratch, State& state, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,107 @@
+// Packing of hinges, and the passes over them.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/batched/driven_revolute_batch.h"
+
+#include "engine/model/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+void fill_lane(DrivenRevoluteBatch& batch, std::size_t lane, const JointWork& joint) {
+  const JointModel& model = *joint.model;
+  fill_revolute_lane(batch.point, lane, joint.row, {joint.inv_mass_a, joint.inv_inertia_a, joint.read_a, joint.write_a},
+                     {joint.inv_mass_b, joint.inv_inertia_b, joint.read_b, joint.write_b}, joint.anchor_a,
+                     joint.anchor_b, joint.center_offset, joint.impulses.linear);
+  if (model.spring.exists || model.has_limits) batch.needs_angle = 1;
+  batch.rotation_c.at[lane] = joint.relative_rotation.c;
+  batch.rotation_s.at[lane] = joint.relative_rotation.s;
+  batch.has_spring.at[lane] = model.spring.exists ? Real(1) : Real(0);
+  batch.has_motor.at[lane] = model.has_motor ? Real(1) : Real(0);
+  batch.has_limits.at[lane] = model.has_limits ? Real(1) : Real(0);
+  batch.velocity_gain.at[lane] = joint.spring.velocity_gain;
+  batch.position_gain.at[lane] = joint.spring.position_gain;
+  batch.change_gain.at[lane] = joint.spring.change_gain;
+  batch.motor_speed.at[lane] = joint.motor_speed;
+  batch.motor_impulse_max.at[lane] = joint.motor_impulse_max;
+  batch.lower.at[lane] = model.lower;
+  batch.upper.at[lane] = model.upper;
+  batch.spring_impulse.at[lane] = joint.impulses.spring;
+  batch.motor_impulse.at[lane] = joint.impulses.motor;
+  batch.lower_impulse.at[lane] = joint.impulses.lower;
+  batch.upper_impulse.at[lane] = joint.impulses.upper;
+}
+
+template <typename Kernel>
+void run_kernel(Scratch& scratch, const JointRange& range, Real h, Kernel kernel) {
+  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+    kernel({scratch.driven_revolutes.batches.data() + range.first + chunk.begin, chunk.end - chunk.begin,
+            &scratch.bodies.data()->velocity.x, h, scratch.driven_revolutes.soft});
+  });
+}
+
+}  // namespace
+
+void fill_driven_revolutes(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h) {
+  DrivenRevoluteBatches& driven_revolutes = scratch.driven_revolutes;
+  const std::vector<JointSpan>& spans = scratch.caches.joints.driven_revolutes;
+  const std::size_t count = spans.size();
+  if (driven_revolutes.batches.size() < count) driven_revolutes.batches.resize(count);
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 2, 1), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const JointSpan& span = spans[i];
+      DrivenRevoluteBatch& batch = driven_revolutes.batches[i];
+      batch = {};
+      clear_revolutes(scratch, batch.point);
+      batch.point.count = static_cast<std::int32_t>(span.count);
+      for (std::uint32_t lane = 0; lane < span.count; ++lane) {
+        prefetch_joint(state, scratch, span.first + lane);
+        fill_lane(batch, lane,
+                  make_joint(model, state, scratch, scratch.caches.joints.places[span.first + lane], soft, h));
+      }
+      if (scratch.uses_wavefront) redirect_to_sink(scratch, batch.point, span.level);
+    }
+  });
+}
+
+std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
+  const std::size_t count = last - first;
+  const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
+  for (std::size_t i = size; i < count; ++i)  // the first chunk has its record already
+    redirect_to_sink(scratch, scratch.driven_revolutes.batches[first + i].point, i / size);
+  return size;
+}
+
+void save_driven_revolutes(Scratch& scratch, const JointRange& range) {
+  run_kernel(scratch, range, Real(1), scratch.kernels->driven_revolutes.save_velocities);
+}
+
+void warm_start_driven_revolutes(Scratch& scratch, const JointRange& range) {
+  run_kernel(scratch, range, Real(1), scratch.kernels->driven_revolutes.warm_start);
+}
+
+void solve_driven_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias) {
+  const DrivenRevoluteKernels& kernels = scratch.kernels->driven_revolutes;
+  run_kernel(scratch, range, h, bias == Bias::on ? kernels.solve : kernels.relax);
+}
+
+void store_driven_revolutes(const Scratch& scratch, State& state, Real h) {
+  const Real inv_h = 1 / h;
+  const std::size_t count = scratch.caches.joints.driven_revolutes.size();
+  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 4, 1), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const DrivenRevoluteBatch& batch = scratch.driven_revolutes.batches[i];
+      for (std::int32_t lane = 0; lane < batch.point.count; ++lane) {
+        JointRow& row = state.joints[batch.point.row[lane]];
+        const Vec2 linear{batch.point.impulse_x.at[lane], batch.point.impulse_y.at[lane]};
+        row.linear_force = stored(inv_h * linear);
+        row.torque = stored(inv_h * (h * row.torque));  // none of a hinge's; as joints by themselves treat it
+        row.spring_force = stored(inv_h * batch.spring_impulse.at[lane]);
+        row.lower_force = stored(inv_h * batch.lower_impulse.at[lane]);
+        row.upper_force = stored(inv_h * batch.upper_impulse.at[lane]);
+        row.motor_force = stored(inv_h * batch.motor_impulse.at[lane]);
+      }
+    }
+  });
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

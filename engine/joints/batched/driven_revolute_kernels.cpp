@@ -1,0 +1,266 @@
+// The inner loops of revolute joints with spring, limits or motor, several at a time.
+// SPDX-License-Identifier: MIT
+// Source: as joint_rows.h; each lane does what solve_revolute (joint_point.cpp) does for such a joint, in the same
+// order, with selections in the place of branches.
+#include "engine/joints/batched/revolute_simd.h"
+#include "engine/math/arc_tangent_terms.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
+namespace {
+
+using MaskxN = decltype(RealxN{} > RealxN{});
+using Doubles = double __attribute__((vector_size(simd_size)));
+constexpr int double_count = simd_size / static_cast<int>(sizeof(double));
+constexpr int angle_parts = simd_width / double_count;
+
+TICKTRUE_INLINE Doubles doubles_of(double value) {
+  return value - Doubles{};
+}
+
+/// Element by element what arc_tangent does (math/trig.cpp).
+TICKTRUE_INLINE Doubles arc_tangent(Doubles y, Doubles x) {
+  const Doubles zero{};
+  Doubles abs_y = y < zero ? -y : y;
+  Doubles abs_x = x < zero ? -x : x;
+  const Doubles high = abs_y > abs_x ? abs_y : abs_x;
+  const auto is_number = (abs_y + abs_x >= zero) & (high <= doubles_of(0x1.fffffffffffffp1023));
+  const Doubles scale = high > doubles_of(0x1p1000)
+                            ? doubles_of(0x1p-100)
+                            : (high < doubles_of(0x1p-900) ? doubles_of(0x1p100) : doubles_of(1));
+  abs_y *= scale;
+  abs_x *= scale;
+  const auto is_steep = abs_y > abs_x;
+  const Doubles below = is_steep ? abs_x : abs_y;
+  Doubles above = is_steep ? abs_y : abs_x;
+  above = above > zero ? above : doubles_of(1);
+  // The nearest eighth: cut off after adding a half.
+  const Doubles share = below / above * doubles_of(8) + doubles_of(0.5);
+  const Doubles round = doubles_of(0x1p52);
+  const Doubles nearest = (share + round) - round;
+  const Doubles eighths = nearest > share ? nearest - doubles_of(1) : nearest;
+  const Doubles c = eighths * doubles_of(0.125);
+  const Doubles u = (below - c * above) / (above + c * below);
+  const Doubles z = u * u;
+  Doubles p = doubles_of(1.0 / 13.0);
+  p = p * z - doubles_of(1.0 / 11.0);
+  p = p * z + doubles_of(1.0 / 9.0);
+  p = p * z - doubles_of(1.0 / 7.0);
+  p = p * z + doubles_of(1.0 / 5.0);
+  p = p * z - doubles_of(1.0 / 3.0);
+  Doubles base = zero;
+  for (int i = 1; i < 9; ++i) base = eighths >= doubles_of(i) ? doubles_of(atan_of_eighths[i]) : base;
+  const Doubles octant = base + (u + u * z * p);
+  Doubles angle = is_steep ? doubles_of(half_pi_near) - (octant - doubles_of(half_pi_rest)) : octant;
+  angle = x < zero ? doubles_of(2 * half_pi_near) - (angle - doubles_of(2 * half_pi_rest)) : angle;
+  angle = y < zero ? -angle : angle;
+  angle = high == zero ? zero : angle;
+  return is_number ? angle : doubles_of(__builtin_nan(""));
+}
+
+/// joint_rows.h, relative_angle.
+TICKTRUE_INLINE RealxN relative_angle(const RealxN& ac, const RealxN& as, const RealxN& bc, const RealxN& bs,
+                                      RealxN rotation_c, RealxN rotation_s) {
+  const RealxN c = ac * bc + as * bs;
+  const RealxN s = ac * bs - as * bc;
+  const RealxN qc = c * rotation_c - s * rotation_s;
+  const RealxN qs = s * rotation_c + c * rotation_s;
+  Real angles[simd_width];
+  for (int part = 0; part < angle_parts; ++part) {
+    Doubles y{}, x{};
+    for (int i = 0; i < double_count; ++i) {
+      y[i] = static_cast<double>(qs[part * double_count + i]);
+      x[i] = static_cast<double>(qc[part * double_count + i]);
+    }
+    const Doubles angle = arc_tangent(y, x);
+    for (int i = 0; i < double_count; ++i) angles[part * double_count + i] = static_cast<Real>(angle[i]);
+  }
+  return load_xn(angles);
+}
+
+/// The angle's row, with the reaction of the pin that it draws along (joint_rows.h, PinnedAngleRow).
+struct AngleRow {
+  RealxN mobility;
+  RealxN reaction_x, reaction_y;  // 1/m
+  MaskxN works;
+};
+
+/// Everything of a joint while it is worked on.
+struct DrivenRevolute {
+  Pair pair;
+  Arms arms;
+  AngleRow row;
+  RealxN linear_x, linear_y;  // N s, accumulated
+
+  TICKTRUE_INLINE RealxN speed() const { return pair.b.at[2] - pair.a.at[2]; }
+  TICKTRUE_INLINE void apply(MaskxN where, RealxN impulse) {
+    const RealxN px = impulse * row.reaction_x;
+    const RealxN py = impulse * row.reaction_y;
+    const auto set = [&](RealxN& value, RealxN changed) { value = where ? changed : value; };
+    const RealxN wa = pair.a.at[2] - pair.inv_inertia_a * impulse;
+    const RealxN wb = pair.b.at[2] + pair.inv_inertia_b * impulse;
+    set(pair.a.at[0], pair.a.at[0] - pair.inv_mass_a * px);
+    set(pair.a.at[1], pair.a.at[1] - pair.inv_mass_a * py);
+    set(pair.a.at[2], wa - pair.inv_inertia_a * (arms.ax * py - arms.ay * px));
+    set(pair.b.at[0], pair.b.at[0] + pair.inv_mass_b * px);
+    set(pair.b.at[1], pair.b.at[1] + pair.inv_mass_b * py);
+    set(pair.b.at[2], wb + pair.inv_inertia_b * (arms.bx * py - arms.by * px));
+    set(linear_x, linear_x + px);
+    set(linear_y, linear_y + py);
+  }
+};
+
+TICKTRUE_INLINE RealxN clamped(RealxN value, RealxN limit) {
+  return larger(smaller(value, limit), -limit);
+}
+
+TICKTRUE_INLINE void solve_spring(const LaneRange& lanes, DrivenRevoluteBatch& batch, DrivenRevolute& joint,
+                                  RealxN angle) {
+  constexpr Real no_limit = sizeof(Real) == 4 ? Real(0x1p127) : Real(0x1p1023);
+  const MaskxN where = (lanes.load(batch.has_spring) > RealxN{}) & joint.row.works;
+  const RealxN old = lanes.load(batch.spring_impulse);
+  const RealxN start = lanes.load(batch.start_speed);
+  const RealxN others = (joint.speed() - joint.row.mobility * old) - start;
+  const RealxN wanted = -(lanes.load(batch.velocity_gain) * start + lanes.load(batch.position_gain) * angle +
+                          lanes.load(batch.change_gain) * others) /
+                        joint.row.mobility;
+  const RealxN total = clamped(wanted, broadcast(no_limit));
+  joint.apply(where, total - old);
+  lanes.store(batch.spring_impulse, where ? total : old);
+}
+
+TICKTRUE_INLINE void solve_motor(const LaneRange& lanes, DrivenRevoluteBatch& batch, DrivenRevolute& joint) {
+  const MaskxN where = (lanes.load(batch.has_motor) > RealxN{}) & joint.row.works;
+  const RealxN old = lanes.load(batch.motor_impulse);
+  const RealxN total = clamped(old - (joint.speed() - lanes.load(batch.motor_speed)) / joint.row.mobility,
+                               lanes.load(batch.motor_impulse_max));
+  joint.apply(where, total - old);
+  lanes.store(batch.motor_impulse, where ? total : old);
+}
+
+/// joint_rows.h, solve_limit. `soft`: of this pass.
+TICKTRUE_INLINE void solve_limit(const LaneRange& lanes, DrivenRevoluteBatch& batch, DrivenRevolute& joint,
+                                 RealxN slack, Real sign, RealxN h, const Softness& soft, Lanes& impulse) {
+  const RealxN zero{};
+  const RealxN one = broadcast(1);
+  const MaskxN where = (lanes.load(batch.has_limits) > zero) & joint.row.works;
+  const MaskxN is_beyond = slack < zero;
+  const RealxN target = is_beyond ? broadcast(soft.bias_rate) * slack : slack / h;
+  const RealxN mass_scale = is_beyond ? broadcast(soft.mass_scale) : one;
+  const RealxN impulse_scale = is_beyond ? broadcast(soft.impulse_scale) : zero;
+  const RealxN old = lanes.load(impulse);
+  const RealxN wanted = mass_scale * (broadcast(sign) * joint.speed() + target) / joint.row.mobility;
+  const RealxN total = larger((old - wanted) - impulse_scale * old, zero);
+  joint.apply(where, broadcast(sign) * (total - old));
+  lanes.store(impulse, where ? total : old);
+}
+
+template <bool is_soft>
+void solve(const DrivenRevoluteWork& work) {
+  const RealxN zero{};
+  const RealxN one = broadcast(1);
+  const RealxN h = broadcast(work.h);
+  const RealxN inv_h = broadcast(1 / work.h);
+  const Softness soft = is_soft ? work.soft : Softness{};
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    DrivenRevoluteBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.point.count; first += simd_width) {
+      const LaneRange lanes{batch.point, first};
+      DrivenRevolute joint;
+      joint.pair = load_pair(lanes, work.bodies);
+      const Columns4xN pose_a = gather4<body_record_length>(work.bodies + 4, batch.point.read_a + first);
+      const Columns4xN pose_b = gather4<body_record_length>(work.bodies + 4, batch.point.read_b + first);
+      joint.arms = arms_of(lanes, joint.pair, pose_a, pose_b);
+      const Pair& pair = joint.pair;
+      const Arms& arms = joint.arms;
+      const RealxN m = pair.inv_mass_a + pair.inv_mass_b;
+      const RealxN ia = pair.inv_inertia_a;
+      const RealxN ib = pair.inv_inertia_b;
+      const PointMobility k = mobility_of(pair, arms);
+      const RealxN inv_determinant = one / (k.determinant > zero ? k.determinant : one);
+      const RealxN length2_a = arms.ax * arms.ax + arms.ay * arms.ay;
+      const RealxN length2_b = arms.bx * arms.bx + arms.by * arms.by;
+      const RealxN arm_difference_x = arms.ax - arms.bx;
+      const RealxN arm_difference_y = arms.ay - arms.by;
+      const MaskxN works = ~((m <= zero) | (ia + ib <= zero));
+      const RealxN some_m = works ? m : one;
+      const RealxN over =
+          some_m * (ia + ib) + ia * ib * (arm_difference_x * arm_difference_x + arm_difference_y * arm_difference_y);
+      const RealxN under = some_m + (ia * length2_a + ib * length2_b) + ia * k.area * (ib * k.area / some_m);
+      const RealxN coupling_x = -(ia * arms.ay + ib * arms.by);
+      const RealxN coupling_y = ia * arms.ax + ib * arms.bx;
+      joint.row.mobility = works ? over / under : one;
+      joint.row.works = works & ~(joint.row.mobility <= zero);
+      joint.row.mobility = joint.row.works ? joint.row.mobility : one;
+      joint.row.reaction_x = -(inv_determinant * (k.k22 * coupling_x - k.k12 * coupling_y));
+      joint.row.reaction_y = -(inv_determinant * (k.k11 * coupling_y - k.k12 * coupling_x));
+      joint.linear_x = lanes.load(batch.point.impulse_x);
+      joint.linear_y = lanes.load(batch.point.impulse_y);
+
+      RealxN angle = zero;
+      if (batch.needs_angle != 0)
+        angle = relative_angle(pose_a.at[2], pose_a.at[3], pose_b.at[2], pose_b.at[3], lanes.load(batch.rotation_c),
+                               lanes.load(batch.rotation_s));
+      if (is_soft) solve_spring(lanes, batch, joint, angle);
+      solve_motor(lanes, batch, joint);
+      solve_limit(lanes, batch, joint, angle - lanes.load(batch.lower), 1, h, soft, batch.lower_impulse);
+      solve_limit(lanes, batch, joint, lanes.load(batch.upper) - angle, -1, h, soft, batch.upper_impulse);
+
+      const RealxN wa = joint.pair.a.at[2];
+      const RealxN wb = joint.pair.b.at[2];
+      RealxN vx = (joint.pair.b.at[0] - wb * arms.by) - (joint.pair.a.at[0] - wa * arms.ay);
+      RealxN vy = (joint.pair.b.at[1] + wb * arms.bx) - (joint.pair.a.at[1] + wa * arms.ax);
+      RealxN arm_rate_x = zero, arm_rate_y = zero;
+      if constexpr (is_soft) {
+        const RealxN versine_a = versine(h * wa);
+        const RealxN versine_b = versine(h * wb);
+        arm_rate_x = inv_h * (versine_a * arms.ax - versine_b * arms.bx);
+        arm_rate_y = inv_h * (versine_a * arms.ay - versine_b * arms.by);
+      }
+      vx = (vx + arm_rate_x) + broadcast(soft.bias_rate) * arms.ex;
+      vy = (vy + arm_rate_y) + broadcast(soft.bias_rate) * arms.ey;
+      const RealxN wanted_x = inv_determinant * (k.k22 * vx - k.k12 * vy);
+      const RealxN wanted_y = inv_determinant * (k.k11 * vy - k.k12 * vx);
+      const RealxN px = -(broadcast(soft.mass_scale) * wanted_x) - broadcast(soft.impulse_scale) * joint.linear_x;
+      const RealxN py = -(broadcast(soft.mass_scale) * wanted_y) - broadcast(soft.impulse_scale) * joint.linear_y;
+      lanes.store(batch.point.impulse_x, joint.linear_x + px);
+      lanes.store(batch.point.impulse_y, joint.linear_y + py);
+      apply_impulse(lanes, joint.pair, arms, px, py, work.bodies);
+    }
+  }
+}
+
+void warm_start(const DrivenRevoluteWork& work) {
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    DrivenRevoluteBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.point.count; first += simd_width) {
+      const LaneRange lanes{batch.point, first};
+      Pair pair = load_pair(lanes, work.bodies);
+      const Arms arms = load_arms(lanes, pair, work.bodies);
+      const RealxN impulse = (lanes.load(batch.spring_impulse) + lanes.load(batch.motor_impulse)) +
+                             (lanes.load(batch.lower_impulse) - lanes.load(batch.upper_impulse));
+      pair.a.at[2] -= pair.inv_inertia_a * impulse;
+      pair.b.at[2] += pair.inv_inertia_b * impulse;
+      apply_impulse(lanes, pair, arms, lanes.load(batch.point.impulse_x), lanes.load(batch.point.impulse_y),
+                    work.bodies);
+    }
+  }
+}
+
+void save_velocities(const DrivenRevoluteWork& work) {
+  for (std::size_t i = 0; i < work.batch_count; ++i) {
+    DrivenRevoluteBatch& batch = work.batches[i];
+    for (int first = 0; first < batch.point.count; first += simd_width) {
+      const LaneRange lanes{batch.point, first};
+      const Pair pair = load_pair(lanes, work.bodies);
+      lanes.store(batch.start_speed, pair.b.at[2] - pair.a.at[2]);
+    }
+  }
+}
+
+}  // namespace
+
+DrivenRevoluteKernels driven_revolute_kernels() {
+  return {save_velocities, warm_start, solve<true>, solve<false>};
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA
