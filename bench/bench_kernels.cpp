@@ -77,14 +77,15 @@ void find_pairs(benchmark::State& bench, engine::BroadPhaseKind kind, float move
   const Scene scene = scene_of("mixed_pile?bodies=" + std::to_string(bench.range(0)));
   const f32::Model model = f32::make_model(scene);
   f32::State state = f32::initial_state(model);
-  f32::Scratch scratch;
+  f32::TickLists found;
+  const std::unique_ptr<f32::Stage> stage = f32::make_broad_phase(kind);
   const auto stride = moved > 0 ? static_cast<std::size_t>(1 / moved) : state.bodies.size();
   float step = 0.01F;
   for (auto _ : bench) {
     for (std::size_t row = 3; row < state.bodies.size(); row += stride) state.bodies[row].position.x += step;
     step = -step;
-    f32::broad_phase_function(kind)(model, state, scratch, 1.0F / 60);
-    benchmark::DoNotOptimize(scratch.pairs.data());
+    stage->run(model, state, found, 1.0F / 60);
+    benchmark::DoNotOptimize(found.pairs.data());
   }
   bench.SetItemsProcessed(bench.iterations() * bench.range(0));
 }

@@ -12,6 +12,7 @@ namespace ticktrue::engine {
 /// A cached structure. None of them is state: a tick gives the same bits with each of them, without it, or with any
 /// subset of them forgotten.
 enum class CacheKind : std::uint8_t {
+  body_set,        // the ids and sources of the bodies: which rows of everything else are about which body
   pair_list,       // fat AABBs, the trees over them and the pairs that overlap
   boxes,           // tight AABBs with a margin that slow bodies stay in
   present_pairs,   // pairs of the tick before whose AABBs overlap
@@ -25,13 +26,14 @@ enum class CacheKind : std::uint8_t {
   contact_blocks,  // which islands are solved together
   cell_side,       // the side of the cells that pairs are listed by
 };
-inline constexpr std::size_t cache_kind_count = 12;
+inline constexpr std::size_t cache_kind_count = 13;
 
 struct CacheInfo {
   CacheKind kind;
   std::string_view name;
 };
 inline constexpr std::array<CacheInfo, cache_kind_count> cache_kinds{{
+    {CacheKind::body_set, "body_set"},
     {CacheKind::pair_list, "pair_list"},
     {CacheKind::boxes, "boxes"},
     {CacheKind::present_pairs, "present_pairs"},
@@ -60,14 +62,37 @@ struct CacheCounts {
 };
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 
-inline void count_use(CacheReport& report, CacheKind kind, bool was_hit) {
-  CacheCounts& counts = report[static_cast<std::size_t>(kind)];
-  ++(was_hit ? counts.hits : counts.invalidations);
-}
-inline void count_uses(CacheReport& report, CacheKind kind, CacheCounts more) {
-  CacheCounts& counts = report[static_cast<std::size_t>(kind)];
-  counts.hits += more.hits;
-  counts.invalidations += more.invalidations;
+/// One cached structure: a class with a key, whose fields nobody else writes. Derived classes have `valid_for(key)`,
+/// which tells whether the structure still holds, and `rebuild`, which makes it anew for a key.
+class TickCache {
+ public:
+  explicit TickCache(CacheKind kind) : kind_(kind) {}
+  virtual ~TickCache() = default;
+  /// The next tick makes the structure anew.
+  virtual void invalidate() = 0;
+  CacheKind kind() const { return kind_; }
+  CacheCounts counts() const { return counts_; }
+  std::uint64_t hits() const { return counts_.hits; }
+
+ protected:
+  TickCache(const TickCache&) = default;
+  TickCache& operator=(const TickCache&) = default;
+  void count_use(bool was_hit) { ++(was_hit ? counts_.hits : counts_.invalidations); }
+  void count_uses(CacheCounts more) {
+    counts_.hits += more.hits;
+    counts_.invalidations += more.invalidations;
+  }
+
+ private:
+  CacheKind kind_;
+  CacheCounts counts_;
+};
+
+inline void add_counts(CacheReport& to, const CacheReport& more) {
+  for (std::size_t i = 0; i < cache_kind_count; ++i) {
+    to[i].hits += more[i].hits;
+    to[i].invalidations += more[i].invalidations;
+  }
 }
 
 }  // namespace ticktrue::engine

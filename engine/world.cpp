@@ -10,7 +10,8 @@
 #include "engine/broad_phase/broad_phase.h"
 #include "engine/contacts/choose_kernels.h"
 #include "engine/math/trig.h"
-#include "engine/narrow_phase/motion_bounds.h"
+#include "engine/model/motion_bounds.h"
+#include "engine/model/scratch.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 #include "engine/scene/scene_json.h"
@@ -31,13 +32,19 @@ class World final : public Engine {
   World(const Scene& scene, const EngineOptions& options, std::unique_ptr<ChunkRunner> workers)
       : workers_(std::move(workers)),
         model_(make_model(scene)),
-        pipeline_(compose(model_, options.broad_phase.value_or(scene.settings.broad_phase), options.full_pipeline)),
+        broad_phase_(options.broad_phase.value_or(scene.settings.broad_phase)),
+        is_full_(options.full_pipeline),
+        pipeline_(compose(model_, broad_phase_, is_full_)),
         schema_(make_schema(model_, pipeline_.tables)),
         state_(initial_state(model_)) {
     model_.is_composed = !options.full_pipeline;
     const unsigned features = model_.contact_features | (options.full_pipeline ? contact_feature::general : 0u);
     set_kernels(model_, options.instruction_set.value_or(instruction_set_in_use()), features);
-    for (const Stage& stage : pipeline_.stages) stage_names_.push_back(stage.name);
+    for (const PipelineStage& stage : pipeline_.stages) {
+      stage_names_.push_back(stage.name);
+      stage.stage->list_caches(caches_);
+    }
+    list_caches(scratch_, caches_);
     scratch_.parallel = options.parallel;
     if (options.parallel.runner == nullptr) scratch_.parallel.runner = workers_.get();
     pair_count_max_ = options.pair_count_max;
@@ -78,9 +85,8 @@ class World final : public Engine {
 
   Status step(const TickInput& input, StageObserver* observer) override {
     if (!last_step_) return last_step_;
-    scratch_.caches.contact_pairs.swap(scratch_.contact_pairs);
 #ifdef TICKTRUE_POISON
-    poison(scratch_);
+    poison_all_but_caches();
 #endif
     const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
@@ -90,8 +96,9 @@ class World final : public Engine {
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
       scratch_.pair_count_max = pair_count_max();  // inputs make bodies
-      pipeline_.stages[i].run(model_, state_, scratch_, dt);
+      pipeline_.stages[i].stage->run(model_, state_, scratch_, dt);
       if (scratch_.has_too_many_pairs) {
+        forget_caches(all_caches);
         last_step_ = too_many_pairs();
         break;
       }
@@ -111,7 +118,7 @@ class World final : public Engine {
   Status load(ByteView image) override {
     const Status status = load_state(model_, schema_, pipeline_.tables, image, state_);
     if (status) {
-      forget(scratch_, all_caches);
+      forget_caches(all_caches);
       last_step_ = {};
     }
     update_view(state_, pipeline_.tables, view_);
@@ -186,10 +193,13 @@ class World final : public Engine {
   }
 
   void forget_caches(CacheSet caches) override {
-    forget(scratch_, caches);
+    for (TickCache* cache : caches_)
+      if ((caches & cache_bit(cache->kind())) != 0) cache->invalidate();
   }
   CacheReport cache_report() const override {
-    return scratch_.caches.report;
+    CacheReport report{};
+    for (const TickCache* cache : caches_) report[static_cast<std::size_t>(cache->kind())] = cache->counts();
+    return report;
   }
 
   std::vector<BodyReport> bodies() const override {
@@ -215,11 +225,13 @@ class World final : public Engine {
   }
 
   std::vector<ContactReport> contacts() const override {
-    Scratch found;
+    TickLists found;
     found.pair_count_max = pair_count_max();
     State poses = state_;
-    broad_phase_function(BroadPhaseKind::sweep_and_prune)(model_, poses, found, Real(0));
-    find_contacts(model_, poses, found, Real(0));
+    const std::unique_ptr<Stage> broad_phase = make_broad_phase(BroadPhaseKind::sweep_and_prune);
+    NarrowPhase narrow_phase;
+    broad_phase->run(model_, poses, found, Real(0));
+    narrow_phase.run(model_, poses, found, Real(0));
     std::vector<ContactReport> reports;
     for (std::size_t i = 0; i < found.contact_pairs.size(); ++i) {
       const ContactPair& pair = found.contact_pairs[i];
@@ -241,10 +253,11 @@ class World final : public Engine {
 
   BroadPhaseReport broad_phase() const override {
     const Real dt = static_cast<Real>(model_.scene.settings.dt);
-    Scratch found;
+    TickLists found;
     found.pair_count_max = pair_count_max();
     State poses = state_;
-    broad_phase_function(model_.scene.settings.broad_phase)(model_, poses, found, dt);
+    const std::unique_ptr<Stage> stage = make_broad_phase(model_.scene.settings.broad_phase);
+    stage->run(model_, poses, found, dt);
     const Real gravity_displacement = gravity_displacement_of_tick(model_, state_);
     const MotionBounds bounds = motion_bounds_of_tick(model_, state_, dt);
     BroadPhaseReport report;
@@ -267,9 +280,17 @@ class World final : public Engine {
   struct ColdTick {
     State state;
     std::optional<Scratch> scratch;
+    Pipeline pipeline;
   };
 
-  static void begin_tick(State& state, Scratch& scratch, const TickInput& input) {
+  /// So that nothing but caches can hand anything from one tick to the next.
+  void poison_all_but_caches() {
+    poison(static_cast<TickLists&>(scratch_));
+    poison(scratch_);
+    for (const PipelineStage& stage : pipeline_.stages) stage.stage->poison();
+  }
+
+  static void begin_tick(State& state, TickLists& scratch, const TickInput& input) {
     scratch.force.clear();
     scratch.torque.clear();
     scratch.has_too_many_pairs = false;
@@ -280,6 +301,7 @@ class World final : public Engine {
   /// Begins the same tick in `check_`.
   void begin_check(const TickInput& input) {
     check_->state = state_;
+    check_->pipeline = compose(model_, broad_phase_, is_full_);
     Scratch& cold = check_->scratch.emplace();
     cold.parallel = scratch_.parallel;
     cold.inputs = scratch_.inputs;
@@ -290,7 +312,7 @@ class World final : public Engine {
   /// Does a stage in `check_`, too. Errors: inconsistent.
   Status check_stage(std::size_t stage, Real dt) {
     check_->scratch->pair_count_max = scratch_.pair_count_max;
-    pipeline_.stages[stage].run(model_, check_->state, *check_->scratch, dt);
+    check_->pipeline.stages[stage].stage->run(model_, check_->state, *check_->scratch, dt);
     StateView cold;
     cold.schema = &schema_;
     update_view(check_->state, pipeline_.tables, cold);
@@ -354,10 +376,13 @@ class World final : public Engine {
 
   std::unique_ptr<ChunkRunner> workers_;
   Model model_;
+  BroadPhaseKind broad_phase_;
+  bool is_full_;
   Pipeline pipeline_;
   StateSchema schema_;
   State state_;
   Scratch scratch_;
+  std::vector<TickCache*> caches_;  // of the stages and the solver
   std::optional<std::size_t> pair_count_max_;
   std::unique_ptr<ColdTick> check_;        // if every tick is to be done without cached structures, too
   std::optional<InjectedFault> injected_;  // for the next tick

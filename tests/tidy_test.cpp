@@ -241,7 +241,7 @@ struct Room {
   std::string_view folder;
   std::string_view may_include;  // comma-separated rooms; "core", "engine_face", ... stand for lists below
 };
-// Rooms of the engine that share the workspace of a tick (engine/model/scratch.h): they see each other.
+// Rooms of the engine that share the workspace of a tick (engine/model/tick_lists.h): they see each other.
 constexpr std::string_view core =
     "engine,engine/model,engine/broad_phase,engine/narrow_phase,engine/islands,engine/contacts,engine/joints,"
     "engine/joints/batched,engine/impacts,engine/integrators,engine/solvers,engine/stages,engine/scene,engine/simd,"

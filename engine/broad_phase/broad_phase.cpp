@@ -2,28 +2,49 @@
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
-#include "engine/narrow_phase/motion_bounds.h"
+#include "engine/broad_phase/aabb_tree.h"
+#include "engine/model/motion_bounds.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+using BroadPhaseFunction = void (*)(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
+
+/// A broad phase that caches nothing.
+class PlainBroadPhase final : public Stage {
+ public:
+  explicit PlainBroadPhase(BroadPhaseFunction list_pairs) : list_pairs_(list_pairs) {}
+  void run(const Model& model, State& state, TickLists& tick, Real dt) override {
+    list_pairs_(model, state, tick, work_, dt);
+  }
+  void poison() override { work_.poison(); }
+
+ private:
+  BroadPhaseFunction list_pairs_;
+  BroadPhaseWork work_;
+};
+
 struct BroadPhaseEntry {
   BroadPhaseKind kind;
-  StageFunction run;
+  std::unique_ptr<Stage> (*make)();
 };
-constexpr std::array<BroadPhaseEntry, broad_phases.size()> functions{{
-    {BroadPhaseKind::brute_force, brute_force},
-    {BroadPhaseKind::bounding_circle, bounding_circle},
-    {BroadPhaseKind::sweep_and_prune, sweep_and_prune},
-    {BroadPhaseKind::uniform_grid, uniform_grid},
-    {BroadPhaseKind::aabb_tree, aabb_tree},
+template <BroadPhaseFunction list_pairs>
+std::unique_ptr<Stage> make_plain() {
+  return std::make_unique<PlainBroadPhase>(list_pairs);
+}
+constexpr std::array<BroadPhaseEntry, broad_phases.size()> entries{{
+    {BroadPhaseKind::brute_force, make_plain<brute_force>},
+    {BroadPhaseKind::bounding_circle, make_plain<bounding_circle>},
+    {BroadPhaseKind::sweep_and_prune, make_plain<sweep_and_prune>},
+    {BroadPhaseKind::uniform_grid, make_plain<uniform_grid>},
+    {BroadPhaseKind::aabb_tree, []() -> std::unique_ptr<Stage> { return std::make_unique<AabbTree>(); }},
 }};
 
 }  // namespace
 
-StageFunction broad_phase_function(BroadPhaseKind kind) {
-  return info_of(functions, kind).run;
+std::unique_ptr<Stage> make_broad_phase(BroadPhaseKind kind) {
+  return info_of(entries, kind).make();
 }
 
 void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies) {
@@ -58,86 +79,84 @@ Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& s
   return box_between(body, shape, lower, upper, gravity_displacement, swept);
 }
 
-void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  scratch.caches.pairs.is_valid = false;  // of another broad phase
-  scratch.caches.has_contact_pairs = false;
+void make_proxies(const Model& model, const State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
+  tick.changes = {};
   const Real gravity_displacement = gravity_displacement_of_tick(model, state);
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
-  scratch.proxy_rows.clear();
-  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, scratch.proxy_rows);
-  scratch.proxies = scratch.proxy_rows;
-  scratch.boxes.clear();
-  for (Proxy& proxy : scratch.proxy_rows) {
+  work.proxy_rows.clear();
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) add_proxies(model, state, row, work.proxy_rows);
+  tick.proxies = work.proxy_rows;
+  work.boxes.clear();
+  for (Proxy& proxy : work.proxy_rows) {
     const BodyRow& body = state.bodies[proxy.body];
     const Real swept = swept_displacement_of_row(model, state, bounds, proxy.body);
-    scratch.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], gravity_displacement, swept));
+    work.boxes.push_back(box_around(model, body, model.shapes[proxy.shape], gravity_displacement, swept));
     proxy.ccd_margin = ccd_margin_of(bounds, model.bodies[body.source], swept);
   }
 }
 
-bool are_too_many(Scratch& scratch, std::size_t pair_count) {
-  if (pair_count <= scratch.pair_count_max) return false;
-  scratch.has_too_many_pairs = true;
-  forget(scratch, all_caches);
-  scratch.pairs = {};
+bool are_too_many(TickLists& tick, std::size_t pair_count) {
+  if (pair_count <= tick.pair_count_max) return false;
+  tick.has_too_many_pairs = true;
+  tick.pairs = {};
   return true;
 }
 
-void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
-  make_proxies(model, state, scratch, dt);
-  const std::span<const Proxy> proxies = scratch.proxies;
-  const std::vector<Box>& boxes = scratch.boxes;
-  scratch.pair_rows.clear();
+void brute_force(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
+  make_proxies(model, state, tick, work, dt);
+  const std::span<const Proxy> proxies = tick.proxies;
+  const std::vector<Box>& boxes = work.boxes;
+  work.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
       if (overlaps(boxes[i], boxes[j]) && are_pair(proxies[i], proxies[j], boxes[i], boxes[j]))
-        scratch.pair_rows.push_back({i, j});
-    if (are_too_many(scratch, scratch.pair_rows.size())) return;
+        work.pair_rows.push_back({i, j});
+    if (are_too_many(tick, work.pair_rows.size())) return;
   }
-  scratch.pairs = scratch.pair_rows;
+  tick.pairs = work.pair_rows;
 }
 
 namespace {
 
 /// Counts the pairs of boxes and lists none of them. Where proxies are too few for too many pairs, it does not look.
-bool boxes_are_too_many(Scratch& scratch) {
-  const std::span<const Proxy> proxies = scratch.proxies;
-  const std::vector<Box>& boxes = scratch.boxes;
+bool boxes_are_too_many(TickLists& tick, const BroadPhaseWork& work) {
+  const std::span<const Proxy> proxies = tick.proxies;
+  const std::vector<Box>& boxes = work.boxes;
   const std::uint64_t count = proxies.size();
   std::size_t pair_count = 0;
-  if (count == 0 || count * (count - 1) / 2 <= scratch.pair_count_max) return false;
+  if (count == 0 || count * (count - 1) / 2 <= tick.pair_count_max) return false;
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j)
       pair_count += overlaps(boxes[i], boxes[j]) && are_pair(proxies[i], proxies[j], boxes[i], boxes[j]) ? 1 : 0;
-    if (are_too_many(scratch, pair_count)) return true;
+    if (are_too_many(tick, pair_count)) return true;
   }
   return false;
 }
 
 }  // namespace
 
-void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt) {
-  make_proxies(model, state, scratch, dt);
-  if (boxes_are_too_many(scratch)) return;
-  const std::span<const Proxy> proxies = scratch.proxies;
+void bounding_circle(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
+  make_proxies(model, state, tick, work, dt);
+  if (boxes_are_too_many(tick, work)) return;
+  const std::span<const Proxy> proxies = tick.proxies;
   const Real gravity_displacement = gravity_displacement_of_tick(model, state);
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
-  std::vector<Circle>& circles = scratch.circles;
+  std::vector<Circle>& circles = work.circles;
   circles.clear();
   for (const Proxy& proxy : proxies)
     circles.push_back(circle_around(state.bodies[proxy.body], model.shapes[proxy.shape], gravity_displacement,
                                     swept_displacement_of_row(model, state, bounds, proxy.body)));
-  scratch.pair_rows.clear();
+  work.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
       const Real near = circles[i].radius + circles[j].radius;
       if (length_squared(circles[j].center - circles[i].center) <= near * near && may_touch(proxies[i], proxies[j]))
-        scratch.pair_rows.push_back({i, j});
+        work.pair_rows.push_back({i, j});
     }
     // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
-    if (scratch.pair_rows.size() > scratch.pair_count_max) return brute_force(model, state, scratch, dt);
+    if (work.pair_rows.size() > tick.pair_count_max) return brute_force(model, state, tick, work, dt);
   }
-  scratch.pairs = scratch.pair_rows;
+  tick.pairs = work.pair_rows;
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

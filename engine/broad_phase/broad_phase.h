@@ -3,15 +3,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
+
+#include "engine/broad_phase/broad_phase_work.h"
 #include "engine/model/model.h"
+#include "engine/model/stage.h"
+#include "engine/model/tick_lists.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/pipeline.h"
 #include "engine/simd/realx4.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// The stage of this kind.
-StageFunction broad_phase_function(BroadPhaseKind kind);
+std::unique_ptr<Stage> make_broad_phase(BroadPhaseKind kind);
 
 /// Lists the shapes of a body at `row` that can meet something.
 void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies);
@@ -59,8 +63,8 @@ inline Box box_around(const Model& model, const BodyRow& body, const ShapeModel&
   return {circle.center - extent, circle.center + extent};
 }
 
-/// Fills scratch.proxies and scratch.boxes from the present poses.
-void make_proxies(const Model& model, const State& state, Scratch& scratch, Real dt);
+/// Fills tick.proxies and work.boxes from the present poses.
+void make_proxies(const Model& model, const State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
 
 /// The rule of scene.h: one non-zero group decides; else each category must be in the other's mask.
 inline bool pass(const Filter& a, const Filter& b) {
@@ -91,21 +95,20 @@ inline bool are_pair(const Proxy& a, const Proxy& b, const Box& box_a, const Box
 
 /// Whether so many pairs are more than a tick may have; then also gives up: notes it and lists none. What counts are
 /// pairs (are_pair) whose boxes overlap, so that every broad phase gives up in the same tick.
-bool are_too_many(Scratch& scratch, std::size_t pair_count);
+bool are_too_many(TickLists& tick, std::size_t pair_count);
 
-/// Sorts scratch.unsorted_pairs (each pair once, any order) into `pairs`.
-void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& pairs);
+/// Sorts work.unsorted_pairs (each pair once, any order) into `pairs`.
+void sort_pairs(const Parallel& parallel, BroadPhaseWork& work, std::size_t proxy_count, std::vector<Pair>& pairs);
 /// The same, as the pairs of this tick.
-inline void sort_present_pairs(Scratch& scratch, std::size_t proxy_count) {
-  sort_pairs(scratch, proxy_count, scratch.pair_rows);
-  scratch.pairs = scratch.pair_rows;
+inline void list_sorted(TickLists& tick, BroadPhaseWork& work, std::size_t proxy_count) {
+  sort_pairs(tick.parallel, work, proxy_count, work.pair_rows);
+  tick.pairs = work.pair_rows;
 }
 
-void brute_force(const Model& model, State& state, Scratch& scratch, Real dt);
-void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt);
-void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt);
-void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt);
-void aabb_tree(const Model& model, State& state, Scratch& scratch, Real dt);
+void brute_force(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
+void bounding_circle(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
+void sweep_and_prune(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
+void uniform_grid(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt);
 
 /// The largest integer not above `value`, at most `limit` away from 0; 0 for a NaN. Never decreases as `value` rises.
 /// Requires: limit is a power of two, at most 2^30.

@@ -82,26 +82,27 @@ Spread of_both(const Spread& a, const Spread& b) {
 
 constexpr std::size_t boxes_per_chunk_least = 256;
 
-/// Fills scratch.inner_boxes, and finds what looks ahead and where boxes of at most this side are.
-BoxOutline outline_of(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real side) {
+/// Fills work.inner_boxes, and finds what looks ahead and where boxes of at most this side are.
+BoxOutline outline_of(const Parallel& parallel, BroadPhaseWork& work, std::span<const Proxy> proxies,
+                      const std::vector<Box>& boxes, Real side) {
   const std::size_t count = boxes.size();
-  const std::size_t size = scratch.parallel.chunk_size(count, boxes_per_chunk_least);
-  scratch.inner_boxes.resize(count);
-  scratch.outlines.assign(Parallel::chunk_count(count, size), {});
-  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+  const std::size_t size = parallel.chunk_size(count, boxes_per_chunk_least);
+  work.inner_boxes.resize(count);
+  work.outlines.assign(Parallel::chunk_count(count, size), {});
+  parallel.for_chunks(count, size, [&](const Chunk& chunk) {
     BoxOutline outline;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const Real ccd_margin = proxies[i].ccd_margin;
       outline.farthest = larger(outline.farthest, ccd_margin);
       outline.any_ccd_target |= ccd_margin < 0;
       const Box box = inner_box(boxes[i], ccd_margin);
-      scratch.inner_boxes[i] = box;
+      work.inner_boxes[i] = box;
       if (fits_into(box, side)) outline.spread = of_both(outline.spread, {box.lower, box.lower});
     }
-    scratch.outlines[chunk.index] = outline;
+    work.outlines[chunk.index] = outline;
   });
   BoxOutline all;
-  for (const BoxOutline& part : scratch.outlines)
+  for (const BoxOutline& part : work.outlines)
     all = {of_both(all.spread, part.spread), larger(all.farthest, part.farthest),
            all.any_ccd_target || part.any_ccd_target};
   return all;
@@ -153,46 +154,46 @@ Cells cells_for(const std::vector<Box>& boxes, Real side, Spread& spread) {
   return cells_in(spread, side, boxes.size());
 }
 
-/// The cell of each box that is of at most this side and within `spread`: scratch.counts. Lists the others in
-/// scratch.large.
-void find_cells(Scratch& scratch, const std::vector<Box>& boxes, Real side, const Spread& spread, const Cells& cells) {
-  std::vector<std::uint32_t>& cell_of = scratch.counts;
+/// The cell of each box that is of at most this side and within `spread`: work.counts. Lists the others in
+/// work.large.
+void find_cells(const Parallel& parallel, BroadPhaseWork& work, const std::vector<Box>& boxes, Real side,
+                const Spread& spread, const Cells& cells) {
+  std::vector<std::uint32_t>& cell_of = work.counts;
   cell_of.resize(boxes.size());
-  scratch.parallel.for_chunks(
-      boxes.size(), scratch.parallel.chunk_size(boxes.size(), boxes_per_chunk_least), [&](const Chunk& chunk) {
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-          cell_of[i] = in_no_cell;
-          if (!fits_into(boxes[i], side) || !contains_corner(spread, boxes[i].lower)) continue;
-          const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
-          const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
-          const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
-          cell_of[i] = row * cells.columns + column;
-        }
-      });
-  scratch.large.clear();
+  parallel.for_chunks(boxes.size(), parallel.chunk_size(boxes.size(), boxes_per_chunk_least), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      cell_of[i] = in_no_cell;
+      if (!fits_into(boxes[i], side) || !contains_corner(spread, boxes[i].lower)) continue;
+      const Vec2 place = cells.inv_size * (boxes[i].lower - cells.lowest);
+      const auto row = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.y));
+      const auto column = static_cast<std::uint32_t>(static_cast<std::int32_t>(place.x)) + 1;
+      cell_of[i] = row * cells.columns + column;
+    }
+  });
+  work.large.clear();
   for (std::uint32_t i = 0; i < boxes.size(); ++i)
-    if (cell_of[i] == in_no_cell) scratch.large.push_back(i);
+    if (cell_of[i] == in_no_cell) work.large.push_back(i);
 }
 
-/// Sorts the boxes by cell, but those in scratch.large. Requires: find_cells.
-void fill_cells(Scratch& scratch, const std::vector<Box>& boxes, const Cells& cells) {
-  std::vector<std::uint32_t>& start = scratch.cell_starts;
-  const std::vector<std::uint32_t>& cell_of = scratch.counts;
+/// Sorts the boxes by cell, but those in work.large. Requires: find_cells.
+void fill_cells(BroadPhaseWork& work, const std::vector<Box>& boxes, const Cells& cells) {
+  std::vector<std::uint32_t>& start = work.cell_starts;
+  const std::vector<std::uint32_t>& cell_of = work.counts;
   start.assign(std::size_t{cells.columns} * cells.rows + 1, 0);
   for (const std::uint32_t cell : cell_of)
     if (cell != in_no_cell) ++start[cell + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.swept_boxes.resize(boxes.size() + looked_at_least);
-  scratch.swept_places.resize(boxes.size());
+  work.swept_boxes.resize(boxes.size() + looked_at_least);
+  work.swept_places.resize(boxes.size());
   // Each start moves to the end of its cell, the start of the next.
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     if (cell_of[i] == in_no_cell) continue;
     const std::uint32_t place = start[cell_of[i]]++;
-    scratch.swept_boxes[place] = boxes[i];
-    scratch.swept_places[place] = {i, cell_of[i]};
+    work.swept_boxes[place] = boxes[i];
+    work.swept_places[place] = {i, cell_of[i]};
   }
   for (std::size_t i = 0; i < looked_at_least; ++i)
-    scratch.swept_boxes[boxes.size() - scratch.large.size() + i] = boxes[0];  // read, and never counted
+    work.swept_boxes[boxes.size() - work.large.size() + i] = boxes[0];  // read, and never counted
 }
 
 /// A box, asked about many others.
@@ -226,7 +227,7 @@ Pair* meet(const Box* boxes, const Query& query, std::uint32_t i, std::uint32_t 
 
 /// Appends those of a chunk's pairs that may touch. Stops where there are too many.
 struct PairsOfChunk {
-  const Scratch& scratch;
+  const BroadPhaseWork& work;
   std::span<const Proxy> proxies;
   PairListing& listing;
   std::vector<Pair>& pairs;
@@ -252,12 +253,12 @@ struct PairsOfChunk {
 
 /// The pairs of the sorted boxes begin..end-1 with those after them.
 bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, PairsOfChunk& out) {
-  const Scratch& scratch = out.scratch;
-  const Box* boxes = scratch.swept_boxes.data();
-  const std::uint32_t* end_of = scratch.cell_starts.data();  // [cell]: as it is now
+  const BroadPhaseWork& work = out.work;
+  const Box* boxes = work.swept_boxes.data();
+  const std::uint32_t* end_of = work.cell_starts.data();  // [cell]: as it is now
   for (std::size_t place = begin; place < end; ++place) {
     const auto i = static_cast<std::uint32_t>(place);
-    const std::uint32_t cell = scratch.swept_places[i].cell;
+    const std::uint32_t cell = work.swept_places[i].cell;
     const std::uint32_t right_end = end_of[cell + 1];
     const std::uint32_t next_begin = end_of[cell + cells.columns - 2];
     const std::uint32_t next_end = end_of[cell + cells.columns + 1];
@@ -267,8 +268,7 @@ bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, Pai
     Pair* found_end = meet<2>(boxes, query, i, i + 1, right_end, found);
     found_end = meet<looked_at_least>(boxes, query, i, next_begin, next_end, found_end);
     for (; found < found_end; ++found)
-      if (!out.add_inner(scratch.swept_places[found->first].proxy, scratch.swept_places[found->second].proxy))
-        return false;
+      if (!out.add_inner(work.swept_places[found->first].proxy, work.swept_places[found->second].proxy)) return false;
   }
   return true;
 }
@@ -308,27 +308,27 @@ struct FastProxies {
 
 /// The pairs of a shape that looks ahead with guarded ones in cells.
 bool meet_ccd_targets(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
-  const Scratch& scratch = out.scratch;
+  const BroadPhaseWork& work = out.work;
   const Query query(fast.boxes[index]);
   return for_cells_of(
-      cells, scratch.ccd_target_starts, fast.boxes[index], [&](std::size_t more) { out.reserve(more); },
+      cells, work.ccd_target_starts, fast.boxes[index], [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        const std::uint32_t other = scratch.ccd_target_places[place];
+        const std::uint32_t other = work.ccd_target_places[place];
         return !query.overlaps(fast.boxes[other]) || out.add(index, other);
       });
 }
 
 /// The pairs of a large guarded shape with those that look ahead.
 bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
-  const Scratch& scratch = out.scratch;
+  const BroadPhaseWork& work = out.work;
   const Box& box = fast.boxes[index];
   const Query query(box);
   const auto look_at = [&](std::uint32_t other) {
     if (!(out.proxies[other].ccd_margin > 0) || !query.overlaps(fast.boxes[other])) return true;
     return out.add(index, other);
   };
-  out.reserve(scratch.large.size());
-  for (const std::uint32_t large : scratch.large)
+  out.reserve(work.large.size());
+  for (const std::uint32_t large : work.large)
     if (!look_at(large)) return false;
   const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
                  larger(absolute(box.lower.y), absolute(box.upper.y))};
@@ -337,76 +337,76 @@ bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index,
   const Box around{box.lower - extent, box.upper + extent};
   const Query near(around);
   return for_cells_of(
-      cells, scratch.cell_starts, around, [&](std::size_t more) { out.reserve(more); },
+      cells, work.cell_starts, around, [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        return !near.overlaps(scratch.swept_boxes[place]) || look_at(scratch.swept_places[place].proxy);
+        return !near.overlaps(work.swept_boxes[place]) || look_at(work.swept_places[place].proxy);
       });
 }
 
 /// The pairs of a large box with the large ones after it and with what is in cells.
 bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const FastProxies& fast, std::size_t which,
                 PairsOfChunk& out) {
-  const Scratch& scratch = out.scratch;
-  const std::uint32_t index = scratch.large[which];
+  const BroadPhaseWork& work = out.work;
+  const std::uint32_t index = work.large[which];
   const Query query(boxes[index]);
-  out.reserve(scratch.large.size());
-  for (std::size_t k = which + 1; k < scratch.large.size(); ++k)
-    if (query.overlaps(boxes[scratch.large[k]]) && !out.add_inner(index, scratch.large[k])) return false;
+  out.reserve(work.large.size());
+  for (std::size_t k = which + 1; k < work.large.size(); ++k)
+    if (query.overlaps(boxes[work.large[k]]) && !out.add_inner(index, work.large[k])) return false;
   const bool goes_on = for_cells_of(
-      cells, scratch.cell_starts, boxes[index], [&](std::size_t more) { out.reserve(more); },
+      cells, work.cell_starts, boxes[index], [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        return !query.overlaps(scratch.swept_boxes[place]) || out.add_inner(index, scratch.swept_places[place].proxy);
+        return !query.overlaps(work.swept_boxes[place]) || out.add_inner(index, work.swept_places[place].proxy);
       });
   if (!goes_on || !fast.any_ccd_target || !(fast.farthest > 0) || out.proxies[index].ccd_margin == 0) return goes_on;
   return out.proxies[index].ccd_margin > 0 ? meet_ccd_targets(cells, fast, index, out)
                                            : meet_fast(cells, fast, index, out);
 }
 
-/// Sorts the guarded shapes by cell, but those in scratch.large. Requires: fill_cells.
-void fill_ccd_target_cells(Scratch& scratch, std::span<const Proxy> proxies) {
-  std::vector<std::uint32_t>& start = scratch.ccd_target_starts;
-  const std::vector<std::uint32_t>& cell_of = scratch.counts;
-  start.assign(scratch.cell_starts.size(), 0);
+/// Sorts the guarded shapes by cell, but those in work.large. Requires: fill_cells.
+void fill_ccd_target_cells(BroadPhaseWork& work, std::span<const Proxy> proxies) {
+  std::vector<std::uint32_t>& start = work.ccd_target_starts;
+  const std::vector<std::uint32_t>& cell_of = work.counts;
+  start.assign(work.cell_starts.size(), 0);
   const auto for_each = [&](auto use) {
     for (std::uint32_t i = 0; i < proxies.size(); ++i)
       if (proxies[i].ccd_margin < 0 && cell_of[i] != in_no_cell) use(i);
   };
   for_each([&](std::uint32_t i) { ++start[cell_of[i] + 1]; });
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.ccd_target_places.resize(start.back());
-  for_each([&](std::uint32_t i) { scratch.ccd_target_places[start[cell_of[i]]++] = i; });
+  work.ccd_target_places.resize(start.back());
+  for_each([&](std::uint32_t i) { work.ccd_target_places[start[cell_of[i]]++] = i; });
 }
 
 }  // namespace
 
-CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& all_boxes,
-                          Real& side) {
-  BoxOutline outline = outline_of(scratch, proxies, all_boxes, side);
-  const std::vector<Box>& boxes = scratch.inner_boxes;
+CellListing list_by_cells(const TickLists& tick, BroadPhaseWork& work, std::span<const Proxy> proxies,
+                          const std::vector<Box>& all_boxes, Real& side) {
+  BoxOutline outline = outline_of(tick.parallel, work, proxies, all_boxes, side);
+  const std::vector<Box>& boxes = work.inner_boxes;
   if (side == 0) {
-    side = common_side(boxes, scratch.counts);
+    side = common_side(boxes, work.counts);
     if (side == 0) return CellListing::unsuited;
-    outline = outline_of(scratch, proxies, all_boxes, side);
+    outline = outline_of(tick.parallel, work, proxies, all_boxes, side);
   }
   const Cells cells = cells_for(boxes, side, outline.spread);
   if (cells.rows == 0) return CellListing::unsuited;
-  find_cells(scratch, boxes, side, outline.spread, cells);
-  if (scratch.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
-  fill_cells(scratch, boxes, cells);
+  find_cells(tick.parallel, work, boxes, side, outline.spread, cells);
+  if (work.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
+  fill_cells(work, boxes, cells);
   const FastProxies fast{all_boxes, outline.farthest * (1 + 64 * epsilon),
                          outline.any_ccd_target};  // with what ccd_margin_of puts on
   const bool some_are_fast = fast.farthest > 0 && fast.any_ccd_target;
-  if (some_are_fast) fill_ccd_target_cells(scratch, proxies);
+  if (some_are_fast) fill_ccd_target_cells(work, proxies);
   // Boxes in cells, then the large ones.
-  const std::size_t end_in_cells = boxes.size() - scratch.large.size();
+  const std::size_t end_in_cells = boxes.size() - work.large.size();
   const bool fits =
-      list_in_chunks(scratch, boxes.size(), scratch.parallel.chunk_size(boxes.size(), 128),
+      list_in_chunks(tick, work, boxes.size(), tick.parallel.chunk_size(boxes.size(), 128),
                      [&](const Chunk& chunk, PairListing& listing, std::vector<Pair>& pairs) {
-                       PairsOfChunk out{scratch, proxies, listing, pairs, pairs.size()};
+                       PairsOfChunk out{work, proxies, listing, pairs, pairs.size()};
                        const std::size_t end = std::min(chunk.end, end_in_cells);
                        bool goes_on = chunk.begin >= end || meet_neighbours(cells, chunk.begin, end, out);
                        for (std::size_t place = chunk.begin; some_are_fast && goes_on && place < end; ++place) {
-                         const std::uint32_t index = scratch.swept_places[place].proxy;
+                         const std::uint32_t index = work.swept_places[place].proxy;
                          if (proxies[index].ccd_margin > 0) goes_on = meet_ccd_targets(cells, fast, index, out);
                        }
                        for (std::size_t i = std::max(chunk.begin, end_in_cells); goes_on && i < chunk.end; ++i)

@@ -10,9 +10,10 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 enum class CellListing { done, too_many, unsuited };
 
-/// Fills scratch.unsorted_pairs with the pairs that may touch and whose boxes overlap. `too_many`: more than a tick may
+/// Fills work.unsorted_pairs with the pairs that may touch and whose boxes overlap. `too_many`: more than a tick may
 /// have. `unsuited`: boxes differ too much in size or lie too far apart, and none are listed. `boxes`: [proxy]. `side`:
 /// of the boxes that share cells, m; 0: to be found. One of a few ticks ago saves the search.
-CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real& side);
+CellListing list_by_cells(const TickLists& tick, BroadPhaseWork& work, std::span<const Proxy> proxies,
+                          const std::vector<Box>& boxes, Real& side);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstddef>
 
-#include "engine/model/scratch.h"
+#include "engine/model/tick_lists.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -22,28 +22,28 @@ struct PairListing {
   }
 };
 
-/// Fills scratch.unsorted_pairs: list(chunk, listing, pairs) appends those of a chunk of `count` elements and asks the
+/// Fills work.unsorted_pairs: list(chunk, listing, pairs) appends those of a chunk of `count` elements and asks the
 /// listing after each whether to go on. False: there are more than `count_max`, and not all are listed.
 template <typename List>
-bool list_in_chunks(Scratch& scratch, std::size_t count, std::size_t chunk_size, const List& list) {
-  PairListing listing{scratch.pair_count_max};
-  scratch.unsorted_pairs.clear();
+bool list_in_chunks(const TickLists& tick, BroadPhaseWork& work, std::size_t count, std::size_t chunk_size,
+                    const List& list) {
+  PairListing listing{tick.pair_count_max};
+  work.unsorted_pairs.clear();
   const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
   if (chunk_count <= 1) {
-    list(Chunk{0, 0, count}, listing, scratch.unsorted_pairs);
-    return scratch.unsorted_pairs.size() <= listing.count_max;
+    list(Chunk{0, 0, count}, listing, work.unsorted_pairs);
+    return work.unsorted_pairs.size() <= listing.count_max;
   }
-  if (scratch.pair_parts.size() < chunk_count) scratch.pair_parts.resize(chunk_count);
-  scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
-    scratch.pair_parts[chunk.index].clear();
-    list(chunk, listing, scratch.pair_parts[chunk.index]);
+  if (work.pair_parts.size() < chunk_count) work.pair_parts.resize(chunk_count);
+  tick.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
+    work.pair_parts[chunk.index].clear();
+    list(chunk, listing, work.pair_parts[chunk.index]);
   });
   std::size_t pair_count = 0;
-  for (std::size_t i = 0; i < chunk_count; ++i) pair_count += scratch.pair_parts[i].size();
+  for (std::size_t i = 0; i < chunk_count; ++i) pair_count += work.pair_parts[i].size();
   if (pair_count > listing.count_max) return false;
   for (std::size_t i = 0; i < chunk_count; ++i)
-    scratch.unsorted_pairs.insert(scratch.unsorted_pairs.end(), scratch.pair_parts[i].begin(),
-                                  scratch.pair_parts[i].end());
+    work.unsorted_pairs.insert(work.unsorted_pairs.end(), work.pair_parts[i].begin(), work.pair_parts[i].end());
   return true;
 }
 

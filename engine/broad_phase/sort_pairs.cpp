@@ -66,27 +66,27 @@ constexpr std::size_t part_count_max = 64;
 
 }  // namespace
 
-void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& out) {
-  const std::span<const Pair> pairs = scratch.unsorted_pairs;
+void sort_pairs(const Parallel& parallel, BroadPhaseWork& work, std::size_t proxy_count, std::vector<Pair>& out) {
+  const std::span<const Pair> pairs = work.unsorted_pairs;
   const auto key_end = static_cast<std::uint32_t>(proxy_count);
-  const std::size_t chunk_size = scratch.parallel.chunk_size(pairs.size(), 2048);
-  const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
+  const std::size_t chunk_size = parallel.chunk_size(pairs.size(), 2048);
+  const std::size_t width = parallel.runner == nullptr ? 1 : parallel.runner->width();
   const std::size_t part_count = std::min({Parallel::chunk_count(pairs.size(), chunk_size), width, part_count_max});
-  if (scratch.pair_sorters.size() < std::max<std::size_t>(part_count, 1))
-    scratch.pair_sorters.resize(std::max<std::size_t>(part_count, 1));
+  if (work.pair_sorters.size() < std::max<std::size_t>(part_count, 1))
+    work.pair_sorters.resize(std::max<std::size_t>(part_count, 1));
   out.resize(pairs.size());
-  if (part_count <= 1) return sort_range({0, key_end}, key_end, pairs, out.data(), scratch.pair_sorters[0]);
+  if (part_count <= 1) return sort_range({0, key_end}, key_end, pairs, out.data(), work.pair_sorters[0]);
   // Each part picks its pairs, and once all have, knows where they go.
   std::array<std::uint32_t, part_count_max> ends{};
   split(pairs, key_end, {ends.data(), part_count});
   const auto range_of = [&](std::size_t part) { return ProxyRange{part == 0 ? 0 : ends[part - 1], ends[part]}; };
-  scratch.parallel.for_chunks(part_count, 1, [&](const Chunk& chunk) {
-    pick(range_of(chunk.index), pairs, scratch.pair_sorters[chunk.index].pairs);
+  parallel.for_chunks(part_count, 1, [&](const Chunk& chunk) {
+    pick(range_of(chunk.index), pairs, work.pair_sorters[chunk.index].pairs);
   });
-  scratch.parallel.for_chunks(part_count, 1, [&](const Chunk& chunk) {
+  parallel.for_chunks(part_count, 1, [&](const Chunk& chunk) {
     std::size_t place = 0;
-    for (std::size_t part = 0; part < chunk.index; ++part) place += scratch.pair_sorters[part].pairs.size();
-    PairSorter& sorter = scratch.pair_sorters[chunk.index];
+    for (std::size_t part = 0; part < chunk.index; ++part) place += work.pair_sorters[part].pairs.size();
+    PairSorter& sorter = work.pair_sorters[chunk.index];
     sort_range(range_of(chunk.index), key_end, sorter.pairs, out.data() + place, sorter);
   });
 }

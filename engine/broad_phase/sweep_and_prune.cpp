@@ -19,19 +19,19 @@ std::uint64_t sort_key(Real value) {
 
 }  // namespace
 
-void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt) {
-  make_proxies(model, state, scratch, dt);
-  const std::span<const Proxy> proxies = scratch.proxies;
-  std::vector<SortEntry>& entries = scratch.sort_entries;
+void sweep_and_prune(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
+  make_proxies(model, state, tick, work, dt);
+  const std::span<const Proxy> proxies = tick.proxies;
+  std::vector<SortEntry>& entries = work.sort_entries;
   entries.clear();
-  for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(scratch.boxes[i].lower.x), i});
-  sort_entries(entries, scratch.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
+  for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(work.boxes[i].lower.x), i});
+  sort_entries(entries, work.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
 
   // The sweep reads boxes in sorted order, packed: the inner loop touches nothing else.
-  std::vector<Box>& boxes = scratch.swept_boxes;
+  std::vector<Box>& boxes = work.swept_boxes;
   boxes.clear();
-  for (const SortEntry& e : entries) boxes.push_back(scratch.boxes[e.proxy]);
-  scratch.unsorted_pairs.clear();
+  for (const SortEntry& e : entries) boxes.push_back(work.boxes[e.proxy]);
+  work.unsorted_pairs.clear();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const Box box = boxes[i];
     for (std::size_t j = i + 1; j < entries.size() && boxes[j].lower.x <= box.upper.x; ++j) {
@@ -39,11 +39,11 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
       const std::uint32_t a = entries[i].proxy;
       const std::uint32_t b = entries[j].proxy;
       if (are_pair(proxies[a], proxies[b], box, boxes[j]))
-        scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+        work.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
     }
-    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return;
+    if (are_too_many(tick, work.unsorted_pairs.size())) return;
   }
-  sort_present_pairs(scratch, proxies.size());
+  list_sorted(tick, work, proxies.size());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

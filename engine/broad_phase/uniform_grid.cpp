@@ -54,18 +54,18 @@ void for_each_cell(const CellRange& range, Use use) {
 }
 
 /// Counting sort of (cell, proxy) by bucket; within a bucket dynamic proxies come first. Returns the mask of buckets.
-std::uint32_t fill_cells(Scratch& scratch) {
-  const std::span<const Proxy> proxies = scratch.proxies;
-  std::vector<std::uint32_t>& starts = scratch.cell_starts;
+std::uint32_t fill_cells(const TickLists& tick, BroadPhaseWork& work) {
+  const std::span<const Proxy> proxies = tick.proxies;
+  std::vector<std::uint32_t>& starts = work.cell_starts;
   std::uint32_t bucket_count = 16;
   while (bucket_count < 2 * proxies.size()) bucket_count *= 2;
   const std::uint32_t mask = bucket_count - 1;
   starts.assign(bucket_count + 1, 0);
   for (std::size_t i = 0, next_large = 0; i < proxies.size(); ++i) {
-    if (next_large < scratch.large.size() && scratch.large[next_large] == i)
+    if (next_large < work.large.size() && work.large[next_large] == i)
       ++next_large;
     else
-      for_each_cell(scratch.cell_ranges[i], [&](std::int32_t x, std::int32_t y) { ++starts[bucket_of(x, y, mask)]; });
+      for_each_cell(work.cell_ranges[i], [&](std::int32_t x, std::int32_t y) { ++starts[bucket_of(x, y, mask)]; });
   }
   std::uint32_t sum = 0;
   for (std::uint32_t& start : starts) {
@@ -73,89 +73,88 @@ std::uint32_t fill_cells(Scratch& scratch) {
     start = sum;
     sum += count;
   }
-  scratch.cell_entries.resize(sum);
+  work.cell_entries.resize(sum);
   for (const bool is_static : {false, true})
     for (std::uint32_t i = 0, next_large = 0; i < proxies.size(); ++i) {
-      if (next_large < scratch.large.size() && scratch.large[next_large] == i)
+      if (next_large < work.large.size() && work.large[next_large] == i)
         ++next_large;
       else if (proxies[i].is_static == is_static)
-        for_each_cell(scratch.cell_ranges[i], [&](std::int32_t x, std::int32_t y) {
-          scratch.cell_entries[starts[bucket_of(x, y, mask)]++] = {x, y, i};
+        for_each_cell(work.cell_ranges[i], [&](std::int32_t x, std::int32_t y) {
+          work.cell_entries[starts[bucket_of(x, y, mask)]++] = {x, y, i};
         });
     }
   return mask;
 }
 
-void add_pair(Scratch& scratch, std::uint32_t a, std::uint32_t b) {
-  scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
+void add_pair(BroadPhaseWork& work, std::uint32_t a, std::uint32_t b) {
+  work.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
 }
 
 /// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone. False: too
 /// many; so too below.
-bool find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
-  const std::span<const Proxy> proxies = scratch.proxies;
+bool find_pairs_in_bucket(TickLists& tick, BroadPhaseWork& work, std::uint32_t begin, std::uint32_t end) {
+  const std::span<const Proxy> proxies = tick.proxies;
   for (std::uint32_t i = begin; i < end; ++i) {
-    const CellEntry entry = scratch.cell_entries[i];
+    const CellEntry entry = work.cell_entries[i];
     const Proxy& a = proxies[entry.proxy];
     if (a.is_static) return true;  // as is what follows
-    const CellRange& cells = scratch.cell_ranges[entry.proxy];
+    const CellRange& cells = work.cell_ranges[entry.proxy];
     for (std::uint32_t j = i + 1; j < end; ++j) {
-      const CellEntry other = scratch.cell_entries[j];
+      const CellEntry other = work.cell_entries[j];
       if (other.x != entry.x || other.y != entry.y) continue;
       const Proxy& b = proxies[other.proxy];
-      const Box& box_a = scratch.boxes[entry.proxy];
-      const Box& box_b = scratch.boxes[other.proxy];
+      const Box& box_a = work.boxes[entry.proxy];
+      const Box& box_b = work.boxes[other.proxy];
       if (!overlaps(box_a, box_b) || !are_pair(a, b, box_a, box_b)) continue;
-      const CellRange& other_cells = scratch.cell_ranges[other.proxy];
+      const CellRange& other_cells = work.cell_ranges[other.proxy];
       const bool is_lowest_x = entry.x == cells.first_x || entry.x == other_cells.first_x;
       const bool is_lowest_y = entry.y == cells.first_y || entry.y == other_cells.first_y;
-      if (is_lowest_x && is_lowest_y) add_pair(scratch, entry.proxy, other.proxy);
+      if (is_lowest_x && is_lowest_y) add_pair(work, entry.proxy, other.proxy);
     }
-    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return false;
+    if (are_too_many(tick, work.unsorted_pairs.size())) return false;
   }
   return true;
 }
 
-bool find_pairs_of_large(Scratch& scratch) {
-  const std::span<const Proxy> proxies = scratch.proxies;
-  for (std::size_t k = 0; k < scratch.large.size(); ++k) {
-    const std::uint32_t a = scratch.large[k];
+bool find_pairs_of_large(TickLists& tick, BroadPhaseWork& work) {
+  const std::span<const Proxy> proxies = tick.proxies;
+  for (std::size_t k = 0; k < work.large.size(); ++k) {
+    const std::uint32_t a = work.large[k];
     std::size_t next_large = 0;
     for (std::uint32_t b = 0; b < proxies.size(); ++b) {
-      if (next_large < scratch.large.size() && scratch.large[next_large] == b) {
+      if (next_large < work.large.size() && work.large[next_large] == b) {
         // Large ones meet each other once.
         if (next_large++ <= k) continue;
       }
-      if (overlaps(scratch.boxes[a], scratch.boxes[b]) &&
-          are_pair(proxies[a], proxies[b], scratch.boxes[a], scratch.boxes[b]))
-        add_pair(scratch, a, b);
+      if (overlaps(work.boxes[a], work.boxes[b]) && are_pair(proxies[a], proxies[b], work.boxes[a], work.boxes[b]))
+        add_pair(work, a, b);
     }
-    if (are_too_many(scratch, scratch.unsorted_pairs.size())) return false;
+    if (are_too_many(tick, work.unsorted_pairs.size())) return false;
   }
   return true;
 }
 
 }  // namespace
 
-void uniform_grid(const Model& model, State& state, Scratch& scratch, Real dt) {
-  make_proxies(model, state, scratch, dt);
-  const std::span<const Proxy> proxies = scratch.proxies;
-  const Real inv_size = Real(1) / cell_size(scratch.boxes, scratch.counts);
-  scratch.cell_ranges.clear();
-  scratch.large.clear();
+void uniform_grid(const Model& model, State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
+  make_proxies(model, state, tick, work, dt);
+  const std::span<const Proxy> proxies = tick.proxies;
+  const Real inv_size = Real(1) / cell_size(work.boxes, work.counts);
+  work.cell_ranges.clear();
+  work.large.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
-    scratch.cell_ranges.push_back(cells_of(scratch.boxes[i], inv_size));
-    if (is_large(scratch.cell_ranges.back())) scratch.large.push_back(i);
+    work.cell_ranges.push_back(cells_of(work.boxes[i], inv_size));
+    if (is_large(work.cell_ranges.back())) work.large.push_back(i);
   }
-  const std::uint32_t mask = fill_cells(scratch);
-  scratch.unsorted_pairs.clear();
+  const std::uint32_t mask = fill_cells(tick, work);
+  work.unsorted_pairs.clear();
   for (std::uint32_t bucket = 0, begin = 0; bucket <= mask; ++bucket) {
-    const std::uint32_t end = scratch.cell_starts[bucket];  // fill_cells moved it to the end of the bucket
-    if (!find_pairs_in_bucket(scratch, begin, end)) return;
+    const std::uint32_t end = work.cell_starts[bucket];  // fill_cells moved it to the end of the bucket
+    if (!find_pairs_in_bucket(tick, work, begin, end)) return;
     begin = end;
   }
-  if (!find_pairs_of_large(scratch)) return;
-  sort_present_pairs(scratch, proxies.size());
+  if (!find_pairs_of_large(tick, work)) return;
+  list_sorted(tick, work, proxies.size());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

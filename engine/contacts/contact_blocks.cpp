@@ -38,7 +38,7 @@ void solve_blocks(const Model& model, State& state, Scratch& scratch, const Solv
       prepare_block(model, state, scratch, set, block, sink, batches);
       const ContactWork work = work_of_block(scratch, set, batches);
       for (int substep = 0; substep < set.substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, row_count);
         contacts.warm_start(work);
         contacts.solve_again(work);
         motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), sink, set.h);

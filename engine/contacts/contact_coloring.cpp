@@ -42,7 +42,7 @@ bool find_contact_bodies(const Parallel& parallel, std::size_t count, BodiesAt b
 
 /// Whether the colours are those of all present contacts.
 bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
-  return coloring.is_whole_set && coloring.contact_set == scratch.caches.contact_set;
+  return coloring.is_whole_set && coloring.contact_generation == scratch.contact_generation;
 }
 
 /// True if the ends of the group's contacts are those that were there.
@@ -51,7 +51,7 @@ bool find_contact_bodies_of_set(Scratch& scratch, const SolverSet& set, ContactC
   const bool is_whole_set = count == scratch.contact_pairs.size();
   if (is_whole_set && are_colored(scratch, coloring)) return true;
   coloring.is_whole_set = is_whole_set;
-  coloring.contact_set = scratch.caches.contact_set;
+  coloring.contact_generation = scratch.contact_generation;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   const std::uint32_t sink = dummy_sink(scratch);
   const auto dynamic_row = [&](std::uint32_t row) { return scratch.masses[row].write == sink ? no_body : row; };
@@ -157,7 +157,7 @@ bool split(Scratch& scratch, ContactColoring& coloring) {
   if (coloring.body_indices.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
   const std::size_t body_count = scratch.masses.size();
   const bool is_hit = coloring.block_of.size() == body_count && blocks_are_valid(coloring);
-  count_use(scratch.caches.report, CacheKind::contact_blocks, is_hit);
+  coloring.blocks_cache.count(is_hit);
   if (!is_hit) {
     if (forced == 0 && coloring.ticks_unsplit > 0) {
       --coloring.ticks_unsplit;
@@ -278,33 +278,27 @@ void color_blocks(const Parallel& parallel, std::size_t body_count, ContactColor
 
 }  // namespace
 
-void color_ahead(const State& state, Scratch& scratch) {
-  ContactColoring& coloring = scratch.caches.coloring;
-  if (!coloring.is_whole_set || coloring.is_split || are_colored(scratch, coloring)) return;
-  const auto dynamic_row = [&](std::uint32_t proxy, std::uint32_t row) {
-    return scratch.proxies[proxy].is_dynamic ? row : no_body;
-  };
-  const auto bodies_at = [&](std::size_t i) {
-    const ContactPair& pair = scratch.contact_pairs[i];
-    return ContactBodies{dynamic_row(pair.proxy_a, pair.body_a), dynamic_row(pair.proxy_b, pair.body_b)};
-  };
-  const Parallel alone;
-  const bool same_bodies = find_contact_bodies(alone, scratch.contact_pairs.size(), bodies_at, coloring);
-  coloring.contact_set = scratch.caches.contact_set;
-  if (same_bodies && !coloring.blocks.empty()) return;
-  make_one_block(coloring);
-  color_blocks(alone, state.bodies.size(), coloring);
+void ContactColoring::Colors::invalidate() {
+  coloring_.is_whole_set = false;
+  coloring_.body_indices.clear();
+  coloring_.blocks.clear();
+}
+
+void ContactColoring::Blocks::invalidate() {
+  coloring_.block_of.clear();
+  coloring_.set_rows.clear();
+  coloring_.ticks_unsplit = 0;
 }
 
 void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split) {
   ContactColoring& coloring = scratch.caches.coloring;
   const bool same_bodies = find_contact_bodies_of_set(scratch, set, coloring) && !coloring.blocks.empty();
-  count_use(scratch.caches.report, CacheKind::contact_colors, same_bodies);
+  coloring.colors_cache.count(same_bodies);
   if (may_split) {
     const std::span<const std::uint32_t> rows(scratch.set_rows.data() + set.first_row, set.row_end - set.first_row);
     const bool same_rows = std::equal(rows.begin(), rows.end(), coloring.set_rows.begin(), coloring.set_rows.end());
     if (same_bodies && same_rows && coloring.is_split) {
-      count_use(scratch.caches.report, CacheKind::contact_blocks, true);
+      coloring.blocks_cache.count(true);
       return;
     }
     coloring.set_rows.assign(rows.begin(), rows.end());

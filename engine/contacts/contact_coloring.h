@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/caches.h"
 #include "engine/contacts/contact_lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -66,8 +67,35 @@ struct ContactBlock {
 /// The colours of some contacts, which follow from their ends alone: kept from tick to tick, they hold for the same
 /// ends. So do the blocks, for the same bodies.
 struct ContactColoring {
+  /// The colours and slots as a cache. Key: `body_indices`, or `contact_generation` if all contacts are in the set.
+  class Colors final : public TickCache {
+   public:
+    explicit Colors(ContactColoring& coloring) : TickCache(CacheKind::contact_colors), coloring_(coloring) {}
+    void invalidate() override;
+    void count(bool was_hit) { count_use(was_hit); }
+
+   private:
+    ContactColoring& coloring_;
+  };
+  /// The blocks as a cache. Key: no contact ties two blocks.
+  class Blocks final : public TickCache {
+   public:
+    explicit Blocks(ContactColoring& coloring) : TickCache(CacheKind::contact_blocks), coloring_(coloring) {}
+    void invalidate() override;
+    void count(bool was_hit) { count_use(was_hit); }
+
+   private:
+    ContactColoring& coloring_;
+  };
+
+  ContactColoring() = default;
+  ContactColoring(const ContactColoring&) = delete;
+  ContactColoring& operator=(const ContactColoring&) = delete;
+
+  Colors colors_cache{*this};
+  Blocks blocks_cache{*this};
   std::vector<ContactBodies> body_indices;  // [contact of the group]
-  std::uint32_t contact_set = 0;            // Kept's, if they are all of it
+  std::uint32_t contact_generation = 0;     // TickLists', if they are all of it
   bool is_whole_set = false;
   bool is_split = false;  // into blocks; else there is one of everything, without rows
   std::vector<ContactBlock> blocks;
@@ -88,10 +116,6 @@ struct ContactColoring {
   std::vector<std::uint32_t> island_parent;  // [body]
 };
 inline constexpr std::uint32_t no_block = 0xffffffff;
-
-/// Colours all contacts, if those of the tick before were one group and one block, as these probably are: other threads
-/// may do something else meanwhile. Runs nothing in chunks.
-void color_ahead(const State& state, Scratch& scratch);
 
 /// Colours the contacts of a group: scratch.caches.coloring. `may_split`: in blocks, if there are contacts enough for
 /// some. Requires: prepare_bodies.

@@ -1,16 +1,15 @@
 // Selects the pairs whose impacts are located in time.
 // SPDX-License-Identifier: MIT
+#include "engine/impacts/find_impacts.h"
+
 #include <algorithm>
 #include <atomic>
 #include <tuple>
 
 #include "engine/broad_phase/broad_phase.h"
-#include "engine/contacts/contact_coloring.h"
-#include "engine/impacts/impacts.h"
 #include "engine/joints/joint_model.h"
+#include "engine/model/motion_bounds.h"
 #include "engine/narrow_phase/distance.h"
-#include "engine/narrow_phase/motion_bounds.h"
-#include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -37,15 +36,16 @@ const BodyModel& constants_of(const Model& model, const BodyRow& body) {
 }
 
 /// Notes which bodies are fast. False: none is.
-bool find_fast(const Model& model, const State& state, Scratch& scratch, const MotionBounds& bounds) {
+bool find_fast(const Model& model, const State& state, const Parallel& parallel, const MotionBounds& bounds,
+               std::vector<std::uint8_t>& fast_rows) {
   std::atomic<bool> any{false};
   const std::size_t count = state.bodies.size();
-  scratch.is_fast.resize(count);
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+  fast_rows.resize(count);
+  parallel.for_chunks(count, parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
     bool found = false;
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       const bool fast = is_fast(bounds, constants_of(model, state.bodies[row]), state.bodies[row]);
-      scratch.is_fast[row] = fast ? 1 : 0;
+      fast_rows[row] = fast ? 1 : 0;
       found |= fast;
     }
     if (found) any.store(true, std::memory_order_relaxed);
@@ -54,16 +54,17 @@ bool find_fast(const Model& model, const State& state, Scratch& scratch, const M
 }
 
 /// Appends those of the candidate pairs begin..end-1 whose impacts are located.
-void add_impacts(const Model& model, const State& state, const Scratch& scratch, const MotionBounds& bounds,
-                 std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
+void add_impacts(const Model& model, const State& state, const TickLists& tick,
+                 const std::vector<std::uint8_t>& fast_rows, const MotionBounds& bounds, std::size_t begin,
+                 std::size_t end, std::vector<ImpactPair>& impacts) {
   const Settings& settings = model.scene.settings;
   const Real gravity_displacement = gravity_displacement_of_tick(model, state);
   std::uint32_t next_contact = no_reference;
   for (std::size_t i = begin; i < end; ++i) {
-    const Pair& candidate = scratch.pairs[i];
-    const Proxy& a = scratch.proxies[candidate.first];
-    const Proxy& b = scratch.proxies[candidate.second];
-    const bool one_is_fast = (scratch.is_fast[a.body] | scratch.is_fast[b.body]) != 0;
+    const Pair& candidate = tick.pairs[i];
+    const Proxy& a = tick.proxies[candidate.first];
+    const Proxy& b = tick.proxies[candidate.second];
+    const bool one_is_fast = (fast_rows[a.body] | fast_rows[b.body]) != 0;
     if (!one_is_fast && !settings.locate_impacts) continue;
     if (a.is_sensor || b.is_sensor) continue;
     const ShapeModel& shape_a = model.shapes[a.shape];
@@ -97,48 +98,38 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     pair.friction = mix(settings.friction_mix, shape_a.friction, shape_b.friction);
     pair.restitution = restitution;
     pair.is_fast = fast;
-    pair.slow = slow_closing(model, state, scratch, pair, contact_of(state, a, b, next_contact), bounds.dt);
+    pair.slow = slow_closing(model, state, tick, pair, contact_of(state, a, b, next_contact), bounds.dt);
     impacts.push_back(pair);
   }
 }
 
 }  // namespace
 
-MotionBounds motion_bounds_of_tick(const Model& model, const State& state, Real dt) {
+void ImpactFinder::run(const Model& model, State& state, TickLists& tick, Real dt) {
   const Settings& settings = model.scene.settings;
-  MotionBounds bounds{
-      dt, length(state.world.gravity), settings.locate_impacts, settings.auto_substeps.has_value(), settings.continuous,
-      0};
-  if (!settings.locate_impacts) return bounds;
-  for (const BodyRow& body : state.bodies)
-    bounds.farthest = larger(bounds.farthest, motion_bound_in(bounds, constants_of(model, body), body));
-  return bounds;
-}
-
-void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  const Settings& settings = model.scene.settings;
-  scratch.impacts.clear();
-  scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
-  if (scratch.pairs.empty()) return;
+  tick.impacts.clear();
+  tick.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
+  if (tick.pairs.empty()) return;
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
   // Broad phases that follow bodies know whether any is fast.
-  if (bounds.has_ccd && !bounds.locates_impacts && scratch.caches.pairs.is_valid && !scratch.caches.pairs.any_swept)
-    return;
-  if (!find_fast(model, state, scratch, bounds) && !settings.locate_impacts) return;
-  const std::size_t count = scratch.pairs.size();
-  const std::size_t size = scratch.parallel.chunk_size(count, 256);
-  if (size >= count) return add_impacts(model, state, scratch, bounds, 0, count, scratch.impacts);
+  if (bounds.has_ccd && !bounds.locates_impacts && tick.changes.is_known && !tick.changes.any_swept) return;
+  if (!find_fast(model, state, tick.parallel, bounds, is_fast_) && !settings.locate_impacts) return;
+  const std::size_t count = tick.pairs.size();
+  const std::size_t size = tick.parallel.chunk_size(count, 256);
+  if (size >= count) return add_impacts(model, state, tick, is_fast_, bounds, 0, count, tick.impacts);
   const std::size_t chunk_count = Parallel::chunk_count(count, size);
-  if (scratch.impact_parts.size() < chunk_count) scratch.impact_parts.resize(chunk_count);
-  scratch.parallel.for_chunks_beside(
-      count, size,
-      [&](const Chunk& chunk) {
-        scratch.impact_parts[chunk.index].clear();
-        add_impacts(model, state, scratch, bounds, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
-      },
-      [&] { color_ahead(state, scratch); });
+  if (parts_.size() < chunk_count) parts_.resize(chunk_count);
+  tick.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    parts_[chunk.index].clear();
+    add_impacts(model, state, tick, is_fast_, bounds, chunk.begin, chunk.end, parts_[chunk.index]);
+  });
   for (std::size_t i = 0; i < chunk_count; ++i)
-    scratch.impacts.insert(scratch.impacts.end(), scratch.impact_parts[i].begin(), scratch.impact_parts[i].end());
+    tick.impacts.insert(tick.impacts.end(), parts_[i].begin(), parts_[i].end());
+}
+
+void ImpactFinder::poison() {
+  poison_rows(is_fast_);
+  for (std::vector<ImpactPair>& part : parts_) poison_rows(part);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -356,14 +356,14 @@ void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scrat
 
 }  // namespace
 
-Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
+Real slow_closing(const Model& model, const State& state, const TickLists& tick, const ImpactPair& pair,
                   std::uint32_t contact, Real dt) {
-  if (contact == state.contacts.size() || is_left_to_impacts(model, state, scratch, contact)) return -1;
+  if (contact == state.contacts.size() || is_left_to_impacts(model, state, tick, contact)) return -1;
   return pair.is_fast ? slow_share * pair_size(model.shapes[pair.shape_a], model.shapes[pair.shape_b]) / dt : no_impact;
 }
 
-bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact) {
-  const ContactPair& pair = scratch.contact_pairs[contact];
+bool is_left_to_impacts(const Model& model, const State& state, const TickLists& tick, std::uint32_t contact) {
+  const ContactPair& pair = tick.contact_pairs[contact];
   const ContactRow& row = state.contacts[contact];
   if (!model.scene.settings.locate_impacts || !(pair.restitution > 0)) return false;
   if (row.normal_force[0] > 0 || row.normal_force[1] > 0) return false;

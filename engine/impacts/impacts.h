@@ -15,6 +15,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct Model;
 struct State;
 struct Scratch;
+struct TickLists;
 
 /// Two shapes that may meet in this tick in a way that the contact solver would miss.
 struct ImpactPair {
@@ -58,9 +59,9 @@ struct ImpactPath {
 /// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
 /// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
 /// to the speed at which it just gets there in a substep. `contact`: in scratch.contact_pairs and state.contacts.
-bool is_left_to_impacts(const Model& model, const State& state, const Scratch& scratch, std::uint32_t contact);
+bool is_left_to_impacts(const Model& model, const State& state, const TickLists& tick, std::uint32_t contact);
 /// ImpactPair::slow of a pair. `contact`: as above, or the number of contacts if the pair has none.
-Real slow_closing(const Model& model, const State& state, const Scratch& scratch, const ImpactPair& pair,
+Real slow_closing(const Model& model, const State& state, const TickLists& tick, const ImpactPair& pair,
                   std::uint32_t contact, Real dt);
 
 /// Notes velocities before a substep. Call before the integrator predicts.

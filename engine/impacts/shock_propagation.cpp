@@ -11,29 +11,13 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real least_share = Real(0.05);    // of the allowed way: what moves less in a substep is no impact
-constexpr Real settled_share = Real(1e-5);  // likewise, of a change of speed
+constexpr Real settled_share = Real(1e-5);  // of the allowed way: a smaller change of speed is none
 constexpr int passes_per_check = 8;
 // Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
 constexpr std::uint32_t check_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
-// In a tick, with as much for each look as it takes beside the contacts; then substeps get one look: so that even what
-// never settles takes hundredths of a second and not tenths.
-constexpr std::uint32_t work_in_tick_max = 1u << 21;
+// A check takes as much as so many contacts beside those that it solves.
 constexpr std::uint32_t work_beside = 64;
-
-/// How fast a pair closes, m/s: the faster of its points.
-template <typename Velocities>
-Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {
-  Real closing = 0;
-  for (int i = 0; i < pair.manifold.point_count; ++i) {
-    const ManifoldPoint& point = pair.manifold.points[i];
-    const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
-                          (a.velocity + cross(a.angular_velocity, point.anchor_a));
-    closing = larger(closing, -dot(velocity, pair.manifold.normal));
-  }
-  return closing;
-}
 
 Real closing_now(const Scratch& scratch, const RestingImpact& impact) {
   const ContactPair& pair = scratch.contact_pairs[impact.contact];
@@ -44,40 +28,7 @@ bool is_in(const Scratch& scratch, const RestingImpact& impact) {
   return scratch.body_solver_set[scratch.contact_pairs[impact.contact].body_a] == scratch.set_index;
 }
 
-std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
-  while (scratch.island_parent[row] != row) row = scratch.island_parent[row];
-  return row;
-}
-
-/// Joints would take the impulses of a landing along as forces, which throw what they join: islands with joints are
-/// left to the passes of each substep.
-void leave_out_joined(const State& state, Scratch& scratch) {
-  for (const JointRow& joint : state.joints)
-    if (joint.body_a != no_reference)
-      for (const std::uint32_t id : {joint.body_a, joint.body_b})
-        scratch.island_has_resting_impact[island_of(scratch, static_cast<std::uint32_t>(state.find_body(id)))] = 0;
-}
-
 }  // namespace
-
-void find_resting_impacts(const Model& model, const State& state, Scratch& scratch, Real dt) {
-  scratch.shock_work_left = work_in_tick_max;
-  const Real target = static_cast<Real>(model.scene.settings.auto_substeps->target_error);
-  for (std::uint32_t contact = 0; contact < scratch.contact_pairs.size(); ++contact) {
-    const ContactPair& pair = scratch.contact_pairs[contact];
-    const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
-    const bool b_moves = model.bodies[state.bodies[pair.body_b].source].type == BodyType::dynamic_body;
-    if (!a_moves || !b_moves || !(scratch.load[pair.body_a] > 0 || scratch.load[pair.body_b] > 0)) continue;
-    const std::uint32_t root = island_of(scratch, pair.body_a);
-    const Real closing = closing_speed(pair, state.bodies[pair.body_a], state.bodies[pair.body_b]);
-    const Real h = dt / static_cast<Real>(scratch.island_level[root]);
-    const Real allowed = target * pair.size;
-    if (!(closing * h > least_share * allowed)) continue;
-    scratch.resting_impacts.push_back({contact, closing, allowed});
-    scratch.island_has_resting_impact[root] = 1;
-  }
-  leave_out_joined(state, scratch);
-}
 
 void begin_resting_impacts(Scratch& scratch, const SolverSet& set) {
   for (RestingImpact& impact : scratch.resting_impacts)
@@ -92,7 +43,7 @@ Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& 
   for (const RestingImpact& impact : scratch.resting_impacts) {
     if (!is_in(scratch, impact)) continue;
     const Real stopped = impact.closing - closing_now(scratch, impact);
-    if (!(stopped > own) || !(stopped * set.h > least_share * impact.allowed)) continue;
+    if (!(stopped > own) || !(stopped * set.h > resting_impact_share * impact.allowed)) continue;
     const Real small = settled_share * impact.allowed / set.h;
     settled = any ? smaller(settled, small) : small;
     any = true;

@@ -10,10 +10,6 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Finds the contacts that will hit bodies at rest in this tick, and the islands of those. Requires: estimate_errors
-/// has told what is carried, and island_level is that of the tick.
-void find_resting_impacts(const Model& model, const State& state, Scratch& scratch, Real dt);
-
 /// Notes how fast landings close, and the impulses of all contacts. Call before they are warm started.
 void begin_resting_impacts(Scratch& scratch, const SolverSet& set);
 /// Whether a landing has hit in the pass before: below which change of speed, m/s, it has been passed on; else 0.

@@ -12,25 +12,6 @@ namespace {
 // for the friction of a sliding body, and an impact then moves a body at most this times g h^2 / 2 too far.
 constexpr Real force_like = 4;
 
-void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
-  count_use(scratch.caches.report, CacheKind::free_motion, scratch.free_motion_step == h);
-  if (scratch.free_motion_step == h) return;
-  scratch.free_motion.clear();
-  const double step = static_cast<double>(h < 0 ? -h : h);
-  for (const BodyModel& body : model.bodies) {
-    Decay linear = decay_over(step * static_cast<double>(body.linear_damping));
-    Decay angular = decay_over(step * static_cast<double>(body.angular_damping));
-    if (h < 0) {  // backwards in time damping is growth
-      linear = {1 / linear.factor, linear.mean / linear.factor};
-      angular = {1 / angular.factor, angular.mean / angular.factor};
-    }
-    scratch.free_motion.push_back(
-        {static_cast<Real>(linear.factor), static_cast<Real>(linear.mean * static_cast<double>(h)),
-         static_cast<Real>(angular.factor), static_cast<Real>(angular.mean * static_cast<double>(h))});
-  }
-  scratch.free_motion_step = h;
-}
-
 /// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
 [[gnu::always_inline]] inline Twist constant_acceleration(const Model& model, const State& state,
                                                           const Scratch& scratch, std::size_t row) {
@@ -50,34 +31,42 @@ void prepare_free_motion(const Model& model, Scratch& scratch, Real h) {
 
 }  // namespace
 
+void FreeMotionCache::rebuild(const Model& model, Real h) {
+  rows_.clear();
+  const double step = static_cast<double>(h < 0 ? -h : h);
+  for (const BodyModel& body : model.bodies) {
+    Decay linear = decay_over(step * static_cast<double>(body.linear_damping));
+    Decay angular = decay_over(step * static_cast<double>(body.angular_damping));
+    if (h < 0) {  // backwards in time damping is growth
+      linear = {1 / linear.factor, linear.mean / linear.factor};
+      angular = {1 / angular.factor, angular.mean / angular.factor};
+    }
+    rows_.push_back({static_cast<Real>(linear.factor), static_cast<Real>(linear.mean * static_cast<double>(h)),
+                     static_cast<Real>(angular.factor), static_cast<Real>(angular.mean * static_cast<double>(h))});
+  }
+  h_ = h;
+}
+
+void FreeMotionCache::follow(const Model& model, Real h) {
+  const bool is_hit = valid_for(h);
+  count_use(is_hit);
+  if (!is_hit) rebuild(model, h);
+}
+
 void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
-  prepare_free_motion(model, scratch, h);
-  VelocitySteps& cache = scratch.caches.velocity_steps;
-  const PairCache& pairs = scratch.caches.pairs;
-  const Vec2 gravity = state.world.gravity;
-  const bool may_cache = pairs.is_valid && scratch.force.empty();
-  const bool is_hit = may_cache && cache.is_valid && cache.body_set == pairs.body_set && cache.h == h &&
-                      cache.gravity.x == gravity.x && cache.gravity.y == gravity.y;
-  count_use(scratch.caches.report, CacheKind::velocity_steps, is_hit);
-  if (is_hit) return;
-  cache.is_valid = may_cache;
-  cache.body_set = pairs.body_set;
-  cache.h = h;
-  cache.gravity = gravity;
-  cache.rows.resize(state.bodies.size());
+  scratch.caches.free_motion.follow(model, h);
   const auto step_of = [&](std::size_t row) -> VelocityStep {
     const BodyModel& body = model.bodies[state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) return {{0, 0, 0, 0}, {1, 1, 1, 0}};
-    const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
+    const FreeMotion& motion = scratch.caches.free_motion[state.bodies[row].source];
     const Twist acceleration = constant_acceleration(model, state, scratch, row);
     const Vec2 gain = motion.linear_gain * acceleration.linear;
     return {{gain.x, gain.y, motion.angular_gain * acceleration.angular, 0},
             {motion.linear_decay, motion.linear_decay, motion.angular_decay, 0}};
   };
-  const std::size_t count = state.bodies.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
-    for (std::size_t row = chunk.begin; row < chunk.end; ++row) cache.rows[row] = step_of(row);
-  });
+  scratch.caches.velocity_steps.follow({scratch.changes.body_generation, state.world.gravity, h},
+                                       scratch.changes.is_known && scratch.force.empty(), scratch.parallel,
+                                       state.bodies.size(), step_of);
 }
 
 void step_velocities(const Model& model, const State& state, Scratch& scratch) {
@@ -85,7 +74,7 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
     scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x,
-                                            scratch.caches.velocity_steps.rows.data()->gain,
+                                            scratch.caches.velocity_steps.rows()->gain,
                                             scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
   });
   if (model.position_forces == nullptr) return;
@@ -93,7 +82,7 @@ void step_velocities(const Model& model, const State& state, Scratch& scratch) {
   model.position_forces(model, state, scratch);
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
-    const FreeMotion& motion = scratch.free_motion[state.bodies[row].source];
+    const FreeMotion& motion = scratch.caches.free_motion[state.bodies[row].source];
     const Twist& acceleration = scratch.accelerations[row];
     body.velocity = body.velocity + motion.linear_gain * acceleration.linear;
     body.angular_velocity += motion.angular_gain * acceleration.angular;
@@ -124,7 +113,7 @@ void integrate_freely(Scratch& scratch, Real h, int substeps) {
       const std::uint32_t* rows = scratch.moving_rows.data() + first;
       const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
       for (int substep = 0; substep < substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, row_count);
         motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), dummy_sink(scratch, chunk.index), h);
       }
     }

@@ -2,11 +2,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
+#include "base/parallel/parallel.h"
+#include "engine/caches.h"
 #include "engine/model/body_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
 
 /// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
 /// Exact for constant acceleration and linear damping.
@@ -61,14 +67,65 @@ struct alignas(8 * sizeof(Real)) VelocityStep {
 };
 static_assert(sizeof(VelocityStep) == body_record_length * sizeof(Real));
 
-/// The steps of all bodies. They follow from the bodies, which have no forces of their own, the gravity and the length
-/// of a step: kept from tick to tick, they hold for the same.
-struct VelocitySteps {
-  bool is_valid = false;
-  std::uint32_t body_set = 0;      // KeptPairs'
-  Vec2 gravity{0, 0};              // m/s^2
-  Real h = 0;                      // s
-  std::vector<VelocityStep> rows;  // [body]
+/// FreeMotion of all sources. Key: the length of a step.
+class FreeMotionCache final : public TickCache {
+ public:
+  FreeMotionCache() : TickCache(CacheKind::free_motion) {}
+  void follow(const Model& model, Real h);
+  void invalidate() override { h_ = 0; }
+  const FreeMotion& operator[](std::size_t source) const { return rows_[source]; }
+
+ private:
+  bool valid_for(Real h) const { return h_ == h; }
+  void rebuild(const Model& model, Real h);
+
+  Real h_ = 0;                    // s; 0: none
+  std::vector<FreeMotion> rows_;  // [source]
+};
+
+/// What the steps of all bodies follow from, beside the forces of a tick's inputs.
+struct VelocityStepKey {
+  std::uint32_t body_generation = 0;
+  Vec2 gravity{0, 0};  // m/s^2
+  Real h = 0;          // s
+
+  bool operator==(const VelocityStepKey& other) const {
+    return body_generation == other.body_generation && gravity.x == other.gravity.x && gravity.y == other.gravity.y &&
+           h == other.h;
+  }
+};
+
+/// The steps of all bodies. Key: VelocityStepKey, in ticks without forces of inputs.
+class VelocitySteps final : public TickCache {
+ public:
+  VelocitySteps() : TickCache(CacheKind::velocity_steps) {}
+  /// Makes the steps unless they hold: step_of(row). `may_keep`: the key tells all that they follow from.
+  template <typename StepOf>
+  void follow(const VelocityStepKey& key, bool may_keep, const Parallel& parallel, std::size_t body_count,
+              const StepOf& step_of) {
+    const bool is_hit = may_keep && valid_for(key);
+    count_use(is_hit);
+    if (!is_hit) rebuild(key, may_keep, parallel, body_count, step_of);
+  }
+  void invalidate() override { is_valid_ = false; }
+  const VelocityStep* rows() const { return rows_.data(); }
+
+ private:
+  bool valid_for(const VelocityStepKey& key) const { return is_valid_ && key_ == key; }
+  template <typename StepOf>
+  void rebuild(const VelocityStepKey& key, bool may_keep, const Parallel& parallel, std::size_t body_count,
+               const StepOf& step_of) {
+    is_valid_ = may_keep;
+    key_ = key;
+    rows_.resize(body_count);
+    parallel.for_chunks(body_count, parallel.chunk_size(body_count, 256), [&](const Chunk& chunk) {
+      for (std::size_t row = chunk.begin; row < chunk.end; ++row) rows_[row] = step_of(row);
+    });
+  }
+
+  bool is_valid_ = false;
+  VelocityStepKey key_;
+  std::vector<VelocityStep> rows_;  // [body]
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

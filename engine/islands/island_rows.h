@@ -33,7 +33,7 @@ struct TiltError {
 
 inline constexpr std::uint32_t no_solver_set = 0xffffffff;
 
-/// Islands solved together, with the same number of substeps. Ranges of Scratch::set_rows, set_contacts and
+/// Islands solved together, with the same number of substeps. Ranges of TickLists::set_rows, set_contacts and
 /// ContactBatches::batches and ::runs.
 struct SolverSet {
   int substeps = 1;
@@ -47,9 +47,12 @@ struct SolverSet {
   std::uint32_t first_run = 0, run_end = 0;
 };
 
+/// What moves a body less in a substep, of the allowed way, is no impact.
+inline constexpr Real resting_impact_share = Real(0.05);
+
 /// A contact that hits a body at rest in this tick.
 struct RestingImpact {
-  std::uint32_t contact;  // in `touching`
+  std::uint32_t contact;  // in TickLists::contact_pairs
   Real closing;           // m/s, before the pass
   Real allowed;           // m, how far the bodies may move meanwhile
 };

@@ -7,9 +7,9 @@
 #include <atomic>
 
 #include "base/limits.h"
+#include "engine/impacts/impacts.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/model/selection.h"
-#include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -46,33 +46,33 @@ bool is_moving(const BodyRow& body) {
 
 constexpr std::size_t contacts_per_chunk_least = 512;
 
-void unite_by_contacts(Scratch& scratch) {
-  const std::size_t count = scratch.contact_pairs.size();
-  const std::size_t size = scratch.parallel.chunk_size(count, contacts_per_chunk_least);
-  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+void unite_by_contacts(TickLists& tick, IslandWork& work) {
+  const std::size_t count = tick.contact_pairs.size();
+  const std::size_t size = tick.parallel.chunk_size(count, contacts_per_chunk_least);
+  tick.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const std::uint32_t a = scratch.contact_pairs[i].body_a;
-      const std::uint32_t b = scratch.contact_pairs[i].body_b;
-      if (scratch.body_types[a] != BodyType::dynamic_body || scratch.body_types[b] != BodyType::dynamic_body) continue;
+      const std::uint32_t a = tick.contact_pairs[i].body_a;
+      const std::uint32_t b = tick.contact_pairs[i].body_b;
+      if (work.body_types[a] != BodyType::dynamic_body || work.body_types[b] != BodyType::dynamic_body) continue;
       if (size < count)
-        unite_shared(scratch.island_parent, a, b);
+        unite_shared(tick.island_parent, a, b);
       else
-        unite(scratch.island_parent, a, b);
+        unite(tick.island_parent, a, b);
     }
   });
 }
 
 /// Unites what hangs together.
-void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
+void unite_bodies(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
-  scratch.island_parent.resize(count);
-  for (std::uint32_t row = 0; row < count; ++row) scratch.island_parent[row] = row;
+  tick.island_parent.resize(count);
+  for (std::uint32_t row = 0; row < count; ++row) tick.island_parent[row] = row;
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    if (scratch.body_types[a] == BodyType::dynamic_body && scratch.body_types[b] == BodyType::dynamic_body)
-      unite(scratch.island_parent, a, b);
+    if (work.body_types[a] == BodyType::dynamic_body && work.body_types[b] == BodyType::dynamic_body)
+      unite(tick.island_parent, a, b);
   };
-  unite_by_contacts(scratch);
-  for (const ImpactPair& pair : scratch.impacts) meet(pair.body_a, pair.body_b);
+  unite_by_contacts(tick, work);
+  for (const ImpactPair& pair : tick.impacts) meet(pair.body_a, pair.body_b);
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
   for (const SpringForce& spring : model.springs) {
@@ -89,45 +89,43 @@ constexpr std::size_t bodies_per_chunk_least = 512;
 
 /// Calls look(row), a bool, for each body. True if it was for any.
 template <typename Predicate>
-bool any_body(const Scratch& scratch, std::size_t count, Predicate predicate) {
+bool any_body(const TickLists& tick, std::size_t count, Predicate predicate) {
   std::atomic<bool> any{false};
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, bodies_per_chunk_least, 64),
-                              [&](const Chunk& chunk) {
-                                bool found = false;
-                                for (std::size_t row = chunk.begin; row < chunk.end; ++row)
-                                  found |= predicate(static_cast<std::uint32_t>(row));
-                                if (found) any.store(true, std::memory_order_relaxed);
-                              });
+  tick.parallel.for_chunks(count, tick.parallel.chunk_size(count, bodies_per_chunk_least, 64), [&](const Chunk& chunk) {
+    bool found = false;
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) found |= predicate(static_cast<std::uint32_t>(row));
+    if (found) any.store(true, std::memory_order_relaxed);
+  });
   return any.load(std::memory_order_relaxed);
 }
 
-bool disturbs(const State& state, const Scratch& scratch, std::uint32_t row) {
-  return scratch.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
+bool disturbs(const State& state, const IslandWork& work, std::uint32_t row) {
+  return work.body_types[row] == BodyType::kinematic_body && is_moving(state.bodies[row]);
 }
 
-/// Fills scratch.body_types. True if something kinematic moves.
-bool find_types(const Model& model, const State& state, Scratch& scratch) {
-  scratch.body_types.resize(state.bodies.size());
-  return any_body(scratch, state.bodies.size(), [&](std::uint32_t row) {
-    scratch.body_types[row] = type_of(model, state, row);
-    return disturbs(state, scratch, row);
+/// Fills work.body_types. True if something kinematic moves.
+bool find_types(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
+  work.body_types.resize(state.bodies.size());
+  return any_body(tick, state.bodies.size(), [&](std::uint32_t row) {
+    work.body_types[row] = type_of(model, state, row);
+    return disturbs(state, work, row);
   });
 }
 
 /// Keeps awake what something kinematic that moves touches or holds.
-void disturb(const Model& model, State& state, Scratch& scratch) {
+void disturb(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     Real none = 0;  // by several contacts of a body at once
-    if (disturbs(state, scratch, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
-    if (disturbs(state, scratch, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, work, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
+    if (disturbs(state, work, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
-  const std::size_t contact_count = scratch.contact_pairs.size();
-  scratch.parallel.for_chunks(contact_count, scratch.parallel.chunk_size(contact_count, contacts_per_chunk_least),
-                              [&](const Chunk& chunk) {
-                                for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-                                  meet(scratch.contact_pairs[i].body_a, scratch.contact_pairs[i].body_b);
-                              });
+  const std::size_t contact_count = tick.contact_pairs.size();
+  tick.parallel.for_chunks(contact_count, tick.parallel.chunk_size(contact_count, contacts_per_chunk_least),
+                           [&](const Chunk& chunk) {
+                             for (std::size_t i = chunk.begin; i < chunk.end; ++i)
+                               meet(tick.contact_pairs[i].body_a, tick.contact_pairs[i].body_b);
+                           });
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference) meet(row_of(state, joint.body_a), row_of(state, joint.body_b));
   for (const SpringForce& spring : model.springs) {
@@ -138,8 +136,8 @@ void disturb(const Model& model, State& state, Scratch& scratch) {
   }
 }
 
-bool is_dynamic(const Scratch& scratch, std::uint32_t row) {
-  return scratch.body_types[row] == BodyType::dynamic_body;
+bool is_dynamic(const IslandWork& work, std::uint32_t row) {
+  return work.body_types[row] == BodyType::dynamic_body;
 }
 
 /// Has been calm for long enough to sleep, if all of its island have.
@@ -153,29 +151,28 @@ void wake(SleepRow& sleep) {
 }
 
 /// Wakes what is pulled or disturbed, and all bodies if none may sleep. True if they are awake.
-bool stay_awake(const Model& model, State& state, Scratch& scratch, bool some_disturb) {
+bool stay_awake(const Model& model, State& state, TickLists& tick, IslandWork& work, bool some_disturb) {
   if (!model.scene.settings.sleep) return true;
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
-  if (some_disturb) disturb(model, state, scratch);
+  if (some_disturb) disturb(model, state, tick, work);
   const std::size_t count = state.bodies.size();
-  if (any_body(scratch, count,
-               [&](std::uint32_t row) { return is_dynamic(scratch, row) && may_sleep(model, state, row); }))
+  if (any_body(tick, count, [&](std::uint32_t row) { return is_dynamic(work, row) && may_sleep(model, state, row); }))
     return false;
   for (std::uint32_t row = 0; row < count; ++row)
-    if (is_dynamic(scratch, row)) wake(state.sleep[row]);
+    if (is_dynamic(work, row)) wake(state.sleep[row]);
   return true;
 }
 
 /// Islands of which all bodies may sleep do. Requires: islands are united.
-void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
+void sleep_by_islands(const Model& model, State& state, TickLists& tick, IslandWork& work) {
   const std::size_t count = state.bodies.size();
-  scratch.island_awake.assign(count, 0);
+  work.island_awake.assign(count, 0);
   for (std::uint32_t row = 0; row < count; ++row)
-    if (is_dynamic(scratch, row) && !may_sleep(model, state, row))
-      scratch.island_awake[find_root(scratch.island_parent, row)] = 1;
+    if (is_dynamic(work, row) && !may_sleep(model, state, row))
+      work.island_awake[find_root(tick.island_parent, row)] = 1;
   for (std::uint32_t row = 0; row < count; ++row) {
-    if (!is_dynamic(scratch, row)) continue;
-    if (scratch.island_awake[find_root(scratch.island_parent, row)] != 0) {
+    if (!is_dynamic(work, row)) continue;
+    if (work.island_awake[find_root(tick.island_parent, row)] != 0) {
       wake(state.sleep[row]);
       continue;
     }
@@ -192,86 +189,93 @@ constexpr std::uint32_t key_of_all_sets = 1;
 constexpr std::uint32_t key_least = 2;
 constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
 
-/// scratch.set_keys: of groups, those of one substep first.
-void find_set_keys(Scratch& scratch) {
-  const std::size_t count = scratch.body_types.size();
-  scratch.set_keys.resize(count);
+/// work.set_keys: of groups, those of one substep first.
+void find_set_keys(TickLists& tick, IslandWork& work) {
+  const std::size_t count = work.body_types.size();
+  work.set_keys.resize(count);
   for (std::uint32_t row = 0; row < count; ++row) {
-    const BodyType type = scratch.body_types[row];
+    const BodyType type = work.body_types[row];
     std::uint32_t key = type == BodyType::kinematic_body ? key_of_all_sets : key_of_no_set;
     if (type == BodyType::dynamic_body) {
-      const std::uint32_t root = find_root(scratch.island_parent, row);
-      if (scratch.island_awake[root] != 0)
-        key = 2 * scratch.island_level[root] + scratch.island_has_resting_impact[root];
+      const std::uint32_t root = find_root(tick.island_parent, row);
+      if (work.island_awake[root] != 0) key = 2 * tick.island_level[root] + tick.island_has_resting_impact[root];
     }
-    scratch.set_keys[row] = key;
+    work.set_keys[row] = key;
   }
 }
 
-void add_solver_set(const Model& model, const State& state, Scratch& scratch, std::uint32_t key) {
-  const auto index = static_cast<std::uint32_t>(scratch.solver_sets.size());
+void add_solver_set(const Model& model, const State& state, TickLists& tick, IslandWork& work, std::uint32_t key) {
+  const auto index = static_cast<std::uint32_t>(tick.solver_sets.size());
   SolverSet set;
   set.substeps = static_cast<int>(key / 2);
   set.has_resting_impacts = key % 2 != 0;
-  set.first_row = static_cast<std::uint32_t>(scratch.set_rows.size());
-  set.first_contact = static_cast<std::uint32_t>(scratch.set_contacts.size());
+  set.first_row = static_cast<std::uint32_t>(tick.set_rows.size());
+  set.first_contact = static_cast<std::uint32_t>(tick.set_contacts.size());
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    if (scratch.set_keys[row] != key && scratch.set_keys[row] != key_of_all_sets) continue;
-    scratch.set_rows.push_back(row);
-    scratch.body_solver_set[row] = index;
+    if (work.set_keys[row] != key && work.set_keys[row] != key_of_all_sets) continue;
+    tick.set_rows.push_back(row);
+    tick.body_solver_set[row] = index;
   }
   const auto select = [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
     std::size_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const ContactPair& pair = scratch.contact_pairs[i];
+      const ContactPair& pair = tick.contact_pairs[i];
       const auto contact = static_cast<std::uint32_t>(i);
-      const std::uint32_t of_a = scratch.set_keys[pair.body_a];
+      const std::uint32_t of_a = work.set_keys[pair.body_a];
       // Two dynamic bodies that touch are of one island.
-      if ((of_a < key_least ? scratch.set_keys[pair.body_b] : of_a) == key &&
-          !is_left_to_impacts(model, state, scratch, contact))
+      if ((of_a < key_least ? work.set_keys[pair.body_b] : of_a) == key &&
+          !is_left_to_impacts(model, state, tick, contact))
         out[count++] = contact;
     }
     return count;
   };
-  scratch.set_contacts.resize(set.first_contact + scratch.contact_pairs.size());
-  const std::size_t contact_count = select_in_chunks(scratch, scratch.contact_pairs.size(), contacts_per_chunk_least,
-                                                     scratch.set_contacts.data() + set.first_contact, select);
-  scratch.set_contacts.resize(set.first_contact + contact_count);
-  set.row_end = static_cast<std::uint32_t>(scratch.set_rows.size());
-  set.contact_end = static_cast<std::uint32_t>(scratch.set_contacts.size());
-  scratch.solver_sets.push_back(set);
+  tick.set_contacts.resize(set.first_contact + tick.contact_pairs.size());
+  const std::size_t contact_count =
+      select_in_chunks(tick.parallel, work.part_counts, tick.contact_pairs.size(), contacts_per_chunk_least,
+                       tick.set_contacts.data() + set.first_contact, select);
+  tick.set_contacts.resize(set.first_contact + contact_count);
+  set.row_end = static_cast<std::uint32_t>(tick.set_rows.size());
+  set.contact_end = static_cast<std::uint32_t>(tick.set_contacts.size());
+  tick.solver_sets.push_back(set);
 }
 
 /// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
 /// in each of them.
-void make_solver_sets(const Model& model, const State& state, Scratch& scratch) {
-  scratch.solver_sets.clear();
-  scratch.set_rows.clear();
-  scratch.set_contacts.clear();
-  scratch.body_solver_set.assign(state.bodies.size(), no_solver_set);
-  find_set_keys(scratch);
+void make_solver_sets(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
+  tick.solver_sets.clear();
+  tick.set_rows.clear();
+  tick.set_contacts.clear();
+  tick.body_solver_set.assign(state.bodies.size(), no_solver_set);
+  find_set_keys(tick, work);
   bool in_use[key_count] = {};
   in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
-  for (const std::uint32_t key : scratch.set_keys) in_use[key] = true;
+  for (const std::uint32_t key : work.set_keys) in_use[key] = true;
   for (std::uint32_t key = key_least; key < key_count; ++key)
-    if (in_use[key]) add_solver_set(model, state, scratch, key);
+    if (in_use[key]) add_solver_set(model, state, tick, work, key);
 }
 
 }  // namespace
 
-void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
-  const bool some_disturb = find_types(model, state, scratch);
-  const bool all_awake = stay_awake(model, state, scratch, some_disturb);
-  // Where all are awake and have equal substeps, who hangs together with whom makes no difference.
-  scratch.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
-  if (!scratch.has_solver_sets) return;
-  unite_bodies(model, state, scratch);
+void IslandFinder::run(const Model& model, State& state, TickLists& tick, Real dt) {
+  const bool some_disturb = find_types(model, state, tick, work_);
+  const bool all_awake = stay_awake(model, state, tick, work_, some_disturb);
+  // Islands make no difference while all bodies are awake and have equal substeps.
+  tick.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
+  if (!tick.has_solver_sets) return;
+  unite_bodies(model, state, tick, work_);
   if (all_awake)
-    scratch.island_awake.assign(state.bodies.size(), 1);
+    work_.island_awake.assign(state.bodies.size(), 1);
   else
-    sleep_by_islands(model, state, scratch);
-  choose_substeps(model, state, scratch, dt);
-  make_solver_sets(model, state, scratch);
+    sleep_by_islands(model, state, tick, work_);
+  choose_substeps(model, state, tick, work_, dt);
+  make_solver_sets(model, state, tick, work_);
+}
+
+void IslandFinder::poison() {
+  poison_all(work_.body_types, work_.set_keys, work_.island_awake, work_.part_counts, work_.supports,
+             work_.support_start, work_.support_depth, work_.support_order, work_.joint_acceleration,
+             work_.position_error, work_.load_moment, work_.tilt_errors, work_.local_error, work_.load_passed_on,
+             work_.island_errors, work_.substeps_before, work_.idle_ticks);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,8 +3,9 @@
 // Source: the sag of soft constraints falls as substeps^-2: sag = force / (effective mass * omega^2) with omega
 // proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
 #include "base/limits.h"
-#include "engine/impacts/shock_propagation.h"
+#include "engine/contacts/contact_batch.h"
 #include "engine/islands/islands.h"
+#include "engine/joints/joint.h"
 #include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -60,10 +61,10 @@ bool carries(const ContactPair& pair) {
 }
 
 /// Lists, for each body, what it touches or is joined to.
-void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
-  std::vector<std::uint32_t>& start = scratch.support_start;
+void list_supports(const Model& model, const State& state, TickLists& tick, IslandWork& work, Real h) {
+  std::vector<std::uint32_t>& start = work.support_start;
   start.assign(state.bodies.size() + 2, 0);
-  for (const ContactPair& pair : scratch.contact_pairs) {
+  for (const ContactPair& pair : tick.contact_pairs) {
     if (!carries(pair)) continue;
     ++start[pair.body_a + 2];
     ++start[pair.body_b + 2];
@@ -74,17 +75,17 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
     ++start[row_of(state, joint.body_b) + 2];
   }
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.supports.resize(start.back());
-  for (const ContactPair& pair : scratch.contact_pairs) {
+  work.supports.resize(start.back());
+  for (const ContactPair& pair : tick.contact_pairs) {
     if (!carries(pair)) continue;
     const Real compliance = contact_compliance(model, state, pair, h);
     const ManifoldPoint& p = pair.manifold.points[0];
     const ManifoldPoint& q = pair.manifold.points[pair.manifold.point_count - 1];
     const Real half_width2 = length_squared(Real(0.5) * (q.anchor_a - p.anchor_a));
     const Real angular_compliance = half_width2 > 0 ? compliance / half_width2 : Real(0);
-    scratch.supports[start[pair.body_a + 1]++] = {
+    work.supports[start[pair.body_a + 1]++] = {
         pair.body_b, compliance, 0, 0, Real(0.5) * (p.anchor_a + q.anchor_a), half_width2, angular_compliance};
-    scratch.supports[start[pair.body_b + 1]++] = {
+    work.supports[start[pair.body_b + 1]++] = {
         pair.body_a, compliance, 0, 0, Real(0.5) * (p.anchor_b + q.anchor_b), half_width2, angular_compliance};
   }
   for (const JointRow& joint : state.joints) {
@@ -98,134 +99,132 @@ void list_supports(const Model& model, const State& state, Scratch& scratch, Rea
     const Vec2 anchor_a = rotate(state.bodies[a].rotation, constants.anchor_a);
     const Vec2 anchor_b = rotate(state.bodies[b].rotation, constants.anchor_b);
     const Real angular_compliance = joint_angular_compliance(model, state, constants, a, b, h);
-    scratch.supports[start[a + 1]++] = {b, compliance, arm_a, arm_b, anchor_a, 0, angular_compliance};
-    scratch.supports[start[b + 1]++] = {a, compliance, arm_b, arm_a, anchor_b, 0, angular_compliance};
+    work.supports[start[a + 1]++] = {b, compliance, arm_a, arm_b, anchor_a, 0, angular_compliance};
+    work.supports[start[b + 1]++] = {a, compliance, arm_b, arm_a, anchor_b, 0, angular_compliance};
   }
 }
 
-std::span<const Support> supports_of(const Scratch& scratch, std::uint32_t row) {
-  return {scratch.supports.data() + scratch.support_start[row],
-          scratch.support_start[row + 1] - scratch.support_start[row]};
+std::span<const Support> supports_of(const IslandWork& work, std::uint32_t row) {
+  return {work.supports.data() + work.support_start[row], work.support_start[row + 1] - work.support_start[row]};
 }
 
 /// Steps from the nearest immovable body, breadth first; support_order lists what is carried, nearest first.
-void find_depths(const Model& model, const State& state, Scratch& scratch) {
-  scratch.support_depth.assign(state.bodies.size(), not_carried);
-  scratch.support_order.clear();
+void find_depths(const Model& model, const State& state, IslandWork& work) {
+  work.support_depth.assign(state.bodies.size(), not_carried);
+  work.support_order.clear();
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) != BodyType::dynamic_body) {
-      scratch.support_depth[row] = 0;
-      scratch.support_order.push_back(row);
+      work.support_depth[row] = 0;
+      work.support_order.push_back(row);
     }
-  for (std::size_t next = 0; next < scratch.support_order.size(); ++next) {
-    const std::uint32_t row = scratch.support_order[next];
-    for (const Support& support : supports_of(scratch, row)) {
-      if (scratch.support_depth[support.other] != not_carried) continue;
-      scratch.support_depth[support.other] = scratch.support_depth[row] + 1;
-      scratch.support_order.push_back(support.other);
+  for (std::size_t next = 0; next < work.support_order.size(); ++next) {
+    const std::uint32_t row = work.support_order[next];
+    for (const Support& support : supports_of(work, row)) {
+      if (work.support_depth[support.other] != not_carried) continue;
+      work.support_depth[support.other] = work.support_depth[row] + 1;
+      work.support_order.push_back(support.other);
     }
   }
 }
 
 /// Calls `use` with each of those that carry a body: its supports that are a step nearer to the ground.
 template <typename Use>
-void for_each_carrier(const Scratch& scratch, std::uint32_t row, Use use) {
-  for (const Support& support : supports_of(scratch, row))
-    if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) use(support);
+void for_each_carrier(const IslandWork& work, std::uint32_t row, Use use) {
+  for (const Support& support : supports_of(work, row))
+    if (work.support_depth[support.other] + 1 == work.support_depth[row]) use(support);
 }
 
 /// How hard joints hold each body that whirls: w^2 r of every arm on the way to what cannot move.
-void find_joint_accelerations(const State& state, Scratch& scratch) {
-  scratch.joint_acceleration.assign(state.bodies.size(), 0);
+void find_joint_accelerations(const State& state, IslandWork& work) {
+  work.joint_acceleration.assign(state.bodies.size(), 0);
   const auto spin2 = [&](std::uint32_t row) {
     return state.bodies[row].angular_velocity * state.bodies[row].angular_velocity;
   };
-  for (const std::uint32_t row : scratch.support_order)
-    for_each_carrier(scratch, row, [&](const Support& support) {
+  for (const std::uint32_t row : work.support_order)
+    for_each_carrier(work, row, [&](const Support& support) {
       const Real here = spin2(support.other) * support.other_arm + spin2(row) * support.arm;
-      scratch.joint_acceleration[row] =
-          larger(scratch.joint_acceleration[row], scratch.joint_acceleration[support.other] + here);
+      work.joint_acceleration[row] =
+          larger(work.joint_acceleration[row], work.joint_acceleration[support.other] + here);
     });
 }
 
 /// What a body adds to the load, N: its weight, and what its joints hold it by.
-Real own_load(const Model& model, const State& state, const Scratch& scratch, std::uint32_t row) {
+Real own_load(const Model& model, const State& state, const IslandWork& work, std::uint32_t row) {
   const BodyModel& body = model.bodies[state.bodies[row].source];
-  return (absolute(body.gravity_scale) * length(state.world.gravity) + scratch.joint_acceleration[row]) * body.mass;
+  return (absolute(body.gravity_scale) * length(state.world.gravity) + work.joint_acceleration[row]) * body.mass;
 }
 
 /// Weights and pulls go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
-void estimate_errors(const Model& model, const State& state, Scratch& scratch) {
-  scratch.load.assign(state.bodies.size(), 0);
-  scratch.position_error.assign(state.bodies.size(), 0);
-  scratch.local_error.assign(state.bodies.size(), 0);
-  find_joint_accelerations(state, scratch);
+void estimate_errors(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
+  tick.load.assign(state.bodies.size(), 0);
+  work.position_error.assign(state.bodies.size(), 0);
+  work.local_error.assign(state.bodies.size(), 0);
+  find_joint_accelerations(state, work);
   const auto share_of = [&](std::uint32_t row) {
     int count = 0;
-    for_each_carrier(scratch, row, [&](const Support&) { ++count; });
-    return scratch.load[row] / static_cast<Real>(count);
+    for_each_carrier(work, row, [&](const Support&) { ++count; });
+    return tick.load[row] / static_cast<Real>(count);
   };
-  for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
-    const std::uint32_t row = scratch.support_order[i];
-    if (scratch.support_depth[row] == 0) continue;
-    scratch.load[row] += own_load(model, state, scratch, row);
+  for (std::size_t i = work.support_order.size(); i-- > 0;) {
+    const std::uint32_t row = work.support_order[i];
+    if (work.support_depth[row] == 0) continue;
+    tick.load[row] += own_load(model, state, work, row);
     const Real share = share_of(row);
-    for_each_carrier(scratch, row, [&](const Support& support) { scratch.load[support.other] += share; });
+    for_each_carrier(work, row, [&](const Support& support) { tick.load[support.other] += share; });
   }
-  for (const std::uint32_t row : scratch.support_order) {
-    if (scratch.support_depth[row] == 0) continue;
+  for (const std::uint32_t row : work.support_order) {
+    if (work.support_depth[row] == 0) continue;
     const Real share = share_of(row);
     const Real size = model.bodies[state.bodies[row].source].size;
-    for_each_carrier(scratch, row, [&](const Support& support) {
+    for_each_carrier(work, row, [&](const Support& support) {
       const Real compression = share * support.compliance;
-      scratch.position_error[row] =
-          larger(scratch.position_error[row], scratch.position_error[support.other] + compression);
-      const bool both_move = scratch.support_depth[support.other] != 0;
+      work.position_error[row] = larger(work.position_error[row], work.position_error[support.other] + compression);
+      const bool both_move = work.support_depth[support.other] != 0;
       const Real other_size = model.bodies[state.bodies[support.other].source].size;
       const Real least = both_move ? smaller(size, other_size) : size;
-      if (least > 0) scratch.local_error[row] = larger(scratch.local_error[row], compression / least);
+      if (least > 0) work.local_error[row] = larger(work.local_error[row], compression / least);
     });
   }
 }
 
 /// A load beside the middle of a contact tilts what lies on it, and all that stands there leans; a weld bends under
 /// what hangs from it. Of bodies that one contact or weld alone carries.
-void estimate_tilts(const State& state, Scratch& scratch) {
-  scratch.load_moment.assign(state.bodies.size(), {0, 0});
-  scratch.tilt_errors.assign(state.bodies.size(), {{0, 0}, 0});
+void estimate_tilts(const State& state, TickLists& tick, IslandWork& work) {
+  work.load_moment.assign(state.bodies.size(), {0, 0});
+  work.tilt_errors.assign(state.bodies.size(), {{0, 0}, 0});
   const Vec2 gravity = state.world.gravity;
   if (!(length(gravity) > 0)) return;
   const Vec2 down = (1 / length(gravity)) * gravity;
   const auto count_of = [&](std::uint32_t row) {
     int count = 0;
-    for_each_carrier(scratch, row, [&](const Support&) { ++count; });
+    for_each_carrier(work, row, [&](const Support&) { ++count; });
     return count;
   };
-  std::vector<Real>& load_passed_on = scratch.load_passed_on;
+  std::vector<Real>& load_passed_on = work.load_passed_on;
   load_passed_on.assign(state.bodies.size(), 0);
-  for (std::size_t i = scratch.support_order.size(); i-- > 0;) {
-    const std::uint32_t row = scratch.support_order[i];
-    if (scratch.support_depth[row] == 0) continue;
-    Vec2& moment = scratch.load_moment[row];
-    moment = moment + (scratch.load[row] - load_passed_on[row]) * state.bodies[row].position;
+  for (std::size_t i = work.support_order.size(); i-- > 0;) {
+    const std::uint32_t row = work.support_order[i];
+    if (work.support_depth[row] == 0) continue;
+    Vec2& moment = work.load_moment[row];
+    moment = moment + (tick.load[row] - load_passed_on[row]) * state.bodies[row].position;
     const Real share = 1 / static_cast<Real>(count_of(row));
-    for_each_carrier(scratch, row, [&](const Support& support) {
-      load_passed_on[support.other] += share * scratch.load[row];
-      scratch.load_moment[support.other] = scratch.load_moment[support.other] + share * moment;
+    for_each_carrier(work, row, [&](const Support& support) {
+      load_passed_on[support.other] += share * tick.load[row];
+      work.load_moment[support.other] = work.load_moment[support.other] + share * moment;
     });
   }
-  for (const std::uint32_t row : scratch.support_order) {
-    if (scratch.support_depth[row] == 0 || count_of(row) != 1 || !(scratch.load[row] > 0)) continue;
-    for_each_carrier(scratch, row, [&](const Support& support) {
+  for (const std::uint32_t row : work.support_order) {
+    if (work.support_depth[row] == 0 || count_of(row) != 1 || !(tick.load[row] > 0)) continue;
+    for_each_carrier(work, row, [&](const Support& support) {
       if (!(support.angular_compliance > 0)) return;
       const Vec2 position = state.bodies[row].position;
       const Vec2 middle = position + support.middle;
-      const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
+      const Vec2 center = (1 / tick.load[row]) * work.load_moment[row];
       const Real lever = cross(center - middle, down);
       if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // it topples
-      const Real torque = scratch.load[row] * lever;
-      const TiltError& below = scratch.tilt_errors[support.other];
-      TiltError& tilt = scratch.tilt_errors[row];
+      const Real torque = tick.load[row] * lever;
+      const TiltError& below = work.tilt_errors[support.other];
+      TiltError& tilt = work.tilt_errors[row];
       tilt.angle = below.angle + torque * support.angular_compliance;
       const Vec2 under = middle - state.bodies[support.other].position;
       tilt.displacement = (below.displacement + cross(below.angle, under)) - cross(tilt.angle, support.middle);
@@ -248,67 +247,67 @@ constexpr Real added_share_max = Real(0.01);
 
 /// Where not even the most substeps keep a sag within its allowance: how much heavier constraints shall see what
 /// carries the load, which is far heavier. Sags fall by as much.
-void find_mass_factors(const Model& model, const State& state, Scratch& scratch) {
+void find_mass_factors(const Model& model, const State& state, TickLists& tick, IslandWork& work) {
   const Settings& settings = model.scene.settings;
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
   const Real ratio = static_cast<Real>(reference_substeps) / static_cast<Real>(settings.auto_substeps->substeps_max);
-  scratch.mass_factor.assign(state.bodies.size(), 1);
-  std::vector<IslandError>& islands = scratch.island_errors;
+  tick.mass_factor.assign(state.bodies.size(), 1);
+  std::vector<IslandError>& islands = work.island_errors;
   islands.assign(state.bodies.size(), {0, 0});
-  for (const std::uint32_t row : scratch.support_order) {
-    if (scratch.support_depth[row] == 0) continue;
+  for (const std::uint32_t row : work.support_order) {
+    if (work.support_depth[row] == 0) continue;
     const Real size = model.bodies[state.bodies[row].source].size;
-    const Real whole = size > 0 ? scratch.position_error[row] / size : Real(0);
-    IslandError& island = islands[find_root(scratch.island_parent, row)];
-    island.error = larger(island.error, (ratio * ratio) * larger(whole, scratch.local_error[row]) / target);
-    island.depth = larger(island.depth, static_cast<Real>(scratch.support_depth[row]));
+    const Real whole = size > 0 ? work.position_error[row] / size : Real(0);
+    IslandError& island = islands[find_root(tick.island_parent, row)];
+    island.error = larger(island.error, (ratio * ratio) * larger(whole, work.local_error[row]) / target);
+    island.depth = larger(island.depth, static_cast<Real>(work.support_depth[row]));
   }
-  for (const std::uint32_t row : scratch.support_order) {
-    if (scratch.support_depth[row] == 0) continue;
-    const IslandError& island = islands[find_root(scratch.island_parent, row)];
-    const Real own = own_load(model, state, scratch, row);
+  for (const std::uint32_t row : work.support_order) {
+    if (work.support_depth[row] == 0) continue;
+    const IslandError& island = islands[find_root(tick.island_parent, row)];
+    const Real own = own_load(model, state, work, row);
     if (!(island.error > 1) || !(own > 0)) continue;
-    const Real most = added_share_max * (scratch.load[row] - own) / (own * island.depth);
-    scratch.mass_factor[row] = larger(1, smaller(island.error, most));
+    const Real most = added_share_max * (tick.load[row] - own) / (own * island.depth);
+    tick.mass_factor[row] = larger(1, smaller(island.error, most));
   }
 }
 
 }  // namespace
 
-void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt) {
+void choose_substeps(const Model& model, State& state, TickLists& tick, IslandWork& work, Real dt) {
   const Settings& settings = model.scene.settings;
   const auto least = static_cast<std::uint32_t>(settings.substeps);
-  scratch.island_level.assign(state.bodies.size(), least);
-  scratch.resting_impacts.clear();
-  scratch.island_has_resting_impact.assign(state.bodies.size(), 0);
+  tick.island_level.assign(state.bodies.size(), least);
+  tick.resting_impacts.clear();
+  tick.island_has_resting_impact.assign(state.bodies.size(), 0);
   if (!settings.auto_substeps) return;
-  list_supports(model, state, scratch, dt / static_cast<Real>(reference_substeps));
-  find_depths(model, state, scratch);
-  estimate_errors(model, state, scratch);
-  estimate_tilts(state, scratch);
-  find_mass_factors(model, state, scratch);
+  list_supports(model, state, tick, work, dt / static_cast<Real>(reference_substeps));
+  find_depths(model, state, work);
+  estimate_errors(model, state, tick, work);
+  estimate_tilts(state, tick, work);
+  find_mass_factors(model, state, tick, work);
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
-  std::vector<std::uint32_t>& level = scratch.island_level;
+  std::vector<std::uint32_t>& level = tick.island_level;
   // What the island needs now.
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    std::uint32_t& island = level[find_root(scratch.island_parent, row)];
+    std::uint32_t& island = level[find_root(tick.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
     // What comes suddenly swings out twice as far.
-    const Real error = larger(scratch.position_error[row], 2 * length(scratch.tilt_errors[row].displacement));
+    const Real error = larger(work.position_error[row], 2 * length(work.tilt_errors[row].displacement));
     const std::uint32_t wanted = wanted_substeps(error, target * body.size, least, most);
-    const std::uint32_t wanted_here = wanted_substeps(scratch.local_error[row], target, least, most);
+    const std::uint32_t wanted_here = wanted_substeps(work.local_error[row], target, least, most);
     island = island > wanted ? island : wanted;
     island = island > wanted_here ? island : wanted_here;
   }
   // What it has had: rises at once, falls after calm ticks.
-  std::vector<std::uint32_t>& had = scratch.support_depth;
+  std::vector<std::uint32_t>& had = work.substeps_before;
   had.assign(state.bodies.size(), 0);
-  std::vector<std::uint32_t>& idle = scratch.support_order;
+  std::vector<std::uint32_t>& idle = work.idle_ticks;
   idle.assign(state.bodies.size(), idle_tick_count);
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
-    const std::uint32_t root = find_root(scratch.island_parent, row);
+    const std::uint32_t root = find_root(tick.island_parent, row);
     const SubstepRow& now = state.substeps[row];
     if (now.count > had[root]) {
       had[root] = now.count;
@@ -319,7 +318,7 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
-    const std::uint32_t root = find_root(scratch.island_parent, row);
+    const std::uint32_t root = find_root(tick.island_parent, row);
     const bool keeps = had[root] > level[root] && idle[root] + 1 < idle_tick_count;
     SubstepRow& now = state.substeps[row];
     now.count = keeps ? had[root] : level[root];
@@ -327,8 +326,8 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row)
     if (type_of(model, state, row) == BodyType::dynamic_body)
-      level[find_root(scratch.island_parent, row)] = state.substeps[row].count;
-  find_resting_impacts(model, state, scratch, dt);
+      level[find_root(tick.island_parent, row)] = state.substeps[row].count;
+  find_resting_impacts(model, state, tick, dt);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

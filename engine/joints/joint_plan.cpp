@@ -63,7 +63,7 @@ void plan_joints(const Model& model, const State& state, Scratch& scratch) {
   JointPlan& plan = scratch.caches.joints;
   const bool is_of_scene = follows_from_scene(model, state);
   const bool is_hit = is_of_scene && plan.is_of_scene;
-  count_use(scratch.caches.report, CacheKind::joint_plan, is_hit);
+  plan.count(is_hit);
   if (is_hit) return;
   plan.is_of_scene = is_of_scene;
   order_joints(model, state, scratch, is_of_scene && allows_wavefront(model));

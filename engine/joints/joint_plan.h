@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/caches.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
 
@@ -9,7 +10,11 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Of the group that is being solved. Where there is one group of everything, it follows from the scene alone as long
 /// as all joints of the scene are there, and is kept.
-struct JointPlan {
+struct JointPlan final : TickCache {
+  JointPlan() : TickCache(CacheKind::joint_plan) {}
+  void invalidate() override { is_of_scene = false; }
+  void count(bool was_hit) { count_use(was_hit); }
+
   bool is_of_scene = false;
   bool in_levels = false;                   // else in scene order
   bool by_level = false;                    // runs end where levels do

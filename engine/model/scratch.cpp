@@ -2,23 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "engine/model/scratch.h"
 
-#include <cstring>
+#include "engine/model/poison.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
-
-template <typename T>
-void poison_rows(std::vector<T>& rows) {
-  rows.resize(rows.capacity());
-  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
-  rows.clear();
-}
-
-/// Rows that are only ever added to: of what is there, a tick may read nothing.
-template <typename T>
-void poison_in_place(std::vector<T>& rows) {
-  if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
-}
 
 void poison_batches(ContactBatches& batches) {
   poison_in_place(batches.batches);
@@ -32,46 +19,18 @@ void poison_batches(ContactBatches& batches) {
 
 }  // namespace
 
+void poison(TickLists& tick) {
+  poison_all(tick.force, tick.torque, tick.removed_touching, tick.removed_sensors, tick.impacts, tick.solver_sets,
+             tick.set_rows, tick.set_contacts, tick.body_solver_set, tick.island_parent, tick.island_level,
+             tick.island_has_resting_impact, tick.resting_impacts, tick.load, tick.mass_factor);
+  tick.proxies = {};
+  tick.pairs = {};
+  tick.changes = {};
+  tick.contact_pairs = {};
+  tick.has_solver_sets = false;
+}
+
 void poison(Scratch& scratch) {
-  // Inputs are decoded by the caller; `cached` and free_motion are caches with their keys beside them.
-  poison_rows(scratch.force);
-  poison_rows(scratch.torque);
-  scratch.proxies = {};
-  poison_rows(scratch.proxy_rows);
-  poison_rows(scratch.boxes);
-  poison_rows(scratch.circles);
-  poison_rows(scratch.pair_rows);
-  poison_rows(scratch.unsorted_pairs);
-  for (PairSorter& sorter : scratch.pair_sorters) {
-    poison_rows(sorter.pairs);
-    poison_rows(sorter.by_second);
-    poison_rows(sorter.start);
-  }
-  poison_rows(scratch.counts);
-  poison_rows(scratch.sort_entries);
-  poison_rows(scratch.sort_buffer);
-  poison_rows(scratch.swept_boxes);
-  poison_rows(scratch.swept_places);
-  poison_rows(scratch.cell_ranges);
-  poison_rows(scratch.cell_entries);
-  poison_rows(scratch.cell_starts);
-  poison_rows(scratch.large);
-  poison_rows(scratch.inner_boxes);
-  poison_rows(scratch.outlines);
-  poison_rows(scratch.ccd_target_starts);
-  poison_rows(scratch.ccd_target_places);
-  poison_rows(scratch.contact_pairs);
-  poison_rows(scratch.contacts);
-  poison_rows(scratch.part_counts);
-  poison_rows(scratch.parts);
-  poison_rows(scratch.contact_pairs_spilled);
-  poison_rows(scratch.contact_pairs_moved);
-  poison_rows(scratch.contacts_spilled);
-  poison_rows(scratch.contacts_moved);
-  poison_rows(scratch.now_touching);
-  poison_rows(scratch.removed_touching);
-  poison_rows(scratch.removed_sensors);
-  poison_rows(scratch.touch_buffer);
   poison_rows(scratch.bodies);
   poison_rows(scratch.masses);
   poison_rows(scratch.constant_accelerations);
@@ -87,40 +46,16 @@ void poison(Scratch& scratch) {
   poison_batches(scratch.contact_batches);
   for (ContactBatches& batches : scratch.block_batches) poison_batches(batches);
   poison_rows(scratch.mouse_joints);
-  poison_rows(scratch.impacts);
   poison_rows(scratch.paths);
   poison_rows(scratch.hit_rows);
   poison_rows(scratch.active_impacts);
   poison_rows(scratch.impact_events);
   poison_rows(scratch.impact_starts);
   poison_rows(scratch.impacts_of_bodies);
-  poison_rows(scratch.solver_sets);
   scratch.moving_rows = {};
-  poison_rows(scratch.is_fast);
   poison_rows(scratch.is_constrained);
   poison_rows(scratch.free_rows);
-  poison_rows(scratch.set_rows);
-  poison_rows(scratch.set_contacts);
-  poison_rows(scratch.set_keys);
-  poison_rows(scratch.body_solver_set);
-  poison_rows(scratch.body_types);
-  poison_rows(scratch.island_parent);
-  poison_rows(scratch.island_level);
-  poison_rows(scratch.island_has_resting_impact);
-  poison_rows(scratch.resting_impacts);
   poison_rows(scratch.shock_velocities);
-  poison_rows(scratch.island_awake);
-  poison_rows(scratch.supports);
-  poison_rows(scratch.support_start);
-  poison_rows(scratch.support_depth);
-  poison_rows(scratch.support_order);
-  poison_rows(scratch.load);
-  poison_rows(scratch.joint_acceleration);
-  poison_rows(scratch.position_error);
-  poison_rows(scratch.local_error);
-  poison_rows(scratch.load_moment);
-  poison_rows(scratch.load_passed_on);
-  poison_rows(scratch.tilt_errors);
   ImpulseStep& step = scratch.impulse_step;
   poison_rows(step.rows);
   for (std::vector<double>* rows : {&step.full_change, &step.matrix, &step.velocity, &step.total}) poison_rows(*rows);
@@ -128,8 +63,6 @@ void poison(Scratch& scratch) {
     poison_rows(*rows);
   poison_rows(step.is_start);
   poison_rows(step.row_start);
-  poison_rows(scratch.island_errors);
-  poison_rows(scratch.mass_factor);
   poison_rows(scratch.joints);
   poison_in_place(scratch.revolutes.batches);
   poison_in_place(scratch.revolutes.arms);
@@ -142,31 +75,10 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.level_starts);
 }
 
-void forget(Scratch& scratch, CacheSet caches) {
-  TickCaches& cached = scratch.caches;
-  const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
-  if (caches == all_caches) cached.pairs.is_valid = false;  // with the proxies, which all of it is about
-  if (is_in(CacheKind::pair_list)) cached.pairs.has_pairs = false;
-  if (is_in(CacheKind::boxes)) cached.pairs.farthest = -1;  // no tick has this
-  if (is_in(CacheKind::present_pairs)) cached.pairs.has_present = false;
-  if (is_in(CacheKind::manifolds)) cached.has_contact_pairs = false;
-  if (is_in(CacheKind::contact_places)) cached.is_settled = false;
-  if (is_in(CacheKind::pair_blocks))
-    for (PairBlock& block : cached.pair_blocks) block.is_valid = false;
-  if (is_in(CacheKind::velocity_steps)) cached.velocity_steps.is_valid = false;
-  if (is_in(CacheKind::free_motion)) scratch.free_motion_step = 0;
-  if (is_in(CacheKind::joint_plan)) cached.joints.is_of_scene = false;
-  if (is_in(CacheKind::contact_colors)) {
-    cached.coloring.is_whole_set = false;
-    cached.coloring.body_indices.clear();
-    cached.coloring.blocks.clear();
-  }
-  if (is_in(CacheKind::contact_blocks)) {
-    cached.coloring.block_of.clear();
-    cached.coloring.set_rows.clear();
-    cached.coloring.ticks_unsplit = 0;
-  }
-  if (is_in(CacheKind::cell_side)) cached.pairs.common_side = 0;
+void list_caches(Scratch& scratch, std::vector<TickCache*>& caches) {
+  SolverCaches& of = scratch.caches;
+  caches.insert(caches.end(), {&of.free_motion, &of.velocity_steps, &of.joints, &of.coloring.colors_cache,
+                               &of.coloring.blocks_cache});
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

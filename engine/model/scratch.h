@@ -1,22 +1,16 @@
-// Scratch: what one tick works with and forgets, and what it may keep. Derived from Model and State alone; never
-// hashed, never saved.
+// Scratch: what the solver works with in a tick, and what it caches. Derived from Model and State alone; never hashed,
+// never saved.
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "base/limits.h"
-#include "base/parallel/parallel.h"
-#include "engine/broad_phase/pair_rows.h"
 #include "engine/caches.h"
 #include "engine/contacts/contact_batch.h"
 #include "engine/contacts/solver_kernels.h"
-#include "engine/impacts/impacts.h"
 #include "engine/impacts/impulse_rows.h"
 #include "engine/integrators/motion_rows.h"
-#include "engine/islands/island_rows.h"
 #include "engine/joints/batched/driven_revolute_batch.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
@@ -24,134 +18,43 @@
 #include "engine/joints/mouse_joint.h"
 #include "engine/model/body_rows.h"
 #include "engine/model/state.h"
-#include "engine/narrow_phase/pair_block.h"
-#include "engine/narrow_phase/touching.h"
-#include "engine/scene/input.h"
+#include "engine/model/tick_lists.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// What ticks keep for the next one. Each part says of itself for what it holds, so that a tick gives the same bits
 /// with it, without it, and with that of any other run of the same model (docs/decisions/0014).
-struct TickCaches {
-  PairCache pairs;
-  std::vector<ContactPair> contact_pairs;  // of the tick before, row by row those of State::contacts
-  bool has_contact_pairs = false;          // and no contact, body or margin has changed since
-  bool is_settled = false;                 // none of them was new: those of the next tick are likely the same
-  std::uint32_t contact_set = 0;           // another number in each tick that has other contacts than the one before
-  std::vector<PairBlock> pair_blocks;      // of that tick's pairs
-  std::uint32_t generation = 0;            // counts the ticks in which they were looked at
+/// What the solver caches from tick to tick.
+struct SolverCaches {
+  FreeMotionCache free_motion;
   VelocitySteps velocity_steps;
   JointPlan joints;
   ContactColoring coloring;
-  CacheReport report{};
 };
 
-struct Scratch {
-  TickCaches caches;
-  Parallel parallel;                                                            // the engine's
-  std::size_t pair_count_max = limits::pair_count_max(limits::body_count_max);  // of this tick
-
-  // Lists made in chunks are written where the chunk's part of the range begins, then put together.
-  std::vector<std::uint32_t> part_counts;  // [chunk]
-  std::vector<ListPart> parts;             // [chunk]
-
-  // inputs
-  std::vector<Input> inputs;
-  std::vector<Vec2> force;   // [body] N, from this tick's inputs; empty if there are none
-  std::vector<Real> torque;  // [body] N m
-
-  // broad_phase
-  std::span<const Proxy> proxies;  // those of `kept`, or the rows below
-  std::vector<Proxy> proxy_rows;
-  std::vector<Box> boxes;           // [proxy] m, hold the shapes with their margins; not filled by aabb_tree
-  std::vector<Circle> circles;      // [proxy], bounding_circle
-  std::span<const Pair> pairs;      // by (first, second)
-  std::vector<Pair> pair_rows;      // those, where no broad phase keeps them
-  bool has_too_many_pairs = false;  // more than pair_count_max boxes overlap: none are listed, the tick cannot be done
-  std::vector<Pair> unsorted_pairs;
-  std::vector<std::vector<Pair>> pair_parts;  // [chunk] aabb_tree, neighbour_cells
-  std::vector<PairSorter> pair_sorters;       // [part]
-  std::vector<std::uint32_t> counts;
-  std::vector<SortEntry> sort_entries;  // sweep_and_prune, aabb_tree
-  std::vector<SortEntry> sort_buffer;
-  std::vector<Box> swept_boxes;                  // sweep_and_prune: in sweep order; neighbour_cells: by cell
-  std::vector<SweptPlace> swept_places;          // neighbour_cells: whose boxes those are
-  std::vector<CellRange> cell_ranges;            // uniform_grid, [proxy]
-  std::vector<CellEntry> cell_entries;           // uniform_grid, by bucket, dynamic ones first
-  std::vector<std::uint32_t> cell_starts;        // uniform_grid, [bucket]; neighbour_cells, [cell]
-  std::vector<std::uint32_t> large;              // uniform_grid, neighbour_cells: proxies in no cell, ascending
-  std::vector<Box> inner_boxes;                  // neighbour_cells, [proxy] without what is ahead
-  std::vector<BoxOutline> outlines;              // neighbour_cells, [chunk]
-  std::vector<std::uint32_t> ccd_target_starts;  // neighbour_cells: [cell]
-  std::vector<std::uint32_t> ccd_target_places;  // neighbour_cells: the guarded proxies, by cell
-
-  // narrow_phase
-  std::vector<ContactPair> contact_pairs;
-  std::vector<ContactRow> contacts;                // the rows that replace State::contacts
-  std::vector<ContactPair> contact_pairs_spilled;  // where chunks write what does not fit, and to where all are moved
-  std::vector<ContactPair> contact_pairs_moved;
-  std::vector<ContactRow> contacts_spilled;
-  std::vector<ContactRow> contacts_moved;
+struct Scratch : TickLists {
+  SolverCaches caches;
 
   // impacts
-  std::vector<ImpactPair> impacts;                    // that may come in this tick
-  std::vector<std::vector<ImpactPair>> impact_parts;  // [chunk]
-  std::vector<std::uint8_t> is_fast;                  // [body] may pass through something in this tick
-  std::vector<ImpactPath> paths;                      // [body], of those in `impacts`
-  std::vector<std::uint32_t> hit_rows;                // in the present substep
-  std::vector<std::uint32_t> active_impacts;          // those of the group that is being solved
-  std::vector<ImpactEvent> impact_events;             // a heap, earliest first
-  std::vector<std::uint32_t> impact_starts;           // [body] in impacts_of_bodies
+  std::vector<ImpactPath> paths;              // [body], of those in `impacts`
+  std::vector<std::uint32_t> hit_rows;        // in the present substep
+  std::vector<std::uint32_t> active_impacts;  // those of the set that is being solved
+  std::vector<ImpactEvent> impact_events;     // a heap, earliest first
+  std::vector<std::uint32_t> impact_starts;   // [body] in impacts_of_bodies
   std::vector<std::uint32_t> impacts_of_bodies;
-  bool offsets_in_use = false;  // the integrator fills velocity_offsets
-
-  // islands
-  bool has_solver_sets = false;                // by islands; else everything will be one group
-  std::vector<SolverSet> solver_sets;          // ascending by substeps; sleeping islands are in none
-  std::span<const std::uint32_t> moving_rows;  // of the group that is being solved
-  std::uint32_t set_index = 0;                 // of that group
-  std::vector<std::uint8_t> is_constrained;    // [body] something touches it in this tick, or may
-  std::vector<std::uint32_t> free_rows;        // of the group that is being solved
-  std::vector<std::uint32_t> set_rows;         // bodies that move, of each group; kinematic ones are in all of them
-  std::vector<std::uint32_t> set_contacts;     // in `touching`
-  std::vector<std::uint32_t> set_keys;         // [body] islands: what decides its group
-  std::vector<std::uint32_t> body_solver_set;  // [body] index in `groups`; no_solver_set: asleep or static
-  std::vector<BodyType> body_types;            // [body] islands
-  std::vector<std::uint32_t> island_parent;    // [body] union-find
-  std::vector<std::uint32_t> island_level;     // [body] at the island's first row: substeps
-  std::vector<std::uint8_t> island_awake;      // [body] at the island's first row
-  std::vector<std::uint8_t> island_has_resting_impact;  // [body] at the island's first row
-  std::vector<RestingImpact> resting_impacts;
   std::vector<Twist> shock_velocities;  // [body] before the last passes
-  std::uint32_t shock_work_left = 0;    // in contacts that may still be solved for landings in this tick
   ImpulseStep impulse_step;
-  std::vector<Support> supports;
-  std::vector<std::uint32_t> support_start;  // [body] in `supports`
-  std::vector<std::uint32_t> support_depth;  // [body] steps from what carries it
-  std::vector<std::uint32_t> support_order;  // bodies by depth
-  std::vector<Real> load;                    // [body] N
-  std::vector<Real> joint_acceleration;      // [body] m/s^2, of the joints that it whirls at
-  std::vector<Real> position_error;          // [body] m, expected at four substeps
-  std::vector<Vec2> load_moment;             // [body] N m, load times where it is
-  std::vector<Real> load_passed_on;          // [body] N, of what others have put on it
-  std::vector<TiltError> tilt_errors;        // [body] expected at four substeps
-  std::vector<Real> local_error;             // [body] the same against what carries it alone, of the smaller of the two
-  std::vector<IslandError> island_errors;    // [body] at the island's first row
-  std::vector<Real> mass_factor;             // [body] how much heavier constraints see it; with automatic substeps
 
-  // events
-  std::vector<TouchRow> now_touching;      // the rows that replace State::touching, then State::sensors
-  std::vector<TouchRow> removed_touching;  // rows of bodies that were removed in this tick
-  std::vector<TouchRow> removed_sensors;
-  std::vector<TouchRow> touch_buffer;
+  // sets
+  std::span<const std::uint32_t> moving_rows;  // of the set that is being solved
+  std::uint32_t set_index = 0;                 // of that set
+  std::vector<std::uint8_t> is_constrained;    // [body] something touches it in this tick, or may
+  std::vector<std::uint32_t> free_rows;        // of the set that is being solved
 
   // solver
   const SolverKernels* kernels = nullptr;  // the model's
-  std::optional<InjectedFault> injected;   // for this tick
   std::vector<MovingBody> bodies;
   std::vector<BodyMass> masses;               // [body]
-  std::vector<FreeMotion> free_motion;        // [source], for steps of free_motion_step
-  Real free_motion_step = 0;                  // s; 0: not computed yet
   std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
   std::vector<Twist> accelerations;           // [record] at the present stage
   std::vector<Twist> velocity_offsets;        // [body] velocity at the end of the substep, less the drift velocity
@@ -178,8 +81,8 @@ struct Scratch {
   std::vector<std::uint32_t> level_starts;  // [level and way] in the plan's places
 };
 
-/// Makes the next tick build these structures anew.
-void forget(Scratch& scratch, CacheSet caches);
+/// The solver's caches.
+void list_caches(Scratch& scratch, std::vector<TickCache*>& caches);
 
 /// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge
 /// indices). Builds with TICKTRUE_POISON call it before each tick.

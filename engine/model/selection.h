@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <cstring>
+#include <vector>
 
-#include "engine/model/scratch.h"
+#include "base/parallel/parallel.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -23,15 +25,16 @@ std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Be
 
 /// select(begin, end, out) writes at most one row for each element of begin..end-1 of a range and returns how many; it
 /// is called in chunks of at least `least`. Returns how many there are in `out`, which has room for one of each
-/// element.
+/// element. `counts` is overwritten.
 template <typename Row, typename Select>
-std::size_t select_in_chunks(Scratch& scratch, std::size_t count, std::size_t least, Row* out, const Select& select) {
-  const std::size_t size = scratch.parallel.chunk_size(count, least);
-  scratch.part_counts.assign(Parallel::chunk_count(count, size), 0);
-  scratch.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
-    scratch.part_counts[chunk.index] = static_cast<std::uint32_t>(select(chunk.begin, chunk.end, out + chunk.begin));
+std::size_t select_in_chunks(const Parallel& parallel, std::vector<std::uint32_t>& counts, std::size_t count,
+                             std::size_t least, Row* out, const Select& select) {
+  const std::size_t size = parallel.chunk_size(count, least);
+  counts.assign(Parallel::chunk_count(count, size), 0);
+  parallel.for_chunks(count, size, [&](const Chunk& chunk) {
+    counts[chunk.index] = static_cast<std::uint32_t>(select(chunk.begin, chunk.end, out + chunk.begin));
   });
-  return put_together(out, scratch.part_counts, [size](std::size_t chunk) { return chunk * size; });
+  return put_together(out, counts, [size](std::size_t chunk) { return chunk * size; });
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -12,7 +12,6 @@
 #include "engine/narrow_phase/box_pairs.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/narrow_phase/speculative.h"
-#include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -114,7 +113,7 @@ void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pa
 struct PairSearch {
   const Model& model;
   const State& state;
-  const Scratch& scratch;
+  const TickLists& tick;
   Real gravity_displacement;
   Real dt;
   bool speculates;
@@ -129,8 +128,8 @@ struct PairSearch {
   bool pairs_unchanged;  // all pairs are those
 
   ContactKey key(const Pair& pair) const {
-    const Proxy& a = scratch.proxies[pair.first];
-    const Proxy& b = scratch.proxies[pair.second];
+    const Proxy& a = tick.proxies[pair.first];
+    const Proxy& b = tick.proxies[pair.second];
     return {key_of(state.bodies[a.body].id, a.child), key_of(state.bodies[b.body].id, b.child)};
   }
 };
@@ -237,8 +236,8 @@ void find_old_of_block(const PairSearch& search, const PairBlock& block, OldCont
 void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t count, OldContacts& old,
                        PairBlock& block, OldCandidates& out) {
   const ShapeModel* shapes = search.model.shapes.data();
-  const Proxy* proxies = search.scratch.proxies.data();
-  const std::uint8_t* unchanged = search.may_reuse ? search.scratch.caches.pairs.is_unchanged.data() : nullptr;
+  const Proxy* proxies = search.tick.proxies.data();
+  const std::uint8_t* unchanged = search.may_reuse ? search.tick.changes.is_unchanged.data() : nullptr;
   block.pair_count = static_cast<std::uint32_t>(count);
   block.candidate_count = 0;
   block.box_count = 0;
@@ -312,7 +311,7 @@ class ContactWriter {
   ContactWriter(const PairSearch& search, const OldContacts& old)
       : search_(search),
         bodies_(search.state.bodies.data()),
-        proxies_(search.scratch.proxies.data()),
+        proxies_(search.tick.proxies.data()),
         old_(old),
         is_in_place_(search.is_in_place) {}
 
@@ -429,7 +428,7 @@ class ContactWriter {
     else if (has_old && search_.may_reuse)
       copy_constants(search_.old_pairs[old_index], contact);
     else
-      fill_constants(search_.model, search_.scratch.proxies, pair, contact);
+      fill_constants(search_.model, search_.tick.proxies, pair, contact);
     write_now(old_row);
   }
 
@@ -455,7 +454,7 @@ FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range,
   for (std::size_t first = range.begin; first < range.end; first += PairBlock::pair_count_max) {
     PairBlock& block = range.blocks[(first - range.begin) / PairBlock::pair_count_max];
     const std::size_t pair_count = std::min(PairBlock::pair_count_max, range.end - first);
-    const bool is_same_block = writer.begin(search.scratch.pairs.data() + first, pair_count, block);
+    const bool is_same_block = writer.begin(search.tick.pairs.data() + first, pair_count, block);
     const BoxManifolds boxes(search.model, search.state, block);
     const std::size_t count = block.candidate_count;
     writer.enter(buffer_for(found.count + count, found.count - found.in_place + count));
@@ -477,33 +476,34 @@ constexpr std::size_t pairs_per_contact_dense = 2;
 
 /// In chunks: each writes where the contacts of its pairs were a tick ago, and what does not fit elsewhere. Where every
 /// chunk has found as many as there were, all are in their places; else they are copied there.
-FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch, std::size_t chunk_size) {
-  const std::size_t pair_count = scratch.pairs.size();
+FoundContacts find_contacts_in_chunks(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks,
+                                      std::size_t chunk_size) {
+  const std::size_t pair_count = search.tick.pairs.size();
   const std::size_t chunk_count = Parallel::chunk_count(pair_count, chunk_size);
-  scratch.parts.resize(chunk_count);
-  scratch.contact_pairs_spilled.resize(pair_count);
-  scratch.contacts_spilled.resize(pair_count);
+  work.parts.resize(chunk_count);
+  work.contact_pairs_spilled.resize(pair_count);
+  work.contacts_spilled.resize(pair_count);
   // No larger than before: to clear rows that nothing will be in takes as long as to find the contacts of some.
   const std::size_t old_count = search.is_in_place ? search.old_count : std::min(search.old_count, pair_count);
-  scratch.contact_pairs.resize(old_count);
-  scratch.contacts.resize(old_count);
+  work.contact_pairs.resize(old_count);
+  work.contacts.resize(old_count);
   // Before any of them is overwritten.
   for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
-    scratch.parts[chunk].first = first_old_contact(search, scratch.pairs[chunk * chunk_size]);
+    work.parts[chunk].first = first_old_contact(search, search.tick.pairs[chunk * chunk_size]);
   std::atomic<bool> any_new{false};
   std::atomic<std::uint64_t> hit_count{0};
   std::atomic<std::uint64_t> made_count{0};
   std::atomic<std::uint64_t> unchanged_count{0};
-  scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
-    ListPart& part = scratch.parts[chunk.index];
-    const std::size_t old_end = chunk.index + 1 < chunk_count ? scratch.parts[chunk.index + 1].first : search.old_count;
+  search.tick.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
+    ListPart& part = work.parts[chunk.index];
+    const std::size_t old_end = chunk.index + 1 < chunk_count ? work.parts[chunk.index + 1].first : search.old_count;
     const std::size_t first = std::min(part.first, old_count);
-    const ContactBuffer place{scratch.contact_pairs.data() + first, scratch.contacts.data() + first,
-                              std::min(old_end, old_count) - first, scratch.contact_pairs_spilled.data() + chunk.begin,
-                              scratch.contacts_spilled.data() + chunk.begin};
-    const FoundContacts found = find_contacts_of(
-        search, {chunk.begin, chunk.end, scratch.caches.pair_blocks.data() + chunk.index * blocks_of(chunk_size)},
-        {first, part.first, old_end}, [&](std::size_t, std::size_t) { return place; });
+    const ContactBuffer place{work.contact_pairs.data() + first, work.contacts.data() + first,
+                              std::min(old_end, old_count) - first, work.contact_pairs_spilled.data() + chunk.begin,
+                              work.contacts_spilled.data() + chunk.begin};
+    const FoundContacts found =
+        find_contacts_of(search, {chunk.begin, chunk.end, blocks + chunk.index * blocks_of(chunk_size)},
+                         {first, part.first, old_end}, [&](std::size_t, std::size_t) { return place; });
     part.in_place = found.in_place;
     part.count = found.count;
     if (found.any_new) any_new.store(true, std::memory_order_relaxed);
@@ -513,114 +513,116 @@ FoundContacts find_contacts_in_chunks(const PairSearch& search, Scratch& scratch
   });
   std::size_t total = 0;
   bool all_in_place = true;
-  for (ListPart& part : scratch.parts) {
+  for (ListPart& part : work.parts) {
     part.first = std::min(part.first, old_count);
     all_in_place = all_in_place && part.first == total && part.in_place == part.count;
     part.place = total;
     total += part.count;
   }
-  const CacheCounts blocks{hit_count, made_count};
-  if (all_in_place) return {total, total, any_new, blocks, unchanged_count};
-  scratch.contact_pairs_moved.resize(total);
-  scratch.contacts_moved.resize(total);
-  scratch.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
-    const ListPart& part = scratch.parts[chunk.index];
+  const CacheCounts block_counts{hit_count, made_count};
+  if (all_in_place) return {total, total, any_new, block_counts, unchanged_count};
+  work.contact_pairs_moved.resize(total);
+  work.contacts_moved.resize(total);
+  search.tick.parallel.for_chunks(pair_count, chunk_size, [&](const Chunk& chunk) {
+    const ListPart& part = work.parts[chunk.index];
     for (std::size_t i = 0; i < part.count; ++i) {
       const bool is_there = i < part.in_place;
       const std::size_t spilled = chunk.begin + i - part.in_place;
-      scratch.contact_pairs_moved[part.place + i] =
-          is_there ? scratch.contact_pairs[part.first + i] : scratch.contact_pairs_spilled[spilled];
-      scratch.contacts_moved[part.place + i] =
-          is_there ? scratch.contacts[part.first + i] : scratch.contacts_spilled[spilled];
+      work.contact_pairs_moved[part.place + i] =
+          is_there ? work.contact_pairs[part.first + i] : work.contact_pairs_spilled[spilled];
+      work.contacts_moved[part.place + i] = is_there ? work.contacts[part.first + i] : work.contacts_spilled[spilled];
     }
   });
-  scratch.contact_pairs.swap(scratch.contact_pairs_moved);
-  scratch.contacts.swap(scratch.contacts_moved);
-  return {total, total, any_new, blocks, unchanged_count};
+  work.contact_pairs.swap(work.contact_pairs_moved);
+  work.contacts.swap(work.contacts_moved);
+  return {total, total, any_new, block_counts, unchanged_count};
 }
 
 /// In one go, to where there was nothing.
-FoundContacts find_all_contacts(const PairSearch& search, Scratch& scratch) {
-  scratch.contacts.resize(scratch.contact_pairs.size());
-  return find_contacts_of(search, {0, scratch.pairs.size(), scratch.caches.pair_blocks.data()},
-                          {0, 0, search.old_count}, [&](std::size_t count, std::size_t) {
-                            if (scratch.contact_pairs.size() < count) {
-                              scratch.contact_pairs.resize(count);
-                              scratch.contacts.resize(count);
+FoundContacts find_all_contacts(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks) {
+  work.contacts.resize(work.contact_pairs.size());
+  return find_contacts_of(search, {0, search.tick.pairs.size(), blocks}, {0, 0, search.old_count},
+                          [&](std::size_t count, std::size_t) {
+                            if (work.contact_pairs.size() < count) {
+                              work.contact_pairs.resize(count);
+                              work.contacts.resize(count);
                             }
-                            return ContactBuffer{scratch.contact_pairs.data(), scratch.contacts.data(),
-                                                 scratch.contact_pairs.size(), nullptr, nullptr};
+                            return ContactBuffer{work.contact_pairs.data(), work.contacts.data(),
+                                                 work.contact_pairs.size(), nullptr, nullptr};
                           });
 }
 
 /// In one go, in place as far as there are none but those of the tick before.
-FoundContacts find_contacts_in_place(const PairSearch& search, Scratch& scratch) {
-  const FoundContacts found =
-      find_contacts_of(search, {0, scratch.pairs.size(), scratch.caches.pair_blocks.data()}, {0, 0, search.old_count},
-                       [&](std::size_t, std::size_t spilled) {
-                         if (scratch.contact_pairs_spilled.size() < spilled) {
-                           scratch.contact_pairs_spilled.resize(spilled);
-                           scratch.contacts_spilled.resize(spilled);
-                         }
-                         return ContactBuffer{scratch.contact_pairs.data(), scratch.contacts.data(), search.old_count,
-                                              scratch.contact_pairs_spilled.data(), scratch.contacts_spilled.data()};
-                       });
-  scratch.contact_pairs.resize(found.count);
-  scratch.contacts.resize(found.count);
+FoundContacts find_contacts_in_place(const PairSearch& search, NarrowPhaseWork& work, PairBlock* blocks) {
+  const FoundContacts found = find_contacts_of(
+      search, {0, search.tick.pairs.size(), blocks}, {0, 0, search.old_count}, [&](std::size_t, std::size_t spilled) {
+        if (work.contact_pairs_spilled.size() < spilled) {
+          work.contact_pairs_spilled.resize(spilled);
+          work.contacts_spilled.resize(spilled);
+        }
+        return ContactBuffer{work.contact_pairs.data(), work.contacts.data(), search.old_count,
+                             work.contact_pairs_spilled.data(), work.contacts_spilled.data()};
+      });
+  work.contact_pairs.resize(found.count);
+  work.contacts.resize(found.count);
   for (std::size_t i = found.in_place; i < found.count; ++i) {
-    scratch.contact_pairs[i] = scratch.contact_pairs_spilled[i - found.in_place];
-    scratch.contacts[i] = scratch.contacts_spilled[i - found.in_place];
+    work.contact_pairs[i] = work.contact_pairs_spilled[i - found.in_place];
+    work.contacts[i] = work.contacts_spilled[i - found.in_place];
   }
   return found;
 }
 
 }  // namespace
 
-void find_contacts(const Model& model, State& state, Scratch& scratch, Real dt) {
-  TickCaches& caches = scratch.caches;
+void NarrowPhase::run(const Model& model, State& state, TickLists& tick, Real dt) {
   const bool speculates = model.scene.settings.auto_substeps.has_value();
-  const bool may_reuse = caches.has_contact_pairs && caches.contact_pairs.size() == state.contacts.size();
-  const bool is_in_place = may_reuse && caches.is_settled;
+  const ManifoldKey key{tick.changes.is_known, tick.changes.body_generation, gravity_displacement_of_tick(model, state),
+                        speculates ? dt : Real(0)};
+  const bool may_reuse = manifolds_.valid_for(key, state.contacts.size());
+  const bool is_in_place = may_reuse && places_.valid();
   if (is_in_place) {
-    scratch.contact_pairs.swap(caches.contact_pairs);
-    scratch.contacts.swap(state.contacts);
+    manifolds_.take(work_.contact_pairs);
+    work_.contacts.swap(state.contacts);
   }
-  const std::vector<ContactRow>& old = is_in_place ? scratch.contacts : state.contacts;
-  const std::size_t pair_count = scratch.pairs.size();
-  const std::size_t chunk_size =
-      scratch.parallel.chunk_size(pair_count, pairs_per_chunk_least, PairBlock::pair_count_max);
-  const std::size_t block_count = Parallel::chunk_count(pair_count, chunk_size) * blocks_of(chunk_size);
-  if (caches.pair_blocks.size() < block_count) caches.pair_blocks.resize(block_count);
+  const std::vector<ContactRow>& old = is_in_place ? work_.contacts : state.contacts;
+  const std::size_t pair_count = tick.pairs.size();
+  const std::size_t chunk_size = tick.parallel.chunk_size(pair_count, pairs_per_chunk_least, PairBlock::pair_count_max);
+  PairBlock* blocks = blocks_.begin_tick(Parallel::chunk_count(pair_count, chunk_size) * blocks_of(chunk_size));
   const bool is_sparse = !speculates && pair_count > pairs_per_contact_dense * old.size();
   const PairSearch search{model,
                           state,
-                          scratch,
-                          gravity_displacement_of_tick(model, state),
+                          tick,
+                          key.gravity_displacement,
                           dt,
                           speculates,
                           is_sparse,
                           may_reuse,
                           is_in_place,
                           old.data(),
-                          (is_in_place ? scratch.contact_pairs : caches.contact_pairs).data(),
+                          is_in_place ? work_.contact_pairs.data() : manifolds_.pairs().data(),
                           old.size(),
-                          ++caches.generation,
-                          may_reuse && !is_sparse && !caches.pairs.many_are_unchanged,
-                          caches.pairs.present_unchanged};
+                          blocks_.tick(),
+                          may_reuse && !is_sparse && !tick.changes.many_are_unchanged,
+                          tick.changes.same_pairs};
   FoundContacts found{};
-  count_use(caches.report, CacheKind::contact_places, is_in_place);
+  places_.count(is_in_place);
   if (chunk_size < pair_count)
-    found = find_contacts_in_chunks(search, scratch, chunk_size);
+    found = find_contacts_in_chunks(search, work_, blocks, chunk_size);
   else
-    found = is_in_place ? find_contacts_in_place(search, scratch) : find_all_contacts(search, scratch);
-  count_uses(caches.report, CacheKind::pair_blocks, found.blocks);
-  count_uses(caches.report, CacheKind::manifolds, {found.unchanged_count, may_reuse ? 0u : 1u});
-  scratch.contact_pairs.resize(found.count);
-  scratch.contacts.resize(found.count);
-  state.contacts.swap(scratch.contacts);
-  caches.has_contact_pairs = caches.pairs.is_valid;
-  caches.is_settled = !found.any_new;
-  if (!is_in_place || found.any_new || found.count != search.old_count) ++caches.contact_set;
+    found = is_in_place ? find_contacts_in_place(search, work_, blocks) : find_all_contacts(search, work_, blocks);
+  blocks_.count(found.blocks);
+  manifolds_.count(found.unchanged_count, may_reuse);
+  work_.contact_pairs.resize(found.count);
+  work_.contacts.resize(found.count);
+  state.contacts.swap(work_.contacts);
+  places_.rebuild(found.any_new, is_in_place && !found.any_new && found.count == search.old_count);
+  manifolds_.rebuild(key, work_.contact_pairs);
+  tick.contact_pairs = manifolds_.pairs();
+  tick.contact_generation = places_.generation();
+}
+
+void NarrowPhase::list_caches(std::vector<TickCache*>& caches) {
+  caches.insert(caches.end(), {&manifolds_, &places_, &blocks_});
 }
 
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point) {

@@ -2,9 +2,26 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/model/model.h"
+#include "engine/model/stage.h"
+#include "engine/model/tick_lists.h"
+#include "engine/narrow_phase/contact_caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// The stage that turns pairs into contacts.
+class NarrowPhase final : public Stage {
+ public:
+  void run(const Model& model, State& state, TickLists& tick, Real dt) override;
+  void list_caches(std::vector<TickCache*>& caches) override;
+  void poison() override { work_.poison(); }
+
+ private:
+  ManifoldCache manifolds_;
+  ContactPlaces places_;
+  PairBlocks blocks_;
+  NarrowPhaseWork work_;
+};
 
 /// Lengths below which geometry does not matter, relative to the shape: a stack of 1 cm boxes and one of 100 m boxes
 /// behave alike.

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/broad_phase/pair_rows.h"
+#include "engine/model/proxies.h"
 #include "engine/narrow_phase/box_lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

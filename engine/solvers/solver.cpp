@@ -5,9 +5,22 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+using SolveFunction = void (*)(const Model& model, State& state, Scratch& scratch, Real dt);
+
+class Solver final : public Stage {
+ public:
+  explicit Solver(SolveFunction solve) : solve_(solve) {}
+  void run(const Model& model, State& state, TickLists& tick, Real dt) override {
+    solve_(model, state, static_cast<Scratch&>(tick), dt);
+  }
+
+ private:
+  SolveFunction solve_;
+};
+
 struct SolverEntry {
   SolverKind kind;
-  StageFunction solve;
+  SolveFunction solve;
 };
 constexpr std::array<SolverEntry, solvers.size()> functions{{
     {SolverKind::free_flight, solve_free_flight},
@@ -18,8 +31,8 @@ constexpr std::array<SolverEntry, solvers.size()> functions{{
 
 }  // namespace
 
-StageFunction solver_function(SolverKind kind) {
-  return info_of(functions, kind).solve;
+std::unique_ptr<Stage> make_solver(SolverKind kind) {
+  return std::make_unique<Solver>(info_of(functions, kind).solve);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/pipeline.h"
+#include <memory>
+
+#include "engine/model/model.h"
+#include "engine/model/scratch.h"
+#include "engine/model/stage.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// The stage of this kind.
-StageFunction solver_function(SolverKind kind);
+std::unique_ptr<Stage> make_solver(SolverKind kind);
 
 void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real dt);
 void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt);

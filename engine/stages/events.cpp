@@ -3,8 +3,9 @@
 //
 // What touches is compared with what touched in the tick before; both are sorted by ids, so one walk over both finds
 // every difference, in an order that no broad phase can change.
+#include "engine/stages/events.h"
+
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -68,41 +69,41 @@ void compare(EventKind begin, EventKind end, std::vector<TouchRow>& past, std::v
   past.swap(present);
 }
 
-void find_contact_events(State& state, Scratch& scratch) {
-  scratch.now_touching.clear();
-  for (std::size_t i = 0; i < scratch.contact_pairs.size(); ++i) {
-    if (!touches(scratch.contact_pairs[i].manifold)) continue;
+void find_contact_events(State& state, TickLists& tick, EventWork& work) {
+  work.now_touching.clear();
+  for (std::size_t i = 0; i < tick.contact_pairs.size(); ++i) {
+    if (!touches(tick.contact_pairs[i].manifold)) continue;
     const ContactRow& row = state.contacts[i];
-    scratch.now_touching.push_back({row.body_a, row.child_a, row.body_b, row.child_b});
+    work.now_touching.push_back({row.body_a, row.child_a, row.body_b, row.child_b});
   }
-  compare(EventKind::contact_begin, EventKind::contact_end, state.touching, scratch.now_touching,
-          scratch.removed_touching, scratch.touch_buffer, state.events);
-  scratch.removed_touching.clear();
+  compare(EventKind::contact_begin, EventKind::contact_end, state.touching, work.now_touching, tick.removed_touching,
+          work.touch_buffer, state.events);
+  tick.removed_touching.clear();
 }
 
-void find_sensor_events(const Model& model, State& state, Scratch& scratch) {
-  scratch.now_touching.clear();
-  for (const Pair& pair : scratch.pairs) {
-    const Proxy& a = scratch.proxies[pair.first];
-    const Proxy& b = scratch.proxies[pair.second];
+void find_sensor_events(const Model& model, State& state, TickLists& tick, EventWork& work) {
+  work.now_touching.clear();
+  for (const Pair& pair : tick.pairs) {
+    const Proxy& a = tick.proxies[pair.first];
+    const Proxy& b = tick.proxies[pair.second];
     if (!a.is_sensor && !b.is_sensor) continue;
     const BodyRow& body_a = state.bodies[a.body];
     const BodyRow& body_b = state.bodies[b.body];
     if (!touches(collide(model, model.shapes[a.shape], model.shapes[b.shape], body_a, body_b, 0))) continue;
-    scratch.now_touching.push_back(a.is_sensor ? TouchRow{body_a.id, a.child, body_b.id, b.child}
-                                               : TouchRow{body_b.id, b.child, body_a.id, a.child});
+    work.now_touching.push_back(a.is_sensor ? TouchRow{body_a.id, a.child, body_b.id, b.child}
+                                            : TouchRow{body_b.id, b.child, body_a.id, a.child});
   }
-  compare(EventKind::sensor_begin, EventKind::sensor_end, state.sensors, scratch.now_touching, scratch.removed_sensors,
-          scratch.touch_buffer, state.events);
-  scratch.removed_sensors.clear();
+  compare(EventKind::sensor_begin, EventKind::sensor_end, state.sensors, work.now_touching, tick.removed_sensors,
+          work.touch_buffer, state.events);
+  tick.removed_sensors.clear();
 }
 
 }  // namespace
 
-void find_events(const Model& model, State& state, Scratch& scratch, Real) {
+void EventFinder::run(const Model& model, State& state, TickLists& tick, Real) {
   state.events.clear();
-  if (model.scene.settings.events) find_contact_events(state, scratch);
-  if (model.has_sensors) find_sensor_events(model, state, scratch);
+  if (model.scene.settings.events) find_contact_events(state, tick, work_);
+  if (model.has_sensors) find_sensor_events(model, state, tick, work_);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

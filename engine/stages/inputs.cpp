@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
-#include "engine/stages/remove_body.h"
+#include "engine/stages/stages.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -43,7 +43,7 @@ BodyRow* find(State& state, const Input& input) {
   return nullptr;
 }
 
-void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t prototype, const Input& pose) {
+void add_body(const Model& model, State& state, TickLists& tick, std::uint32_t prototype, const Input& pose) {
   if (model.scene.spawned_max) {
     std::size_t spawned = 0;
     std::size_t oldest = state.bodies.size();
@@ -52,7 +52,7 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
         ++spawned;
         oldest = row;
       }
-    if (spawned >= *model.scene.spawned_max && spawned > 0) remove_body(state, scratch, oldest);
+    if (spawned >= *model.scene.spawned_max && spawned > 0) remove_body(state, tick, oldest);
   }
   const std::uint32_t source = model.first_prototype + prototype;
   const BodyModel& constants = model.bodies[source];
@@ -67,27 +67,27 @@ void add_body(const Model& model, State& state, Scratch& scratch, std::uint32_t 
     row.angular_velocity = to_real(pose.values[5]);
   }
   add_body_row(model, state, row);
-  if (!scratch.force.empty()) {
-    scratch.force.push_back({0, 0});
-    scratch.torque.push_back(0);
+  if (!tick.force.empty()) {
+    tick.force.push_back({0, 0});
+    tick.torque.push_back(0);
   }
 }
 
-void allocate_forces(const State& state, Scratch& scratch) {
-  if (!scratch.force.empty()) return;
-  scratch.force.assign(state.bodies.size(), Vec2{0, 0});
-  scratch.torque.assign(state.bodies.size(), Real(0));
+void allocate_forces(const State& state, TickLists& tick) {
+  if (!tick.force.empty()) return;
+  tick.force.assign(state.bodies.size(), Vec2{0, 0});
+  tick.torque.assign(state.bodies.size(), Real(0));
 }
 
-void do_spawn(const Model& model, State& state, Scratch& scratch, const Input& input) {
-  add_body(model, state, scratch, input.prototype, input);
+void do_spawn(const Model& model, State& state, TickLists& tick, const Input& input) {
+  add_body(model, state, tick, input.prototype, input);
 }
 
-void do_remove(const Model&, State& state, Scratch& scratch, const Input& input) {
-  if (find(state, input) != nullptr) remove_body(state, scratch, state.find_body(input.body));
+void do_remove(const Model&, State& state, TickLists& tick, const Input& input) {
+  if (find(state, input) != nullptr) remove_body(state, tick, state.find_body(input.body));
 }
 
-void do_impulse(const Model& model, State& state, Scratch&, const Input& input) {
+void do_impulse(const Model& model, State& state, TickLists&, const Input& input) {
   BodyRow* body = find(state, input);
   if (body == nullptr) return;
   const BodyModel& constants = model.bodies[body->source];
@@ -97,41 +97,41 @@ void do_impulse(const Model& model, State& state, Scratch&, const Input& input) 
   body->angular_velocity = stored(body->angular_velocity + constants.inv_inertia * cross(arm, impulse));
 }
 
-void do_force(const Model&, State& state, Scratch& scratch, const Input& input) {
+void do_force(const Model&, State& state, TickLists& tick, const Input& input) {
   const BodyRow* body = find(state, input);
   if (body == nullptr) return;
-  allocate_forces(state, scratch);
+  allocate_forces(state, tick);
   const std::size_t row = state.find_body(input.body);
   const Vec2 force = to_vec2(input.values[0], input.values[1]);
   const Vec2 arm = rotate(body->rotation, to_vec2(input.values[2], input.values[3]));
-  scratch.force[row] = scratch.force[row] + force;
-  scratch.torque[row] += cross(arm, force);
+  tick.force[row] = tick.force[row] + force;
+  tick.torque[row] += cross(arm, force);
 }
 
-void do_torque(const Model&, State& state, Scratch& scratch, const Input& input) {
+void do_torque(const Model&, State& state, TickLists& tick, const Input& input) {
   if (find(state, input) == nullptr) return;
-  allocate_forces(state, scratch);
-  scratch.torque[state.find_body(input.body)] += static_cast<Real>(input.values[0]);
+  allocate_forces(state, tick);
+  tick.torque[state.find_body(input.body)] += static_cast<Real>(input.values[0]);
 }
 
-void do_set_velocity(const Model&, State& state, Scratch&, const Input& input) {
+void do_set_velocity(const Model&, State& state, TickLists&, const Input& input) {
   BodyRow* body = find(state, input);
   if (body == nullptr) return;
   body->velocity = to_vec2(input.values[0], input.values[1]);
   body->angular_velocity = to_real(input.values[2]);
 }
 
-void do_set_gravity(const Model&, State& state, Scratch&, const Input& input) {
+void do_set_gravity(const Model&, State& state, TickLists&, const Input& input) {
   state.world.gravity = to_vec2(input.values[0], input.values[1]);
   for (std::size_t row = 0; row < state.bodies.size(); ++row) state.wake(row);
 }
 
-void do_release(const Model&, State& state, Scratch&, const Input& input) {
+void do_release(const Model&, State& state, TickLists&, const Input& input) {
   erase_where(state.pointers, [&](const PointerRow& row) { return row.player == input.player; });
 }
 
-void do_press(const Model& model, State& state, Scratch& scratch, const Input& input) {
-  do_release(model, state, scratch, input);
+void do_press(const Model& model, State& state, TickLists& tick, const Input& input) {
+  do_release(model, state, tick, input);
   const Vec2 at = to_vec2(input.values[0], input.values[1]);
   bool occupied = false;
   // The newest body is on top.
@@ -159,15 +159,15 @@ void do_press(const Model& model, State& state, Scratch& scratch, const Input& i
   pose.values[1] = input.values[1];
   // In turn: ids are never used again, so they count what was spawned.
   const std::size_t turn = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
-  add_body(model, state, scratch, model.pointer_spawns[turn], pose);
+  add_body(model, state, tick, model.pointer_spawns[turn], pose);
 }
 
-void do_drag(const Model&, State& state, Scratch&, const Input& input) {
+void do_drag(const Model&, State& state, TickLists&, const Input& input) {
   for (PointerRow& row : state.pointers)
     if (row.player == input.player) row.target = to_vec2(input.values[0], input.values[1]);
 }
 
-void do_set_motor(const Model&, State& state, Scratch&, const Input& input) {
+void do_set_motor(const Model&, State& state, TickLists&, const Input& input) {
   for (JointRow& row : state.joints)
     if (row.joint == input.joint) {
       row.motor_speed = to_real(input.values[0]);
@@ -178,11 +178,11 @@ void do_set_motor(const Model&, State& state, Scratch&, const Input& input) {
   ignore(state);
 }
 
-void do_end(const Model&, State&, Scratch&, const Input&) {}  // the recorder stops before this tick
+void do_end(const Model&, State&, TickLists&, const Input&) {}  // the recorder stops before this tick
 
 struct InputFunction {
   InputKind kind;
-  void (*act)(const Model& model, State& state, Scratch& scratch, const Input& input);
+  void (*act)(const Model& model, State& state, TickLists& tick, const Input& input);
 };
 constexpr std::array<InputFunction, input_kinds.size()> functions{{
     {InputKind::spawn, do_spawn},
@@ -201,7 +201,7 @@ constexpr std::array<InputFunction, input_kinds.size()> functions{{
 
 }  // namespace
 
-void remove_body(State& state, Scratch& scratch, std::size_t row) {
+void remove_body(State& state, TickLists& tick, std::size_t row) {
   const std::uint32_t id = state.bodies[row].id;
   for (const ContactRow& contact : state.contacts) {
     if (contact.body_a == id) state.wake(state.find_body(contact.body_b));
@@ -210,9 +210,9 @@ void remove_body(State& state, Scratch& scratch, std::size_t row) {
   for (const JointRow& joint : state.joints)
     if (joint.body_a == id || joint.body_b == id) wake_joint(state, joint);
   erase_body_row(state, row);
-  if (!scratch.force.empty()) {
-    scratch.force.erase(scratch.force.begin() + static_cast<std::ptrdiff_t>(row));
-    scratch.torque.erase(scratch.torque.begin() + static_cast<std::ptrdiff_t>(row));
+  if (!tick.force.empty()) {
+    tick.force.erase(tick.force.begin() + static_cast<std::ptrdiff_t>(row));
+    tick.torque.erase(tick.torque.begin() + static_cast<std::ptrdiff_t>(row));
   }
   erase_where(state.contacts, [id](const ContactRow& contact) { return contact.body_a == id || contact.body_b == id; });
   erase_where(state.pointers, [id](const PointerRow& pointer) { return pointer.body == id; });
@@ -224,12 +224,12 @@ void remove_body(State& state, Scratch& scratch, std::size_t row) {
       if (has_body(touch)) removed.push_back(touch);
     erase_where(rows, has_body);
   };
-  move_touches(state.touching, scratch.removed_touching);
-  move_touches(state.sensors, scratch.removed_sensors);
+  move_touches(state.touching, tick.removed_touching);
+  move_touches(state.sensors, tick.removed_sensors);
 }
 
-void apply_inputs(const Model& model, State& state, Scratch& scratch, Real) {
-  for (const Input& input : scratch.inputs) info_of(functions, input.kind).act(model, state, scratch, input);
+void apply_inputs(const Model& model, State& state, TickLists& tick, Real) {
+  for (const Input& input : tick.inputs) info_of(functions, input.kind).act(model, state, tick, input);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -25,7 +25,7 @@ engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp engine/cont
 engine/contacts/contact_filling.cpp engine/islands/solver_sets.cpp engine/joints/batched/driven_revolute_batch.cpp
 engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/level_schedule.cpp
 engine/joints/batched/revolute_batch.cpp engine/joints/batched/wavefront.cpp engine/model/bodies.cpp
-engine/integrators/flow.cpp engine/narrow_phase/motion_bounds.h engine/model/scratch.cpp
+engine/integrators/flow.cpp engine/model/motion_bounds.h engine/model/scratch.cpp
 """.split()
 
 REPLACEMENTS = {

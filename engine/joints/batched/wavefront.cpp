@@ -23,7 +23,7 @@ void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
   const MotionKernels& motion = scratch.kernels->motion;
   Real* bodies = &scratch.bodies.data()->velocity.x;
   if (pass == Pass::warm_start || pass == Pass::warm_start_again)
-    motion.step_velocities(bodies, scratch.caches.velocity_steps.rows.data()->gain, rows, count);
+    motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, count);
   if (pass == Pass::relax) motion.move_bodies(bodies, rows, count, dummy_body(scratch), dummy_sink(scratch, level), h);
 }
 

@@ -11,6 +11,7 @@
 #include "base/build_info.h"
 #include "base/parallel/workers.h"
 #include "base/random.h"
+#include "engine/broad_phase/aabb_tree.h"
 #include "engine/broad_phase/neighbour_cells.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
@@ -22,9 +23,24 @@ namespace {
 namespace f64 = engine::f64;
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-Pairs pairs_of(const f64::Scratch& scratch) {
+/// What a broad phase lists, and what it works in.
+struct Listing : f64::TickLists {
+  f64::BroadPhaseWork work;
+};
+/// What the tree lists, tick after tick.
+struct Following : f64::TickLists {
+  f64::AabbTree tree;
+
+  void list(const f64::Model& model, f64::State& state, double dt) { tree.run(model, state, *this, dt); }
+  void spoil() {
+    f64::poison(*this);
+    tree.poison();
+  }
+};
+
+Pairs pairs_of(const f64::TickLists& listing) {
   Pairs pairs;
-  for (const f64::Pair& pair : scratch.pairs) pairs.emplace_back(pair.first, pair.second);
+  for (const f64::Pair& pair : listing.pairs) pairs.emplace_back(pair.first, pair.second);
   return pairs;
 }
 
@@ -114,26 +130,28 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
   for (const Case& c : cases()) {
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
-    f64::Scratch expected;
-    f64::brute_force(model, state, expected, dt);
+    Listing expected;
+    f64::brute_force(model, state, expected, expected.work, dt);
     const Pairs touching = pairs_of(expected);
     for (const auto& info : engine::broad_phases) {
       if (info.kind == engine::BroadPhaseKind::bounding_circle) continue;  // another superset of what touches
       CAPTURE(c.name, info.name);
-      f64::Scratch scratch;
+      const std::unique_ptr<f64::Stage> stage = f64::make_broad_phase(info.kind);
+      f64::TickLists found;
       for (int again = 0; again < 2; ++again) {
-        f64::broad_phase_function(info.kind)(model, state, scratch, dt);
-        const bool same = pairs_of(scratch) == touching;
+        stage->run(model, state, found, dt);
+        const bool same = pairs_of(found) == touching;
         CHECK(same);
-        f64::poison(scratch);
+        f64::poison(found);
+        stage->poison();
       }
     }
   }
 }
 
 /// Whether the kept pairs are those of brute force, and a few whose boxes nearly overlap.
-bool contain_those_of(const f64::Model& model, const f64::State& state, const f64::Scratch& cached,
-                      const f64::Scratch& expected) {
+bool contain_those_of(const f64::Model& model, const f64::State& state, const f64::TickLists& cached,
+                      const Listing& expected) {
   const Pairs found = pairs_of(cached);
   const Pairs wanted = pairs_of(expected);
   if (!std::is_sorted(found.begin(), found.end()) ||
@@ -141,7 +159,7 @@ bool contain_those_of(const f64::Model& model, const f64::State& state, const f6
     return false;
   const auto grown = [&](std::uint32_t i) {
     const double room = model.bodies[state.bodies[expected.proxies[i].body].source].size / 512;
-    const f64::Box& box = expected.boxes[i];
+    const f64::Box& box = expected.work.boxes[i];
     return f64::Box{{box.lower.x - 2 * room, box.lower.y - 2 * room}, {box.upper.x + 2 * room, box.upper.y + 2 * room}};
   };
   return std::all_of(found.begin(), found.end(), [&](const auto& pair) {
@@ -160,7 +178,7 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
     if (random.below(2) == 0) c.scene.gravity = {0, -500};  // some are fast for what they fall in a tick
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
-    f64::Scratch cached;
+    Following cached;
     std::size_t moved_proxies = 0;
     for (int tick = 0; tick < 90; ++tick) {
       for (f64::BodyRow& body : state.bodies) {
@@ -177,16 +195,16 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
         if (random.below(5) == 0) body.velocity = {0, 0};
       }
       if (tick % 25 == 24 && state.bodies.size() > 2) f64::erase_body_row(state, random.below(state.bodies.size()));
-      f64::Scratch expected;
-      f64::brute_force(model, state, expected, 0.01);
-      f64::aabb_tree(model, state, cached, 0.01);
-      moved_proxies += cached.caches.pairs.moved_proxies.size();
+      Listing expected;
+      f64::brute_force(model, state, expected, expected.work, 0.01);
+      cached.list(model, state, 0.01);
+      moved_proxies += cached.tree.pair_list().moved_proxy_count();
       const bool same = contain_those_of(model, state, cached, expected);
       CAPTURE(c.name, tick);
       REQUIRE(same);
       more += cached.pairs.size() - expected.pairs.size();
-      unchanged_count += cached.caches.pairs.present_unchanged ? 1 : 0;
-      f64::poison(cached);
+      unchanged_count += cached.changes.same_pairs ? 1 : 0;
+      cached.spoil();
     }
     if (c.scene.bodies.size() > 100) CHECK(moved_proxies > 0);
   }
@@ -198,25 +216,25 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
   Random random(3);
   const f64::Model model = f64::make_model(scattered(1, 600, 8, 0.4, 0.5, {}));
   f64::State state = f64::initial_state(model);
-  f64::Scratch cached;
+  Following cached;
   std::size_t more = 0;
   for (int tick = 0; tick < 40; ++tick) {
     for (f64::BodyRow& body : state.bodies)
       if (random.below(2) == 0 && model.bodies[body.source].type != BodyType::static_body)
         body.position.x += random.real(-1e-3, 1e-3);
-    f64::Scratch expected;
-    f64::brute_force(model, state, expected, dt);
+    Listing expected;
+    f64::brute_force(model, state, expected, expected.work, dt);
     for (const bool by_cells : {false, true})
       for (const std::size_t too_few : {0, 1}) {
-        f64::Scratch limited = cached;
+        Following limited = cached;
         limited.pair_count_max = expected.pairs.size() - too_few;
-        limited.caches.pairs.has_pairs = false;  // what was built is to be built again
-        limited.caches.pairs.high_churn_ticks = by_cells ? 5 : 0;
-        f64::aabb_tree(model, state, limited, dt);
+        limited.tree.pair_list().invalidate();  // what was built is to be built again
+        if (by_cells) limited.tree.pair_list().suspend();
+        limited.list(model, state, dt);
         CAPTURE(tick, by_cells, too_few);
         CHECK(limited.has_too_many_pairs == (too_few > 0));
       }
-    f64::aabb_tree(model, state, cached, dt);
+    cached.list(model, state, dt);
     more += cached.pairs.size() - expected.pairs.size();
   }
   CHECK(more > 10);
@@ -225,14 +243,14 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
 TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][kept]") {
   const f64::Model model = f64::make_model(coincident(0, 2));
   f64::State state = f64::initial_state(model);
-  f64::Scratch cached;
+  Following cached;
   for (int tick = 0; tick < 3; ++tick) {
-    f64::aabb_tree(model, state, cached, dt);
+    cached.list(model, state, dt);
     CHECK(cached.pairs.size() == 1);
-    f64::poison(cached);
+    cached.spoil();
   }
   while (!state.bodies.empty()) f64::erase_body_row(state, 0);
-  f64::aabb_tree(model, state, cached, dt);
+  cached.list(model, state, dt);
   CHECK(cached.pairs.empty());
 }
 
@@ -242,7 +260,7 @@ TEST_CASE("while everything flies, pairs are listed anew; once it lies still, th
   Scene scene = scattered(1, 500, 20, 0.4, 0.5, {});
   const f64::Model model = f64::make_model(scene);
   f64::State state = f64::initial_state(model);
-  f64::Scratch cached;
+  Following cached;
   int high_churn_count = 0;
   for (int tick = 0; tick < 200; ++tick) {
     for (f64::BodyRow& body : state.bodies) {
@@ -250,18 +268,18 @@ TEST_CASE("while everything flies, pairs are listed anew; once it lies still, th
       body.position = {body.position.x + random.real(-0.5, 0.5), body.position.y + random.real(-0.5, 0.5)};
     }
     if (tick == 50) f64::erase_body_row(state, 7);
-    f64::Scratch expected;
-    f64::brute_force(model, state, expected, 0.01);
-    f64::aabb_tree(model, state, cached, 0.01);
+    Listing expected;
+    f64::brute_force(model, state, expected, expected.work, 0.01);
+    cached.list(model, state, 0.01);
     const bool same = pairs_of(cached) == pairs_of(expected);
     CAPTURE(tick);
     REQUIRE(same);
-    if (cached.caches.pairs.high_churn_ticks > 0) ++high_churn_count;
-    f64::poison(cached);
+    if (cached.tree.pair_list().is_suspended()) ++high_churn_count;
+    cached.spoil();
   }
   CHECK(high_churn_count > 90);
-  CHECK(cached.caches.pairs.high_churn_ticks == 0);
-  CHECK(cached.caches.pairs.ticks_since_build > 30);
+  CHECK(!cached.tree.pair_list().is_suspended());
+  CHECK(cached.tree.pair_list().ticks_held() > 30);
 }
 
 TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[engine][broad_phase][cells]") {
@@ -270,25 +288,28 @@ TEST_CASE("neighbouring cells give the pairs of brute force where they suit", "[
   for (const Case& c : cases()) {
     const f64::Model model = f64::make_model(c.scene);
     f64::State state = f64::initial_state(model);
-    f64::Scratch expected;
-    f64::brute_force(model, state, expected, dt);
+    Listing expected;
+    f64::brute_force(model, state, expected, expected.work, dt);
     for (const std::size_t chunk_size : {std::size_t{0}, std::size_t{1}, std::size_t{37}}) {
-      f64::Scratch scratch;
+      Listing scratch;
       if (workers != nullptr && chunk_size > 0) scratch.parallel = {workers.get(), chunk_size};
       double side = 0;
-      const f64::CellListing listing = f64::list_by_cells(scratch, expected.proxies, expected.boxes, side);
+      const f64::CellListing listing =
+          f64::list_by_cells(scratch, scratch.work, expected.proxies, expected.work.boxes, side);
       CAPTURE(c.name, chunk_size);
       REQUIRE(listing != f64::CellListing::too_many);
       if (listing != f64::CellListing::done) continue;
       suited.insert(c.name);
-      f64::sort_present_pairs(scratch, expected.proxies.size());
+      f64::list_sorted(scratch, scratch.work, expected.proxies.size());
       const bool same = pairs_of(scratch) == pairs_of(expected);
       CHECK(same);
       if (expected.pairs.size() < 2) continue;
       scratch.pair_count_max = expected.pairs.size();
-      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::done);
+      CHECK(f64::list_by_cells(scratch, scratch.work, expected.proxies, expected.work.boxes, side) ==
+            f64::CellListing::done);
       scratch.pair_count_max = expected.pairs.size() - 1;
-      CHECK(f64::list_by_cells(scratch, expected.proxies, expected.boxes, side) == f64::CellListing::too_many);
+      CHECK(f64::list_by_cells(scratch, scratch.work, expected.proxies, expected.work.boxes, side) ==
+            f64::CellListing::too_many);
     }
   }
   CHECK(suited.count("equal sizes") == 1);
@@ -304,9 +325,9 @@ TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase
   const double nan = std::nan("");
   const f64::Model model = f64::make_model(scattered(1, 800, 20, 0.4, 0.5, {}));
   f64::State state = f64::initial_state(model);
-  f64::Scratch all;
-  f64::brute_force(model, state, all, 0);
-  std::vector<f64::Box> boxes = all.boxes;
+  Listing all;
+  f64::brute_force(model, state, all, all.work, 0);
+  std::vector<f64::Box> boxes = all.work.boxes;
   for (const std::size_t spoilt : {3u, 100u, 101u, 790u}) boxes[spoilt].lower.x = boxes[spoilt].upper.x = nan;
   boxes[4].lower.y = boxes[4].upper.y = nan;
   boxes[5] = {{nan, nan}, {nan, nan}};
@@ -318,13 +339,13 @@ TEST_CASE("neighbouring cells bear boxes without numbers", "[engine][broad_phase
       if (f64::overlaps(boxes[i], boxes[j]) && f64::may_touch(all.proxies[i], all.proxies[j]))
         expected.emplace_back(i, j);
   double side = 0;
-  REQUIRE(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::done);
-  f64::sort_present_pairs(all, all.proxies.size());
+  REQUIRE(f64::list_by_cells(all, all.work, all.proxies, boxes, side) == f64::CellListing::done);
+  f64::list_sorted(all, all.work, all.proxies.size());
   const bool same = pairs_of(all) == expected;
   CHECK(same);
   for (std::size_t i = 200; i < 400; ++i) boxes[i].lower.x = nan;  // more than may be large
   side = 0;
-  CHECK(f64::list_by_cells(all, all.proxies, boxes, side) == f64::CellListing::unsuited);
+  CHECK(f64::list_by_cells(all, all.work, all.proxies, boxes, side) == f64::CellListing::unsuited);
 }
 
 TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase][analytic]") {
@@ -333,13 +354,12 @@ TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase]
     scene.bodies.push_back(unit_box({0, 0.25 * i}));
     scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};
   }
-  f64::Scratch scratch;
   const auto proxy_count = [&] {
     const f64::Model model = f64::make_model(scene);
     f64::State state = f64::initial_state(model);
-    f64::aabb_tree(model, state, scratch, 0);
-    forget(scratch, engine::all_caches);
-    return scratch.proxies.size();
+    Following found;
+    found.list(model, state, 0);
+    return found.proxies.size();
   };
   CHECK(proxy_count() == 0);
   scene.bodies[3].shapes[0].filter = {};
@@ -347,41 +367,6 @@ TEST_CASE("shapes that can meet nothing have no proxies", "[engine][broad_phase]
   scene.bodies[3].type = BodyType::static_body;
   scene.bodies[0].type = BodyType::static_body;
   CHECK(proxy_count() == 3);
-}
-
-TEST_CASE("grid and tree allocate nothing once they have seen a scene", "[engine][broad_phase]") {
-  const f64::Model model = f64::make_model(scattered(1, 800, 20, 0.4, 5, {}));
-  f64::State state = f64::initial_state(model);
-  for (const auto kind : {engine::BroadPhaseKind::sweep_and_prune, engine::BroadPhaseKind::uniform_grid,
-                          engine::BroadPhaseKind::aabb_tree}) {
-    f64::Scratch scratch;
-    const auto capacities = [&] {
-      std::vector<std::size_t> all{scratch.proxy_rows.capacity(),
-                                   scratch.boxes.capacity(),
-                                   scratch.pair_rows.capacity(),
-                                   scratch.caches.pairs.present.capacity(),
-                                   scratch.unsorted_pairs.capacity(),
-                                   scratch.counts.capacity(),
-                                   scratch.sort_entries.capacity(),
-                                   scratch.sort_buffer.capacity(),
-                                   scratch.swept_boxes.capacity(),
-                                   scratch.cell_ranges.capacity(),
-                                   scratch.cell_entries.capacity(),
-                                   scratch.cell_starts.capacity(),
-                                   scratch.large.capacity(),
-                                   scratch.caches.pairs.pairs.capacity(),
-                                   scratch.caches.pairs.moving_tree.boxes.capacity(),
-                                   scratch.caches.pairs.static_tree.boxes.capacity()};
-      std::sort(all.begin(), all.end());  // some take turns
-      return all;
-    };
-    f64::broad_phase_function(kind)(model, state, scratch, 0);
-    f64::broad_phase_function(kind)(model, state, scratch, 0);
-    const auto before = capacities();
-    for (int i = 0; i < 3; ++i) f64::broad_phase_function(kind)(model, state, scratch, 0);
-    CAPTURE(engine::info_of(engine::broad_phases, kind).name);
-    CHECK(capacities() == before);
-  }
 }
 
 TEST_CASE("every broad phase gives the same bits in crowded, huge and far scenes",

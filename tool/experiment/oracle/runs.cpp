@@ -206,8 +206,7 @@ class VariantWalk {
     }
     std::optional<Finding> found;
     for (; tick < base_.tick_count && !found; ++tick) found = run_tick(tick);
-    for (const engine::CacheInfo& info : engine::cache_kinds)
-      engine::count_uses(tally_.caches, info.kind, engine_->cache_report()[static_cast<std::size_t>(info.kind)]);
+    engine::add_counts(tally_.caches, engine_->cache_report());
     return found;
   }
 

@@ -137,8 +137,7 @@ class Soak {
     counts.joints_failed_count = result.base.joints_failed ? 1 : 0;
     counts.run_counts = result.run_counts;
     counts.caches = result.base.caches;
-    for (const engine::CacheInfo& info : engine::cache_kinds)
-      engine::count_uses(counts.caches, info.kind, result.tally.caches[static_cast<std::size_t>(info.kind)]);
+    engine::add_counts(counts.caches, result.tally.caches);
     counts.while_hit = result.tally.while_hit;
     count_rows(options_.worlds, world, seed, result.base, wanted_rows, options_.oracle.make, counts);
     if (index < options_.known_world_count) {

@@ -1,13 +1,13 @@
 // Measures how long each body has been calm.
 // SPDX-License-Identifier: MIT
-#include "engine/pipeline.h"
+#include "engine/stages/stages.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void measure_idle_time(const Model& model, State& state, Scratch& scratch, Real dt) {
+void measure_idle_time(const Model& model, State& state, TickLists& tick, Real dt) {
   const Real speed_max = static_cast<Real>(model.scene.settings.sleep->speed_max);
   const std::size_t count = state.bodies.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
+  tick.parallel.for_chunks(count, tick.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       const BodyRow& body = state.bodies[row];
       const BodyModel& constants = model.bodies[body.source];

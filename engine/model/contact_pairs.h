@@ -27,7 +27,7 @@ struct ContactPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;
   Manifold manifold;
-  std::uint32_t proxy_a;  // in Scratch::proxies; pairs ascend by both
+  std::uint32_t proxy_a;  // in TickLists::proxies; pairs ascend by both
   std::uint32_t proxy_b;
   Real friction;
   Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
@@ -36,12 +36,17 @@ struct ContactPair {
   Real restitution;
 };
 
-/// What a chunk has added to a list.
-struct ListPart {
-  std::size_t first;     // where it wrote
-  std::size_t in_place;  // so many of them there; the rest is elsewhere
-  std::size_t count;
-  std::size_t place;  // in the list
-};
+/// How fast a pair closes, m/s: the faster of its points.
+template <typename Velocities>
+Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {
+  Real closing = 0;
+  for (int i = 0; i < pair.manifold.point_count; ++i) {
+    const ManifoldPoint& point = pair.manifold.points[i];
+    const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
+                          (a.velocity + cross(a.angular_velocity, point.anchor_a));
+    closing = larger(closing, -dot(velocity, pair.manifold.normal));
+  }
+  return closing;
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

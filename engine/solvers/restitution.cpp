@@ -1,11 +1,13 @@
 // Restitution: contacts that hit in this tick get their bounce, once, at its end.
 // SPDX-License-Identifier: MIT
+#include "engine/solvers/restitution.h"
+
 #include "engine/model/bodies.h"
-#include "engine/pipeline.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void apply_restitution(const Model& model, State& state, Scratch& scratch, Real) {
+void Restitution::run(const Model& model, State& state, TickLists& tick, Real) {
+  auto& scratch = static_cast<Scratch&>(tick);
   bool any = false;
   for (const SolverSet& set : scratch.solver_sets) {
     if (!bounce_contacts(scratch, set, model.restitution_threshold)) continue;

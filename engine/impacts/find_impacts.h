@@ -1,0 +1,25 @@
+// The stage that selects the pairs whose impacts are located in time.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/impacts/impacts.h"
+#include "engine/model/poison.h"
+#include "engine/model/stage.h"
+#include "engine/model/tick_lists.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+class ImpactFinder final : public Stage {
+ public:
+  void run(const Model& model, State& state, TickLists& tick, Real dt) override;
+  void poison() override;
+
+ private:
+  std::vector<std::uint8_t> is_fast_;           // [body] may pass through something in this tick
+  std::vector<std::vector<ImpactPair>> parts_;  // [chunk]
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
