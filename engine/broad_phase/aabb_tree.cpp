@@ -1,16 +1,15 @@
-// Boxes, a tree over them and the pairs that overlap, kept from tick to tick.
+// A tree of fat AABBs and a list of overlapping pairs, cached from tick to tick.
 // SPDX-License-Identifier: MIT
-// Source: Verlet, "Computer Experiments on Classical Fluids I", 1967 (lists of pairs that may come near, with a margin,
-// until something has moved as far).
+// Source: Verlet, "Computer Experiments on Classical Fluids I", 1967 (neighbour lists with a margin, valid until a
+// particle has moved as far).
 //
-// Each shape gets a box that is larger than it needs. While all shapes stay inside, the list of overlapping large boxes
-// holds every pair that may touch. A shape that leaves gets a new large box and its pairs are found anew; it is then a
-// stray, whose box in the tree no longer counts. When there are many strays, everything is built anew. What is handed
-// on are those pairs of the list whose present boxes overlap: those of any other algorithm, and a few more, since boxes
-// of what has moved have a little room (`box_margin_share`), with which they hold for some ticks of a slow body. Where
-// more large boxes overlap than a tick may have pairs, only the pairs of present boxes are listed, and nothing is kept.
-// Where what was built held for a few ticks only, such as in a gas, pairs are listed by cells (neighbour_cells.h) for a
-// while.
+// Each shape has a fat AABB. While each shape stays inside its fat AABB, the list of overlapping fat AABBs contains
+// every pair that may touch. A shape that leaves gets a new fat AABB and new pairs. It is then a moved proxy, whose box
+// in the tree no longer counts. With many moved proxies everything is built anew. Listed are the pairs whose tight
+// AABBs overlap. These are the pairs of the other algorithms and a few more, since the tight AABBs of moving bodies
+// have a margin (`box_margin_share`), with which they stay valid for some ticks of a slow body. If more fat AABBs
+// overlap than a tick may have pairs, only pairs of tight AABBs are listed and nothing is cached. If the list was valid
+// for a few ticks only, as in a gas, pairs are listed by cells (neighbour_cells.h) for a while.
 #include <atomic>
 #include <cstring>
 
@@ -24,17 +23,17 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real ticks_ahead = 4;              // a large box has room for so many ticks at the present velocity
-constexpr Real share_of_radius = Real(0.1);  // and for so much besides.
-// More strays than this share, or this number, and everything is built anew.
+constexpr Real ticks_predicted = 4;          // the fat AABB includes the motion of so many ticks
+constexpr Real share_of_radius = Real(0.1);  // and this margin
+// More moved proxies than this share, or this number, and everything is built anew.
 constexpr std::size_t moving_per_moved_proxy = 8;
 constexpr std::size_t moved_proxy_count_max = 1024;
-// A body's boxes have room for so much of its size.
+// The margin of tight AABBs, relative to the size of the body.
 constexpr Real box_margin_share = Real(1) / 512;
-constexpr Real ticks_of_margin = 4;  // at the present velocity; for less it is not worth it
-// What is slower than this share of its size a tick is certainly not fast (motion_bounds.h).
+constexpr Real ticks_of_margin = 4;  // with fewer ticks in the margin it does not pay
+// A body slower than this share of its size per tick is certainly not fast (motion_bounds.h).
 constexpr Real certainly_slow_share = Real(0.2);
-// Where more bodies than this share are still, their contacts are looked for.
+// If more bodies than this share are unchanged, the narrow phase reuses their contacts.
 constexpr std::size_t bodies_per_unchanged = 4;
 
 Box fat_box(const Model& model, const State& state, const PairCache& cache, std::uint32_t index) {
@@ -44,9 +43,9 @@ Box fat_box(const Model& model, const State& state, const PairCache& cache, std:
   const Real spin = absolute(body.angular_velocity) * radius * cache.dt;
   const Real margin =
       (share_of_radius * radius + smaller(8 * cache.gravity_displacement, 2 * share_of_radius * radius)) +
-      smaller(ticks_ahead * spin, share_of_radius * radius);
+      smaller(ticks_predicted * spin, share_of_radius * radius);
   const auto predict = [&](Real speed) {
-    return smaller(larger(ticks_ahead * cache.dt * speed, -2 * radius), 2 * radius);
+    return smaller(larger(ticks_predicted * cache.dt * speed, -2 * radius), 2 * radius);
   };
   const Vec2 predicted{predict(body.velocity.x), predict(body.velocity.y)};
   Box box = cache.boxes[index];
@@ -68,7 +67,7 @@ bool same_pose(const BodyRow& a, const BodyRow& b) {
          std::memcmp(&a.rotation, &b.rotation, sizeof a.rotation) == 0;
 }
 
-/// Whether the proxies are those of the present bodies.
+/// Whether the cached proxies are those of the present bodies.
 bool is_valid_for_bodies(const Scratch& scratch, const State& state) {
   const PairCache& cache = scratch.caches.pairs;
   const std::size_t count = state.bodies.size();
@@ -104,17 +103,18 @@ void list_proxies(const Model& model, const State& state, PairCache& cache) {
   cache.box_flags.assign(state.bodies.size(), 0);
 }
 
-// Bits of KeptPairs::looks.
-constexpr std::uint8_t has_ccd_margin = 1;  // its proxies have an `ccd_margin` > 0
+// Bits of PairCache::box_flags.
+constexpr std::uint8_t has_ccd_margin = 1;  // its proxies have a ccd_margin > 0
 constexpr std::uint8_t is_swept = 2;        // (swept_displacement_of)
 constexpr std::uint8_t has_margin = 4;
 
-/// No point of a body is faster, m/s.
+/// An upper bound of the speed of any point of a body, m/s.
 Real speed_bound(const BodyRow& body, Real extent) {
   return (magnitude(body.velocity.x) + magnitude(body.velocity.y)) + magnitude(body.angular_velocity) * extent;
 }
 
-/// Whether the boxes of a body hold its shapes still. A point moves by no more than its body and the chord of its turn.
+/// Whether the tight AABBs of a body still contain its shapes. A point moves by at most the displacement of its body
+/// and the chord of its rotation.
 bool is_still_valid(const BoxedBody& boxed, const BodyRow& body) {
   const Real delta_position =
       larger(magnitude(body.position.x - boxed.position.x), magnitude(body.position.y - boxed.position.y));
@@ -123,9 +123,9 @@ bool is_still_valid(const BoxedBody& boxed, const BodyRow& body) {
   return delta_position + delta_rotation * boxed.extent < boxed.margin && speed_bound(body, boxed.extent) < boxed.speed;
 }
 
-/// The room of the boxes of a body that has no way, m; 0 for one that would soon have left it.
+/// The margin of the tight AABBs of a body without swept displacement, m; 0 if the body would soon leave it.
 Real margin_for(const BodyModel& constants, const BodyRow& body, const MotionBounds& bounds) {
-  // Less what rounding may make of a box.
+  // Less the rounding of a box.
   const Real far = larger(magnitude(body.position.x), magnitude(body.position.y)) + constants.extent;
   const Real margin = box_margin_share * constants.size - 16 * epsilon * far;
   return ticks_of_margin * bounds.dt * speed_bound(body, constants.extent) < margin ? margin : Real(0);
@@ -138,17 +138,16 @@ BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const Moti
   return {body.position, body.rotation, constants.extent, margin, speed};
 }
 
-/// For the bodies first..end-1: boxes of what has left their room, or of everything, then without room. Lists what has
-/// left its large box from `leaving` on; returns how many.
+/// For the bodies first..end-1: makes the tight AABBs that are no longer valid, or all (then without margins). Lists
+/// proxies outside of their fat AABBs from `leaving` on and returns their number.
 std::size_t follow_bodies(const Model& model, const State& state, PairCache& cache, const MotionBounds& bounds,
                           bool everything, std::size_t first, std::size_t end, std::uint32_t* leaving,
                           std::atomic<bool>& any_boxed) {
-  const bool speculates =
-      model.scene.settings.auto_substeps.has_value();  // contacts follow from velocities and dt, too
+  const bool speculates = model.scene.settings.auto_substeps.has_value();  // contacts depend on velocities and dt, too
   const bool is_high_churn = cache.high_churn_ticks != 0;
   const bool adds_margin = !everything && !is_high_churn && !bounds.locates_impacts && !bounds.speculates;
   const Real gravity_displacement = cache.gravity_displacement;
-  // By pointers of its own: what is written as bytes might otherwise change those of the vectors.
+  // Local pointers: a store of bytes might otherwise alias the vectors.
   const BodyRow* bodies = state.bodies.data();
   const BodyModel* constants = model.bodies.data();
   const ShapeModel* shapes = model.shapes.data();
@@ -181,7 +180,7 @@ std::size_t follow_bodies(const Model& model, const State& state, PairCache& cac
     box_flags[row] = static_cast<std::uint8_t>((ccd_margin > 0 ? has_ccd_margin : 0) | (swept > 0 ? is_swept : 0) |
                                                (margin > 0 ? has_margin : 0));
     for (std::uint32_t i = first_proxy[row]; i < proxy_end; ++i) {
-      if (proxies[i].ccd_margin != ccd_margin) proxies[i].ccd_margin = ccd_margin;  // most lines stay as they are
+      if (proxies[i].ccd_margin != ccd_margin) proxies[i].ccd_margin = ccd_margin;  // most values are unchanged
       boxes[i] = box_around(model, body, shapes[proxies[i].shape], gravity_displacement, swept);
       if (margin > 0)
         boxes[i] = {{boxes[i].lower.x - margin, boxes[i].lower.y - margin},
@@ -193,7 +192,7 @@ std::size_t follow_bodies(const Model& model, const State& state, PairCache& cac
   return count;
 }
 
-/// Boxes of what has left their room, or of everything; lists what has left its large box. True if there are any.
+/// Makes tight AABBs that are no longer valid, or all. Lists proxies outside of their fat AABBs. True if it made any.
 bool follow(const Model& model, const State& state, Scratch& scratch, const MotionBounds& bounds, bool everything) {
   PairCache& cache = scratch.caches.pairs;
   cache.leaving.resize(cache.proxies.size());
@@ -218,7 +217,7 @@ bool follow(const Model& model, const State& state, Scratch& scratch, const Moti
   return any_boxed.load(std::memory_order_relaxed);
 }
 
-/// Boxes without room, to be counted.
+/// Makes tight AABBs without margins, so that pairs can be counted.
 void make_tight_boxes(const Model& model, const State& state, PairCache& cache, const MotionBounds& bounds) {
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const BodyRow& body = state.bodies[row];
@@ -231,11 +230,11 @@ void make_tight_boxes(const Model& model, const State& state, PairCache& cache, 
 
 struct NodesToList {
   std::uint32_t level;
-  bool is_tight;  // present boxes must overlap, too
+  bool is_tight;  // tight AABBs must overlap, too
 };
 
-/// Lists the pairs of a chunk of the nodes of a level of the moving tree: each with itself, with those after it, and
-/// with what is static.
+/// Lists the pairs of a chunk of the nodes of a level of the moving tree: of each node with itself, with later nodes
+/// and with the static tree.
 void list_pairs_of_nodes(const PairCache& cache, NodesToList nodes, const Chunk& chunk, PairListing& listing,
                          std::vector<Pair>& pairs) {
   const std::uint32_t level = nodes.level;
@@ -265,7 +264,7 @@ void list_pairs_of_nodes(const PairCache& cache, NodesToList nodes, const Chunk&
   }
 }
 
-/// The level of a tree whose nodes are shared out: of at most so many nodes, since each is compared with each.
+/// The level of a tree whose nodes are divided among chunks. It has few nodes, since each is compared with each.
 std::uint32_t shared_level(const BoxTree& tree) {
   constexpr std::uint32_t node_count_max = 128;
   std::uint32_t level = 0;
@@ -273,8 +272,8 @@ std::uint32_t shared_level(const BoxTree& tree) {
   return level > 0 || tree.proxies.size() < 2 ? level : level + 1;
 }
 
-/// All pairs of large boxes that overlap, in any order; `is_tight`: of these, those whose present boxes do. False:
-/// there are more of them than a tick may have, and not all are listed.
+/// Lists all pairs of overlapping fat AABBs, in any order. `is_tight`: only pairs whose tight AABBs overlap, too.
+/// False: there are more than a tick may have, and not all are listed.
 bool list_pairs(Scratch& scratch, bool is_tight) {
   const BoxTree& tree = scratch.caches.pairs.moving_tree;
   scratch.unsorted_pairs.clear();
@@ -318,11 +317,11 @@ void build_everything(const Model& model, const State& state, Scratch& scratch, 
   sort_pairs(scratch, cache.proxies.size(), cache.pairs);
 }
 
-constexpr std::uint32_t ticks_since_build_least = 6;  // after the one in which all was built; less was not worth it
-constexpr std::uint32_t high_churn_ticks = 60;        // until it is tried again
-constexpr std::uint32_t ticks_per_side = 8;           // for which cells are of one size
+constexpr std::uint32_t ticks_since_build_least = 6;  // ticks after a build; less did not pay
+constexpr std::uint32_t high_churn_ticks = 60;        // ticks until the list is tried again
+constexpr std::uint32_t ticks_per_side = 8;           // ticks with the same cell size
 
-/// Lists the pairs of this tick by themselves, and keeps none. False: the scene is not for it.
+/// Lists the pairs of this tick only, and caches none. False: cells do not suit the scene.
 bool list_present_pairs(const Model& model, const State& state, Scratch& scratch, const MotionBounds& bounds) {
   PairCache& cache = scratch.caches.pairs;
   cache.has_pairs = false;
@@ -348,7 +347,7 @@ bool list_present_pairs(const Model& model, const State& state, Scratch& scratch
 
 constexpr std::uint8_t moved_proxies_now = 2;
 
-/// Adds the pairs of a shape that has a new large box. Of two such shapes the one with the smaller index finds both.
+/// Adds the pairs of a shape with a new fat AABB. Of two such shapes, the one with the smaller index finds the pair.
 void find_pairs_of(Scratch& scratch, std::uint32_t index) {
   PairCache& cache = scratch.caches.pairs;
   const Box box = cache.fat_boxes[index];
@@ -368,8 +367,8 @@ void find_pairs_of(Scratch& scratch, std::uint32_t index) {
       add(other);
 }
 
-/// Puts the pairs of what has left its large box in the place of those it had. False: large boxes have too many pairs,
-/// and all is to be built anew.
+/// Replaces the pairs of proxies that have left their fat AABBs. False: there are too many pairs of fat AABBs, and
+/// everything is built anew.
 bool follow_moved_proxies(const Model& model, const State& state, Scratch& scratch) {
   PairCache& cache = scratch.caches.pairs;
   for (const std::uint32_t index : cache.leaving) {
@@ -401,8 +400,8 @@ bool follow_moved_proxies(const Model& model, const State& state, Scratch& scrat
   return cache.pairs.size() <= scratch.pair_count_max;
 }
 
-/// Copies those of the pairs whose present boxes overlap, as long as no shape looks ahead; returns how many. Without
-/// branches: which do is anybody's guess.
+/// Copies the pairs whose tight AABBs overlap and returns their number. Requires: no proxy has a CCD margin. Without
+/// branches, since the outcome is hard to predict.
 std::size_t copy_overlapping(const PairCache& cache, std::size_t begin, std::size_t end, Pair* out) {
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -416,7 +415,7 @@ std::size_t copy_overlapping(const PairCache& cache, std::size_t begin, std::siz
   return count;
 }
 
-/// Copies the pairs of this tick; returns how many.
+/// Copies the pairs of this tick and returns their number.
 std::size_t copy_present(const PairCache& cache, std::size_t begin, std::size_t end, Pair* out) {
   if (!cache.any_ccd_margin) return copy_overlapping(cache, begin, end, out);
   std::size_t count = 0;

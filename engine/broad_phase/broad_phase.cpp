@@ -1,4 +1,4 @@
-// What all broad phases share: proxies and the order of pairs.
+// Proxies and limits that all broad phases share; the two without a data structure.
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 
@@ -99,7 +99,8 @@ void brute_force(const Model& model, State& state, Scratch& scratch, Real dt) {
 
 namespace {
 
-/// Counts the pairs of boxes and lists none of them. Where proxies are too few for too many pairs, it does not look.
+/// Counts the pairs of overlapping boxes without listing them. Skips the count where there are too few proxies for too
+/// many pairs.
 bool boxes_are_too_many(Scratch& scratch) {
   const std::span<const Proxy> proxies = scratch.proxies;
   const std::vector<Box>& boxes = scratch.boxes;
@@ -130,11 +131,13 @@ void bounding_circle(const Model& model, State& state, Scratch& scratch, Real dt
   scratch.pair_rows.clear();
   for (std::uint32_t i = 0; i < proxies.size(); ++i) {
     for (std::uint32_t j = i + 1; j < proxies.size(); ++j) {
-      const Real near = circles[i].radius + circles[j].radius;
-      if (length_squared(circles[j].center - circles[i].center) <= near * near && may_touch(proxies[i], proxies[j]))
+      const Real radius_sum = circles[i].radius + circles[j].radius;
+      if (length_squared(circles[j].center - circles[i].center) <= radius_sum * radius_sum &&
+          may_touch(proxies[i], proxies[j]))
         scratch.pair_rows.push_back({i, j});
     }
-    // More circles meet than boxes may: those of the boxes are no more than allowed, and hold all that touch.
+    // More circles may overlap than pairs are allowed. The pairs of boxes are within the limit, and contain all
+    // touching pairs.
     if (scratch.pair_rows.size() > scratch.pair_count_max) return brute_force(model, state, scratch, dt);
   }
   scratch.pairs = scratch.pair_rows;

@@ -1,4 +1,4 @@
-// The pairs of one tick by themselves, for scenes where little stays where it was.
+// The pairs of one tick, without a cache, for scenes in which most bodies move.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,8 +11,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 enum class CellListing { done, too_many, unsuited };
 
 /// Fills scratch.unsorted_pairs with the pairs that may touch and whose boxes overlap. `too_many`: more than a tick may
-/// have. `unsuited`: boxes differ too much in size or lie too far apart, and none are listed. `boxes`: [proxy]. `side`:
-/// of the boxes that share cells, m; 0: to be found. One of a few ticks ago saves the search.
+/// have. `unsuited`: boxes differ too much in size or lie too far apart, and no pair is listed. `boxes`: [proxy].
+/// `side`: of boxes in cells, m; 0: to be found. The side of an earlier tick saves the search.
 CellListing list_by_cells(Scratch& scratch, std::span<const Proxy> proxies, const std::vector<Box>& boxes, Real& side);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -33,7 +33,7 @@ void sort_range(ProxyRange firsts, std::uint32_t proxy_count, std::span<const Pa
   sort_by(&Pair::first, firsts, sorter.by_second, to, sorter.start);
 }
 
-/// The pairs whose `first` lie in `firsts`, without branches: which do is anybody's guess.
+/// Picks the pairs whose `first` lie in `firsts`, without branches, since the outcome is hard to predict.
 void pick(ProxyRange firsts, std::span<const Pair> from, std::vector<Pair>& to) {
   to.resize(from.size() + 1);
   std::size_t count = 0;
@@ -76,7 +76,7 @@ void sort_pairs(Scratch& scratch, std::size_t proxy_count, std::vector<Pair>& ou
     scratch.pair_sorters.resize(std::max<std::size_t>(part_count, 1));
   out.resize(pairs.size());
   if (part_count <= 1) return sort_range({0, key_end}, key_end, pairs, out.data(), scratch.pair_sorters[0]);
-  // Each part picks its pairs, and once all have, knows where they go.
+  // Each part picks its pairs. When all have, each knows where its pairs go.
   std::array<std::uint32_t, part_count_max> ends{};
   split(pairs, key_end, {ends.data(), part_count});
   const auto range_of = [&](std::size_t part) { return ProxyRange{part == 0 ? 0 : ends[part - 1], ends[part]}; };

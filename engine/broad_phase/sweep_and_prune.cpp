@@ -27,7 +27,7 @@ void sweep_and_prune(const Model& model, State& state, Scratch& scratch, Real dt
   for (std::uint32_t i = 0; i < proxies.size(); ++i) entries.push_back({sort_key(scratch.boxes[i].lower.x), i});
   sort_entries(entries, scratch.sort_buffer, sizeof(Real) == 4 ? 32 : 64);
 
-  // The sweep reads boxes in sorted order, packed: the inner loop touches nothing else.
+  // The sweep reads packed boxes in sorted order.
   std::vector<Box>& boxes = scratch.swept_boxes;
   boxes.clear();
   for (const SortEntry& e : entries) boxes.push_back(scratch.boxes[e.proxy]);

@@ -1,4 +1,4 @@
-// Uniform grid: boxes are put in all square cells they overlap; those of a cell are compared with each other.
+// Uniform grid: a box is in each square cell that it overlaps; boxes of a cell are compared with each other.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, sections 7.1.1 to 7.1.3 (cell size, hashed cells); Teschner
 // et al., "Optimized Spatial Hashing for Collision Detection of Deformable Objects", 2003.
@@ -90,8 +90,8 @@ void add_pair(Scratch& scratch, std::uint32_t a, std::uint32_t b) {
   scratch.unsorted_pairs.push_back(a < b ? Pair{a, b} : Pair{b, a});
 }
 
-/// Pairs that meet in a bucket. Two proxies that share several cells are a pair in the lowest of them alone. False: too
-/// many; so too below.
+/// Lists the pairs of a bucket. Two proxies that share several cells are a pair in the lowest of them only. False: too
+/// many; likewise below.
 bool find_pairs_in_bucket(Scratch& scratch, std::uint32_t begin, std::uint32_t end) {
   const std::span<const Proxy> proxies = scratch.proxies;
   for (std::uint32_t i = begin; i < end; ++i) {

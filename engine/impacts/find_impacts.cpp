@@ -15,8 +15,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference; pairs are asked for
-/// in order.
+/// The index of the contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference.
+/// Callers ask for pairs in order.
 std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
   const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
   const auto key_of = [](const ContactRow& row) {
@@ -36,7 +36,7 @@ const BodyModel& constants_of(const Model& model, const BodyRow& body) {
   return model.bodies[body.source];
 }
 
-/// Notes which bodies are fast. False: none is.
+/// Finds the fast bodies. False: there are none.
 bool find_fast(const Model& model, const State& state, Scratch& scratch, const MotionBounds& bounds) {
   std::atomic<bool> any{false};
   const std::size_t count = state.bodies.size();
@@ -53,7 +53,7 @@ bool find_fast(const Model& model, const State& state, Scratch& scratch, const M
   return any.load(std::memory_order_relaxed);
 }
 
-/// Appends those of the candidate pairs begin..end-1 whose impacts are located.
+/// Appends the pairs of begin..end-1 whose impacts are located.
 void add_impacts(const Model& model, const State& state, const Scratch& scratch, const MotionBounds& bounds,
                  std::size_t begin, std::size_t end, std::vector<ImpactPair>& impacts) {
   const Settings& settings = model.scene.settings;
@@ -87,7 +87,7 @@ void add_impacts(const Model& model, const State& state, const Scratch& scratch,
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
     if (gap.separation > swept_a + swept_b) continue;
-    // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
+    // An overlap beyond the middle would be left on the other side. The contact solver corrects it.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};
     pair.body_a = a.body;
@@ -121,7 +121,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
   scratch.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
   if (scratch.pairs.empty()) return;
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
-  // Broad phases that follow bodies know whether any is fast.
+  // A broad phase with a cache knows whether any body is fast.
   if (bounds.has_ccd && !bounds.locates_impacts && scratch.caches.pairs.is_valid && !scratch.caches.pairs.any_swept)
     return;
   if (!find_fast(model, state, scratch, bounds) && !settings.locate_impacts) return;
@@ -136,7 +136,7 @@ void find_impacts(const Model& model, State& state, Scratch& scratch, Real dt) {
         scratch.impact_parts[chunk.index].clear();
         add_impacts(model, state, scratch, bounds, chunk.begin, chunk.end, scratch.impact_parts[chunk.index]);
       },
-      [&] { color_ahead(state, scratch); });
+      [&] { precolor_contacts(state, scratch); });
   for (std::size_t i = 0; i < chunk_count; ++i)
     scratch.impacts.insert(scratch.impacts.end(), scratch.impact_parts[i].begin(), scratch.impact_parts[i].end());
 }

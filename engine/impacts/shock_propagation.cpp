@@ -1,4 +1,4 @@
-// Detection of impacts on bodies at rest; rigid passes, and steps of all that push, until they have gone through.
+// Detection of impacts on bodies at rest. Rigid passes and steps of the active set, until the shock has propagated.
 // SPDX-License-Identifier: MIT
 // Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (an impact is solved for
 // velocities alone, positions held).
@@ -11,18 +11,18 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real least_share = Real(0.05);    // of the allowed way: what moves less in a substep is no impact
-constexpr Real settled_share = Real(1e-5);  // likewise, of a change of speed
+constexpr Real least_share = Real(0.05);    // of the allowed motion: less motion in a substep is no impact
+constexpr Real settled_share = Real(1e-5);  // of the same, for a change of speed
 constexpr int passes_per_check = 8;
-// Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
+// Limits of the work: in a large pile a body would wait long for neighbours far away.
 constexpr std::uint32_t check_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
-// In a tick, with as much for each look as it takes beside the contacts; then substeps get one look: so that even what
-// never settles takes hundredths of a second and not tenths.
+// Limit in a tick; each check counts as the work of some contacts. Beyond it a substep gets one check. Even an impact
+// that never converges then takes hundredths of a second.
 constexpr std::uint32_t work_in_tick_max = 1u << 21;
 constexpr std::uint32_t work_beside = 64;
 
-/// How fast a pair closes, m/s: the faster of its points.
+/// The closing speed of a pair, m/s: that of its faster point.
 template <typename Velocities>
 Real closing_speed(const ContactPair& pair, const Velocities& a, const Velocities& b) {
   Real closing = 0;
@@ -49,8 +49,8 @@ std::uint32_t island_of(const Scratch& scratch, std::uint32_t row) {
   return row;
 }
 
-/// Joints would take the impulses of a landing along as forces, which throw what they join: islands with joints are
-/// left to the passes of each substep.
+/// Joints would keep the impulses of an impact as forces, which throw the joined bodies. Islands with joints are left
+/// to the passes of each substep.
 void leave_out_joined(const State& state, Scratch& scratch) {
   for (const JointRow& joint : state.joints)
     if (joint.body_a != no_reference)

@@ -8,7 +8,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// How velocities change over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
+/// The change of velocities over one step of a given length, without constraints: v' = decay * v + gain * acceleration.
 /// Exact for constant acceleration and linear damping.
 struct FreeMotion {
   Real linear_decay;
@@ -23,14 +23,14 @@ struct Twist {
   Real angular = 0;  // rad/s^2 or rad/s
 };
 
-/// What a scheme with several stages keeps of a body during a substep.
+/// The sums of a scheme with several stages during a substep.
 struct StageRow {
   MovingBody start;
   Twist velocities;     // sum over the stages so far, with their weights
   Twist accelerations;  // likewise
 };
 
-/// A spring of this tick, with the rows of its bodies. Records at rest stand for the world.
+/// A spring of this tick, with the rows of its bodies. The dummy body stands for the world.
 struct SpringRow {
   std::uint32_t body_a;   // record of scratch.bodies
   std::uint32_t body_b;   // record, read
@@ -48,24 +48,24 @@ struct SpringBlock {
   std::uint32_t body_a;
   std::uint32_t body_b;
   Vec2 along;
-  Vec2 arm_a, arm_b;    // m
-  Real stiff_along;     // kg
-  Real stiff_across;    // kg
-  Real turn_a, turn_b;  // kg m^2
+  Vec2 arm_a, arm_b;                      // m
+  Real stiff_along;                       // kg
+  Real stiff_across;                      // kg
+  Real stiff_angular_a, stiff_angular_b;  // kg m^2
 };
 
-/// FreeMotion with the accelerations of one body put in, for one substep: v' = decay * v + gain.
+/// FreeMotion with the accelerations of one body, for one substep: v' = decay * v + gain.
 struct alignas(8 * sizeof(Real)) VelocityStep {
   Real gain[4];   // x, y in m/s, angular in rad/s, 0
   Real decay[4];  // x, y, angular, 0
 };
 static_assert(sizeof(VelocityStep) == body_record_length * sizeof(Real));
 
-/// The steps of all bodies. They follow from the bodies, which have no forces of their own, the gravity and the length
-/// of a step: kept from tick to tick, they hold for the same.
+/// A cache of the steps of all bodies. It is valid for the same bodies, without forces of their own, gravity and step
+/// length.
 struct VelocitySteps {
   bool is_valid = false;
-  std::uint32_t body_set = 0;      // KeptPairs'
+  std::uint32_t body_set = 0;      // PairCache::body_set
   Vec2 gravity{0, 0};              // m/s^2
   Real h = 0;                      // s
   std::vector<VelocityStep> rows;  // [body]

@@ -1,4 +1,4 @@
-// Islands: bodies that hang together by contacts and joints. Decides which sleep and what is solved together.
+// Islands: bodies connected by contacts and joints. Decides which islands sleep and which are solved together.
 // SPDX-License-Identifier: MIT
 // Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find); Anderson, Woll,
 // "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
@@ -14,8 +14,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// find_root while others unite: what it leads to may no longer be a root. Shortening a way never undoes what others
-/// do: the parent of what is no root only ever moves towards the root.
+/// find_root while other threads unite: the result may no longer be a root. Path halving is safe, since the parent of a
+/// row that is no root only moves towards the root.
 std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {
   for (;;) {
     const std::uint32_t next = __atomic_load_n(&parent[row], __ATOMIC_RELAXED);
@@ -26,7 +26,7 @@ std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t
   }
 }
 
-/// unite while others do: the roots are the same in any order.
+/// unite while other threads do: the roots are the same in any order.
 void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
   for (;;) {
     const std::uint32_t root_a = find_root_shared(parent, a);
@@ -62,7 +62,7 @@ void unite_by_contacts(Scratch& scratch) {
   });
 }
 
-/// Unites what hangs together.
+/// Unites connected bodies.
 void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_parent.resize(count);
@@ -87,7 +87,7 @@ void unite_bodies(const Model& model, const State& state, Scratch& scratch) {
 
 constexpr std::size_t bodies_per_chunk_least = 512;
 
-/// Calls look(row), a bool, for each body. True if it was for any.
+/// Calls predicate(row) for each body. True if it was true for any.
 template <typename Predicate>
 bool any_body(const Scratch& scratch, std::size_t count, Predicate predicate) {
   std::atomic<bool> any{false};
@@ -114,11 +114,11 @@ bool find_types(const Model& model, const State& state, Scratch& scratch) {
   });
 }
 
-/// Keeps awake what something kinematic that moves touches or holds.
+/// Keeps bodies awake that touch or are joined to a moving kinematic body.
 void disturb(const Model& model, State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
-    Real none = 0;  // by several contacts of a body at once
+    Real none = 0;  // several contacts of a body may store at once
     if (disturbs(state, scratch, b)) __atomic_store(&state.sleep[a].calm, &none, __ATOMIC_RELAXED);
     if (disturbs(state, scratch, a)) __atomic_store(&state.sleep[b].calm, &none, __ATOMIC_RELAXED);
   };
@@ -142,7 +142,7 @@ bool is_dynamic(const Scratch& scratch, std::uint32_t row) {
   return scratch.body_types[row] == BodyType::dynamic_body;
 }
 
-/// Has been calm for long enough to sleep, if all of its island have.
+/// Whether a body has been idle long enough to sleep with its island.
 bool may_sleep(const Model& model, const State& state, std::uint32_t row) {
   return state.sleep[row].calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
 }
@@ -152,7 +152,7 @@ void wake(SleepRow& sleep) {
   sleep.asleep = 0;
 }
 
-/// Wakes what is pulled or disturbed, and all bodies if none may sleep. True if they are awake.
+/// Wakes held and disturbed bodies, and all bodies if none may sleep. True if all bodies are awake.
 bool stay_awake(const Model& model, State& state, Scratch& scratch, bool some_disturb) {
   if (!model.scene.settings.sleep) return true;
   for (const PointerRow& pointer : state.pointers) state.sleep[state.find_body(pointer.body)].calm = 0;
@@ -166,7 +166,7 @@ bool stay_awake(const Model& model, State& state, Scratch& scratch, bool some_di
   return true;
 }
 
-/// Islands of which all bodies may sleep do. Requires: islands are united.
+/// Puts islands to sleep in which every body may sleep. Requires: islands are united.
 void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
   const std::size_t count = state.bodies.size();
   scratch.island_awake.assign(count, 0);
@@ -185,14 +185,14 @@ void sleep_by_islands(const Model& model, State& state, Scratch& scratch) {
   }
 }
 
-// ---- Groups ----
+// ---- Solver sets ----
 
 constexpr std::uint32_t key_of_no_set = 0;  // asleep, or static
 constexpr std::uint32_t key_of_all_sets = 1;
 constexpr std::uint32_t key_least = 2;
 constexpr std::uint32_t key_count = 2 * limits::substep_count_max + 2;
 
-/// scratch.set_keys: of groups, those of one substep first.
+/// Fills scratch.set_keys. Keys ascend by the number of substeps.
 void find_set_keys(Scratch& scratch) {
   const std::size_t count = scratch.body_types.size();
   scratch.set_keys.resize(count);
@@ -226,7 +226,7 @@ void add_solver_set(const Model& model, const State& state, Scratch& scratch, st
       const ContactPair& pair = scratch.contact_pairs[i];
       const auto contact = static_cast<std::uint32_t>(i);
       const std::uint32_t of_a = scratch.set_keys[pair.body_a];
-      // Two dynamic bodies that touch are of one island.
+      // Two dynamic bodies in contact are of one island.
       if ((of_a < key_least ? scratch.set_keys[pair.body_b] : of_a) == key &&
           !is_left_to_impacts(model, state, scratch, contact))
         out[count++] = contact;
@@ -242,8 +242,8 @@ void add_solver_set(const Model& model, const State& state, Scratch& scratch, st
   scratch.solver_sets.push_back(set);
 }
 
-/// Islands of equal substeps into one group each, fewest first; those with landings apart. Everything kinematic moves
-/// in each of them.
+/// Makes one set of all islands with equal substeps, fewest first; islands with resting impacts have sets of their own.
+/// A kinematic body moves in each set.
 void make_solver_sets(const Model& model, const State& state, Scratch& scratch) {
   scratch.solver_sets.clear();
   scratch.set_rows.clear();
@@ -251,7 +251,7 @@ void make_solver_sets(const Model& model, const State& state, Scratch& scratch) 
   scratch.body_solver_set.assign(state.bodies.size(), no_solver_set);
   find_set_keys(scratch);
   bool in_use[key_count] = {};
-  in_use[2 * model.scene.settings.substeps] = true;  // always, for what is kinematic
+  in_use[2 * model.scene.settings.substeps] = true;  // always, for kinematic bodies
   for (const std::uint32_t key : scratch.set_keys) in_use[key] = true;
   for (std::uint32_t key = key_least; key < key_count; ++key)
     if (in_use[key]) add_solver_set(model, state, scratch, key);
@@ -262,7 +262,7 @@ void make_solver_sets(const Model& model, const State& state, Scratch& scratch) 
 void find_islands(const Model& model, State& state, Scratch& scratch, Real dt) {
   const bool some_disturb = find_types(model, state, scratch);
   const bool all_awake = stay_awake(model, state, scratch, some_disturb);
-  // Where all are awake and have equal substeps, who hangs together with whom makes no difference.
+  // Islands are skipped while all bodies are awake and automatic substeps are off.
   scratch.has_solver_sets = !all_awake || model.scene.settings.auto_substeps;
   if (!scratch.has_solver_sets) return;
   unite_bodies(model, state, scratch);

@@ -1,4 +1,4 @@
-// Islands as stages see them: bodies that hang together, named by their first row.
+// Islands as stages see them: connected bodies, named by their first row.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -33,8 +33,8 @@ inline std::uint32_t row_of(const State& state, std::uint32_t id) {
   return static_cast<std::uint32_t>(state.find_body(id));
 }
 
-/// How many substeps each island gets: scratch.island_level, state.substeps; and which of them something lands on.
-/// Requires: islands are united.
+/// Chooses the substeps of each island: scratch.island_level, state.substeps. Also finds the islands with resting
+/// impacts. Requires: islands are united.
 void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,7 +1,7 @@
-// How many substeps an island needs, from what its bodies carry.
+// The number of substeps of an island, from error estimates of its supports.
 // SPDX-License-Identifier: MIT
-// Source: the sag of soft constraints falls as substeps^-2: sag = force / (effective mass * omega^2) with omega
-// proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
+// Source: the deflection of soft constraints falls as substeps^-2: error = force / (effective mass * omega^2) with
+// omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
 #include "engine/impacts/shock_propagation.h"
 #include "engine/islands/islands.h"
@@ -10,7 +10,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::uint32_t idle_tick_count = 60;  // fewer substeps only after so many ticks that needed fewer
+constexpr std::uint32_t idle_tick_count = 60;  // ticks that needed fewer substeps before the number falls
 constexpr int reference_substeps = 4;
 constexpr std::uint32_t not_carried = 0xffffffff;
 
@@ -23,7 +23,7 @@ Real inv_effective_mass(const Model& model, const State& state, const ContactPai
   return ((a.inv_mass + b.inv_mass) + a.inv_inertia * arm_a * arm_a) + b.inv_inertia * arm_b * arm_b;
 }
 
-/// m/N of a contact at the reference number of substeps.
+/// Compliance of a contact at the reference number of substeps, m/N.
 Real contact_compliance(const Model& model, const State& state, const ContactPair& pair, Real h) {
   Real stiffness = 0;  // N/m
   for (int i = 0; i < pair.manifold.point_count; ++i) {
@@ -36,14 +36,14 @@ Real contact_compliance(const Model& model, const State& state, const ContactPai
   return stiffness > 0 ? 1 / stiffness : Real(0);
 }
 
-/// m/N of a joint at the reference number of substeps. Chains whip: they get twice the substeps that their weight asks
-/// for, and so a softness four times theirs.
+/// Compliance of a joint at the reference number of substeps, m/N. Chains swing: they get twice the substeps that their
+/// weight needs, and so four times the compliance.
 Real joint_compliance(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
   const Real inv_mass = model.bodies[state.bodies[a].source].inv_mass + model.bodies[state.bodies[b].source].inv_mass;
   return 4 * inv_mass / joint_stiffness(h);
 }
 
-/// rad/(N m) of a rigid weld at the reference number of substeps, 0 of other joints.
+/// Angular compliance of a rigid weld at the reference number of substeps, rad/(N m); 0 of other joints.
 Real joint_angular_compliance(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
                               std::uint32_t b, Real h) {
   if (!joint.rigid_angle) return 0;
@@ -52,14 +52,14 @@ Real joint_angular_compliance(const Model& model, const State& state, const Join
   return inv_inertia / joint_stiffness(h);
 }
 
-/// Whether the bodies rest on each other, or are about to: what is merely seen early carries nothing.
+/// Whether the bodies rest on each other, or are about to. A speculative contact supports nothing.
 bool carries(const ContactPair& pair) {
   Real least = pair.manifold.points[0].separation;
   if (pair.manifold.point_count == 2) least = smaller(least, pair.manifold.points[1].separation);
   return least <= resting_margin(pair.size);
 }
 
-/// Lists, for each body, what it touches or is joined to.
+/// Lists the contacts and joints of each body.
 void list_supports(const Model& model, const State& state, Scratch& scratch, Real h) {
   std::vector<std::uint32_t>& start = scratch.support_start;
   start.assign(state.bodies.size() + 2, 0);
@@ -108,7 +108,8 @@ std::span<const Support> supports_of(const Scratch& scratch, std::uint32_t row) 
           scratch.support_start[row + 1] - scratch.support_start[row]};
 }
 
-/// Steps from the nearest immovable body, breadth first; support_order lists what is carried, nearest first.
+/// Finds the steps from the nearest non-dynamic body, breadth first. support_order lists supported bodies, nearest
+/// first.
 void find_depths(const Model& model, const State& state, Scratch& scratch) {
   scratch.support_depth.assign(state.bodies.size(), not_carried);
   scratch.support_order.clear();
@@ -127,14 +128,15 @@ void find_depths(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
-/// Calls `use` with each of those that carry a body: its supports that are a step nearer to the ground.
+/// Calls `use` with each support of a body that is one step nearer to the ground.
 template <typename Use>
 void for_each_carrier(const Scratch& scratch, std::uint32_t row, Use use) {
   for (const Support& support : supports_of(scratch, row))
     if (scratch.support_depth[support.other] + 1 == scratch.support_depth[row]) use(support);
 }
 
-/// How hard joints hold each body that whirls: w^2 r of every arm on the way to what cannot move.
+/// Finds the acceleration by which joints hold a spinning body: the sum of w^2 r over the arms on the way to the
+/// ground.
 void find_joint_accelerations(const State& state, Scratch& scratch) {
   scratch.joint_acceleration.assign(state.bodies.size(), 0);
   const auto spin2 = [&](std::uint32_t row) {
@@ -148,13 +150,13 @@ void find_joint_accelerations(const State& state, Scratch& scratch) {
     });
 }
 
-/// What a body adds to the load, N: its weight, and what its joints hold it by.
+/// The load of a body itself, N: its weight and the force of its joints.
 Real own_load(const Model& model, const State& state, const Scratch& scratch, std::uint32_t row) {
   const BodyModel& body = model.bodies[state.bodies[row].source];
   return (absolute(body.gravity_scale) * length(state.world.gravity) + scratch.joint_acceleration[row]) * body.mass;
 }
 
-/// Weights and pulls go down the shortest ways to the ground, shared among equal ones; sags add up on the way back.
+/// Loads go down the shortest paths to the ground, shared equally among equal ones. Errors add up on the way back.
 void estimate_errors(const Model& model, const State& state, Scratch& scratch) {
   scratch.load.assign(state.bodies.size(), 0);
   scratch.position_error.assign(state.bodies.size(), 0);
@@ -188,8 +190,8 @@ void estimate_errors(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
-/// A load beside the middle of a contact tilts what lies on it, and all that stands there leans; a weld bends under
-/// what hangs from it. Of bodies that one contact or weld alone carries.
+/// An eccentric load tilts a body on its contact, and tilts everything on it; a weld bends under its load. For bodies
+/// with one support only.
 void estimate_tilts(const State& state, Scratch& scratch) {
   scratch.load_moment.assign(state.bodies.size(), {0, 0});
   scratch.tilt_errors.assign(state.bodies.size(), {{0, 0}, 0});
@@ -222,7 +224,7 @@ void estimate_tilts(const State& state, Scratch& scratch) {
       const Vec2 middle = position + support.middle;
       const Vec2 center = (1 / scratch.load[row]) * scratch.load_moment[row];
       const Real lever = cross(center - middle, down);
-      if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // it topples
+      if (support.half_width2 > 0 && !(lever * lever < support.half_width2)) return;  // the body topples
       const Real torque = scratch.load[row] * lever;
       const TiltError& below = scratch.tilt_errors[support.other];
       TiltError& tilt = scratch.tilt_errors[row];
@@ -233,21 +235,21 @@ void estimate_tilts(const State& state, Scratch& scratch) {
   }
 }
 
-/// Powers of two from `least` to `most` that keep the sag of a body within its allowance.
+/// The power of two from `least` to `most` with which the error of a body is allowed.
 std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std::uint32_t most) {
   std::uint32_t count = least;
-  // sag at n substeps = sag * (4 / n)^2
+  // error at n substeps = error * (4 / n)^2
   while (count < most && error * static_cast<Real>(reference_substeps * reference_substeps) >
                              allowed * static_cast<Real>(count) * static_cast<Real>(count))
     count *= 2;
   return count < most ? count : most;
 }
 
-// What constraints may add to the masses on a way to the ground, of what is carried.
+// The largest mass that constraints may add on a path to the ground, relative to the supported mass.
 constexpr Real added_share_max = Real(0.01);
 
-/// Where not even the most substeps keep a sag within its allowance: how much heavier constraints shall see what
-/// carries the load, which is far heavier. Sags fall by as much.
+/// If the error is too large even with the most substeps, constraints see supporting bodies, which are far lighter than
+/// their load, heavier by this factor. Errors fall by the same factor.
 void find_mass_factors(const Model& model, const State& state, Scratch& scratch) {
   const Settings& settings = model.scene.settings;
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
@@ -290,19 +292,19 @@ void choose_substeps(const Model& model, State& state, Scratch& scratch, Real dt
   const auto most = static_cast<std::uint32_t>(settings.auto_substeps->substeps_max);
   const Real target = static_cast<Real>(settings.auto_substeps->target_error);
   std::vector<std::uint32_t>& level = scratch.island_level;
-  // What the island needs now.
+  // The substeps that each island needs now.
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     if (type_of(model, state, row) != BodyType::dynamic_body) continue;
     std::uint32_t& island = level[find_root(scratch.island_parent, row)];
     const BodyModel& body = model.bodies[state.bodies[row].source];
-    // What comes suddenly swings out twice as far.
+    // A sudden load overshoots by a factor of two.
     const Real error = larger(scratch.position_error[row], 2 * length(scratch.tilt_errors[row].displacement));
     const std::uint32_t wanted = wanted_substeps(error, target * body.size, least, most);
     const std::uint32_t wanted_here = wanted_substeps(scratch.local_error[row], target, least, most);
     island = island > wanted ? island : wanted;
     island = island > wanted_here ? island : wanted_here;
   }
-  // What it has had: rises at once, falls after calm ticks.
+  // Hysteresis: the number rises at once and falls after idle ticks.
   std::vector<std::uint32_t>& had = scratch.support_depth;
   had.assign(state.bodies.size(), 0);
   std::vector<std::uint32_t>& idle = scratch.support_order;

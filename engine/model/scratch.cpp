@@ -1,4 +1,4 @@
-// Poisoning of scratch memory, so that what one tick leaves behind cannot pass for what the next one should compute.
+// Poisoning of scratch memory, so that a tick cannot use results of the tick before, and forgetting of caches.
 // SPDX-License-Identifier: MIT
 #include "engine/model/scratch.h"
 
@@ -14,7 +14,7 @@ void poison_rows(std::vector<T>& rows) {
   rows.clear();
 }
 
-/// Rows that are only ever added to: of what is there, a tick may read nothing.
+/// Rows that only grow: a tick may read none that it has not written.
 template <typename T>
 void poison_in_place(std::vector<T>& rows) {
   if (!rows.empty()) std::memset(static_cast<void*>(rows.data()), 0xff, rows.size() * sizeof(T));
@@ -33,7 +33,7 @@ void poison_batches(ContactBatches& batches) {
 }  // namespace
 
 void poison(Scratch& scratch) {
-  // Inputs are decoded by the caller; `cached` and free_motion are caches with their keys beside them.
+  // Not poisoned: inputs, which the caller decodes, and caches, which have keys.
   poison_rows(scratch.force);
   poison_rows(scratch.torque);
   scratch.proxies = {};
@@ -65,9 +65,9 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.part_counts);
   poison_rows(scratch.parts);
   poison_rows(scratch.contact_pairs_spilled);
-  poison_rows(scratch.contact_pairs_moved);
+  poison_rows(scratch.contact_pairs_merged);
   poison_rows(scratch.contacts_spilled);
-  poison_rows(scratch.contacts_moved);
+  poison_rows(scratch.contacts_merged);
   poison_rows(scratch.now_touching);
   poison_rows(scratch.removed_touching);
   poison_rows(scratch.removed_sensors);
@@ -145,7 +145,7 @@ void poison(Scratch& scratch) {
 void forget(Scratch& scratch, CacheSet caches) {
   TickCaches& cached = scratch.caches;
   const auto is_in = [caches](CacheKind kind) { return (caches & cache_bit(kind)) != 0; };
-  if (caches == all_caches) cached.pairs.is_valid = false;  // with the proxies, which all of it is about
+  if (caches == all_caches) cached.pairs.is_valid = false;  // the proxies, on which all caches depend
   if (is_in(CacheKind::pair_list)) cached.pairs.has_pairs = false;
   if (is_in(CacheKind::boxes)) cached.pairs.farthest = -1;  // no tick has this
   if (is_in(CacheKind::present_pairs)) cached.pairs.has_present = false;

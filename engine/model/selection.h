@@ -8,8 +8,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Moves the parts that chunks have written, each where its part of the range begins, together; returns their length.
-/// `begin_of(chunk)`: where that is. `counts`: [chunk].
+/// Moves the parts of a list that chunks have written together and returns the length. `begin_of(chunk)`: where a part
+/// begins. `counts`: [chunk].
 template <typename Row, typename Begin>
 std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
   std::size_t total = counts.empty() ? 0 : counts[0];
@@ -21,9 +21,9 @@ std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Be
   return total;
 }
 
-/// select(begin, end, out) writes at most one row for each element of begin..end-1 of a range and returns how many; it
-/// is called in chunks of at least `least`. Returns how many there are in `out`, which has room for one of each
-/// element.
+/// select(begin, end, out) writes at most one row for each element of begin..end-1 of a range and returns the number.
+/// It is called in chunks of at least `least`. Returns the total number in `out`, which must have the size of the
+/// range.
 template <typename Row, typename Select>
 std::size_t select_in_chunks(Scratch& scratch, std::size_t count, std::size_t least, Row* out, const Select& select) {
   const std::size_t size = scratch.parallel.chunk_size(count, least);

@@ -1,4 +1,4 @@
-// Where pairs touch.
+// Manifolds and contacts.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -22,7 +22,7 @@ struct Manifold {
   ManifoldPoint points[2];
 };
 
-/// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
+/// A contact: a pair that touches or will touch soon. Parallel to State::contacts where the pipeline has that table.
 struct ContactPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;
@@ -30,16 +30,16 @@ struct ContactPair {
   std::uint32_t proxy_a;  // in Scratch::proxies; pairs ascend by both
   std::uint32_t proxy_b;
   Real friction;
-  Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
+  Real radius_a;  // m, of round shapes: pivots are at the core, not at the surface
   Real radius_b;
   Real size;  // of the smaller shape, m
   Real restitution;
 };
 
-/// What a chunk has added to a list.
+/// The part of a list that a chunk has written.
 struct ListPart {
-  std::size_t first;     // where it wrote
-  std::size_t in_place;  // so many of them there; the rest is elsewhere
+  std::size_t first;     // its first place
+  std::size_t in_place;  // number of elements there; the rest is in the spill
   std::size_t count;
   std::size_t place;  // in the list
 };

@@ -1,8 +1,8 @@
 // Begin and end of contacts, and of overlaps with sensors, as rows of this tick.
 // SPDX-License-Identifier: MIT
 //
-// What touches is compared with what touched in the tick before; both are sorted by ids, so one walk over both finds
-// every difference, in an order that no broad phase can change.
+// The touching pairs are compared with those of the tick before. Both lists are sorted by ids, so one walk over both
+// finds every difference, in an order that no broad phase can change.
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 

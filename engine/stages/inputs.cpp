@@ -1,4 +1,4 @@
-// Input events act: bodies come and go, forces and impulses push, pointers press, drag and release.
+// Input events: bodies are spawned and removed, forces and impulses act, pointers press, drag and release.
 // SPDX-License-Identifier: MIT
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
@@ -32,7 +32,7 @@ void ignore(State& state) {
   if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
 }
 
-/// The row that an input means, awake, or nothing (counted) if that body was removed.
+/// The row of an input's body, awake; null (and counted) if the body was removed.
 BodyRow* find(State& state, const Input& input) {
   const std::size_t row = state.find_body(input.body);
   if (row < state.bodies.size()) {
@@ -158,8 +158,8 @@ void do_press(const Model& model, State& state, Scratch& scratch, const Input& i
   pose.values[0] = input.values[0];
   pose.values[1] = input.values[1];
   // In turn: ids are never used again, so they count what was spawned.
-  const std::size_t turn = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
-  add_body(model, state, scratch, model.pointer_spawns[turn], pose);
+  const std::size_t next = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
+  add_body(model, state, scratch, model.pointer_spawns[next], pose);
 }
 
 void do_drag(const Model&, State& state, Scratch&, const Input& input) {

@@ -1,4 +1,4 @@
-// Taking a body out of the state, with everything that refers to it.
+// Removal of a body from the state, with everything that refers to it.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Removes the row, its contacts, its joints and the pointers that hold it; forces of this tick's inputs keep their
-/// bodies.
+/// Removes the row, its contacts, its joints and the pointers that hold it. Forces of this tick's inputs stay with
+/// their bodies.
 void remove_body(State& state, Scratch& scratch, std::size_t row);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION
