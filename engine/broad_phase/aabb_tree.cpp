@@ -6,10 +6,10 @@
 // Each shape has a fat AABB. While each shape stays inside its fat AABB, the list of overlapping fat AABBs contains
 // every pair that may touch. A shape that leaves gets a new fat AABB and new pairs. It is then a moved proxy, whose box
 // in the tree no longer counts. With many moved proxies everything is built anew. Listed are the pairs whose tight
-// AABBs overlap. These are the pairs of the other algorithms and a few more, since the tight AABBs of moving bodies
-// have a margin (`box_margin_share`), with which they stay valid for some ticks of a slow body. If more fat AABBs
-// overlap than a tick may have pairs, only pairs of tight AABBs are listed and nothing is cached. If the list was valid
-// for a few ticks only, as in a gas, pairs are listed by cells (neighbour_cells.h) for a while.
+// AABBs overlap. These are the pairs of the other algorithms and a few more. The tight AABB of a slow body is enlarged
+// by a margin (`box_margin_share`), so that it stays valid for some ticks. If more fat AABBs overlap than a tick may
+// have pairs, only pairs of tight AABBs are listed and nothing is cached. If the list was valid for a few ticks only,
+// as in a gas, pairs are listed by cells (neighbour_cells.h) for a while.
 #include <atomic>
 #include <cstring>
 
@@ -233,8 +233,8 @@ struct NodesToList {
   bool is_tight;  // tight AABBs must overlap, too
 };
 
-/// Lists the pairs of a chunk of the nodes of a level of the moving tree: of each node with itself, with later nodes
-/// and with the static tree.
+/// Lists the pairs of a chunk of nodes of the moving tree, all of one level. Each node is compared with itself, with
+/// later nodes and with the static tree.
 void list_pairs_of_nodes(const PairCache& cache, NodesToList nodes, const Chunk& chunk, PairListing& listing,
                          std::vector<Pair>& pairs) {
   const std::uint32_t level = nodes.level;

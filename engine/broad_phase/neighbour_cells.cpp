@@ -4,7 +4,7 @@
 // Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
 //
 // A box belongs to the cell of its lower corner. All boxes that overlap it are then in the same cell or in one of the
-// eight around it. The few boxes that are larger than a cell, or far from the others, are compared with each other and
+// eight around it. A few boxes are larger than a cell or far from the others. They are compared with each other and
 // with the boxes of the cells that they overlap.
 //
 // Fast proxies (Proxy::ccd_margin > 0) have boxes without CCD margins in these cells. Their whole boxes are compared

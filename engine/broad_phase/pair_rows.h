@@ -44,12 +44,11 @@ struct BoxedBody {
 /// pairs that may touch are among these.
 struct PairCache {
   bool is_valid = false;
-  Real dt = 0;                    // s, for which `boxes` are valid
-  Real gravity_displacement = 0;  // m, likewise
-  Real farthest = 0;              // m, likewise
-  std::vector<BodyRow> bodies;    // at the last update of the boxes
-  std::vector<std::uint8_t>
-      is_unchanged;  // [body] its pose (with speculative contacts: the whole row) has the bits of the tick before
+  Real dt = 0;                             // s, for which `boxes` are valid
+  Real gravity_displacement = 0;           // m, likewise
+  Real farthest = 0;                       // m, likewise
+  std::vector<BodyRow> bodies;             // at the last update of the boxes
+  std::vector<std::uint8_t> is_unchanged;  // [body] pose (with speculative contacts: row) is that of the tick before
   std::uint32_t body_set = 0;              // changes with the set of bodies
   std::size_t static_count = 0;            // of bodies
   bool many_are_unchanged = false;         // of the others

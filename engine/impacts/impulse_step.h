@@ -6,8 +6,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Changes the impulses of the active contacts of a set so that their velocities become the targets of the relax pass,
-/// as far as all rows stay active. A system that is too wide is left alone.
+/// Changes the impulses of the active contacts of a set. Their velocities become the targets of the relax pass, as far
+/// as all rows stay active. A system that is too wide is left alone.
 void step_active_contacts(Scratch& scratch, const SolverSet& set);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

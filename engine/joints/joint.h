@@ -1,10 +1,10 @@
 // Joints: what the solver does with them in each substep, for all kinds alike.
 // SPDX-License-Identifier: MIT
 //
-// Joints are solved one after the other in the order of the scene, which is part of the physics, or in a faster order
-// that gives the same bits (joint_order.h). A joint consists of rows: rigid ones (soft constraints tied to the substep
-// rate), limits, motors and springs. Accumulated impulses are stored as forces in the state. Springs act before
-// positions change; the relax pass leaves them out (joint_spring.h).
+// Joints are solved one after the other in the order of the scene, which is part of the physics. A faster order may
+// replace it if it gives the same bits (joint_order.h). A joint consists of rows: rigid ones (soft constraints tied to
+// the substep rate), limits, motors and springs. Accumulated impulses are stored as forces in the state. Springs act
+// before positions change; the relax pass leaves them out (joint_spring.h).
 #pragma once
 
 #include <cstdint>

@@ -87,8 +87,8 @@ double share_of(const BodyModel& body, Vec2 anchor, const BodyModel& other, Vec2
   return point < angle ? angle : point;
 }
 
-// Measured on light bodies of 1, 0.01 and 0.0001 kg with 3 to 24 rods of 1 kg, with revolutes and welds: k rods need at
-// most k^2 / 4 iterations, and the sum of shares is k. In chains and nets it is 2 at most.
+// Measured on light bodies of 1, 0.01 and 0.0001 kg with 3 to 24 rods of 1 kg, with revolutes and welds. k rods need at
+// most k^2 / 4 iterations, and their sum of shares is k. In chains and nets the sum is 2 at most.
 constexpr double share_sum_max = 2.5;
 constexpr double iterations_per_share2 = 0.25;
 constexpr double joint_visits_max = 1 << 14;  // in all iterations over the joints of the scene

@@ -37,9 +37,9 @@ struct JointPlace {
 /// Row of a joint's body. An id is its row as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Fills the places of the plan with the joints of the set, in the order in which they are prepared: by level and path,
-/// or in scene order. `may_use_wavefront`: tries to schedule levels for a wavefront sweep (wavefront.h). Requires:
-/// prepare_bodies, enter_solver_set.
+/// Fills the places of the plan with the joints of the set in the order of preparation: by level and path, or in scene
+/// order. `may_use_wavefront`: tries to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies,
+/// enter_solver_set.
 void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -9,7 +9,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// Whether the plan follows from the scene alone: all its joints exist, each body is in the row of its id, and there is
-/// one set. (Rows ascend by id, so one row equal to its id proves all rows before it.)
+/// one set. Rows ascend by id, so one row equal to its id proves all rows before it.
 bool follows_from_scene(const Model& model, const State& state) {
   if (model.finds_islands || state.joints.size() != model.joints.size()) return false;
   const std::uint32_t last = model.last_joined;

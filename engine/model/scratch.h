@@ -23,8 +23,8 @@
 #include "engine/joints/mouse_joint.h"
 #include "engine/model/body_rows.h"
 #include "engine/model/state.h"
+#include "engine/narrow_phase/manifold.h"
 #include "engine/narrow_phase/pair_block.h"
-#include "engine/narrow_phase/touching.h"
 #include "engine/scene/input.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -112,7 +112,7 @@ struct Scratch {
   std::vector<std::uint8_t> is_constrained;    // [body] has a contact or impact in this tick
   std::vector<std::uint32_t> free_rows;        // of the set that is being solved
   std::vector<std::uint32_t> set_rows;         // rows of moving bodies, by set; kinematic ones are in each set
-  std::vector<std::uint32_t> set_contacts;     // in `touching`
+  std::vector<std::uint32_t> set_contacts;     // in `contact_pairs`
   std::vector<std::uint32_t> set_keys;         // [body] islands: key of its set
   std::vector<std::uint32_t> body_solver_set;  // [body] index in `solver_sets`; no_solver_set: asleep or static
   std::vector<BodyType> body_types;            // [body] islands

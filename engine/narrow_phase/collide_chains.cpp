@@ -1,5 +1,5 @@
-// Contacts with an edge of a chain: from its right side only, and with normals that its neighbours allow, so that a
-// shape slides or rolls over a corner without a bump.
+// Contacts with an edge of a chain, from its right side only. The neighbours of the edge restrict its normals, so that
+// a shape slides or rolls over a corner without a bump.
 // SPDX-License-Identifier: MIT
 // Source: van den Bergen, "Game Physics Pearls", 2010, chapter 4 (Voronoi regions of a mesh decide which normals are
 // real). Corner by corner: a convex one owns the normals between those of its edges, and belongs to the edge that ends

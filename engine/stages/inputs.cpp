@@ -157,7 +157,7 @@ void do_press(const Model& model, State& state, Scratch& scratch, const Input& i
   Input pose;
   pose.values[0] = input.values[0];
   pose.values[1] = input.values[1];
-  // In turn: ids are never used again, so they count what was spawned.
+  // Prototypes take turns: ids are never used again, so they count the spawned bodies.
   const std::size_t next = (state.world.next_id - model.first_prototype) % model.pointer_spawns.size();
   add_body(model, state, scratch, model.pointer_spawns[next], pose);
 }
