@@ -33,7 +33,7 @@ constexpr Real box_margin_share = Real(1) / 512;
 constexpr Real ticks_of_margin = 4;  // with fewer ticks in the margin it does not pay
 // A body slower than this share of its size per tick is certainly not fast (motion_bounds.h).
 constexpr Real certainly_slow_share = Real(0.2);
-// If more bodies than this share are unchanged, the narrow phase reuses their contacts.
+// If more bodies than this share are unchanged, the narrow phase reuses single manifolds instead of whole blocks.
 constexpr std::size_t bodies_per_unchanged = 4;
 
 Box fat_box(const Model& model, const State& state, const PairCache& cache, std::uint32_t index) {
@@ -132,9 +132,8 @@ Real margin_for(const BodyModel& constants, const BodyRow& body, const MotionBou
 }
 
 BoxedBody boxed_body(const BodyModel& constants, const BodyRow& body, const MotionBounds& bounds, Real margin) {
-  const Real gravity_displacement = absolute(constants.gravity_scale) * bounds.gravity * bounds.dt;
-  const Real speed =
-      bounds.has_ccd ? certainly_slow_share * constants.size / bounds.dt - gravity_displacement : Real(1e30);
+  const Real gravity_speed = absolute(constants.gravity_scale) * bounds.gravity * bounds.dt;
+  const Real speed = bounds.has_ccd ? certainly_slow_share * constants.size / bounds.dt - gravity_speed : Real(1e30);
   return {body.position, body.rotation, constants.extent, margin, speed};
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr Real cell_margin_share = Real(1.02);     // by far more than the rounding of a cell index
 constexpr Real cells_in_line_max = Real(1 << 15);  // more cells in a line, and boxes are unsuited
-constexpr Real cells_per_box = 2;                  // cells are as large as it takes
+constexpr Real cells_per_box = 2;                  // the least number of cells per box
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
 constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
 constexpr std::size_t few = 12;                    // this many boxes may always be larger than a cell
@@ -215,12 +215,12 @@ static_assert(sizeof(Box) == 4 * sizeof(Real));
 /// for the first `least`, since number and outcome are hard to predict.
 template <std::uint32_t least>
 Pair* meet(const Box* boxes, const Query& query, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
-  const auto look_at = [&](std::uint32_t j, bool counts) {
+  const auto test = [&](std::uint32_t j, bool counts) {
     *out = {i, j};
     out += static_cast<std::size_t>(counts & query.overlaps(boxes[j]));
   };
-  for (std::uint32_t k = 0; k < least; ++k) look_at(begin + k, begin + k < end);
-  for (std::uint32_t j = begin + least; j < end; ++j) look_at(j, true);
+  for (std::uint32_t k = 0; k < least; ++k) test(begin + k, begin + k < end);
+  for (std::uint32_t j = begin + least; j < end; ++j) test(j, true);
   return out;
 }
 
@@ -280,8 +280,8 @@ std::uint32_t clamped(Real place, std::uint32_t count) {
 
 /// Calls use(place) for the entries of a table of cells whose boxes may overlap a box, row by row, until it returns
 /// false. `end_of`: [cell] the end of its entries.
-template <typename MakeRoom, typename Use>
-bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, MakeRoom reserve,
+template <typename Reserve, typename Use>
+bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, Reserve reserve,
                   Use use) {
   // A box that overlaps it begins in one of its cells, or one before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
@@ -323,13 +323,13 @@ bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index,
   const Scratch& scratch = out.scratch;
   const Box& box = fast.boxes[index];
   const Query query(box);
-  const auto look_at = [&](std::uint32_t other) {
+  const auto test = [&](std::uint32_t other) {
     if (!(out.proxies[other].ccd_margin > 0) || !query.overlaps(fast.boxes[other])) return true;
     return out.add(index, other);
   };
   out.reserve(scratch.large.size());
   for (const std::uint32_t large : scratch.large)
-    if (!look_at(large)) return false;
+    if (!test(large)) return false;
   const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
                  larger(absolute(box.lower.y), absolute(box.upper.y))};
   const Vec2 farthest{fast.farthest, fast.farthest};
@@ -339,7 +339,7 @@ bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index,
   return for_cells_of(
       cells, scratch.cell_starts, around, [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        return !around_query.overlaps(scratch.swept_boxes[place]) || look_at(scratch.swept_places[place].proxy);
+        return !around_query.overlaps(scratch.swept_boxes[place]) || test(scratch.swept_places[place].proxy);
       });
 }
 

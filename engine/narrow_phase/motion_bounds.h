@@ -19,11 +19,10 @@ struct MotionBounds {
 /// The motion bound of a body: no point of it moves farther in a tick, m.
 inline Real motion_bound_in(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
   if (constants.type == BodyType::static_body) return 0;
-  const Real gravity_displacement = constants.type == BodyType::dynamic_body
-                                        ? absolute(constants.gravity_scale) * bounds.gravity * bounds.dt
-                                        : Real(0);
-  return bounds.dt *
-         ((length(body.velocity) + gravity_displacement) + magnitude(body.angular_velocity) * constants.extent);
+  const Real gravity_speed = constants.type == BodyType::dynamic_body
+                                 ? absolute(constants.gravity_scale) * bounds.gravity * bounds.dt
+                                 : Real(0);
+  return bounds.dt * ((length(body.velocity) + gravity_speed) + magnitude(body.angular_velocity) * constants.extent);
 }
 
 /// Whether a body may pass through another in a tick.

@@ -199,10 +199,9 @@ bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
 
 /// The candidates of a block in the tick before.
 struct OldCandidates {
-  std::uint64_t touched = 0;    // [candidate] one bit each
-  std::uint64_t unchanged = 0;  // [candidate] one bit each: poses have not changed
-  std::uint32_t
-      next[PairBlock::pair_count_max];  // places of the old contacts of this and later candidates, if may_reuse
+  std::uint64_t touched = 0;                      // [candidate] one bit each
+  std::uint64_t unchanged = 0;                    // [candidate] one bit each: poses have not changed
+  std::uint32_t next[PairBlock::pair_count_max];  // place of the old contact of this or a later candidate, if may_reuse
 
   bool all_touched(std::uint32_t count) const {
     return count > 0 && touched == ~std::uint64_t{0} >> (PairBlock::pair_count_max - count);
@@ -287,7 +286,7 @@ struct FoundContacts {
   std::uint64_t unchanged_count = 0;  // contacts with unchanged manifolds
 };
 
-/// What a pair is beside its manifold, from what it was a tick ago.
+/// Copies the fields of a contact that do not depend on poses from the contact of the tick before.
 void copy_constants(const ContactPair& old, ContactPair& pair) {
   pair.body_a = old.body_a;
   pair.body_b = old.body_b;
