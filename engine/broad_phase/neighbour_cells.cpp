@@ -21,7 +21,7 @@ namespace {
 
 constexpr Real cell_margin_share = Real(1.02);     // by far more than the rounding of a cell index
 constexpr Real cells_in_line_max = Real(1 << 15);  // more cells in a line, and boxes are unsuited
-constexpr Real cells_per_box = 2;                  // the least number of cells per box
+constexpr Real cells_per_box = 2;                  // the largest number of cells per box
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
 constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
 constexpr std::size_t few = 12;                    // this many boxes may always be larger than a cell

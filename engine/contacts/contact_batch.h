@@ -34,10 +34,9 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t>
-      slots;                   // [batch of the set, lane] the contact, or no_contact; unless the set has all contacts
-  std::vector<BatchRun> runs;  // in solving order
-  std::vector<ContactLanes> saved;  // [batch of the set, point] normal impulses
+  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; unless the set has all contacts
+  std::vector<BatchRun> runs;        // in solving order
+  std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
 };
 
 enum class Bias : std::uint8_t { off, on };

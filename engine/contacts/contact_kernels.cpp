@@ -105,8 +105,7 @@ struct RelativeMotion {
   V normal_displacement;               // of B against A, m
   V cosine_less_1_a, cosine_less_1_b;  // cosine of the rotation - 1
   V sine_a, sine_b;                    // sine of the rotation
-  V radius_a,
-      radius_b;  // m; pivots lie a radius behind the anchors, so that the surface of a rolling disc does not move
+  V radius_a, radius_b;                // m; pivots lie a radius behind the anchors: the surface of a rolling disc stays
 };
 
 template <unsigned features, typename V>

@@ -76,8 +76,7 @@ void warm_start_weld(const JointWork& joint, JointBodies& pair) {
 }
 
 /// K (p, t) = -(rates): the rows of the point and of the angle together, the angle eliminated first. The remaining
-/// matrix of the point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b rotated by 90 degrees. In this form long
-/// arms cancel no digits.
+/// matrix of the point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b. In this form long arms cancel no digits.
 void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const Softness& soft) {
   const AngleRow angle = angle_row(joint);
   const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;
