@@ -1,4 +1,4 @@
-// The structures that an engine keeps from tick to tick for speed: their names, and how often each was used again.
+// The cached structures of an engine: their names, and how often each was used again.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,17 +14,17 @@ namespace ticktrue::engine {
 enum class CacheKind : std::uint8_t {
   body_set,        // the ids and sources of the bodies: which rows of everything else are about which body
   pair_list,       // fat AABBs, the trees over them and the pairs that overlap
-  boxes,           // tight AABBs with a margin that slow bodies stay in
+  boxes,           // tight AABBs with a margin, in which slow bodies stay
   present_pairs,   // pairs of the tick before whose AABBs overlap
   manifolds,       // manifolds of pairs whose poses have not changed
-  contact_places,  // contacts are written where those of the tick before are
+  contact_places,  // contacts are written in the places of the tick before
   pair_blocks,     // candidates, lanes and features of 64 pairs
   velocity_steps,  // gravity and damping over one substep, per body
   free_motion,     // decay and gain over one substep, per body of the scene
   joint_plan,      // the order and the batches of joints
   contact_colors,  // colours and slots of contacts
   contact_blocks,  // which islands are solved together
-  cell_side,       // the side of the cells that pairs are listed by
+  cell_side,       // side of the cells of neighbour_cells
 };
 inline constexpr std::size_t cache_kind_count = 13;
 
@@ -57,8 +57,8 @@ constexpr CacheSet cache_bit(CacheKind kind) {
 
 /// Since the engine was made.
 struct CacheCounts {
-  std::uint64_t hits = 0;           // uses of what an earlier tick made, each of which spared its making
-  std::uint64_t invalidations = 0;  // times that a tick looked at it and had to make it anew
+  std::uint64_t hits = 0;           // uses of the result of an earlier tick
+  std::uint64_t invalidations = 0;  // checks that failed, so that it was made anew
 };
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 

@@ -72,7 +72,7 @@ struct ContactReport {
 struct BroadPhaseReport {
   struct Box {
     std::uint32_t body = 0;  // id
-    Point lower;             // world, m; with margin and the way of a tick
+    Point lower;             // world, m; with margin and the swept displacement of a tick
     Point upper;
   };
   struct Pair {

@@ -19,7 +19,7 @@ std::uint64_t spread_bits(std::uint64_t value) {
   return (value | value << 1) & 0x5555555555555555ull;
 }
 
-/// Grows `box` to hold `other`. A coordinate that is no number changes nothing.
+/// Enlarges `box` to include `other`. A NaN changes nothing.
 void include(Box& box, const Box& other) {
   if (other.lower.x < box.lower.x) box.lower.x = other.lower.x;
   if (other.lower.y < box.lower.y) box.lower.y = other.lower.y;

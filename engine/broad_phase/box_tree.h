@@ -1,4 +1,4 @@
-// A tree of boxes: those of proxies sorted along a curve through space, boxes around runs of them, and so on up.
+// A tree of boxes over proxies that are sorted along a space-filling curve: boxes around runs of boxes, level by level.
 // SPDX-License-Identifier: MIT
 // Source: Kamel, Faloutsos, "On Packing R-trees", 1993 (packing of sorted runs); Morton, "A Computer Oriented Geodetic
 // Data Base and a New Technique in File Sequencing", 1966 (the curve); Ericson, "Real-Time Collision Detection", 2005,
@@ -21,7 +21,7 @@ struct BoxTree {
   std::vector<std::uint32_t> level_start;  // [level]; one more at the end: the number of boxes
 };
 
-/// What holds nothing, and grows by what it is made to include.
+/// The empty box: it contains nothing, and grows by what it includes.
 inline constexpr Real far_away = sizeof(Real) == 4 ? Real(0x1p127) : Real(0x1p1023);
 inline constexpr Box empty_box{{far_away, far_away}, {-far_away, -far_away}};
 
@@ -31,8 +31,8 @@ void build_tree(std::span<const Box> boxes, std::vector<SortEntry>& entries, std
                 BoxTree& tree);
 
 inline constexpr std::uint32_t fan_out = 4;  // children of a node
-// Tasks waiting in a traversal: each that is taken leaves at most fan_out^2 of the level below; 4^16 leaves are more
-// than there can be.
+// The largest stack of a traversal: each task leaves at most fan_out^2 tasks of the level below, and 4^16 leaves are
+// more than there can be.
 inline constexpr std::size_t open_max = 16 * fan_out * fan_out;
 
 /// Two nodes, of the same level of one tree or of the levels of two, whose leaves are to be compared.
@@ -58,8 +58,8 @@ inline std::uint32_t top_level(const BoxTree& tree) {
   return static_cast<std::uint32_t>(tree.level_start.size()) - 2;
 }
 
-/// Calls `use` once with each two leaves below two nodes of one level of a tree, or below one, whose boxes overlap,
-/// until it says false; so too below. Requires: a level above the leaves.
+/// Calls `use` once with each two leaves with overlapping boxes below two nodes of one level, or below one node, until
+/// it returns false; likewise below. Requires: a level above the leaves.
 template <typename Use>
 void for_each_overlap_below(const BoxTree& tree, std::uint32_t node_level, std::uint32_t node_a, std::uint32_t node_b,
                             Use use) {

@@ -1,4 +1,4 @@
-// What all broad phases share: proxies and the order of pairs.
+// Proxies and limits that all broad phases share; the two without a data structure.
 // SPDX-License-Identifier: MIT
 #include "engine/broad_phase/broad_phase.h"
 

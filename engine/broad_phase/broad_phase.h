@@ -1,5 +1,5 @@
-// Broad phase: which pairs of shapes may touch. Every algorithm gives the same bits: any superset of the touching pairs
-// will do, since a contact exists only where the narrow phase finds one, and pairs are sorted before it looks.
+// Broad phase: pairs of shapes that may touch. Every algorithm gives the same bits: any superset of the touching pairs
+// is enough, since the narrow phase decides on contacts, and pairs are sorted before it.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,19 +17,19 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 /// The stage of this kind.
 std::unique_ptr<Stage> make_broad_phase(BroadPhaseKind kind);
 
-/// Lists the shapes of a body at `row` that can meet something.
+/// Appends a proxy for each shape of the body at `row` that can touch another.
 void add_proxies(const Model& model, const State& state, std::uint32_t row, std::vector<Proxy>& proxies);
 
-/// What a shape is given around it, beside its way: what the narrow phase calls near, plus the rounding of coordinates
-/// this far out, so that no algorithm can miss a pair that another one finds.
+/// The margin around a shape, besides its swept displacement: the speculative margin plus the rounding of coordinates
+/// this far out. No algorithm can then miss a pair that another one finds.
 inline Real margin_around(Vec2 center, const ShapeModel& shape, Real gravity_displacement) {
   const Real extent = larger(magnitude(center.x), magnitude(center.y)) + shape.bounding_radius;
   return speculative_margin(shape.size, gravity_displacement) + 16 * epsilon * extent;
 }
 
-/// The circle and the box around a shape of a body and its margin, and around its `swept` of this tick
-/// (swept_displacement_of): no two shapes between which the narrow phase finds anything have boxes, or circles, that do
-/// not overlap. `gravity_displacement`: gravity_displacement_of_tick.
+/// The circle and the box around a shape of a body with its margin and its swept displacement in this tick
+/// (swept_displacement_of). If the narrow phase finds contact points, circles and boxes of the two shapes overlap.
+/// `gravity_displacement`: gravity_displacement_of_tick.
 inline Circle circle_around(const BodyRow& body, const ShapeModel& shape, Real gravity_displacement, Real swept) {
   const Vec2 center = body.position + rotate(body.rotation, shape.center);
   return {center, (shape.bounding_radius + margin_around(center, shape, gravity_displacement)) + swept};
@@ -72,21 +72,22 @@ inline bool pass(const Filter& a, const Filter& b) {
   return (a.mask & b.category) != 0 && (b.mask & a.category) != 0;
 }
 
-/// Whether two proxies may touch at all, wherever they are: different bodies that their filters let meet, not both
-/// lines. Contacts need a dynamic one, overlaps with a sensor one that is not static; sensors do not see sensors.
+/// Whether two proxies may touch in any pose: they have different bodies, their filters allow it, and one of them is no
+/// line. Contacts need a dynamic proxy. Overlaps with a sensor need one that is not static; sensors do not detect
+/// sensors.
 inline bool may_touch(const Proxy& a, const Proxy& b) {
   if (a.body == b.body || !pass(a.filter, b.filter) || (a.is_line && b.is_line)) return false;
   if (a.is_sensor || b.is_sensor) return a.is_sensor != b.is_sensor && !(a.is_static && b.is_static);
   return a.is_dynamic || b.is_dynamic;
 }
 
-/// A box without what is there for guarded shapes alone.
+/// A box without its CCD margin.
 inline Box inner_box(const Box& box, Real ccd_margin) {
   const Vec2 extent{ccd_margin, ccd_margin};
   return ccd_margin > 0 ? Box{box.lower + extent, box.upper - extent} : box;
 }
 
-/// Whether two proxies whose boxes overlap are a pair that broad phases list.
+/// Whether two proxies with overlapping boxes are a pair.
 inline bool are_pair(const Proxy& a, const Proxy& b, const Box& box_a, const Box& box_b) {
   if (!may_touch(a, b)) return false;
   if (a.ccd_margin < 0 || b.ccd_margin < 0 || a.ccd_margin + b.ccd_margin <= 0) return true;

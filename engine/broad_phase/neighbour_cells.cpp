@@ -1,14 +1,14 @@
-// Boxes of about one size in cells that are larger than they are: those of neighbouring cells are compared.
+// Cells larger than the boxes in them: boxes of neighbouring cells are compared.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, section 7.1 (an object in one cell, half of its neighbours);
 // Knuth, "The Art of Computer Programming", volume 3, 1998, section 5.2 (sorting by counting).
 //
-// A box belongs to the cell of its lower corner, so that what it overlaps lies in the same cell or in one of the eight
-// around it. Boxes that are larger than a cell, or far from the others, are few; each is compared with the others of
-// them, and with what lies in the cells that it reaches.
+// A box belongs to the cell of its lower corner. All boxes that overlap it are then in the same cell or in one of the
+// eight around it. A few boxes are larger than a cell or far from the others. They are compared with each other and
+// with the boxes of the cells that they overlap.
 //
-// Where shapes look ahead (Proxy::ahead), all these are their near boxes. With their whole boxes they look among what
-// must not be passed through, which for this is in cells by itself.
+// Fast proxies (Proxy::ccd_margin > 0) have boxes without CCD margins in these cells. Their whole boxes are compared
+// with CCD targets only, which have cells of their own.
 #include "engine/broad_phase/neighbour_cells.h"
 
 #include <algorithm>
@@ -19,30 +19,30 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr Real cell_margin_share =
-    Real(1.02);  // cells are larger than boxes by far more than the rounding of a cell's number
-constexpr Real cells_in_line_max = Real(1 << 15);  // more, and it is not
-constexpr Real cells_per_box = 2;                  // cells are as large as it takes
+constexpr Real cell_margin_share = Real(1.02);     // by far more than the rounding of a cell index
+constexpr Real cells_in_line_max = Real(1 << 15);  // more cells in a line, and boxes are unsuited
+constexpr Real cells_per_box = 2;                  // the largest number of cells per box
 constexpr Real cell_ratio_max = 8;                 // of a cell to the boxes in it
 constexpr Real size_ratio_max = 4;                 // of the largest of those to the median
-constexpr std::size_t few = 12;                    // boxes may be larger than a cell, however few there are
+constexpr std::size_t few = 12;                    // this many boxes may always be larger than a cell
 constexpr int side_fraction_bits_dropped = 20;
 
 Real side_of(const Box& box) {
   return larger(box.upper.x - box.lower.x, box.upper.y - box.lower.y);
 }
-/// Never of a box with a coordinate that is no number.
+/// False for a box with a NaN.
 bool fits_into(const Box& box, Real side) {
   return box.upper.x - box.lower.x <= side && box.upper.y - box.lower.y <= side;
 }
 
-/// So many of `count` boxes may be larger than a cell: to compare them with each other takes two looks a box.
+/// The largest number of boxes that may be larger than a cell: their comparison with each other takes two tests per
+/// box.
 std::size_t large_count_max(std::size_t count) {
   return few + static_cast<std::size_t>(2 * square_root(static_cast<Real>(count)));
 }
 
-/// The side that all but the large boxes have at most, m; 0 if it is no measure of the others. Sides are counted in
-/// bins of an eighth of a power of two.
+/// The side that no box but the large ones exceeds, m; 0 if sides differ too much. Sides are counted in bins of an
+/// eighth of a power of two.
 Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& counts) {
   counts.assign(1u << 11, 0);
   for (const Box& box : boxes) {
@@ -59,10 +59,10 @@ Real common_side(const std::vector<Box>& boxes, std::vector<std::uint32_t>& coun
   return most <= size_ratio_max * side_above(boxes.size() / 2) && most > Real(1e-30) && most < Real(1e30) ? most : 0;
 }
 
-constexpr std::uint32_t looked_at_least = 3;  // of the boxes in the next row
+constexpr std::uint32_t looked_at_least = 3;  // boxes of the next row tested without a branch
 constexpr std::uint32_t in_no_cell = 0xffffffffu;
 
-/// Cells in rows, an empty one before and after each, and an empty row at the end.
+/// Cells in rows, with an empty cell before and after each row, and an empty row at the end.
 struct Cells {
   Vec2 lowest;  // m
   Real inv_size;
@@ -108,7 +108,7 @@ BoxOutline outline_of(const Parallel& parallel, BroadPhaseWork& work, std::span<
   return all;
 }
 
-/// Without what is farther than some deviations from the mean, a few times over: those far out are in the first.
+/// Removes corners farther than some deviations from the mean, several times, since outliers affect the first mean.
 Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread) {
   constexpr Real deviations = 4;
   const auto for_each = [&](auto use) {
@@ -133,7 +133,7 @@ Spread without_outliers(const std::vector<Box>& boxes, Real side, Spread spread)
   return spread;
 }
 
-/// Cells for so many boxes of at most this side that are spread so far; without rows if they are unsuited.
+/// Cells for so many boxes of at most this side with this extent; without rows if boxes are unsuited.
 Cells cells_in(const Spread& spread, Real side, std::size_t count) {
   const Vec2 extent = spread.highest - spread.lowest;
   const Real area_per_cell = extent.x * extent.y / (cells_per_box * static_cast<Real>(count));
@@ -145,8 +145,8 @@ Cells cells_in(const Spread& spread, Real side, std::size_t count) {
           static_cast<std::uint32_t>(extent.y * inv_size) + 2};
 }
 
-/// Cells for the boxes of at most this side, which are spread so far, or for all but a few that are far out: then takes
-/// these out of `spread`. Without rows if boxes are unsuited.
+/// Cells for the boxes of at most this side, or for all but a few outliers, which are then removed from `spread`.
+/// Without rows if boxes are unsuited.
 Cells cells_for(const std::vector<Box>& boxes, Real side, Spread& spread) {
   const Cells cells = cells_in(spread, side, boxes.size());
   if (cells.rows > 0) return cells;
@@ -196,9 +196,9 @@ void fill_cells(BroadPhaseWork& work, const std::vector<Box>& boxes, const Cells
     work.swept_boxes[boxes.size() - work.large.size() + i] = boxes[0];  // read, and never counted
 }
 
-/// A box, asked about many others.
+/// A box that is compared with many others.
 struct Query {
-  Realx4 most;  // of the others' lower corners, and of their upper ones turned round
+  Realx4 most;  // upper bounds of lower corners, and of negated upper corners
 
   explicit Query(const Box& box) {
     const Real corners[4] = {box.upper.x, box.upper.y, -box.lower.x, -box.lower.y};
@@ -206,26 +206,26 @@ struct Query {
   }
   /// overlaps(), without a branch.
   bool overlaps(const Box& other) const {
-    const Real turns[4] = {1, 1, -1, -1};
-    return all_at_most(load_x4(turns) * load_x4(&other.lower.x), most);
+    const Real signs[4] = {1, 1, -1, -1};
+    return all_at_most(load_x4(signs) * load_x4(&other.lower.x), most);
   }
 };
 static_assert(sizeof(Box) == 4 * sizeof(Real));
 
-/// Writes to `out` the pairs of a box with those of begin..end-1 that it overlaps; returns where they end. Without
-/// branches for the first `least` of them: which do, and how many there are, is anybody's guess.
+/// Writes to `out` the pairs of a box with those of begin..end-1 that overlap it; returns their end. Without branches
+/// for the first `least`, since number and outcome are hard to predict.
 template <std::uint32_t least>
 Pair* meet(const Box* boxes, const Query& query, std::uint32_t i, std::uint32_t begin, std::uint32_t end, Pair* out) {
-  const auto look_at = [&](std::uint32_t j, bool counts) {
+  const auto test = [&](std::uint32_t j, bool counts) {
     *out = {i, j};
     out += static_cast<std::size_t>(counts & query.overlaps(boxes[j]));
   };
-  for (std::uint32_t k = 0; k < least; ++k) look_at(begin + k, begin + k < end);
-  for (std::uint32_t j = begin + least; j < end; ++j) look_at(j, true);
+  for (std::uint32_t k = 0; k < least; ++k) test(begin + k, begin + k < end);
+  for (std::uint32_t j = begin + least; j < end; ++j) test(j, true);
   return out;
 }
 
-/// Appends those of a chunk's pairs that may touch. Stops where there are too many.
+/// The list of a chunk: appends pairs that may touch, until there are too many.
 struct PairsOfChunk {
   const BroadPhaseWork& work;
   std::span<const Proxy> proxies;
@@ -236,14 +236,14 @@ struct PairsOfChunk {
   void reserve(std::size_t more) {
     if (pairs.size() < count + more) pairs.resize(2 * (count + more));
   }
-  /// Of two near boxes that overlap. What looks ahead and what is guarded are paired by
-  /// themselves. Requires: room.
+  /// Adds a pair of overlapping inner boxes. Pairs of a fast proxy and a CCD target are listed separately. Requires:
+  /// capacity.
   bool add_inner(std::uint32_t a, std::uint32_t b) {
     const Real margin_a = proxies[a].ccd_margin;
     const Real margin_b = proxies[b].ccd_margin;
     return (margin_a < 0 && margin_b > 0) || (margin_a > 0 && margin_b < 0) || add(a, b);
   }
-  /// Requires: room.
+  /// Adds a pair. Requires: capacity.
   bool add(std::uint32_t a, std::uint32_t b) {
     if (!may_touch(proxies[a], proxies[b])) return true;
     pairs[count++] = a < b ? Pair{a, b} : Pair{b, a};
@@ -251,7 +251,7 @@ struct PairsOfChunk {
   }
 };
 
-/// The pairs of the sorted boxes begin..end-1 with those after them.
+/// Lists the pairs of the sorted boxes begin..end-1 with later boxes.
 bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, PairsOfChunk& out) {
   const BroadPhaseWork& work = out.work;
   const Box* boxes = work.swept_boxes.data();
@@ -273,17 +273,17 @@ bool meet_neighbours(const Cells& cells, std::size_t begin, std::size_t end, Pai
   return true;
 }
 
-/// The cell of a row or column that a coordinate is in, of `count`; the last where it is no number.
+/// The index of a row or column for a coordinate, of `count`; the last for a NaN.
 std::uint32_t clamped(Real place, std::uint32_t count) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(larger(0, smaller(place, static_cast<Real>(count - 1)))));
 }
 
-/// Calls use(place) for what is in the cells of a table whose boxes a box may overlap, row by row, until it returns
-/// false. `end_of`: [cell], where its entries end.
-template <typename MakeRoom, typename Use>
-bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, MakeRoom reserve,
+/// Calls use(place) for the entries of a table of cells whose boxes may overlap a box, row by row, until it returns
+/// false. `end_of`: [cell] the end of its entries.
+template <typename Reserve, typename Use>
+bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, const Box& box, Reserve reserve,
                   Use use) {
-  // What overlaps it begins in a cell that it reaches, or in one before.
+  // A box that overlaps it begins in one of its cells, or one before.
   const Vec2 first = cells.inv_size * (box.lower - cells.lowest);
   const Vec2 last = cells.inv_size * (box.upper - cells.lowest);
   const std::uint32_t first_column = clamped(first.x - 1, cells.columns - 2) + 1;
@@ -299,14 +299,14 @@ bool for_cells_of(const Cells& cells, const std::vector<std::uint32_t>& end_of, 
   return true;
 }
 
-/// What looks ahead in this tick.
+/// Fast proxies and CCD targets of this tick.
 struct FastProxies {
-  const std::vector<Box>& boxes;  // [proxy] with what is ahead
-  Real farthest = 0;              // m, any looks
+  const std::vector<Box>& boxes;  // [proxy] with CCD margins
+  Real farthest = 0;              // m, the largest CCD margin
   bool any_ccd_target = false;
 };
 
-/// The pairs of a shape that looks ahead with guarded ones in cells.
+/// Lists the pairs of a fast proxy with CCD targets in cells.
 bool meet_ccd_targets(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
   const BroadPhaseWork& work = out.work;
   const Query query(fast.boxes[index]);
@@ -318,32 +318,32 @@ bool meet_ccd_targets(const Cells& cells, const FastProxies& fast, std::uint32_t
       });
 }
 
-/// The pairs of a large guarded shape with those that look ahead.
+/// Lists the pairs of a large CCD target with fast proxies.
 bool meet_fast(const Cells& cells, const FastProxies& fast, std::uint32_t index, PairsOfChunk& out) {
   const BroadPhaseWork& work = out.work;
   const Box& box = fast.boxes[index];
   const Query query(box);
-  const auto look_at = [&](std::uint32_t other) {
+  const auto test = [&](std::uint32_t other) {
     if (!(out.proxies[other].ccd_margin > 0) || !query.overlaps(fast.boxes[other])) return true;
     return out.add(index, other);
   };
   out.reserve(work.large.size());
   for (const std::uint32_t large : work.large)
-    if (!look_at(large)) return false;
+    if (!test(large)) return false;
   const Vec2 far{larger(absolute(box.lower.x), absolute(box.upper.x)),
                  larger(absolute(box.lower.y), absolute(box.upper.y))};
   const Vec2 farthest{fast.farthest, fast.farthest};
   const Vec2 extent = farthest + 16 * epsilon * (far + farthest);
   const Box around{box.lower - extent, box.upper + extent};
-  const Query near(around);
+  const Query around_query(around);
   return for_cells_of(
       cells, work.cell_starts, around, [&](std::size_t more) { out.reserve(more); },
       [&](std::uint32_t place) {
-        return !near.overlaps(work.swept_boxes[place]) || look_at(work.swept_places[place].proxy);
+        return !around_query.overlaps(work.swept_boxes[place]) || test(work.swept_places[place].proxy);
       });
 }
 
-/// The pairs of a large box with the large ones after it and with what is in cells.
+/// Lists the pairs of a large box with later large boxes and with the boxes in cells.
 bool meet_large(const Cells& cells, const std::vector<Box>& boxes, const FastProxies& fast, std::size_t which,
                 PairsOfChunk& out) {
   const BroadPhaseWork& work = out.work;
@@ -394,7 +394,7 @@ CellListing list_by_cells(const TickLists& tick, BroadPhaseWork& work, std::span
   if (work.large.size() > 2 * large_count_max(boxes.size())) return CellListing::unsuited;
   fill_cells(work, boxes, cells);
   const FastProxies fast{all_boxes, outline.farthest * (1 + 64 * epsilon),
-                         outline.any_ccd_target};  // with what ccd_margin_of puts on
+                         outline.any_ccd_target};  // the rounding of ccd_margin_of
   const bool some_are_fast = fast.farthest > 0 && fast.any_ccd_target;
   if (some_are_fast) fill_ccd_target_cells(work, proxies);
   // Boxes in cells, then the large ones.

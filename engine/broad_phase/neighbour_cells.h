@@ -1,4 +1,4 @@
-// The pairs of one tick by themselves, for scenes where little stays where it was.
+// The pairs of one tick, without a cache, for scenes in which most bodies move.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// How chunks list pairs together up to a bound, and how their lists become one.
+// Listing of pairs in chunks up to a common limit.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// How many pairs there may be. Chunks that list count together, a block at a time: once the sum is too large each of
-/// them stops, so that no chunk alone decides and no order of them shows.
+/// The limit of pairs. Chunks count their pairs together, a block at a time. When the sum is too large each chunk
+/// stops, so that the order of chunks does not show.
 struct PairListing {
   std::size_t count_max;
   std::atomic<std::size_t> count{0};  // in whole blocks

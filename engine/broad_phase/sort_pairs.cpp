@@ -33,7 +33,7 @@ void sort_range(ProxyRange firsts, std::uint32_t proxy_count, std::span<const Pa
   sort_by(&Pair::first, firsts, sorter.by_second, to, sorter.start);
 }
 
-/// The pairs whose `first` lie in `firsts`, without branches: which do is anybody's guess.
+/// Picks the pairs whose `first` lie in `firsts`, without branches, since the outcome is hard to predict.
 void pick(ProxyRange firsts, std::span<const Pair> from, std::vector<Pair>& to) {
   to.resize(from.size() + 1);
   std::size_t count = 0;

@@ -15,7 +15,7 @@ struct SortEntry {
   std::uint32_t proxy;
 };
 
-/// So few are sorted by insertion: to clear a radix sort's counters alone takes longer.
+/// Up to this many are sorted by insertion: clearing the counters of a radix sort takes longer.
 inline constexpr std::size_t inserted_count_max = 32;
 
 inline void insert_entries(std::vector<SortEntry>& entries) {

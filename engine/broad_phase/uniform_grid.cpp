@@ -1,4 +1,4 @@
-// Uniform grid: boxes are put in all square cells they overlap; those of a cell are compared with each other.
+// Uniform grid: a box is in each square cell that it overlaps; boxes of a cell are compared with each other.
 // SPDX-License-Identifier: MIT
 // Source: Ericson, "Real-Time Collision Detection", 2005, sections 7.1.1 to 7.1.3 (cell size, hashed cells); Teschner
 // et al., "Optimized Spatial Hashing for Collision Detection of Deformable Objects", 2003.

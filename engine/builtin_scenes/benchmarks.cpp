@@ -11,7 +11,7 @@ namespace {
 
 constexpr double unlimited_torque = 1e9;  // N m
 
-/// A static body that touches nothing, for joints to hold on to.
+/// A static body that touches nothing, for joints to the world.
 Body axle(Point position) {
   Body result = static_body("axle", position, circle(0.1));
   result.shapes[0].filter.mask = 0;
@@ -104,7 +104,7 @@ Scene build_spinner(const SceneArguments& arguments) {
 
 namespace {
 
-/// A part of a figure of about 1.6 m: a capsule along y, pinned to the part before it that it hangs on.
+/// A part of a figure of about 1.6 m: a capsule along y with a revolute joint to the part from which it hangs.
 struct Bone {
   const char* name;
   int parent;     // -1: none

@@ -95,7 +95,7 @@ inline Shape line(ShapeKind kind, std::vector<Point> points, double radius = 0) 
   return shape;
 }
 
-/// Pins `b` to `a` at anchors in their frames. Bodies are indices.
+/// Joins `b` to `a` by a revolute joint at anchors in their frames. Bodies are indices.
 inline Joint& pin(Scene& scene, std::size_t a, Point anchor_a, std::size_t b, Point anchor_b) {
   Joint joint;
   joint.kind = JointKind::revolute;

@@ -1,4 +1,4 @@
-// Kernels by instruction set and by what the scene's contacts may have.
+// The choice of kernels by instruction set and by the features of the scene's contacts.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/choose_kernels.h"
 
@@ -14,7 +14,7 @@ unsigned contact_features(const Model& model) {
       if (shape.is_sensor || model.is_non_colliding[body.first_shape + child] != 0) continue;
       if (shape.friction > 0) features |= contact_feature::friction;
       if (shape.radius > 0) features |= contact_feature::radius;
-      // Circles meet everything in one point. Two shapes of which neither is one meet in two, if one of them moves.
+      // A contact with a circle has one point. Two other shapes have two, if one of them is dynamic.
       const bool moves = body.type == BodyType::dynamic_body;
       if (moves && shape.family != ShapeFamily::circle) features |= contact_feature::second_point;
     }

@@ -1,4 +1,4 @@
-// Which kernels a scene needs.
+// The choice of the kernels that a scene needs.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,9 +11,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Model;
 
-/// What contacts of a scene may have: bits of contact_feature.
+/// The features that contacts of a scene may have: bits of contact_feature.
 unsigned contact_features(const Model& model);
-/// "no friction, one point": the work that kernels with these features leave out; empty for none.
+/// The work that kernels with these features leave out, as "no friction, one point"; empty for none.
 std::string left_out(unsigned features);
 
 /// Requires: can_use(set); features: at least those of the model's contacts.

@@ -1,4 +1,4 @@
-// Colouring and packing of contacts, and the impulses carried from tick to tick.
+// Packing of contacts into batches, and impulses from tick to tick.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/contact_batch.h"
 
@@ -11,17 +11,17 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Stiffness against the substep rate 1/h. Not a fixed frequency: with it the error falls as substeps^-2.
+/// Stiffness relative to the substep rate 1/h. With a fixed frequency the error would not fall as substeps^-2.
 constexpr Real hertz_per_rate = Real(0.125);
 constexpr Real contact_damping_ratio = 10;
 
-/// Share of an overlap taken back per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
+/// Share of an overlap that is corrected per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
 constexpr Real baumgarte = Real(0.2);
 
-/// So many batches are worth another thread's while.
+/// The least number of batches per chunk for which a second thread pays.
 constexpr std::size_t batches_per_chunk_least = 8;
 
-/// Adds the batches of a colour to the runs: to the last one, if neither is for several threads.
+/// Adds the batches of a colour to the runs, or to the last run if one thread solves both.
 void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_first, std::uint32_t first,
              std::uint32_t end) {
   const std::size_t count = end - first;
@@ -36,7 +36,7 @@ void add_run(const Parallel& parallel, std::vector<BatchRun>& runs, bool is_firs
   runs.push_back({first, end, is_alone ? count : size});
 }
 
-/// Makes room for batches.
+/// Allocates the batches.
 void reserve_batches(ContactBatches& out, unsigned features) {
   const std::size_t end = out.batch_count;
   if (out.batches.size() < end) out.batches.resize(end);
@@ -49,7 +49,7 @@ const std::uint32_t* slots_of(const Scratch& scratch, const SolverSet& set, cons
                               ContactBatches& out) {
   const ContactColoring& coloring = scratch.caches.coloring;
   const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
-  if (coloring.is_whole_set) return slots;  // those of the group are all
+  if (coloring.is_whole_set) return slots;  // all contacts are in the set
   const std::size_t count = block.slot_end - block.first_slot;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   out.slots.resize(count);
@@ -67,7 +67,7 @@ void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out,
   out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
 }
 
-/// What a kernel needs for the batches first..end-1.
+/// The arguments of a kernel for the batches first..end-1.
 ContactWork work_of(Scratch& scratch, const SolverSet& set, ContactBatches& all, std::size_t first, std::size_t end) {
   return {all.batches.data() + first,
           end - first,
@@ -79,7 +79,7 @@ ContactWork work_of(Scratch& scratch, const SolverSet& set, ContactBatches& all,
           set.stiffness.immovable};
 }
 
-/// Runs a kernel over the batches of a group, colour by colour.
+/// Runs a kernel over the batches of a set, colour by colour.
 template <typename Kernel>
 void for_colors(Scratch& scratch, const SolverSet& set, Kernel kernel) {
   for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
@@ -90,7 +90,7 @@ void for_colors(Scratch& scratch, const SolverSet& set, Kernel kernel) {
   }
 }
 
-// What kernels read.
+// The layout on which kernels rely.
 static_assert(offsetof(ContactPair, body_b) == offsetof(ContactPair, body_a) + sizeof(std::uint32_t));
 static_assert(offsetof(ContactPair, size) == offsetof(ContactPair, friction) + 3 * sizeof(Real));
 static_assert(offsetof(Manifold, point_count) == 2 * sizeof(Real));
@@ -101,7 +101,7 @@ static_assert(offsetof(ContactRow, tangent_force) == offsetof(ContactRow, normal
 static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass) == 4 * sizeof(Real));
 static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
 
-/// What a kernel fills the batches from `first` on from.
+/// The sources from which a kernel fills batches.
 ContactSource source_of(const State& state, const Scratch& scratch, const SolverSet& set, const std::uint32_t* slots,
                         const std::uint8_t* is_serial, std::uint32_t sink) {
   const ContactPair& pair = scratch.contact_pairs[0];
@@ -126,7 +126,7 @@ ContactSource source_of(const State& state, const Scratch& scratch, const Solver
           set.stiffness.slop};
 }
 
-/// Fills what scenes with restitution or surfaces have beside.
+/// Fills the lanes of restitution and surfaces, where the scene has them.
 void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out, std::size_t i) {
   const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
   const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
@@ -141,7 +141,7 @@ void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out
   }
 }
 
-/// Fills the batches first..end-1 from the contacts in `slots`, of which some are `is_serial`.
+/// Fills the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
 void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set,
                   const std::uint32_t* slots, const std::uint8_t* is_serial, ContactBatches& out, std::size_t first,
                   std::size_t end, std::uint32_t sink) {
@@ -152,7 +152,7 @@ void fill_batches(const Model& model, const State& state, const Scratch& scratch
     for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
 }
 
-/// Impulses of the batches first..end-1 back to the contacts, as forces.
+/// Stores the impulses of the batches first..end-1 in the contacts, as forces.
 void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolverSet& set, std::size_t first,
                    std::size_t end, State& state) {
   if (first == end) return;

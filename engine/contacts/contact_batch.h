@@ -1,9 +1,9 @@
-// Contacts as the solver sees them: sixteen at a time, no body twice in a batch, batches in graph colours.
+// Contacts as the solver sees them: batches of sixteen without a common dynamic body, in graph colours.
 // SPDX-License-Identifier: MIT
 //
-// A colour is a set of contacts of which no two move the same body, so sixteen of them can be solved side by side, and
-// batches of one colour in any order, on any thread, with the same result. Colours are derived from the sorted
-// contacts, anew in each tick in which these are others than before: they are no state.
+// A colour is a set of contacts without a common dynamic body. Sixteen of them can be solved side by side, and batches
+// of one colour in any order on any thread, with the same result. Colours follow from the sorted contacts and are
+// computed anew in each tick whose contacts differ from the last: they are no state.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct State;
 struct Scratch;
 struct SolverSet;
 
-/// Batches that are solved in one go: those of a colour, on all threads, or of some colours one after the other.
+/// Consecutive batches of one loop: of one colour on all threads, or of several colours on one thread.
 struct BatchRun {
   std::uint32_t first;
   std::uint32_t end;
@@ -34,14 +34,15 @@ struct ContactBatches {
   std::vector<SurfaceLanes> surfaces;  // [batch]; empty where no material of the scene has any
   std::vector<BounceLanes> bounces;    // [batch]; empty where the kernels leave restitution out
   std::size_t batch_count = 0;
-  std::vector<std::uint32_t> slots;  // [batch of the group, lane] the contact, or no_contact; where not all are in it
+  std::vector<std::uint32_t> slots;  // [batch of the set, lane] contact or no_contact; unless the set has all contacts
   std::vector<BatchRun> runs;        // in solving order
-  std::vector<ContactLanes> saved;   // [batch of the group, point] normal impulses
+  std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
 };
 
 enum class Bias : std::uint8_t { off, on };
 
-/// How stiff contacts are: against moving bodies and against immovable ones. `slop`: overlap that is left alone.
+/// Stiffness of contacts between dynamic bodies and of contacts with other bodies. `slop`: overlap that is not
+/// corrected.
 struct ContactStiffness {
   Softness moving;
   Softness immovable;
@@ -55,31 +56,31 @@ ContactStiffness baumgarte_contacts(Real h);
 /// N/m of a soft contact point per kg of effective mass, for substeps of length h.
 Real soft_contact_stiffness(Real h);
 
-/// Forgets the batches of the last tick.
+/// Discards the batches of the last tick.
 void clear_contacts(Scratch& scratch);
 
-/// Packs the contacts of a group, with impulses from state.contacts, for substeps of length group.h. Appends to the
-/// batches and notes the range in `set`. Requires: color_contacts, as one block.
+/// Packs the contacts of a set, with impulses from state.contacts, for substeps of length set.h. Appends to the batches
+/// and stores the range in `set`. Requires: color_contacts, as one block.
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set);
 void warm_start_contacts(Scratch& scratch, const SolverSet& set);
-/// `poses`: unmoved if none has changed since the last pass over the same contacts.
+/// `poses`: unmoved if no pose has changed since the last pass over the same contacts.
 void solve_contacts(Scratch& scratch, const SolverSet& set, Poses poses);
-/// Takes out the velocity that solve_contacts put in to push overlaps apart.
+/// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(Scratch& scratch, const SolverSet& set);
-/// Gives points that hit faster than `threshold` their bounce. True if any did.
+/// Applies restitution at points that hit faster than `threshold`. True if there was one.
 bool bounce_contacts(Scratch& scratch, const SolverSet& set, Real threshold);
-/// Keeps the normal impulses of a group for limit_impulses.
+/// Saves the normal impulses of a set for limit_impulses.
 void save_impulses(Scratch& scratch, const SolverSet& set);
-/// No normal impulse above the saved one, and friction within its cone: what an impact added is no force that lasts.
+/// Limits normal impulses to the saved ones, and friction to its cone: the impulse of an impact is no lasting force.
 void limit_impulses(Scratch& scratch, const SolverSet& set);
-/// Impulses back to state.contacts, as forces.
+/// Stores impulses in state.contacts, as forces.
 void store_contacts(const Scratch& scratch, const SolverSet& set, State& state);
 
-/// Packs the contacts of a block, as above, into `out`, which has no others then. `sink`: a record that no other
-/// thread writes.
+/// Packs the contacts of a block, as above, as the only contacts of `out`. `sink`: a record that no other thread
+/// writes.
 void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
                    const ContactBlock& block, std::uint32_t sink, ContactBatches& out);
-/// All batches of a block, for one call of a kernel.
+/// The arguments of a kernel for all batches of a block.
 ContactWork work_of_block(Scratch& scratch, const SolverSet& set, ContactBatches& batches);
 void store_block(const Scratch& scratch, const SolverSet& set, const ContactBatches& batches, State& state);
 

@@ -1,4 +1,4 @@
-// Blocks of contacts through a tick.
+// A whole tick for each block of contacts.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/contact_blocks.h"
 
@@ -13,7 +13,7 @@ bool allows_blocks(const Model& model, const State& state, const Scratch& scratc
       !state.joints.empty() || !scratch.mouse_joints.empty() || !scratch.impacts.empty() || set.has_resting_impacts ||
       scratch.solver_sets.size() != 1)
     return false;
-  // What is kinematic moves with each substep, for all blocks.
+  // A kinematic body moves in each substep, for all blocks.
   const std::uint32_t sink = dummy_sink(scratch);
   for (std::uint32_t i = set.first_row; i < set.row_end; ++i)
     if (scratch.masses[scratch.set_rows[i]].write == sink) return false;

@@ -12,18 +12,18 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// So many contacts are worth another thread's while.
+/// The least number of contacts per chunk for which a second thread pays.
 constexpr std::size_t contact_bodies_per_chunk_least = 256;
 constexpr std::size_t slots_per_chunk_least = 1024;
 
-/// A block of so many contacts, with its bodies and batches, fits into a core's own cache.
+/// A block of this many contacts, with its bodies and batches, fits into a core's own cache.
 constexpr std::size_t contacts_per_block = 1024;
-/// Fewer are there all along, whatever the order.
+/// Fewer contacts stay in the cache in any order.
 constexpr std::size_t contacts_to_split_least = 2 * contacts_per_block;
-/// Looking for islands costs as much as some ticks can save.
+/// Finding islands costs as much as several ticks can save.
 constexpr std::uint32_t ticks_between_splits = 16;
 
-/// Fills coloring.ends: the i-th is bodies_at(i). True if they are those that were there.
+/// Fills coloring.body_indices: entry i is bodies_at(i). True if no entry has changed.
 template <typename BodiesAt>
 bool find_contact_bodies(const Parallel& parallel, std::size_t count, BodiesAt bodies_at, ContactColoring& coloring) {
   std::atomic<bool> changed{coloring.body_indices.size() != count};
@@ -45,7 +45,7 @@ bool are_colored(const Scratch& scratch, const ContactColoring& coloring) {
   return coloring.is_whole_set && coloring.contact_generation == scratch.contact_generation;
 }
 
-/// True if the ends of the group's contacts are those that were there.
+/// Finds the dynamic bodies of the set's contacts. True if they have not changed.
 bool find_contact_bodies_of_set(Scratch& scratch, const SolverSet& set, ContactColoring& coloring) {
   const std::size_t count = set.contact_end - set.first_contact;
   const bool is_whole_set = count == scratch.contact_pairs.size();
@@ -71,7 +71,7 @@ std::uint32_t dynamic_body_of(const ContactBodies& bodies) {
   return bodies.a != no_body ? bodies.a : bodies.b;
 }
 
-/// Whether every contact is within a block still.
+/// Whether each contact is still within one block.
 bool blocks_are_valid(const ContactColoring& coloring) {
   return !coloring.blocks.empty() &&
          std::all_of(coloring.body_indices.begin(), coloring.body_indices.end(), [&](const auto& bodies) {
@@ -80,8 +80,8 @@ bool blocks_are_valid(const ContactColoring& coloring) {
          });
 }
 
-/// Some islands to a block, in the order of their first rows. `forced`: so many contacts to a block, or 0 for as many
-/// as pay. False: most contacts are of one island.
+/// Puts several islands into each block, in the order of their first rows. `forced`: contacts per block, or 0 for the
+/// default. False: most contacts are of one island.
 bool find_blocks(ContactColoring& coloring, std::size_t body_count, std::size_t forced) {
   std::vector<std::uint32_t>& parent = coloring.island_parent;
   parent.resize(body_count);
@@ -108,14 +108,14 @@ bool find_blocks(ContactColoring& coloring, std::size_t body_count, std::size_t 
       in_block += counts[row];
       coloring.block_of[row] = block;
     }
-    coloring.block_of[row] = coloring.block_of[root];  // the root comes first
+    coloring.block_of[row] = coloring.block_of[root];  // a root precedes its island
   }
   coloring.blocks.assign(block + 1, {});
   return true;
 }
 
-/// Sorts what is `count` long into `out` by block, each in its order. block_at(i): of the i-th, or no_block.
-/// set_range(block, first, end).
+/// Sorts `count` elements by block into `out`, stable. block_at(i): block of element i, or no_block. set_range(block,
+/// first, end).
 template <typename BlockAt, typename SetRange>
 void sort_by_block(ContactColoring& coloring, std::size_t count, BlockAt block_at, std::vector<std::uint32_t>& out,
                    SetRange set_range) {
@@ -130,7 +130,7 @@ void sort_by_block(ContactColoring& coloring, std::size_t count, BlockAt block_a
   for (std::size_t i = 0; i < count; ++i) out[starts[place_of(i)]++] = static_cast<std::uint32_t>(i);
 }
 
-/// Puts contacts and bodies into the blocks.
+/// Assigns contacts and bodies to the blocks.
 void fill_blocks(ContactColoring& coloring) {
   sort_by_block(
       coloring, coloring.body_indices.size(),
@@ -151,7 +151,7 @@ void fill_blocks(ContactColoring& coloring) {
   coloring.free_rows.assign(coloring.rows.begin() + in_blocks, coloring.rows.end());
 }
 
-/// Splits the contacts into blocks, if that is worth it.
+/// Splits the contacts into blocks, if that pays.
 bool split(Scratch& scratch, ContactColoring& coloring) {
   const std::size_t forced = scratch.parallel.chunk_size_forced;
   if (coloring.body_indices.size() < (forced > 0 ? 1 : contacts_to_split_least)) return false;
@@ -181,8 +181,8 @@ void make_one_block(ContactColoring& coloring) {
 
 // ---- Colours ----
 
-/// Colours `count` contacts, at place_at(0), .. in the block; those of bodies that have no colour left wait for the
-/// next round, in `uncolored`. How many do.
+/// Colours `count` contacts, at place_at(0), .. in the block. A contact whose body has no free colour left goes to
+/// `uncolored`, for the next pass. Returns the number of these contacts.
 template <typename PlaceAt>
 std::size_t color_pass(ContactColoring& out, std::size_t count, PlaceAt place_at, std::uint32_t pass) {
   std::size_t uncolored_count = 0;
@@ -198,7 +198,7 @@ std::size_t color_pass(ContactColoring& out, std::size_t count, PlaceAt place_at
       BodyColors& a = out.body_colors[bodies.a];
       BodyColors& b = out.body_colors[bodies.b];
       used = a.moving | b.moving;
-      const std::uint32_t bit = ~used & (used + 1);  // the lowest that is free, or none
+      const std::uint32_t bit = ~used & (used + 1);  // the lowest free bit, or none
       a.moving |= bit;
       b.moving |= bit;
     } else {
@@ -216,13 +216,13 @@ std::size_t color_pass(ContactColoring& out, std::size_t count, PlaceAt place_at
   return uncolored_count;
 }
 
-/// Puts the contacts of a block into slots: colour by colour, those of moving bodies first, each from a batch's begin
-/// on. Colours of one contact, as a body that touches everything has, follow each other in a batch.
+/// Puts the contacts of a block into slots, colour by colour, contacts between dynamic bodies first. Each colour begins
+/// a new batch. Colours with one contact, as of a body that touches everything, share batches that are solved serially.
 void fill_slots(const Parallel& parallel, ContactColoring& out, ContactBlock& block, std::uint32_t pass_count) {
   block.first_slot = static_cast<std::uint32_t>(out.slots.size());
   std::uint32_t next = block.first_slot;
   for (const std::uint32_t first : {0u, class_color_count}) {
-    std::uint32_t serial_count = 0;  // contacts of the last batch, if it takes colours of one
+    std::uint32_t serial_count = 0;  // contacts of the last batch, if it is serial
     for (std::uint32_t pass = 0; pass < pass_count; ++pass)
       for (std::uint32_t color = 0; color < class_color_count; ++color) {
         ColorPlace& place = out.places[pass * pass_color_count + first + color];

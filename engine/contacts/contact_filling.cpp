@@ -1,19 +1,19 @@
-// Contacts into batches and their impulses back: rows of numbers turned into lanes, several contacts at a time.
+// Filling of batches from contacts, and storing of impulses: rows become lanes, several contacts at a time.
 // SPDX-License-Identifier: MIT
 //
-// Numbers that follow each other in a row are loaded as one and transposed in registers; none is stored by itself only
-// to be loaded with its vector, which would wait for it.
+// Consecutive numbers of a row are loaded together and transposed in registers. Storing single lanes and loading them
+// as a vector would wait for the stores.
 #include "engine/contacts/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
-/// Lanes from `first` on of a batch that is filled, as many as V has.
+/// As many lanes of a batch as V has, from `first` on, while they are filled.
 template <typename V>
 struct Filling {
   static constexpr int count = SimdTraits<V>::count;
-  Filling(ContactBatch& batch_, int first_) : batch(batch_), first(first_) {}  // the rest is not cleared
+  Filling(ContactBatch& batch_, int first_) : batch(batch_), first(first_) {}  // other members are not initialized
   ContactBatch& batch;
   int first;
   std::size_t pairs[count];  // where the contacts' rows are, bytes
@@ -32,7 +32,7 @@ TICKTRUE_INLINE Real* behind(Real* first, std::size_t bytes) {
   return reinterpret_cast<Real*>(reinterpret_cast<unsigned char*>(first) + bytes);
 }
 
-/// Four numbers of each lane.
+/// Gathers four consecutive numbers of each lane.
 template <typename V>
 TICKTRUE_INLINE Columns4<V> gather4_behind(const Real* first, const std::size_t* bytes) {
   Columns4<V> columns;
@@ -44,8 +44,8 @@ TICKTRUE_INLINE Columns4<V> gather4_behind(const Real* first, const std::size_t*
   return columns;
 }
 
-/// How many points the contacts have. `normal`: the quads at ContactSource::normal, which hold it where it is as wide
-/// as a Real: no lane is then loaded by itself, only to wait for its vector.
+/// The number of points of each contact. `normal`: the columns at ContactSource::normal, which contain the number where
+/// it is as wide as a Real. No lane is then loaded by itself.
 template <typename V>
 TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& lanes, const Columns4<V>& normal) {
   if constexpr (SimdTraits<V>::count == 1) {
@@ -60,7 +60,7 @@ TICKTRUE_INLINE V point_counts(const ContactSource& source, const Filling<V>& la
   }
 }
 
-/// Where the rows of the lanes are, and which bodies they name.
+/// Finds the rows of the lanes and the bodies of their contacts.
 template <typename V>
 TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_t* slots, Filling<V>& out) {
   ContactBatch& batch = out.batch;
@@ -118,14 +118,14 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
     set(point.tangent_arm_b, anchors.at[3]);
     const V separation = select(exists > zero, gather4_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
     out.store(point.separation, separation);
-    out.store(point.present_separation, separation + zero);  // as separation_of gives it for bodies that have not moved
+    out.store(point.present_separation, separation + zero);  // as separation_of does for bodies that have not moved
     set(point.normal_impulse, forces.at[p]);
     set(point.tangent_impulse, forces.at[2 + p]);
     out.store(point.normal_mass, exists);
   }
 }
 
-/// Lanes without a contact push nothing and are written to a record nobody reads.
+/// An empty lane has no impulse and is written to a sink.
 TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch, int lane) {
   batch.read_a[lane] = batch.read_b[lane] = words_per_record * source.dummy;
   batch.write_a[lane] = batch.write_b[lane] = words_per_record * source.own_sink;
@@ -154,7 +154,7 @@ TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch
   }
 }
 
-/// Whether impulses move only one of the pair.
+/// Whether only one body of a contact is dynamic.
 TICKTRUE_INLINE bool is_immovable(const ContactSource& source, std::uint32_t contact) {
   const std::uint32_t* bodies = behind(source.body_indices, contact * source.pair_size);
   return behind(source.records, bodies[0] * source.mass_size)[1] == source.sink ||
@@ -171,7 +171,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
     batch.is_serial = source.is_serial[i];
     batch.bounces = 0;
-    if (i + 1 < batch_count)  // asks for the rows of the next one: a colour skips over memory
+    if (i + 1 < batch_count)  // prefetches the rows of the next batch: a colour skips over memory
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.body_indices, contact * source.pair_size));
@@ -192,7 +192,7 @@ void store(const ContactBatch* batches, std::size_t count, Real* forces, std::si
     const ContactPointLanes(&points)[2] = batch.points;
     int lane = 0;
     for (; lane + simd_width <= batch.count; lane += simd_width) {
-      const auto force = [&](const ContactLanes& impulse) {  // + 0: as `stored` has it
+      const auto force = [&](const ContactLanes& impulse) {  // + 0: as `stored`
         return broadcast(inv_h) * load_xn(impulse.at + lane) + RealxN{};
       };
       const RealxN columns[4] = {force(points[0].normal_impulse), force(points[1].normal_impulse),

@@ -1,4 +1,4 @@
-// The inner loops of the contact solver: contacts of a batch side by side, as many as a vector register holds.
+// The inner loops of the contact solver: as many contacts of a batch side by side as vector registers hold.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses); Catto, "Solver2D", 2024
 // (soft contacts with relax). Each lane does the same operations in the same order at every vector width.
@@ -13,7 +13,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
-/// Overlap is pushed out at most this fast, so that bodies created inside each other do not explode.
+/// The largest velocity that corrects an overlap, so that bodies created inside each other do not explode.
 constexpr Real bias_speed_max = 3;  // m/s
 
 constexpr bool has(unsigned features, unsigned feature) {
@@ -23,7 +23,7 @@ constexpr int points_of(unsigned features) {
   return has(features, contact_feature::second_point) ? 2 : 1;
 }
 
-/// So many contacts of a batch as V has lanes, starting at lane `first`.
+/// As many contacts of a batch as V has lanes, from lane `first` on.
 template <typename V>
 struct LaneRange {
   ContactBatch& batch;
@@ -39,8 +39,8 @@ struct LaneRange {
   }
 };
 
-/// Runs `solve_lanes` over the contacts of all batches: as many as `Widest` has lanes at a time where there are so
-/// many, and one by itself where they are to be solved in turn.
+/// Runs `solve_lanes` over the contacts of all batches: with Widest where a batch has enough, and with one contact at a
+/// time in serial batches.
 template <typename Widest, typename Solve>
 TICKTRUE_INLINE void for_lane_ranges(const ContactWork& work, Solve solve_lanes) {
   for (std::size_t i = 0; i < work.batch_count; ++i) {
@@ -57,10 +57,10 @@ TICKTRUE_INLINE void for_lane_ranges(const ContactWork& work, Solve solve_lanes)
   }
 }
 
-/// The bodies' numbers from one to the next of those that batches name.
+/// A word of eight bytes, in Reals: the unit in which batches name records (contact_lanes.h).
 constexpr int word_length = 8 / static_cast<int>(sizeof(Real));
 
-/// Velocities of the two bodies, and what constants of a contact they meet.
+/// Velocities of the two bodies, and constants of the contact.
 template <typename V>
 struct Pair {
   Columns4<V> a, b;  // x, y, angular, unused
@@ -80,7 +80,7 @@ TICKTRUE_INLINE Pair<V> load_pair(const LaneRange<V>& lanes, const Real* bodies)
           lanes.load(lanes.batch.inv_inertia_b)};
 }
 
-/// Adds the contact's impulses to the velocities, but for the turn.
+/// Adds the contact's impulses to the linear velocities.
 template <typename V>
 TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V normal_impulse, V tangent_impulse) {
   const V px = normal_impulse * pair.nx + tangent_impulse * pair.ny;
@@ -91,21 +91,21 @@ TICKTRUE_INLINE void add_impulses(Pair<V>& pair, V normal_impulse, V tangent_imp
   pair.b.at[1] += pair.inv_mass_b * py;
 }
 
-/// Puts the velocities back.
+/// Writes the velocities back.
 template <typename V>
 TICKTRUE_INLINE void store_pair(const LaneRange<V>& lanes, Pair<V>& pair, Real* bodies) {
-  pair.a.at[3] = pair.b.at[3] = V{};  // what it is, and no register has to hold
+  pair.a.at[3] = pair.b.at[3] = V{};  // it is 0, and needs no register so
   scatter4<V, word_length>(bodies, lanes.write_a(), pair.a);
   scatter4<V, word_length>(bodies, lanes.write_b(), pair.b);
 }
 
-/// What the bodies have moved since the tick began, in the contact's frame.
+/// The relative motion of the bodies since the tick began, in the contact's frame.
 template <typename V>
 struct RelativeMotion {
   V normal_displacement;               // of B against A, m
-  V cosine_less_1_a, cosine_less_1_b;  // cosine of the turn, less 1
-  V sine_a, sine_b;                    // its sine
-  V radius_a, radius_b;  // m; the pivots are a radius behind the anchors: the surface of a rolling disc stays
+  V cosine_less_1_a, cosine_less_1_b;  // cosine of the rotation - 1
+  V sine_a, sine_b;                    // sine of the rotation
+  V radius_a, radius_b;                // m; pivots lie a radius behind the anchors: the surface of a rolling disc stays
 };
 
 template <unsigned features, typename V>
@@ -128,7 +128,7 @@ TICKTRUE_INLINE RelativeMotion<V> load_relative_motion(const LaneRange<V>& lanes
   return motion;
 }
 
-/// Present separation of a point: the normal stays, the pivots turn with the bodies.
+/// The present separation of a point: the normal is constant, the pivots rotate with the bodies.
 template <unsigned features, typename V>
 TICKTRUE_INLINE V separation_of(const LaneRange<V>& lanes, const ContactPointLanes& point,
                                 const RelativeMotion<V>& motion, V arm_a, V arm_b) {
@@ -149,14 +149,14 @@ struct Target {
   V mass_scale, impulse_scale;
 };
 
-/// Apart: may close the gap within the substep, no more. Overlapping: is not pushed.
+/// A gap may close within the substep. An overlap is not corrected.
 template <typename V>
 TICKTRUE_INLINE V gap_rate(V separation, V inv_h) {
   const V zero{};
   return select(separation > zero, separation * inv_h, zero);
 }
 
-/// Apart: as above. Overlapping: pushed out softly.
+/// A gap as above. An overlap is corrected softly.
 template <typename V>
 TICKTRUE_INLINE Target<V> target_of(V separation, V inv_h, const Softness& soft) {
   const auto broadcast = SimdTraits<V>::broadcast;
@@ -244,7 +244,7 @@ TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const L
     }
   }
   if constexpr (has(features, contact_feature::surface)) {
-    // A torque against the relative turn, at most rolling resistance times normal force.
+    // A torque against the relative rotation, at most rolling resistance times normal force.
     SurfaceLanes& surface = work.surfaces[i];
     const V normal_impulse = lanes.load(batch.points[0].normal_impulse) + lanes.load(batch.points[1].normal_impulse);
     const V limit = lanes.load(surface.rolling_resistance) * normal_impulse;
@@ -354,7 +354,7 @@ void prepare(const ContactWork& work) {
                 __attribute__((always_inline)) { prepare_lanes<features>(work, i, lanes); });
 }
 
-// Conditions of a lane, and of as many as a Wide has.
+// Conditions of one lane, and of the lanes of a RealxN.
 bool any_of(bool lane) {
   return lane;
 }
@@ -388,7 +388,7 @@ TICKTRUE_INLINE bool bounce_lanes(const ContactWork& work, std::size_t i, const 
   V normal_sum = zero;
   auto bounced = zero > zero;
   for (int p = 0; p < points_of(features); ++p) {
-    // Newton's law of restitution: v_n after = -e v_n before, for points that approached and did push.
+    // Newton's law of restitution: v_n after = -e v_n before, for points that approached and had an impulse.
     ContactPointLanes& point = batch.points[p];
     const V approach = lanes.load(bounces.approach[p]);
     const auto hits = both(both(restitution > zero, SimdTraits<V>::broadcast(-threshold) >= approach),
@@ -409,7 +409,7 @@ TICKTRUE_INLINE bool bounce_lanes(const ContactWork& work, std::size_t i, const 
     normal_sum += change;
   }
   if (!any_of(bounced)) return false;
-  // Velocities of what does not bounce keep the signs of their zeros, whoever is beside it.
+  // Velocities of lanes without a bounce keep the signs of their zeros.
   const Pair<V> before = load_pair(lanes, work.bodies);
   add_impulses(pair, normal_sum, zero);
   for (int axis = 0; axis < 3; ++axis) {
@@ -431,7 +431,7 @@ bool bounce(const ContactWork& work, Real threshold) {
   return any;
 }
 
-/// The kernels that are compiled: a second point or a radius there always is, and surfaces come with everything.
+/// The compiled kernels: all have a second point or a radius, and one with surfaces has all features.
 constexpr unsigned compiled(unsigned features) {
   if (has(features, contact_feature::surface)) return contact_feature::all;
   return has(features, contact_feature::second_point) ? features : features | contact_feature::radius;

@@ -1,4 +1,4 @@
-// The inner loops of solvers as a table, compiled once per instruction set and chosen once per run.
+// The inner loops of solvers as a table of functions, compiled for each instruction set and chosen once per run.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -18,7 +18,7 @@ struct SolverKernels {
   BoxKernels boxes;
 };
 
-// Units of these namespaces include no standard header with code in it (simd/realxn.h).
+// Units of these namespaces include no standard header with code (simd/realxn.h).
 namespace baseline {
 FillingKernels filling_kernels();
 ContactKernels contact_kernels(unsigned features);

@@ -14,8 +14,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference; pairs are asked for
-/// in order.
+/// The index of the contact of two proxies, or the number of contacts. `first`: where to begin, or no_reference.
+/// Callers ask for pairs in order.
 std::uint32_t contact_of(const State& state, const Proxy& a, const Proxy& b, std::uint32_t& first) {
   const std::tuple wanted(state.bodies[a.body].id, a.child, state.bodies[b.body].id, b.child);
   const auto key_of = [](const ContactRow& row) {
@@ -88,7 +88,7 @@ void add_impacts(const Model& model, const State& state, const TickLists& tick,
     const Distance gap =
         distance(model, shape_a, {body_a.position, body_a.rotation}, shape_b, {body_b.position, body_b.rotation});
     if (gap.separation > swept_a + swept_b) continue;
-    // Beyond the middle the way out is on the other side: that overlap is the contact solver's to undo.
+    // An overlap beyond the middle would be left on the other side. The contact solver corrects it.
     if (gap.separation < Real(-0.5) * pair_size(shape_a, shape_b)) continue;
     ImpactPair pair{};
     pair.body_a = a.body;

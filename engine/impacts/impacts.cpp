@@ -1,4 +1,4 @@
-// Time of impact by conservative advancement; impulses by Newton's law of restitution and Coulomb's of friction.
+// Time of impact by conservative advancement; impulses by Newton's law of restitution and Coulomb's law of friction.
 // SPDX-License-Identifier: MIT
 // Source: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, chapters 2 and 3 (conservative
 // advancement: no pair can close its gap sooner than gap / greatest closing speed; impacts in order of time).
@@ -13,14 +13,13 @@ namespace {
 
 constexpr Real no_impact = Real(1e30);
 constexpr int advance_count_max = 48;
-constexpr Real slow_share = Real(0.05);    // of the smaller shape in a tick: a pair so slow is left to its contact
-constexpr Real rotation_max = Real(0.25);  // rad in a tick, likewise: a contact has one normal for all of it
-constexpr Real near_share = Real(0.005);   // of the smaller shape: so near, and slow, a pair is left to its contact
-// In a substep; after so many, bodies stop where they are hit.
+constexpr Real slow_share = Real(0.05);    // of the smaller shape in a tick: the contact solver has slower pairs
+constexpr Real rotation_max = Real(0.25);  // rad in a tick, likewise: the normal of a contact is constant
+constexpr Real close_share = Real(0.005);  // of the smaller shape: the contact solver has closer slow pairs
+// Limit of impacts in a substep. Beyond it bodies stop where they are hit.
 constexpr std::size_t impact_count_least = 32;
 constexpr std::size_t impacts_per_pair = 2;
-// Likewise of searches for the next impact of a pair: each impact of a large body searches the pairs of all that touch
-// it.
+// Limit of searches for the next impact of a pair in a substep: each impact of a large body searches all its pairs.
 constexpr std::size_t search_count_least = 2048;
 constexpr std::size_t searches_per_pair = 64;
 
@@ -46,26 +45,26 @@ Placement pose_at(const State& state, const ImpactPath& path, std::uint32_t row,
           delta_rotation_at(path, time) * state.bodies[row].rotation};
 }
 
-/// Velocity of B's surface against A's at a point.
+/// Velocity of B's surface relative to A's at a point.
 Vec2 relative_velocity(const Placement& a, const Placement& b, const ImpactPath& path_a, const ImpactPath& path_b,
                        Vec2 point, Real time) {
   return (velocity_at(path_b, time) + cross(path_b.angular_velocity, point - b.position)) -
          (velocity_at(path_a, time) + cross(path_a.angular_velocity, point - a.position));
 }
 
-/// What counts as touching: the rounding of coordinates, and a little of the shapes' size.
+/// The distance that counts as touching: the rounding of coordinates and a small share of the shapes' size.
 Real touch_tolerance(Real size, Vec2 a, Vec2 b) {
   const Real far = larger(larger(absolute(a.x), absolute(a.y)), larger(absolute(b.x), absolute(b.y)));
   return larger(Real(1e-6) * size, 8 * epsilon * far);
 }
 
-/// How fast turning may bring a point of a shape nearer to something, m/s. Turning a disc about its middle does not.
-Real turning_speed(const BodyModel& body, const ShapeModel& shape, const ImpactPath& path) {
+/// The largest approach speed of a shape by rotation, m/s. A disc that rotates about its middle has none.
+Real rotation_speed(const BodyModel& body, const ShapeModel& shape, const ImpactPath& path) {
   const Real arm = shape.family == ShapeFamily::circle ? length(shape.center) : body.extent;
   return absolute(path.angular_velocity) * arm;
 }
 
-/// Whether the circles around two shapes stay apart until h, so that nothing exact is needed.
+/// Whether the bounding circles of two shapes stay apart for `time_left`, so that no exact distance is needed.
 bool stay_separated(const Placement& a, const Placement& b, const ShapeModel& shape_a, const ShapeModel& shape_b,
                     Real closing_max, Real time_left) {
   const Vec2 offset =
@@ -74,7 +73,8 @@ bool stay_separated(const Placement& a, const Placement& b, const ShapeModel& sh
   return length_squared(offset) > Real(1.01) * (distance_max * distance_max);
 }
 
-/// Along which normal, from A to B, an edge of a chain may push the other shape of a pair; others along any.
+/// The normal, from A to B, along which an edge of a chain may act on the other shape of a pair. Other shapes act along
+/// any normal.
 EdgeNormal edge_normal_of_pair(const Model& model, const ShapeModel& shape_a, const Placement& a,
                                const ShapeModel& shape_b, const Placement& b, const Distance& gap) {
   const auto normal_of = [&](const ShapeModel& edge, const Placement& at, const ShapeModel& other,
@@ -101,13 +101,13 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   const ShapeModel& shape_b = model.shapes[pair.shape_b];
   const BodyModel& model_a = body_model(model, state, pair.body_a);
   const BodyModel& model_b = body_model(model, state, pair.body_b);
-  const Real spin = turning_speed(model_a, shape_a, path_a) + turning_speed(model_b, shape_b, path_b);
+  const Real spin = rotation_speed(model_a, shape_a, path_a) + rotation_speed(model_b, shape_b, path_b);
   const Real acceleration = length(path_b.acceleration - path_a.acceleration);
   const Real threshold = static_cast<Real>(model.restitution_threshold);
   const Real size = pair_size(shape_a, shape_b);
-  // slow = slow_share size / dt, which tells dt.
-  const Real turning = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
-  const bool has_contact = pair.slow >= 0 && turning * (slow_share * size) <= rotation_max * pair.slow;
+  // slow = slow_share size / dt, from which dt follows.
+  const Real angular_speed = absolute(path_a.angular_velocity) + absolute(path_b.angular_velocity);
+  const bool has_contact = pair.slow >= 0 && angular_speed * (slow_share * size) <= rotation_max * pair.slow;
   Real time = start;
   for (int i = 0; i < advance_count_max; ++i) {
     const Placement a = pose_at(state, path_a, pair.body_a, time);
@@ -120,25 +120,26 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     Distance gap = distance(model, shape_a, a, shape_b, b);
     const EdgeNormal direction = edge_normal_of_pair(model, shape_a, a, shape_b, b, gap);
     const Real tolerance = touch_tolerance(size, a.position, b.position);
-    // What an edge of a chain does not push along may come nearer until it touches; then the edge's own normal counts.
+    // Along a normal that a chain edge excludes, the shape may come closer until it touches. Then the edge's own normal
+    // counts.
     if (!direction.is_allowed && gap.separation <= tolerance) {
       if (!direction.in_front) return;
       gap.normal = direction.normal;
     }
-    const Real near = has_contact && direction.is_allowed ? larger(tolerance, near_share * size) : tolerance;
-    if (gap.separation <= near) {
+    const Real close_distance = has_contact && direction.is_allowed ? larger(tolerance, close_share * size) : tolerance;
+    if (gap.separation <= close_distance) {
       const Real closing = -dot(relative_velocity(a, b, path_a, path_b, gap.point, time), gap.normal);
       const bool bounces = pair.restitution > 0 && closing > threshold;
-      // What neither bounces nor could pass is the solver's. As impacts, the two ends of what slides between a floor
-      // and a wall would push each other without end.
-      // At a joint of a chain the edge that the shape is over has it, with friction: this one stops only what falls.
+      // A slow pair without restitution that cannot pass through is the contact solver's. As impacts, the two ends of a
+      // body that slides between a floor and a wall would hit in turn without end. At a corner of a chain the edge
+      // below the shape has the contact, with friction; this edge stops only fast shapes.
       if (!direction.is_allowed && !bounces && closing * h <= slow_share * size) return;
       const bool is_solvers = has_contact && !bounces && closing <= pair.slow;
       const bool touches = gap.separation <= tolerance;
-      // Nor is there an impact where what is left of the substep is too short to get anywhere.
+      // There is also no impact if the rest of the substep is too short for the remaining gap.
       if (is_solvers || (touches && !(closing * (h - time) > tolerance))) {
-        // Another part of a spinning body may still come: looks again after a turn that is small for the thinner shape.
-        // Not needed where it could not get to the middle of the thinner shape anyway.
+        // Another part of a spinning body may still hit. The search goes on after a rotation that is small for the
+        // thinner shape, unless that part cannot reach the middle of the thinner shape.
         if (!pair.is_fast || !((spin + acceleration * (h - time)) * (h - time) > Real(0.1) * size)) return;
         time += Real(0.05) * size / (spin + acceleration * (h - time));
         if (!(time < h)) return;
@@ -163,7 +164,7 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
     if (!(closing_max > 0) || !(gap.separation < closing_max * (h - time))) return;
     time += gap.separation / closing_max;
     if (i + 1 < advance_count_max || !pair.is_fast || !direction.is_allowed) continue;
-    // A grazing or spinning pair that is not settled: rather stopped than passed.
+    // A grazing or spinning pair without an exact time of impact is stopped, so that it cannot pass through.
     pair.time = time;
     pair.normal = gap.normal;
     pair.point = gap.point;
@@ -171,7 +172,7 @@ void find_impact(const Model& model, const State& state, const Scratch& scratch,
   }
 }
 
-/// Moves a body's reference to `time` and changes its velocity there.
+/// Changes the velocity of a body at `time`, from which its path then starts.
 void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change) {
   path.is_hit = true;
   if (path.is_stopped) {
@@ -187,7 +188,7 @@ void change_velocity(ImpactPath& path, Real time, Vec2 change, Real spin_change)
   path.time = time;
 }
 
-/// Keeps a body where it is at `time` for the rest of the substep: in the world, or on the kinematic body `carrier`.
+/// Stops a body at `time` for the rest of the substep: in the world, or on the kinematic body `carrier`.
 void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, const ImpactPath* carrier,
           std::uint32_t carrier_row) {
   if (path.is_stopped) return;
@@ -233,8 +234,8 @@ void resolve(const Model& model, const State& state, Scratch& scratch, const Imp
   };
   const Real tangent_velocity = dot(relative, tangent);
   Real tangent_impulse = friction_against(tangent_velocity);
-  // The push turns a body beside its middle. Where friction against the velocity before the push would make the impact
-  // gain energy, it acts against the velocity after the push, which never does.
+  // The normal impulse also rotates a body. Friction against the velocity before it may make the impact gain energy. In
+  // this case friction acts against the velocity after it, which never gains energy.
   const Real coupling = model_a.inv_inertia * cross(arm_a, tangent) * cross(arm_a, pair.normal) +
                         model_b.inv_inertia * cross(arm_b, tangent) * cross(arm_b, pair.normal);
   const Real tangent_velocity_after = tangent_velocity + normal_impulse * coupling;
@@ -248,7 +249,7 @@ void resolve(const Model& model, const State& state, Scratch& scratch, const Imp
   change_velocity(path_b, pair.time, model_b.inv_mass * impulse, model_b.inv_inertia * cross(arm_b, impulse));
 }
 
-/// The way of a body without impacts, from the integrator's prediction.
+/// Starts the path of a body without impacts, from the integrator's prediction.
 void begin_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
   ImpactPath& path = scratch.paths[row];
   const MovingBody& body = scratch.bodies[row];
@@ -271,7 +272,8 @@ void begin_path(const Model& model, const State& state, Scratch& scratch, std::u
   path.angular_velocity = body.angular_velocity - spin_offset;
 }
 
-/// Gives a body that was hit what the integrator's drift needs to bring it to the end of its way.
+/// Sets velocity and corrections of a body that was hit, so that the integrator's drift brings it to the end of its
+/// path.
 void end_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
   ImpactPath& path = scratch.paths[row];
   if (!path.is_hit) return;
@@ -281,7 +283,7 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
   const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
   const Vec2 delta_position = delta_position_at(path, h);
   const Real angle = path.angle + (h - path.time) * path.angular_velocity;
-  // Schemes keep a velocity that differs from the true one by `offset - h a / 2` at the end of a substep.
+  // At the end of a substep, schemes store a velocity that differs from the true one by `offset - h a / 2`.
   const Vec2 true_end = path.is_stopped ? path.saved_velocity : velocity_at(path, h);
   const Vec2 acceleration = path.is_stopped ? path.saved_acceleration : path.acceleration;
   const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
@@ -332,14 +334,14 @@ bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
   return body_model(model, state, row).type == BodyType::dynamic_body;
 }
 
-/// Finds the pair's next impact and puts it on the heap.
+/// Finds the next impact of a pair and adds it to the heap.
 void expect_impact(const Model& model, const State& state, Scratch& scratch, std::uint32_t index, Real start, Real h) {
   ImpactPair& pair = scratch.impacts[index];
   find_impact(model, state, scratch, pair, start, h);
   if (pair.time < h) push_event(scratch.impact_events, {pair.time, index});
 }
 
-/// Lists the active pairs of each body that impacts move.
+/// Lists the active pairs of each dynamic body.
 void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scratch) {
   std::vector<std::uint32_t>& start = scratch.impact_starts;
   start.assign(state.bodies.size() + 2, 0);
@@ -373,7 +375,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
   const Real tolerance = touch_tolerance(pair.size, a.position, b.position);
   for (int i = 0; i < pair.manifold.point_count; ++i) {
     const ManifoldPoint& point = pair.manifold.points[i];
-    if (point.separation > tolerance) continue;  // whatever closes that gap, in this tick, is an impact
+    if (point.separation > tolerance) continue;  // what closes this gap in the tick is an impact
     const Vec2 velocity = (b.velocity + cross(b.angular_velocity, point.anchor_b)) -
                           (a.velocity + cross(a.angular_velocity, point.anchor_a));
     const Real closing = -dot(velocity, pair.manifold.normal);
@@ -423,9 +425,9 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
   while (!scratch.impact_events.empty()) {
     const ImpactEvent event = pop_event(scratch.impact_events);
     ImpactPair& first = scratch.impacts[event.pair];
-    if (first.time != event.time) continue;  // no longer so
+    if (first.time != event.time) continue;  // outdated
     const ImpactPair hit = first;
-    // Paths of bodies that were stopped before do not change again.
+    // The path of a stopped body does not change again.
     const auto may_change = [&](std::uint32_t row) {
       return is_dynamic(model, state, row) && !scratch.paths[row].is_stopped;
     };
@@ -434,7 +436,7 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
     if (left > 0 && searches_left > 0 && hit.is_located) {
       --left;
     } else {
-      // Each round stops a body, or is the pair's last.
+      // Each iteration stops a body, or is the last of its pair.
       bool stopped = false;
       for (const std::uint32_t row : {hit.body_a, hit.body_b}) {
         if (!is_dynamic(model, state, row)) continue;
@@ -457,7 +459,7 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
   for (const std::uint32_t i : active) {
     for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b}) {
       end_path(model, state, scratch, row, h);
-      scratch.paths[row].is_hit = false;  // a body is in several pairs
+      scratch.paths[row].is_hit = false;  // a body may be in several pairs
     }
   }
 }

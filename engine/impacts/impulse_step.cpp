@@ -1,14 +1,14 @@
-// The step of an active set: a sparse system in the velocities of the bodies, factored along its envelope.
+// A step of an active set: a sparse system in the velocities of the bodies, factored along its envelope.
 // SPDX-License-Identifier: MIT
 // Source: Silcowitz, Niebe, Erleben, "Projected Gauss-Seidel Subspace Minimization Method for Interactive Rigid Body
-// Dynamics", 2010 (passes find which contacts push, a direct solution then gives how much); George and Liu, "Computer
+// Dynamics", 2010 (passes find the active contacts, a direct solution finds their impulses); George and Liu, "Computer
 // Solution of Large Sparse Positive Definite Systems", 1981 (envelope). Rockafellar, "Monotone Operators and the
 // Proximal Point Algorithm", 1976.
 //
-// With J the rows of the contacts that push, l their impulses, v the velocities and r = J v - wanted: J M^-1 J^T is
-// singular (two points hold a box that four rows describe), so each row gives way by a little E, and what is left is
-// solved again: (M + J^T E^-1 J) dv = -J^T E^-1 r, dl = -E^-1 (r + J dv). In doubles: E is far below what a float
-// knows.
+// J are the rows of the active contacts, l their impulses, v the velocities and r = J v - wanted. J M^-1 J^T is
+// singular (two points hold a box that four rows describe). Each row therefore has a small compliance E, and the
+// remaining residual is solved again: (M + J^T E^-1 J) dv = -J^T E^-1 r, dl = -E^-1 (r + J dv). In doubles, since E is
+// far below the precision of a float.
 #include "engine/impacts/impulse_step.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr double compliance_share = 1e-9;  // of a row's own mobility
 constexpr int proximal_count = 3;
 constexpr double envelope_work_max = 1 << 24;  // multiplications of a factorization
 
-/// Present separation of a point, as the kernels have it.
+/// The present separation of a point, as kernels compute it.
 double separation_of(const ContactBatch& batch, const ContactPointLanes& point, std::uint32_t lane, const MovingBody& a,
                      const MovingBody& b) {
   const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
@@ -80,7 +80,7 @@ void set_along(ActiveRow& row, const double (&arms)[3][2]) {
   }
 }
 
-/// The rows of the points that push; of those that also hold, a row of friction after that of the normal.
+/// Finds the rows of points with a normal impulse. A point with static friction has a second row.
 void find_rows(Scratch& scratch, const SolverSet& set) {
   ImpulseStep& out = scratch.impulse_step;
   out.rows.clear();
@@ -131,7 +131,7 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
   }
 }
 
-/// Places for the bodies that rows move: breadth first from what touches the ground, so that neighbours are close.
+/// Numbers the bodies of the rows breadth first from the ground, so that neighbours are close.
 void find_places(Scratch& scratch) {
   ImpulseStep& out = scratch.impulse_step;
   const std::uint32_t sink = dummy_sink(scratch);
@@ -170,7 +170,7 @@ void find_places(Scratch& scratch) {
   for (std::uint32_t body = 0; body < out.is_start.size(); ++body)
     if (out.is_start[body] != 0) put(body);
   spread_out();
-  for (const ActiveRow& row : out.rows) {  // what nothing immovable holds
+  for (const ActiveRow& row : out.rows) {  // bodies without a path to the ground
     put(row.body_a);
     put(row.body_b);
     spread_out();
@@ -181,7 +181,7 @@ void find_places(Scratch& scratch) {
   }
 }
 
-/// M + J^T E^-1 J, row by row from its first entry that is not zero. False: too wide.
+/// Makes M + J^T E^-1 J, each row from its first entry that is not zero. False: too wide.
 bool make_system(Scratch& scratch) {
   ImpulseStep& out = scratch.impulse_step;
   const std::size_t size = 3 * out.bodies.size();
@@ -230,7 +230,7 @@ bool make_system(Scratch& scratch) {
   return true;
 }
 
-/// L L^T in place of the matrix.
+/// Replaces the matrix by L of L L^T.
 void factor(ImpulseStep& out) {
   const std::size_t size = out.first.size();
   for (std::size_t i = 0; i < size; ++i) {
@@ -259,7 +259,7 @@ void solve_factored(const ImpulseStep& out, std::vector<double>& x) {
   }
 }
 
-/// What the impulses of all rows would have to change by.
+/// Finds the changes of all impulses.
 void find_changes(ImpulseStep& out) {
   for (ActiveRow& row : out.rows) row.change = 0;
   out.total.assign(out.first.size(), 0);
@@ -274,11 +274,11 @@ void find_changes(ImpulseStep& out) {
   }
 }
 
-/// How far along the changes every point still pushes and holds.
+/// The largest share of the changes with which every row stays active.
 double longest_step(const ImpulseStep& out) {
   double step = 1;
   double normal = 0, normal_change = 0;
-  const auto bound = [&step](double slack, double rate) {  // room + step rate >= 0
+  const auto bound = [&step](double slack, double rate) {  // slack + step rate >= 0
     if (rate < 0 && slack < -rate * step) step = slack / -rate;
   };
   for (const ActiveRow& row : out.rows) {
@@ -294,7 +294,7 @@ double longest_step(const ImpulseStep& out) {
   return step > 0 ? step : 0;
 }
 
-/// Velocities that the changes of all rows make.
+/// The velocities that the changes cause.
 void find_velocities(const Scratch& scratch, ImpulseStep& out) {
   out.velocity.assign(out.first.size(), 0);
   for (const ActiveRow& row : out.rows) add(row, row.change, out.velocity);
@@ -306,7 +306,7 @@ void find_velocities(const Scratch& scratch, ImpulseStep& out) {
   }
 }
 
-/// Cuts each change to where its point still pushes and holds.
+/// Projects each change, so that its row stays active.
 void cut_changes(ImpulseStep& out) {
   double normal = 0;
   for (ActiveRow& row : out.rows) {
@@ -318,7 +318,7 @@ void cut_changes(ImpulseStep& out) {
   }
 }
 
-/// What the changes add to the energy that passes minimize.
+/// The change of the energy that passes minimize.
 double added_energy(const ImpulseStep& out) {
   double sum = 0;
   for (const ActiveRow& row : out.rows) sum += row.change * (row.residual + 0.5 * speed_along(row, out.velocity));
@@ -359,7 +359,7 @@ void step_active_contacts(Scratch& scratch, const SolverSet& set) {
     for (std::size_t i = 0; i < out.rows.size(); ++i) {
       ActiveRow& row = out.rows[i];
       row.change = step * out.full_change[i];
-      if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by a rounding error
+      if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by rounding
     }
     find_velocities(scratch, out);
   }

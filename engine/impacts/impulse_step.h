@@ -1,4 +1,4 @@
-// One step of all contacts that push together: where passes settle slowly, impulses are solved for at once.
+// One step of all active contacts: where passes converge slowly, all impulses are solved for at once.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Changes the impulses of the contacts of a group that push, or hold by friction, so that their velocities are what
-/// the relax pass drives them to; as far as they all still push. What is too wide to be solved so is left alone.
+/// Changes the impulses of the active contacts of a set. Their velocities become the targets of the relax pass, as far
+/// as all rows stay active. A system that is too wide is left alone.
 void step_active_contacts(Scratch& scratch, const SolverSet& set);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,4 +1,4 @@
-// Detection of impacts on bodies at rest; rigid passes, and steps of all that push, until they have gone through.
+// Detection of impacts on bodies at rest. Rigid passes and steps of the active set, until the shock has propagated.
 // SPDX-License-Identifier: MIT
 // Source: Moreau, "Unilateral Contact and Dry Friction in Finite Freedom Dynamics", 1988 (an impact is solved for
 // velocities alone, positions held).
@@ -13,7 +13,7 @@ namespace {
 
 constexpr Real settled_share = Real(1e-5);  // of the allowed way: a smaller change of speed is none
 constexpr int passes_per_check = 8;
-// Passes end after so much work, or bodies in a large pile would wait long for their neighbours far away.
+// Limits of the work: in a large pile a body would wait long for neighbours far away.
 constexpr std::uint32_t check_count_max = 2048;
 constexpr std::uint32_t contacts_solved_max = 1u << 18;
 // A check takes as much as so many contacts beside those that it solves.

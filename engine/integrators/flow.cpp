@@ -1,4 +1,4 @@
-// The bricks that schemes are made of.
+// The parts of integration schemes.
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/flow.h"
 
@@ -8,8 +8,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// How many times larger than the change of velocity by forces one by impulses may be and still count as a force: enough
-// for the friction of a sliding body, and an impact then moves a body at most this times g h^2 / 2 too far.
+// An impulse up to this many times as large as the velocity change by forces counts as a force. This is enough for the
+// friction of a sliding body. An impact then moves a body at most this times g h^2 / 2 too far.
 constexpr Real force_like = 4;
 
 /// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
@@ -70,7 +70,7 @@ void prepare_velocity_steps(const Model& model, const State& state, Scratch& scr
 }
 
 void step_velocities(const Model& model, const State& state, Scratch& scratch) {
-  if (scratch.moving_rows.empty()) return;  // without bodies there are no rows to point to
+  if (scratch.moving_rows.empty()) return;  // without bodies there is no first row
   const std::size_t count = scratch.moving_rows.size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
     scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x,

@@ -200,7 +200,7 @@ void add_forces(Model& model) {
 
 namespace {
 
-/// Whether a spring pulls at bodies of the group that is being solved; both ends are of one island.
+/// Whether a spring acts on bodies of the set that is being solved; both ends are of one island.
 bool is_in_set(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
   if (scratch.body_solver_set[row_a] == scratch.set_index) return true;
   if (spring.other == no_reference) return false;

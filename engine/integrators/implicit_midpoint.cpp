@@ -4,11 +4,11 @@
 // Source: Hairer, Lubich, Wanner, "Geometric Numerical Integration", 2006, section VIII.6 (Newton iteration); Hestenes
 // and Stiefel, "Methods of conjugate gradients for solving linear systems", 1952.
 //
-// The unknown is v_m: M (v_m - v) = h / 2 F(x + h / 2 v_m, v_m). Newton's matrix
-// A = M - h / 2 dF/dv - h^2 / 4 dF/dx is kept positive definite by leaving out what makes forces fall off (a compressed
-// spring's push aside, an attraction that weakens with distance); what is left out only slows the iteration. The linear
-// equations are solved by conjugate gradients to 1e-3, the iteration ends when positions change by less than
-// 64 epsilon of their size, after 60 rounds at the latest; the substep is then counted as unconverged.
+// The unknown is v_m: M (v_m - v) = h / 2 F(x + h / 2 v_m, v_m). Newton's matrix A = M - h / 2 dF/dv - h^2 / 4 dF/dx is
+// kept positive definite by leaving out terms of falling forces (the sideways force of a compressed spring, an
+// attraction that weakens with distance). This only slows the iteration. The linear equations are solved by conjugate
+// gradients to 1e-3. The iteration ends when positions change by less than 64 epsilon of their size, after 60
+// iterations at the latest; the substep is then counted as unconverged.
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/model/bodies.h"
@@ -32,8 +32,8 @@ Twist zero_if_fixed(Twist value, const BodyModel* body) {
   return {value.linear, body->inv_inertia > 0 ? value.angular : Real(0)};
 }
 
-/// Model of the record's body; null for the records at rest and for bodies of no group or another one: their equations
-/// are not solved here, and their rows of `stages` and `accelerations` are not of this tick.
+/// Model of the record's body; null for dummy records and for bodies of no set or another one. Their equations are not
+/// solved here, and their rows of `stages` and `accelerations` are not of this tick.
 const BodyModel* body_of(const Model& model, const State& state, const Scratch& scratch, std::size_t record) {
   const bool is_in = record < state.bodies.size() && scratch.body_solver_set[record] == scratch.set_index;
   return is_in ? &model.bodies[state.bodies[record].source] : nullptr;
@@ -83,8 +83,8 @@ void linearise(const Model& model, const State& state, Scratch& scratch, Real h)
     const Real quarter = half * half;
     block.stiff_along = half * spring.damping + quarter * spring.stiffness;
     block.stiff_across = quarter * positive(line.tension) / line.length;
-    block.turn_a = quarter * positive(line.tension * dot(line.along, line.arm_a));
-    block.turn_b = quarter * positive(-(line.tension * dot(line.along, line.arm_b)));
+    block.stiff_angular_a = quarter * positive(line.tension * dot(line.along, line.arm_a));
+    block.stiff_angular_b = quarter * positive(-(line.tension * dot(line.along, line.arm_b)));
     scratch.spring_blocks.push_back(block);
   }
 }
@@ -103,9 +103,9 @@ void multiply(const Model& model, const State& state, Scratch& scratch, const st
     const Vec2 force =
         (block.stiff_along * along) * block.along + block.stiff_across * (relative - along * block.along);
     Twist& to_a = out[block.body_a];
-    to_a = {to_a.linear - force, to_a.angular - cross(block.arm_a, force) + block.turn_a * a.angular};
+    to_a = {to_a.linear - force, to_a.angular - cross(block.arm_a, force) + block.stiff_angular_a * a.angular};
     Twist& to_b = out[block.body_b];
-    to_b = {to_b.linear + force, to_b.angular + cross(block.arm_b, force) + block.turn_b * b.angular};
+    to_b = {to_b.linear + force, to_b.angular + cross(block.arm_b, force) + block.stiff_angular_b * b.angular};
   }
   for (std::size_t record = 0; record < out.size(); ++record)
     out[record] = zero_if_fixed(out[record], body_of(model, state, scratch, record));
@@ -155,16 +155,16 @@ void solve_linear(const Model& model, const State& state, Scratch& scratch) {
       r[i] = {r[i].linear - step * q[i].linear, r[i].angular - step * q[i].angular};
     }
     const Real next = weighted();
-    const Real keep = next / error;
+    const Real beta = next / error;
     for (std::size_t i = 0; i < count; ++i) {
       const Twist z = precondition(i);
-      p[i] = {z.linear + keep * p[i].linear, z.angular + keep * p[i].angular};
+      p[i] = {z.linear + beta * p[i].linear, z.angular + beta * p[i].angular};
     }
     error = next;
   }
 }
 
-/// Poses of the middle of the substep for the present velocities, which are those of the middle.
+/// Moves bodies to the middle of the substep with the present velocities, which are those of the middle.
 void move_to_middle(Scratch& scratch, Real h) {
   for (const std::uint32_t row : scratch.moving_rows) {
     MovingBody& body = scratch.bodies[row];
@@ -187,7 +187,7 @@ Real size_of_system(const Model& model, const State& state, const Scratch& scrat
   return size;
 }
 
-/// One round of Newton's iteration; the largest change of a position, relative to what is allowed.
+/// One Newton iteration. Returns the largest change of a position relative to the tolerance.
 Real newton_iteration(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
   move_to_middle(scratch, h);
   total_accelerations(model, state, scratch);
@@ -212,11 +212,11 @@ Real newton_iteration(const Model& model, const State& state, Scratch& scratch, 
     body.velocity = body.velocity + change.linear;
     body.angular_velocity += change.angular;
     const Real allowed = newton_tolerance * (size + h * (absolute(body.velocity.x) + absolute(body.velocity.y)));
-    const Real allowed_turn = newton_tolerance * (1 + h * absolute(body.angular_velocity));
+    const Real allowed_angle = newton_tolerance * (1 + h * absolute(body.angular_velocity));
     const Real ratio = h * (absolute(change.linear.x) + absolute(change.linear.y)) / allowed;
-    const Real turn_ratio = h * absolute(change.angular) / allowed_turn;
+    const Real angle_ratio = h * absolute(change.angular) / allowed_angle;
     worst = ratio <= worst ? worst : ratio;  // NaN stays
-    worst = turn_ratio <= worst ? worst : turn_ratio;
+    worst = angle_ratio <= worst ? worst : angle_ratio;
   }
   return worst;
 }

@@ -1,4 +1,4 @@
-// How bodies advance by themselves under semi-implicit Euler, several at a time.
+// Integration of velocities and positions by semi-implicit Euler, several bodies at a time.
 // SPDX-License-Identifier: MIT
 #include "engine/contacts/solver_kernels.h"
 #include "engine/simd/transpose.h"
@@ -24,7 +24,7 @@ struct RotationxN {
   RealxN c, s;
 };
 
-/// Element by element what rotation_by does (math/vec2.h), the quadrant chosen without integers.
+/// rotation_by of math/vec2.h, lane by lane, with the quadrant selected without integers.
 TICKTRUE_INLINE RotationxN rotation_by(RealxN angle) {
   constexpr bool is_single = sizeof(Real) == 4;
   const RealxN round = broadcast(is_single ? Real(0x1.8p23) : Real(0x1.8p52));
@@ -50,14 +50,14 @@ TICKTRUE_INLINE RotationxN rotation_by(RealxN angle) {
       Real(-1.0 / 3628800), Real(1.0 / 479001600.0), Real(-1.0 / 87178291200.0), Real(1.0 / 20922789888000.0)};
   const RealxN sine = x + x * z * series(sine_terms, term_count);
   const RealxN cosine = broadcast(1) + z * series(cosine_terms, is_single ? 4 : 8);
-  // turn modulo 4, in -2..2.
+  // quadrant modulo 4, in -2..2.
   const RealxN rest = quadrant - broadcast(4) * ((quadrant * broadcast(Real(0.25)) + round) - round);
   const RealxN zero{};
   const auto is_even = (rest == zero) | (rest * rest > broadcast(Real(2.5)));
   const auto is_first = rest == zero;
-  const auto is_ahead = rest == broadcast(1);
-  const RealxN back_c = is_ahead ? -sine : sine;
-  const RealxN back_s = is_ahead ? cosine : -cosine;
+  const auto is_second = rest == broadcast(1);
+  const RealxN back_c = is_second ? -sine : sine;
+  const RealxN back_s = is_second ? cosine : -cosine;
   return {is_even ? (is_first ? cosine : -cosine) : back_c, is_even ? (is_first ? sine : -sine) : back_s};
 }
 

@@ -29,14 +29,14 @@ struct Twist {
   Real angular = 0;  // rad/s^2 or rad/s
 };
 
-/// What a scheme with several stages keeps of a body during a substep.
+/// The sums of a scheme with several stages during a substep.
 struct StageRow {
   MovingBody start;
   Twist velocities;     // sum over the stages so far, with their weights
   Twist accelerations;  // likewise
 };
 
-/// A spring of this tick, with the rows of its bodies. Records at rest stand for the world.
+/// A spring of this tick, with the rows of its bodies. The dummy body stands for the world.
 struct SpringRow {
   std::uint32_t body_a;   // record of scratch.bodies
   std::uint32_t body_b;   // record, read
@@ -54,13 +54,13 @@ struct SpringBlock {
   std::uint32_t body_a;
   std::uint32_t body_b;
   Vec2 along;
-  Vec2 arm_a, arm_b;    // m
-  Real stiff_along;     // kg
-  Real stiff_across;    // kg
-  Real turn_a, turn_b;  // kg m^2
+  Vec2 arm_a, arm_b;                      // m
+  Real stiff_along;                       // kg
+  Real stiff_across;                      // kg
+  Real stiff_angular_a, stiff_angular_b;  // kg m^2
 };
 
-/// FreeMotion with the accelerations of one body put in, for one substep: v' = decay * v + gain.
+/// FreeMotion with the accelerations of one body, for one substep: v' = decay * v + gain.
 struct alignas(8 * sizeof(Real)) VelocityStep {
   Real gain[4];   // x, y in m/s, angular in rad/s, 0
   Real decay[4];  // x, y, angular, 0

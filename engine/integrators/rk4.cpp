@@ -9,8 +9,8 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 struct RungeKuttaStage {
-  Real reach;   // of the stage after this one, in steps
-  Real weight;  // of this stage
+  Real fraction;  // of the stage after this one, in steps
+  Real weight;    // of this stage
 };
 constexpr RungeKuttaStage rk4_stages[4] = {
     {Real(1.0 / 2), Real(1.0 / 6)}, {Real(1.0 / 2), Real(1.0 / 3)}, {Real(1), Real(1.0 / 3)}, {Real(0), Real(1.0 / 6)}};
@@ -35,7 +35,7 @@ void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real 
       sums.velocities.angular += stage.weight * body.angular_velocity;
       sums.accelerations.linear = sums.accelerations.linear + stage.weight * slope.linear;
       sums.accelerations.angular += stage.weight * slope.angular;
-      const Real step = stage.reach * h;
+      const Real step = stage.fraction * h;
       body.delta_position = start.delta_position + step * body.velocity;
       body.delta_rotation = rotation_by(step * body.angular_velocity) * start.delta_rotation;
       body.velocity = start.velocity + step * slope.linear;

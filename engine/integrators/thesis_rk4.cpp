@@ -41,10 +41,10 @@ void predict_thesis_rk4(const Model& model, const State& state, Scratch& scratch
     const Twist& slope = scratch.accelerations[row];
     const ThesisStep x = thesis_step(body.velocity.x, slope.linear.x, h);
     const ThesisStep y = thesis_step(body.velocity.y, slope.linear.y, h);
-    const ThesisStep turn = thesis_step(body.angular_velocity, slope.angular, h);
+    const ThesisStep rotation = thesis_step(body.angular_velocity, slope.angular, h);
     body.velocity = body.velocity + Vec2{x.change, y.change};
-    body.angular_velocity += turn.change;
-    drift_with(scratch, row, {{x.drift, y.drift}, turn.drift});
+    body.angular_velocity += rotation.change;
+    drift_with(scratch, row, {{x.drift, y.drift}, rotation.drift});
   }
 }
 

@@ -17,7 +17,8 @@ void predict_velocity_verlet(const Model& model, const State& state, Scratch& sc
   flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::forward);
   step_velocities(model, state, scratch);
   save_start(state, scratch);
-  // The second kick, as if forces did not change on the way: constraints work on the velocity of the end.
+  // The second half step of the velocities, as if forces did not change within the step: constraints act on the end
+  // velocity.
   step_velocities(model, state, scratch);
   flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::backward);
   for (const std::uint32_t row : scratch.moving_rows) {

@@ -1,4 +1,4 @@
-// Islands, what carries them and what lands on them.
+// Islands, their supports and the impacts on them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,23 +9,23 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// How far an island is from what its scene allows.
+/// The error estimate of an island.
 struct IslandError {
-  Real error;  // at the most substeps, of what is allowed
-  Real depth;  // steps from what cannot move to what is farthest from it
+  Real error;  // with the most substeps, relative to the allowed error
+  Real depth;  // steps from the nearest non-dynamic body to the farthest body
 };
 
-/// A contact or joint by which a body may be carried.
+/// A contact or joint that may support a body.
 struct Support {
   std::uint32_t other;      // row
   Real compliance;          // m/N at four substeps
   Real arm, other_arm;      // of a joint, from the two centres of mass, m; of a contact 0
   Vec2 middle;              // of a contact, or a joint's anchor, from the body's centre of mass, m
   Real half_width2;         // of a contact with two points, m^2; else 0
-  Real angular_compliance;  // of what holds the angle, rad/(N m) at four substeps; else 0
+  Real angular_compliance;  // of a row of the angle, rad/(N m) at four substeps; else 0
 };
 
-/// How far a body leans with what carries it.
+/// The error of a body that tilts with its support.
 struct TiltError {
   Vec2 displacement;  // m
   Real angle;         // rad
@@ -38,7 +38,7 @@ inline constexpr std::uint32_t no_solver_set = 0xffffffff;
 struct SolverSet {
   int substeps = 1;
   bool has_resting_impacts = false;
-  std::uint32_t joint_iterations = 1;  // over its joints before bodies move
+  std::uint32_t joint_iterations = 1;  // over its joints in each substep
   Real h = 0;                          // s, of a substep
   ContactStiffness stiffness;
   std::uint32_t first_row = 0, row_end = 0;
@@ -54,7 +54,7 @@ inline constexpr Real resting_impact_share = Real(0.05);
 struct RestingImpact {
   std::uint32_t contact;  // in TickLists::contact_pairs
   Real closing;           // m/s, before the pass
-  Real allowed;           // m, how far the bodies may move meanwhile
+  Real allowed;           // m, the allowed motion of the bodies meanwhile
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,4 +1,4 @@
-// Islands: bodies that hang together by contacts and joints. Decides which sleep and what is solved together.
+// Islands: bodies connected by contacts and joints. Decides which islands sleep and which are solved together.
 // SPDX-License-Identifier: MIT
 // Source: Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975 (union-find); Anderson, Woll,
 // "Wait-free Parallel Algorithms for the Union-Find Problem", 1991 (by several threads at once).
@@ -14,8 +14,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// find_root while others unite: what it leads to may no longer be a root. Shortening a way never undoes what others
-/// do: the parent of what is no root only ever moves towards the root.
+/// find_root while other threads unite: the result may no longer be a root. Path halving is safe, since the parent of a
+/// row that is no root only moves towards the root.
 std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t row) {
   for (;;) {
     const std::uint32_t next = __atomic_load_n(&parent[row], __ATOMIC_RELAXED);
@@ -26,7 +26,7 @@ std::uint32_t find_root_shared(std::vector<std::uint32_t>& parent, std::uint32_t
   }
 }
 
-/// unite while others do: the roots are the same in any order.
+/// unite while other threads do: the roots are the same in any order.
 void unite_shared(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
   for (;;) {
     const std::uint32_t root_a = find_root_shared(parent, a);
@@ -87,7 +87,7 @@ void unite_bodies(const Model& model, const State& state, TickLists& tick, Islan
 
 constexpr std::size_t bodies_per_chunk_least = 512;
 
-/// Calls look(row), a bool, for each body. True if it was for any.
+/// Calls predicate(row) for each body. True if it was true for any.
 template <typename Predicate>
 bool any_body(const TickLists& tick, std::size_t count, Predicate predicate) {
   std::atomic<bool> any{false};
@@ -140,7 +140,7 @@ bool is_dynamic(const IslandWork& work, std::uint32_t row) {
   return work.body_types[row] == BodyType::dynamic_body;
 }
 
-/// Has been calm for long enough to sleep, if all of its island have.
+/// Whether a body has been idle long enough to sleep with its island.
 bool may_sleep(const Model& model, const State& state, std::uint32_t row) {
   return state.sleep[row].calm >= static_cast<Real>(model.scene.settings.sleep->after_s);
 }
@@ -182,7 +182,7 @@ void sleep_by_islands(const Model& model, State& state, TickLists& tick, IslandW
   }
 }
 
-// ---- Groups ----
+// ---- Solver sets ----
 
 constexpr std::uint32_t key_of_no_set = 0;  // asleep, or static
 constexpr std::uint32_t key_of_all_sets = 1;

@@ -1,4 +1,4 @@
-// Islands as stages see them: bodies that hang together, named by their first row.
+// Islands as stages see them: connected bodies, named by their first row.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// The one group of a world without islands.
+// The one set of a world without islands, and bodies without constraints.
 // SPDX-License-Identifier: MIT
 #include "engine/islands/solver_sets.h"
 

@@ -1,7 +1,7 @@
-// How many substeps an island needs, from what its bodies carry.
+// The number of substeps of an island, from error estimates of its supports.
 // SPDX-License-Identifier: MIT
-// Source: the sag of soft constraints falls as substeps^-2: sag = force / (effective mass * omega^2) with omega
-// proportional to the substep rate, so n = 4 sqrt(sag at 4 substeps / allowed sag).
+// Source: the deflection of soft constraints falls as substeps^-2: error = force / (effective mass * omega^2) with
+// omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
 #include "engine/contacts/contact_batch.h"
 #include "engine/islands/islands.h"
@@ -11,7 +11,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-constexpr std::uint32_t idle_tick_count = 60;  // fewer substeps only after so many ticks that needed fewer
+constexpr std::uint32_t idle_tick_count = 60;  // ticks that needed fewer substeps before the number falls
 constexpr int reference_substeps = 4;
 constexpr std::uint32_t not_carried = 0xffffffff;
 
@@ -24,7 +24,7 @@ Real inv_effective_mass(const Model& model, const State& state, const ContactPai
   return ((a.inv_mass + b.inv_mass) + a.inv_inertia * arm_a * arm_a) + b.inv_inertia * arm_b * arm_b;
 }
 
-/// m/N of a contact at the reference number of substeps.
+/// Compliance of a contact at the reference number of substeps, m/N.
 Real contact_compliance(const Model& model, const State& state, const ContactPair& pair, Real h) {
   Real stiffness = 0;  // N/m
   for (int i = 0; i < pair.manifold.point_count; ++i) {
@@ -37,14 +37,14 @@ Real contact_compliance(const Model& model, const State& state, const ContactPai
   return stiffness > 0 ? 1 / stiffness : Real(0);
 }
 
-/// m/N of a joint at the reference number of substeps. Chains whip: they get twice the substeps that their weight asks
-/// for, and so a softness four times theirs.
+/// Compliance of a joint at the reference number of substeps, m/N. Chains swing: they get twice the substeps that their
+/// weight needs, and so four times the compliance.
 Real joint_compliance(const Model& model, const State& state, std::uint32_t a, std::uint32_t b, Real h) {
   const Real inv_mass = model.bodies[state.bodies[a].source].inv_mass + model.bodies[state.bodies[b].source].inv_mass;
   return 4 * inv_mass / joint_stiffness(h);
 }
 
-/// rad/(N m) of a rigid weld at the reference number of substeps, 0 of other joints.
+/// Angular compliance of a rigid weld at the reference number of substeps, rad/(N m); 0 of other joints.
 Real joint_angular_compliance(const Model& model, const State& state, const JointModel& joint, std::uint32_t a,
                               std::uint32_t b, Real h) {
   if (!joint.rigid_angle) return 0;
@@ -53,7 +53,7 @@ Real joint_angular_compliance(const Model& model, const State& state, const Join
   return inv_inertia / joint_stiffness(h);
 }
 
-/// Whether the bodies rest on each other, or are about to: what is merely seen early carries nothing.
+/// Whether the bodies rest on each other, or are about to. A speculative contact supports nothing.
 bool carries(const ContactPair& pair) {
   Real least = pair.manifold.points[0].separation;
   if (pair.manifold.point_count == 2) least = smaller(least, pair.manifold.points[1].separation);
@@ -127,7 +127,7 @@ void find_depths(const Model& model, const State& state, IslandWork& work) {
   }
 }
 
-/// Calls `use` with each of those that carry a body: its supports that are a step nearer to the ground.
+/// Calls `use` with each support of a body that is one step nearer to the ground.
 template <typename Use>
 void for_each_carrier(const IslandWork& work, std::uint32_t row, Use use) {
   for (const Support& support : supports_of(work, row))
@@ -232,17 +232,17 @@ void estimate_tilts(const State& state, TickLists& tick, IslandWork& work) {
   }
 }
 
-/// Powers of two from `least` to `most` that keep the sag of a body within its allowance.
+/// The power of two from `least` to `most` with which the error of a body is allowed.
 std::uint32_t wanted_substeps(Real error, Real allowed, std::uint32_t least, std::uint32_t most) {
   std::uint32_t count = least;
-  // sag at n substeps = sag * (4 / n)^2
+  // error at n substeps = error * (4 / n)^2
   while (count < most && error * static_cast<Real>(reference_substeps * reference_substeps) >
                              allowed * static_cast<Real>(count) * static_cast<Real>(count))
     count *= 2;
   return count < most ? count : most;
 }
 
-// What constraints may add to the masses on a way to the ground, of what is carried.
+// The largest mass that constraints may add on a path to the ground, relative to the supported mass.
 constexpr Real added_share_max = Real(0.01);
 
 /// Where not even the most substeps keep a sag within its allowance: how much heavier constraints shall see what

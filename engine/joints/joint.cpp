@@ -12,7 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The joint's body A, or what stands for it where the joint holds B to the world.
+/// Prepares the joint's body A, or the dummy body for a joint to the world.
 void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
                     const BodyRow& body_b) {
   const JointModel& constants = *joint.model;
@@ -80,7 +80,7 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
   return joint;
 }
 
-/// Calls body(first, last) for all batches of pins, in chunks.
+/// Calls body(first, last) for all batches of plain revolute joints, in chunks.
 template <typename Body>
 static void for_revolutes(const Scratch& scratch, const Body& body) {
   const std::size_t count = scratch.caches.joints.revolutes.size();
@@ -129,18 +129,18 @@ void save_velocities_of(Scratch& scratch, const JointRange& range) {
     functions_of(range.kind).save_velocities(run_of(scratch, range));
 }
 
-void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front) {
   if (range.path == JointPath::revolute)
-    warm_start_revolutes(scratch, range, poses, line);
+    warm_start_revolutes(scratch, range, poses, front);
   else if (range.path == JointPath::driven_revolute)
     warm_start_driven_revolutes(scratch, range);
   else
     functions_of(range.kind).warm_start(run_of(scratch, range));
 }
 
-void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front) {
   if (range.path == JointPath::revolute)
-    solve_revolutes(scratch, range, h, bias, line);
+    solve_revolutes(scratch, range, h, bias, front);
   else if (range.path == JointPath::driven_revolute)
     solve_driven_revolutes(scratch, range, h, bias);
   else
@@ -194,7 +194,7 @@ PrincipalAxes principal_axes(const JointWork& joint, const PointRow& row) {
     const Vec2 along = half >= 0 ? Vec2{half + radius, row.k12} : Vec2{row.k12, radius - half};
     first = (1 / length(along)) * along;
   }
-  // The lesser one is never below that of the masses alone; the difference could be, by rounding.
+  // The smaller mobility is never below that of the masses alone; rounding could make the difference so.
   const Real least = joint.inv_mass_a + joint.inv_mass_b;
   return {{first, cross(Real(1), first)}, {mean + radius, larger(mean - radius, least)}};
 }

@@ -1,10 +1,10 @@
 // Joints: what the solver does with them in each substep, for all kinds alike.
 // SPDX-License-Identifier: MIT
 //
-// Joints are solved one after the other in the order of the scene, which is physics; where that is faster, in another
-// one that gives the same bits (joint_order.h). A joint consists of rows: rigid
-// ones (soft constraints tied to the substep rate), limits, motors and springs. Accumulated impulses are kept as forces
-// in the state. Springs act before the positions move and rest in the relax pass (joint_spring.h).
+// Joints are solved one after the other in the order of the scene, which is part of the physics. A faster order may
+// replace it if it gives the same bits (joint_order.h). A joint consists of rows: rigid ones (soft constraints tied to
+// the substep rate), limits, motors and springs. Accumulated impulses are stored as forces in the state. Springs act
+// before positions change; the relax pass leaves them out (joint_spring.h).
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Scratch;
 struct SolverSet;
 struct MovingBody;
 
-/// Accumulated impulses of a substep. Which ones a kind uses is said in its file.
+/// Accumulated impulses of a substep. The file of each kind says which ones it uses.
 struct JointImpulses {
   Vec2 linear;       // N s
   Real angular = 0;  // N m s
@@ -33,12 +33,12 @@ struct JointImpulses {
   Real motor = 0;
 };
 
-/// A joint made ready for one tick.
+/// A joint prepared for one tick.
 struct JointWork {
   std::uint32_t row;  // in State::joints
   const JointModel* model;
   std::uint32_t read_a, read_b;    // in Scratch::bodies
-  std::uint32_t write_a, write_b;  // bodies that impulses do not move are written to a record nobody reads
+  std::uint32_t write_a, write_b;  // non-dynamic bodies are written to a sink
   Real inv_mass_a, inv_mass_b;
   Real inv_inertia_a, inv_inertia_b;
   Vec2 anchor_a, anchor_b;     // from the centres of mass at the start of the tick, world axes, m
@@ -58,15 +58,15 @@ struct JointWork {
   Real start_speed;     // of the spring row before the substep
 };
 
-/// Joints of one kind that follow each other.
+/// Consecutive joints of one kind.
 struct JointRun {
   JointWork* first;
   JointWork* last;  // one beyond
   MovingBody* bodies;
 };
 
-/// What a kind of joint does. `describe` fills in what this kind alone has in its model; `note` sees the velocities
-/// before a substep, for springs.
+/// The functions of a joint kind. `describe` fills in the part of the model that only this kind has. `save_velocities`
+/// saves the velocities before a substep, for springs.
 struct JointFunctions {
   void (*describe)(JointModel& model, const Joint& joint, const JointCenters& centers);
   void (*prepare)(JointWork& joint, Real h);
@@ -75,33 +75,33 @@ struct JointFunctions {
   void (*solve)(JointRun run, Real h, Bias bias);
 };
 
-/// Joints of one kind that follow each other in Scratch::joints; or batches of pins or hinges.
+/// Consecutive joints of one kind in Scratch::joints, or consecutive batches.
 struct JointRange {
   JointKind kind;
-  JointPath path;  // `first`, `last`: in Scratch::pins, ::hinges or ::joints
-  bool springs;    // some joint of the run has one, or is driven like one
+  JointPath path;  // `first`, `last`: in Scratch::revolutes, ::driven_revolutes or ::joints
+  bool springs;    // some joint has one, or is driven like one
   std::uint32_t first;
   std::uint32_t last;          // one beyond
-  std::uint32_t level;         // of batches, where several threads solve them: a run is of one level
+  std::uint32_t level;         // of all joints of the range, where several threads solve them
   std::size_t chunk_size = 0;  // in batches
 };
 
-/// A joint made ready. Requires: scratch.bodies filled (prepare_bodies).
+/// Prepares a joint. Requires: scratch.bodies filled (prepare_bodies).
 JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
                      const Softness& soft, Real h);
 
-/// Fills scratch.joints with those of a group. Requires: scratch.bodies filled (prepare_bodies).
+/// Fills scratch.joints with the joints of a set. Requires: scratch.bodies filled (prepare_bodies).
 void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
 /// N/m of a rigid row per kg of effective mass, for substeps of length h.
 Real joint_stiffness(Real h);
-/// Notes the velocities before a substep. Call before the integrator predicts.
+/// Saves the velocities before a substep. Call before the integrator predicts.
 void save_joint_velocities(Scratch& scratch);
 void warm_start_joints(Scratch& scratch);
 void solve_joints(Scratch& scratch, Real h, Bias bias);
-// The same for a part of them, by a line of passes (wavefront.h).
+// The same for some joints, by front `front` of a wavefront sweep (wavefront.h).
 void save_velocities_of(Scratch& scratch, const JointRange& range);
-void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
-void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
+void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front);
+void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front);
 /// Impulses back to state.joints, as forces.
 void store_joints(const Scratch& scratch, State& state, Real h);
 

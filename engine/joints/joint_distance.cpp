@@ -20,20 +20,20 @@ Span span_of(const JointWork& joint, const JointBodies& pair) {
   const Vec2 arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
   const Vec2 d = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + (arm_b - arm_a);
   const Real distance = length(d);
-  // Coincident anchors have no direction: a fixed one is as good as any, and gives no NaN.
+  // Coincident anchors have no direction: a fixed one gives no NaN.
   const Vec2 axis = distance > 0 ? Vec2{d.x / distance, d.y / distance} : Vec2{1, 0};
   return {line_row(joint, axis, arm_a, arm_b), arm_a, arm_b, distance};
 }
 
-/// What lengthens the span in a substep besides the velocity along it, per h: a step u sideways to sqrt(d^2 + u^2), and
-/// the turning of the arms.
+/// The lengthening of the span in a substep besides the velocity along it, per h: from a sideways step u, sqrt(d^2 +
+/// u^2) - d, and from rotating arms.
 Real lengthening_rate(const Span& span, const JointBodies& pair, Real h) {
   const Vec2 velocity = (pair.b.velocity + cross(pair.b.angular_velocity, span.arm_b)) -
                         (pair.a.velocity + cross(pair.a.angular_velocity, span.arm_a));
   const Real sideways = h * cross(span.row.axis, velocity);
   const Real whole = span.distance + square_root(span.distance * span.distance + sideways * sideways);
   const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
-  return longer + dot(span.row.axis, turning_rate(span.arm_a, span.arm_b, pair, h));
+  return longer + dot(span.row.axis, arm_rotation_rate(span.arm_a, span.arm_b, pair, h));
 }
 
 void describe_distance(JointModel& model, const Joint& joint, const JointCenters&) {

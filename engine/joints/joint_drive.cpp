@@ -1,20 +1,21 @@
-// Joints with a bounded force: motor (drives B to a pose beside A), friction (slows B against A), target (pulls B).
+// Joints with a bounded force: motor (drives B to a pose relative to A), friction (slows B relative to A), target
+// (draws B to a point).
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009; bounds as in Coulomb friction: the sum of impulses of a
 // substep stays within h times the largest force. Rows: joint_rows.h.
 //
 // linear = the point's two rows, angular = the angle (motor, friction).
-// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid
-// rows where there is none.
-// Friction: at B's centre of mass, against the point of A that lies there.
-// Target: anchor_a is the point of the world, A the resting record.
+// Motor: B's origin to `offset` in A's frame, the angle to `angle_offset`; by `spring`, or as stiffly as rigid rows
+// where the scene has none.
+// Friction: at B's centre of mass, against the point of A at the same place.
+// Target: anchor_a is the point of the world, A the dummy body.
 #include "engine/joints/joint_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// The scene's spring, or one as stiff as rigid rows. Springs rest in the relax pass, which would take a bounded pull
-/// back again.
+/// The spring of the scene, or one as stiff as rigid rows. The relax pass leaves springs out; it would take back a
+/// bounded force.
 SpringModel drive_of(const JointModel& model, Real h) {
   if (!model.rigid) return model.spring;
   const double omega = 2 * pi * static_cast<double>(joint_hertz_times_h / h);

@@ -1,4 +1,4 @@
-// Inertia against joints that pull harder than substeps can follow: the sums over joints.
+// Larger inertias against joint forces: the sums over joints.
 // SPDX-License-Identifier: MIT
 // Source: as joint_inertia.h
 #include "engine/joints/joint_inertia.h"

@@ -1,4 +1,4 @@
-// What a scene says about its joints, in the engine's precision.
+// The joints of a scene in the engine's precision.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,7 +12,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Model;
 
-/// A spring as described; exists if it pushes or damps at all.
+/// A spring of the scene. `exists`: it has stiffness or damping.
 struct SpringModel {
   bool exists = false;
   bool absolute = false;  // else relative to the row's effective mass
@@ -23,7 +23,7 @@ struct SpringModel {
 struct JointModel {
   JointKind kind = JointKind::revolute;
   bool is_plain_revolute = false;   // revolute without spring, limits and motor
-  bool is_driven_revolute = false;  // revolute with one of them
+  bool is_driven_revolute = false;  // revolute with a spring, limits or a motor
   std::uint32_t body_a = 0;         // id; no_reference: the world
   std::uint32_t body_b = 0;         // id
   Vec2 anchor_a;                    // from A's centre of mass in its frame, m; target: the point of the world
@@ -49,7 +49,7 @@ struct JointModel {
   Real torque_max = 0;  // N m
 };
 
-/// Centres of mass of a joint's bodies in their frames, m. A, where the joint holds B to the world: its origin.
+/// Centres of mass of a joint's bodies in their frames, m. For A of a joint to the world: its origin.
 struct JointCenters {
   Vec2 a;
   Vec2 b;
@@ -62,23 +62,24 @@ Rotation rotation_of(double angle_rad);
 void describe_axis(JointModel& model, const Joint& joint, const JointCenters& centers);
 void describe_reference(JointModel& model, const Joint& joint, const JointCenters& centers);
 
-/// Two bodies that a joint keeps from touching, first < second.
+/// Two bodies whose collision a joint disables, first < second.
 struct SeparatedPair {
   std::uint32_t first;   // id
   std::uint32_t second;  // id
 };
 
-/// A light body that holds heavier ones together. A pass over its joints moves it back and forth and them hardly: they
-/// need several before anything moves.
+/// A light body that joins heavier ones. Gauss-Seidel converges slowly here: an iteration moves the light body and
+/// barely the heavy ones. Extra iterations compensate.
 struct LightBody {
   std::uint32_t body;        // id
   std::uint32_t iterations;  // over the joints, in place of one
 };
 
-/// Fills model.joints, model.hubs and model.separated from model.scene. Requires: model.bodies.
+/// Fills model.joints, model.light_bodies and model.separated from model.scene. Requires: model.bodies.
 void make_joints(Model& model);
 
-/// Whether a joint of the scene keeps two bodies from touching, as long as both exist: a joint goes with its bodies.
+/// Whether a joint of the scene disables the collision of two bodies that both exist. A joint is removed with its
+/// bodies.
 bool are_separated(const Model& model, std::uint32_t id_a, std::uint32_t id_b);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

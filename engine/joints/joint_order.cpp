@@ -1,4 +1,4 @@
-// Levels of joints, and whether they are worth it.
+// Levels of joints, and whether batches pay.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_order.h"
 
@@ -8,7 +8,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A batch costs about as much as one joint by itself, so that two to a level are already quicker.
+/// A batch costs about as much as one joint of the scalar path, so two joints per level already pay.
 constexpr std::size_t joints_per_level_least = 2;
 
 JointPath path_of(const JointModel& joint) {
@@ -16,7 +16,7 @@ JointPath path_of(const JointModel& joint) {
   return joint.is_driven_revolute ? JointPath::driven_revolute : JointPath::scalar;
 }
 
-/// Sorts the places by level and way, otherwise in the order they are in.
+/// Sorts the places by level and path, and otherwise leaves their order.
 void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
   std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::vector<std::uint32_t>& start = scratch.level_starts;

@@ -1,9 +1,9 @@
-// The order in which joints are solved: that of the scene, or one that gives the same bits and lets eight run at once.
+// The order in which joints are solved: that of the scene, or one that gives the same bits and allows batches of eight.
 // SPDX-License-Identifier: MIT
 //
-// A joint sees of earlier ones only those that moved one of its bodies. So joints get levels, each one above the last
-// joint before it that moves a body of its own: joints of a level share no moving body, and level after level gives the
-// bits of the scene's order. A net has levels of many joints, a chain has as many levels as joints.
+// A joint depends only on earlier joints that move one of its bodies. Its level is one above the last such joint.
+// Joints of a level share no dynamic body, and level after level gives the bits of the scene's order. A net has levels
+// of many joints; a chain has as many levels as joints.
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,27 @@ struct Model;
 struct State;
 struct Scratch;
 
-/// How a joint is solved: by kernels, in batches with others (pins also in a row), or by itself.
+/// How a joint is solved: by kernels in batches (plain revolutes also one after the other), or by the scalar path.
 enum class JointPath : std::uint8_t { revolute, driven_revolute, scalar };
 inline constexpr std::uint32_t joint_path_count = 3;
 
-/// A joint of the group that is being solved.
+/// A joint of the set that is being solved.
 struct JointPlace {
   std::uint32_t row;             // in State::joints
   std::uint32_t joint;           // in Model::joints
   std::uint32_t body_a, body_b;  // rows; no_reference: the world
   std::uint32_t level;
   JointKind kind;
-  JointPath path;           // where joints are in levels; in scene order hinges are solved by themselves
-  Vec2 anchor_a, anchor_b;  // as in JointModel, which is large and elsewhere
+  JointPath path;           // in levels; in scene order driven revolutes take the scalar path
+  Vec2 anchor_a, anchor_b;  // as in JointModel; copied, since that is large
 };
 
-/// Row of a joint's body. Ids are rows as long as no body was removed. Requires: the body exists.
+/// Row of a joint's body. An id is its row as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Fills the places of the plan with the group's joints in the order in which they are to be prepared: by level, in
-/// each level the pins first, then the hinges; or in scene order. `may_use_wavefront`: looks for levels that can be
-/// (wavefront.h). Requires: prepare_bodies, enter_solver_set.
+/// Fills the places of the plan with the joints of the set in the order of preparation: by level and path, or in scene
+/// order. `may_use_wavefront`: tries to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies,
+/// enter_solver_set.
 void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

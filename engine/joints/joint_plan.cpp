@@ -1,4 +1,4 @@
-// From the order of joints to runs and batches.
+// From the order of joints to ranges and batches.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/joint_plan.h"
 
@@ -8,8 +8,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Whether the plan follows from the scene alone: its joints are all there, their bodies in the rows of their ids, and
-/// all are in one group. (Rows ascend by id, so that one row that is its id tells of all before it.)
+/// Whether the plan follows from the scene alone: all its joints exist, each body is in the row of its id, and there is
+/// one set. Rows ascend by id, so one row equal to its id proves all rows before it.
 bool follows_from_scene(const Model& model, const State& state) {
   if (model.finds_islands || state.joints.size() != model.joints.size()) return false;
   const std::uint32_t last = model.last_joined;
@@ -20,13 +20,13 @@ bool has_springs(const JointModel& joint) {
   return joint.spring.exists || joint.linear_spring.exists || traits_of(joint.kind).is_driven;
 }
 
-/// Adds the next place to the last batch, or to a new one where that is full, of another level or not of this run.
+/// Adds the next place to the last batch. A full batch, another level or a new range begins a new batch.
 void add_to_batches(std::vector<JointSpan>& spans, std::uint32_t place, std::uint32_t level, bool begins_run) {
   if (begins_run || spans.back().level != level || spans.back().count == lane_count) spans.push_back({place, 0, level});
   ++spans.back().count;
 }
 
-/// Divides the places into runs, and those of pins and hinges into batches.
+/// Divides the places into ranges, and places of batched paths into batches.
 void make_ranges(const Model& model, JointPlan& plan) {
   plan.ranges.clear();
   plan.revolutes.clear();
@@ -67,7 +67,7 @@ void plan_joints(const Model& model, const State& state, Scratch& scratch) {
   if (is_hit) return;
   plan.is_of_scene = is_of_scene;
   order_joints(model, state, scratch, is_of_scene && allows_wavefront(model));
-  // Joints of one level may be solved side by side.
+  // Several threads or a wavefront sweep need ranges that end with levels.
   plan.by_level = plan.in_levels && (scratch.parallel.runner != nullptr || plan.uses_wavefront);
   make_ranges(model, plan);
 }

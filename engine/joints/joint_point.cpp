@@ -1,4 +1,4 @@
-// Joints that hold two anchors together: revolute (the bodies turn) and weld (they do not).
+// Joints with a point constraint: revolute (the bodies rotate freely) and weld (they do not).
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (point constraint); rows and softness: joint_rows.h.
 //
@@ -45,8 +45,8 @@ void solve_revolute(JointWork& joint, JointBodies& pair, Real h, Bias bias) {
       solve_motor(joint, row, pair, joint.motor_speed, joint.motor_impulse_max, joint.impulses.motor);
     if (model.has_limits) solve_limits(joint, row, pair, angle, h, bias);
   }
-  const Vec2 turning = bias == Bias::on ? turning_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
-  solve_rigid_point(joint, point, pair, softness(joint, bias), turning);
+  const Vec2 arm_rate = bias == Bias::on ? arm_rotation_rate(point.arm_a, point.arm_b, pair, h) : Vec2{0, 0};
+  solve_rigid_point(joint, point, pair, softness(joint, bias), arm_rate);
 }
 
 // ---- Weld ----
@@ -75,8 +75,8 @@ void warm_start_weld(const JointWork& joint, JointBodies& pair) {
   point_row(joint, pair, ActsAt::middle).apply(joint, pair, joint.impulses.linear);
 }
 
-/// K (p, t) = -(rates): the point's rows and the angle's together, the angle eliminated first. What is left of the
-/// point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b turned: written so, long arms cancel no digits.
+/// K (p, t) = -(rates): the rows of the point and of the angle together, the angle eliminated first. The remaining
+/// matrix of the point is m + a b / (a + b) (|d|^2 - d d^T), d = r_a - r_b. In this form long arms cancel no digits.
 void solve_rigid_weld(JointWork& joint, PointRow row, JointBodies& pair, const Softness& soft) {
   const AngleRow angle = angle_row(joint);
   const Vec2 rate = row.velocity(pair) + soft.bias_rate * row.error;

@@ -12,9 +12,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A side that is no longer than this share of the rope at the start of a tick has no direction in it and gets no
-/// impulse: ten times a slop of a 2000th. Of a rope of 10 m that is the 5 cm of Box2D. The answer holds for the tick,
-/// so that the relax pass takes back what the bias gave.
+/// A side that is shorter than this share of the rope at the start of a tick has no direction in the tick and gets no
+/// impulse. The share is ten times a slop of a 2000th; for a rope of 10 m this is the 5 cm of Box2D. The choice is made
+/// once per tick, so that the relax pass removes what the bias added.
 constexpr Real shortest_share = Real(10.0 / 2000);
 
 /// From a ground anchor to a body's anchor.
@@ -42,12 +42,12 @@ RopeSide side_of(const MovingBody& body, Vec2 from_ground, Vec2 anchor, Real inv
   return side;
 }
 
-/// What lengthens a side in a substep besides the velocity along it, per h: as of a rod (joint_distance.cpp).
+/// The lengthening of a side in a substep besides the velocity along it, per h: as of a rod (joint_distance.cpp).
 Real lengthening_rate(const RopeSide& side, const MovingBody& body, Real h) {
   const Real sideways = h * cross(side.axis, body.velocity + cross(body.angular_velocity, side.arm));
   const Real whole = side.length + square_root(side.length * side.length + sideways * sideways);
   const Real longer = whole > 0 ? sideways * sideways / (h * whole) : Real(0);
-  return longer + dot(side.axis, turning_rate({0, 0}, side.arm, {body, body}, h));
+  return longer + dot(side.axis, arm_rotation_rate({0, 0}, side.arm, {body, body}, h));
 }
 
 struct PulleyRow {

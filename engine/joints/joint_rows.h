@@ -1,4 +1,4 @@
-// The rows that joints are made of: along a line, about the angle, at a point; rigid, limited, driven and sprung.
+// The rows of joints: along a line, about the angle, at a point; rigid, limited, driven and sprung.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (accumulated impulses, clamping); Catto,
 // "Soft Constraints", GDC 2011; Catto, "Solver2D", 2024 (relax).
@@ -16,7 +16,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline constexpr Real joint_hertz_times_h = Real(0.25);
 inline constexpr Real joint_damping_ratio = 5;
 
-/// The two bodies of a joint while it is worked on.
+/// The two bodies of a joint while it is solved.
 struct JointBodies {
   MovingBody a;
   MovingBody b;
@@ -107,7 +107,7 @@ void solve_rigid(JointWork& joint, const Row& row, JointBodies& pair, Real error
   row.apply(joint, pair, change);
 }
 
-/// One-sided: `slack` >= 0 may be used up within the substep, < 0 is pushed out. sign 1: pushes up from a lower limit.
+/// One-sided. `slack` >= 0 may be used up within the substep; `slack` < 0 is corrected. sign 1: a lower limit.
 template <typename Row>
 void solve_limit(JointWork& joint, const Row& row, JointBodies& pair, Real slack, Real sign, Real h, Bias bias,
                  Real& impulse) {
@@ -148,7 +148,7 @@ void solve_spring(JointWork& joint, const Row& row, JointBodies& pair, const Spr
   impulse = total;
 }
 
-/// The sum of what acts along one row, once.
+/// Applies the accumulated impulses of one row.
 template <typename Row>
 void warm_start_row(const JointWork& joint, const Row& row, JointBodies& pair) {
   row.apply(joint, pair,
@@ -162,8 +162,8 @@ inline constexpr Real no_impulse_limit = sizeof(Real) == 4 ? Real(0x1p127) : Rea
 
 // ---- At a point ----
 
-/// Two rows, x and y. Impulses act on both bodies at one and the same place: that conserves angular momentum even while
-/// the anchors are apart, by up to twice the longer arm (middle_share).
+/// Two rows, x and y. The impulses on both bodies act at the same point. This conserves angular momentum even while the
+/// anchors are apart by up to twice the longer arm (middle_share).
 struct PointRow {
   Vec2 arm_a;  // from A's centre of mass, m
   Vec2 arm_b;
@@ -189,8 +189,8 @@ struct PointRow {
   }
 };
 
-/// How much of `error` each arm is lengthened by to meet the other in the middle: half of it. Beyond the longer arm of
-/// a body that turns they shrink back to where they were: a wide gap is no lever. Arms of nothing meet in the middle.
+/// The share of `error` by which each arm is lengthened so that both end at the same point: half, while the gap is
+/// small. For a gap beyond the longer arm of a rotating body the share falls, so that a wide gap is no lever.
 inline Real middle_share(const JointWork& joint, const PointRow& row) {
   const Real arm2_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
   const Real arm2_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
@@ -233,9 +233,9 @@ inline bool moves_something(const JointWork& joint) {
   return joint.inv_mass_a + joint.inv_mass_b > 0;
 }
 
-/// What the turning of the arms adds to d = error in a substep, per h: an arm r that turns by x = w h ends
-/// r (1 - cos x) short of where its tangent leads. 1 - cos x as x^2 / (2 + x^2 / 2): off by x^4 / 12, never above 2.
-inline Vec2 turning_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h) {
+/// The contribution of rotating arms to d = error in a substep, per h. An arm r that rotates by x = w h ends r (1 - cos
+/// x) short of its tangent. 1 - cos x is taken as x^2 / (2 + x^2 / 2): off by x^4 / 12, never above 2.
+inline Vec2 arm_rotation_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h) {
   const auto versine = [h](Real spin) {
     const Real x2 = (h * spin) * (h * spin);
     return x2 / (2 + Real(0.5) * x2);
@@ -243,7 +243,7 @@ inline Vec2 turning_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h
   return (1 / h) * (versine(pair.a.angular_velocity) * arm_a - versine(pair.b.angular_velocity) * arm_b);
 }
 
-/// `drift_rate`: what moves the error in this substep besides the velocity, m/s.
+/// `drift_rate`: change of the error in this substep besides the velocity, m/s.
 inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies& pair, const Softness& soft,
                               Vec2 drift_rate = {0, 0}) {
   if (!moves_something(joint)) return;
@@ -253,11 +253,11 @@ inline void solve_rigid_point(JointWork& joint, const PointRow& row, JointBodies
   row.apply(joint, pair, change);
 }
 
-/// The angle of two bodies that are pinned at a point: an angular impulse draws the pin's reaction with it, so that the
-/// pin stays at rest and the angle's row is solved as if the pin were not there.
+/// The angle of two bodies that a point constraint joins. An angular impulse includes the reaction of the point
+/// constraint, so that the point stays at rest and the row of the angle is solved as if alone.
 struct ConstrainedAngleRow {
   Real mobility;
-  Vec2 reaction;  // of the pin, per angular impulse, 1/m
+  Vec2 reaction;  // of the point constraint, per angular impulse, 1/m
   PointRow point;
 
   Real speed(const JointBodies& pair) const { return pair.b.angular_velocity - pair.a.angular_velocity; }
@@ -269,7 +269,7 @@ struct ConstrainedAngleRow {
   }
 };
 
-/// What a unit of angular impulse does to the point.
+/// The velocity of the point per unit of angular impulse.
 inline Vec2 angle_coupling(const JointWork& joint, const PointRow& row) {
   return {-(joint.inv_inertia_a * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y),
           joint.inv_inertia_a * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x};
@@ -290,7 +290,7 @@ inline ConstrainedAngleRow constrained_angle_row(const JointWork& joint, const P
   return {above / below, -point.solved(angle_coupling(joint, point)), point};
 }
 
-/// The principal axes of a point's mobility: along each, the point moves as if it were alone.
+/// The principal axes of a point's mobility: an impulse along one of them moves the point along it alone.
 struct PrincipalAxes {
   Vec2 axis[2];  // unit, right angles; the more mobile one first
   Real mobility[2];

@@ -1,4 +1,5 @@
-// Joints with an axis fixed in body A along which B's anchor slides: prismatic (B does not turn), wheel (B turns).
+// Joints with an axis fixed in body A along which B's anchor slides: prismatic (B keeps its angle), wheel (B rotates
+// freely).
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009 (line and prismatic constraints); rows: joint_rows.h.
 //
@@ -44,8 +45,8 @@ void solve_spring_along(JointWork& joint, const Row& along, JointBodies& pair, R
 
 // ---- Prismatic ----
 
-/// The axis of bodies that do not turn against each other: an impulse along it draws the reactions of the two rigid
-/// rows with it, so that those stay at rest and the axis is solved as if they were not there.
+/// The axis of bodies that do not rotate against each other. An impulse along the axis includes the reactions of the
+/// two rigid rows, so that these stay at rest and the axis is solved as if alone.
 struct ConstrainedLineRow {
   Real mobility;
   Real across;  // reactions per impulse
@@ -68,8 +69,8 @@ Real coupling(const JointWork& joint, const LineRow& row) {
 }
 
 /// With m the summed inverse mass, a, b the inverse inertias, r from A's to B's centre of mass, s its part along the
-/// axis: the energy of a slide and a common turn gives m (a b r^2 + m (a + b)) / (a b s^2 + m (a + b)), all terms
-/// positive. Requires: m > 0.
+/// axis: the energy of a translation along the axis and a common rotation gives m (a b r^2 + m (a + b)) / (a b s^2 + m
+/// (a + b)), all terms positive. Requires: m > 0.
 ConstrainedLineRow constrained_line_row(const JointWork& joint, const Slide& slide) {
   const Real m = joint.inv_mass_a + joint.inv_mass_b;
   const Real a = joint.inv_inertia_a;

@@ -3,21 +3,22 @@
 // Source: derived here, from the exact solution of x'' + 2 a x' + w^2 x = f (any text on linear oscillators) and the
 // secant series (Abramowitz and Stegun, 4.3.69).
 //
-// A substep of semi-implicit Euler is v' = v + (change), x' = x + h v'. Let the spring choose its impulse so that
+// A substep of semi-implicit Euler is v' = v + (change), x' = x + h v'. The spring chooses its impulse so that
 //   v' = D v - (A / h) (x - f / w^2),
-// f the acceleration that everything else gives, (x, h v) relative to the anchors. The map (x, h v) -> (x', h v') has
-// determinant D and trace 1 + D - A. The exact flow over h has determinant e^(-2 a h) and trace 2 e^(-a h) cos(y),
-// y = h sqrt(w^2 - a^2). Hence, with s = e^(-a h),
+// with f the acceleration by everything else and (x, h v) relative to the anchors. The map (x, h v) -> (x', h v') has
+// determinant D and trace 1 + D - A. The exact flow over h has determinant e^(-2 a h) and trace 2 e^(-a h) cos(y), y =
+// h sqrt(w^2 - a^2). Hence, with s = e^(-a h),
 //   D = s^2,   A = (1 - s)^2 + 2 s (1 - cos(y))                               a < w
 //   D = e^(-h p) e^(-h q),   A = (1 - e^(-h p)) (1 - e^(-h q))                 a >= w; p, q = a +- sqrt(a^2 - w^2)
-// The second has eigenvalues in 0..1: whatever is damped at least critically comes to rest without turning back.
-// cos(y) repeats for y > pi: a spring too stiff for the substep would pass for a soft one. So cos(y) is taken as
+// The second map has eigenvalues in 0..1: at least critical damping brings the spring to rest without overshoot. cos(y)
+// repeats for y > pi, so that a spring too stiff for the substep would act like a soft one. cos(y) is therefore taken
+// as
 //   1 / (1 + y^2 / 2 + 5 y^4 / 24),
-// the series of the secant: off by 61 y^6 / 720, and in 0..1 for every y: no spring swings faster than a quarter
-// turn per substep. Without damping D = 1 and 0 < A < 2: the map keeps areas and is a turn, so the amplitude is kept
-// for ever. Velocities belong half a substep before the positions (as everywhere in this scheme), so a swing from rest
-// at x0 has the amplitude x0 / cos(y / 2), at most sqrt(2) x0. x = f / w^2, v = 0 is a fixed point: the sag under a
-// load is exact.
+// the series of the secant: off by 61 y^6 / 720, and in 0..1 for every y. No spring swings faster than a quarter period
+// per substep. Without damping D = 1 and 0 < A < 2: the map preserves areas and is a rotation, so the amplitude is
+// constant. Velocities belong half a substep before the positions (as everywhere in this scheme). A swing from rest at
+// x0 therefore has the amplitude x0 / cos(y / 2), at most sqrt(2) x0. x = f / w^2, v = 0 is a fixed point: the
+// deflection under a load is exact.
 #pragma once
 
 #include "engine/math/real.h"
@@ -25,7 +26,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// impulse = -mass (loss v + pull x + give (u - v)): v the velocity before the substep, u with all impulses but this.
+/// impulse = -mass (velocity_gain v + position_gain x + change_gain (u - v)), with v the velocity before the substep
+/// and u the velocity with all other impulses.
 struct SpringStep {
   Real velocity_gain = 0;  // 1 - D
   Real position_gain = 0;  // A / h, 1/s

@@ -1,4 +1,4 @@
-// Target joint: 2 x 2 soft point constraint with a bounded force.
+// The mouse joint: a 2 x 2 soft point constraint with a bounded force.
 // SPDX-License-Identifier: MIT
 // Source: Catto, "Soft Constraints", GDC 2011. C = p + r - target, effective mass = (J M^-1 J^T)^-1.
 #include "engine/joints/mouse_joint.h"

@@ -1,4 +1,4 @@
-// The target joint by which a pointer pulls a body: a soft constraint between a point of the body and the pointer.
+// The mouse joint: a soft constraint between a point of a body and the pointer that has pressed it.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,7 +14,7 @@ struct State;
 struct Scratch;
 struct SolverSet;
 
-/// A PointerRow made ready for one tick.
+/// A PointerRow prepared for one tick.
 struct MouseJoint {
   std::uint32_t pointer;  // row
   std::uint32_t body;     // row
@@ -27,7 +27,7 @@ struct MouseJoint {
   Vec2 impulse;      // N s, accumulated
 };
 
-/// Fills scratch.mouse_joints from the pointers that pull bodies of a group.
+/// Fills scratch.mouse_joints from the pointers that hold bodies of a set.
 void prepare_mouse_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
 void warm_start_mouse_joints(Scratch& scratch);
 void solve_mouse_joints(Scratch& scratch);

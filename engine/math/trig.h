@@ -13,9 +13,9 @@ struct SinCos {
 /// less exactly, non-finite ones give NaN.
 SinCos sin_cos(double angle);
 
-/// The same, for the pose of a body: a component below the rounding of the angle is zero, so that what is turned by a
-/// quarter (which no double says exactly) stands exactly upright. A rest of 6e-17 would make subnormal numbers in the
-/// solver, which some processors compute seven times as slowly.
+/// The same, for the pose of a body: a component below the rounding of the angle is zero. A body rotated by a quarter
+/// turn (which no double represents exactly) then stands exactly upright. A remainder of 6e-17 would make subnormal
+/// numbers in the solver, which some processors compute seven times as slowly.
 SinCos pose_sin_cos(double angle);
 
 /// Angle of (x, y) in rad, -pi..pi; 0 for (0, 0). Error at most 4 ulp.

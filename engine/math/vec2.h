@@ -52,7 +52,7 @@ inline Real larger(Real a, Real b) {
 inline Real absolute(Real a) {
   return a < 0 ? -a : a;
 }
-/// The same but for -0, of which it is 0, and without a branch: for signs that are anybody's guess.
+/// As `absolute`, except for -0, of which it is 0. It has no branch, for signs that are hard to predict.
 inline Real magnitude(Real a) {
   return larger(a, -a);
 }
@@ -103,7 +103,8 @@ inline Rotation rotation_by(Real angle) {
   angle = angle > limit ? limit : (angle < -limit ? -limit : angle);
   const Real quarters = angle * Real(0.63661977236758134308);  // 2 / pi
   const Real quarter_turns = (quarters + round) - round;
-  // pi / 2 in two parts, the first with few enough digits that turn * part is exact for |turn| < 2^11.
+  // pi / 2 in two parts, the first with few enough digits that quarter_turns * part is exact for less than 2^11 of
+  // them.
   constexpr Real part_1 = sizeof(Real) == 4 ? Real(1.5703125) : Real(0x1.921fb54p0);
   constexpr Real part_2 = sizeof(Real) == 4 ? Real(4.83826794896619e-4) : Real(0x1.10b4611a62633p-30);
   const Real x = (angle - quarter_turns * part_1) - quarter_turns * part_2;

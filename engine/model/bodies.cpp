@@ -1,4 +1,4 @@
-// Hot body records in and out.
+// Filling and storing of hot body records.
 // SPDX-License-Identifier: MIT
 #include "engine/model/bodies.h"
 
@@ -18,7 +18,7 @@ std::size_t chunk_of_bodies(const Scratch& scratch, std::size_t count) {
 void prepare_bodies(const Model& model, const State& state, Scratch& scratch) {
   scratch.kernels = &model.kernels;
   const std::size_t count = state.bodies.size();
-  // Loops of the solver are as long as there are bodies, contacts or joints.
+  // The longest loop of the solver decides the number of sinks.
   const std::size_t longest = std::max({count, scratch.contact_pairs.size(), state.joints.size()});
   scratch.masses.resize(count);
   scratch.bodies.resize(dummy_sink(scratch, scratch.parallel.chunk_count_max(longest)));

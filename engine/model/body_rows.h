@@ -10,7 +10,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The hot record of a body: one cache line holds two in f32. Solvers gather it, eight at a time.
+/// The hot record of a body: one cache line holds two in f32. Kernels gather eight at a time.
 struct alignas(8 * sizeof(Real)) MovingBody {
   Vec2 velocity;                                  // m/s
   Real angular_velocity;                          // rad/s
@@ -19,18 +19,18 @@ struct alignas(8 * sizeof(Real)) MovingBody {
 };
 static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
 
-/// What constraints need of a body beside its hot record.
+/// The mass of a body in constraints, and its records.
 struct alignas(4 * sizeof(Real)) BodyMass {
   Real inv_mass;        // 1/kg
   Real inv_inertia;     // 1/(kg m^2)
-  std::uint32_t read;   // in Scratch::bodies; of static bodies the resting record
-  std::uint32_t write;  // of bodies that impulses do not move the record nobody reads
+  std::uint32_t read;   // in Scratch::bodies; the dummy body for static bodies
+  std::uint32_t write;  // a sink for non-dynamic bodies
 };
 
-/// Whether bodies have moved since the last pass over the same joints or contacts.
+/// Whether poses have changed since the last pass over the same joints or contacts.
 enum class Poses : std::uint8_t { moved, unmoved };
 
-/// A bit to flip in a hot record after a substep.
+/// A bit that a test flips in a hot record after a substep.
 enum class BodyField : std::uint8_t { position, rotation, velocity, angular_velocity };
 struct InjectedFault {
   std::size_t row = 0;

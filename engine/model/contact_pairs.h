@@ -1,4 +1,4 @@
-// Where pairs touch.
+// Manifolds and contacts.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -22,7 +22,7 @@ struct Manifold {
   ManifoldPoint points[2];
 };
 
-/// A pair that touches, or will soon. Parallel to State::contacts where the pipeline has that table.
+/// A contact: a pair that touches or will touch soon. Parallel to State::contacts where the pipeline has that table.
 struct ContactPair {
   std::uint32_t body_a;  // row
   std::uint32_t body_b;
@@ -30,7 +30,7 @@ struct ContactPair {
   std::uint32_t proxy_a;  // in TickLists::proxies; pairs ascend by both
   std::uint32_t proxy_b;
   Real friction;
-  Real radius_a;  // of round shapes, m: what turns with the body is the middle, not the surface
+  Real radius_a;  // m, of round shapes: pivots are at the core, not at the surface
   Real radius_b;
   Real size;  // of the smaller shape, m
   Real restitution;

@@ -1,4 +1,4 @@
-// Turns a scene into the constants of a run.
+// Makes the constants of a run from a scene.
 // SPDX-License-Identifier: MIT
 #include "engine/model/model.h"
 
@@ -59,7 +59,7 @@ double distance(Point a, Point b) {
   return __builtin_sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
 }
 
-/// Vertices, normals and reach of a hull of two or more vertices around `middle`.
+/// Adds the vertices and normals of a hull of two or more vertices around `middle`, and its sizes.
 void add_hull(Model& model, ShapeModel& out, const std::vector<Point>& hull, Point middle, Point body_center) {
   out.center = from(body_center, middle);
   out.first_vertex = static_cast<std::uint32_t>(model.vertices.size());
@@ -147,7 +147,7 @@ void add_shape(Model& model, const Shape& shape, Point body_center) {
   model.shapes.push_back(out);
 }
 
-/// Shapes that were already made, so that equal ones are shared. Looked up by a hash of the description.
+/// The shapes made so far, so that equal ones are shared. Found by a hash of the description.
 struct KnownShape {
   Shape shape;
   Point center;

@@ -1,4 +1,4 @@
-// Model: what a scene says, in the engine's precision, constant for the whole run.
+// Model: a scene in the engine's precision, constant for the whole run.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Model;
 
-/// What the narrow phase tells apart.
+/// Shapes as the narrow phase distinguishes them.
 enum class ShapeFamily : std::uint8_t {
   circle,
   polygon,     // a hull with sharp corners; boxes too
@@ -24,7 +24,7 @@ enum class ShapeFamily : std::uint8_t {
 };
 inline constexpr std::size_t shape_family_count = 4;
 
-/// The corners of a shape and the normals of the edges that begin there, axis by axis, for four at a time.
+/// A quadrilateral: its corners and the normals of the edges that begin there, in lanes of four.
 struct Quad {
   Real x[4], y[4];  // m
   Real normal_x[4], normal_y[4];
@@ -45,7 +45,7 @@ struct ShapeModel {
   Real tangent_speed = 0;       // m/s
   Real rolling_resistance = 0;  // m: coefficient times radius
   Filter filter;
-  std::uint32_t material = 0;    // which of the model's different frictions and restitutions
+  std::uint32_t material = 0;    // index of its friction and restitution
   std::uint32_t quad = no_quad;  // in Model::quads, of a polygon with four corners
   bool is_sensor = false;
   bool has_before = false;  // chain edge: another one ends where it begins
@@ -57,27 +57,27 @@ struct ShapeModel {
 inline bool is_line(const ShapeModel& shape) {
   return shape.size == 0;
 }
-/// Lengths that do not matter are relative to this size of a pair: that of the smaller one; lines do not count.
+/// The size of a pair, to which tolerances are relative: that of the smaller shape. Lines do not count.
 inline Real pair_size(const ShapeModel& a, const ShapeModel& b) {
   if (a.size == 0) return b.size;
   if (b.size == 0) return a.size;
   return smaller(a.size, b.size);
 }
 
-/// What all bodies made from one description share.
+/// The constants of all bodies of one description.
 struct BodyModel {
   BodyType type = BodyType::dynamic_body;
   Real mass = 0;                 // kg; 0 unless dynamic
   Real inv_mass = 0;             // 1/kg; 0 unless dynamic
   Real inertia = 0;              // kg m^2; 0 unless dynamic and free to rotate
   Real inv_inertia = 0;          // 1/(kg m^2)
-  Real impulse_inv_inertia = 0;  // what the thesis' formulas give; used by the `impulse` solver alone
+  Real impulse_inv_inertia = 0;  // by the thesis' formulas; used by the `impulse` solver alone
   Vec2 center;                   // of mass, from the body's origin in its frame, m
   Real linear_damping = 0;       // 1/s, with linear drags
   Real angular_damping = 0;      // 1/s, with linear drags
   Real gravity_scale = 1;
   Real size = 0;    // of the smallest shape, m
-  Real extent = 0;  // of the farthest point from the centre of mass, m
+  Real extent = 0;  // distance of the farthest point from the centre of mass, m
   bool can_sleep = true;
   bool is_bullet = false;
   std::uint32_t first_shape = 0;  // in Model::body_shapes
@@ -104,7 +104,7 @@ struct SpringForce {
   Real rest_length = 0;     // m
 };
 
-/// What the force elements of a scene add to a body, per source.
+/// The constant contribution of force elements to a body, per source.
 struct BodyForces {
   Vec2 acceleration;                // m/s^2: constant forces, and linear drag in the wind
   Real angular_acceleration = 0;    // rad/s^2
@@ -128,7 +128,7 @@ struct Model {
   std::vector<BodyModel> bodies;               // [source]: the scene's bodies, then its prototypes
   std::uint32_t first_prototype = 0;           // source index of prototype 0
   std::vector<std::uint32_t> body_shapes;      // [body's first_shape + child]: index in `shapes`
-  std::vector<std::uint8_t> is_non_colliding;  // [body's first_shape + child]: it can meet no other shape of the scene
+  std::vector<std::uint8_t> is_non_colliding;  // [body's first_shape + child]: no other shape of the scene can touch it
   std::vector<ShapeModel> shapes;
   std::vector<Vec2> vertices;  // counter-clockwise, from the body's centre of mass, m
   std::vector<Vec2> normals;   // [vertex]: outward normal of the edge to the next vertex
@@ -140,10 +140,10 @@ struct Model {
   std::vector<JointModel> joints;  // [joint of the scene]
   std::vector<LightBody> light_bodies;
   std::vector<SeparatedPair> separated;  // ascending; may hold a pair twice
-  std::uint32_t separated_span = 0;      // the largest difference of the ids of one: most pairs are not looked for
+  std::uint32_t separated_span = 0;      // the largest difference of two ids of a pair, for a quick rejection
   std::uint32_t last_joined = 0;         // the largest id of a body that has joints
 
-  std::vector<std::uint32_t> pointer_spawns;  // prototypes that presses on empty space spawn, in turn
+  std::vector<std::uint32_t> pointer_spawns;  // prototypes spawned by presses on empty space, in turn
 
   std::vector<BodyForces> body_forces;  // [source]; empty where the scene has no force elements
   std::vector<CentralForce> centrals;
@@ -157,14 +157,14 @@ struct Model {
   bool takes_inputs = false;
   bool has_pointer = false;
   bool has_bounds = false;
-  bool finds_islands = false;  // some may sleep, or get substeps of their own
+  bool finds_islands = false;  // bodies may sleep, or islands choose their substeps
   bool bounces = false;        // some pair of materials may have restitution > 0
-  bool has_surfaces = false;   // some material drives what touches it, or resists rolling
+  bool has_surfaces = false;   // some material has tangent speed or rolling resistance
   bool has_sensors = false;
   std::uint32_t child_count_max = 0;  // of a body
-  bool is_composed = true;            // what a scene does not need is left out; false: EngineOptions::full_pipeline
-  unsigned contact_features = 0;      // bits of contact_feature
-  SolverKernels kernels{};            // for these features and an instruction set; they change no bit
+  bool is_composed = true;  // stages that the scene does not need are left out; false: EngineOptions::full_pipeline
+  unsigned contact_features = 0;  // bits of contact_feature
+  SolverKernels kernels{};        // for these features and an instruction set; they change no bit
   Box bounds;
 
   const ShapeModel& shape(const BodyModel& body, std::uint32_t child) const {

@@ -1,4 +1,4 @@
-// How far bodies may get in a tick, and how far ahead they are looked for.
+// Bounds of the motion of bodies in a tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What all bodies of a tick have in common in this. `farthest`: the longest reach, where the scene locates impacts:
-/// what is hit may go on as far. Else 0.
+/// The values that all bodies of a tick share. `farthest`: the largest motion bound of a body, where the scene locates
+/// impacts, since a body that is hit may move as far. Else 0.
 struct MotionBounds {
   Real dt;       // s
   Real gravity;  // m/s^2
@@ -16,40 +16,39 @@ struct MotionBounds {
   Real farthest;  // m
 };
 
-/// How far any point of a body may get in a tick, m.
+/// The motion bound of a body: no point of it moves farther in a tick, m.
 inline Real motion_bound_in(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
   if (constants.type == BodyType::static_body) return 0;
-  const Real gravity_displacement = constants.type == BodyType::dynamic_body
-                                        ? absolute(constants.gravity_scale) * bounds.gravity * bounds.dt
-                                        : Real(0);
-  return bounds.dt *
-         ((length(body.velocity) + gravity_displacement) + magnitude(body.angular_velocity) * constants.extent);
+  const Real gravity_speed = constants.type == BodyType::dynamic_body
+                                 ? absolute(constants.gravity_scale) * bounds.gravity * bounds.dt
+                                 : Real(0);
+  return bounds.dt * ((length(body.velocity) + gravity_speed) + magnitude(body.angular_velocity) * constants.extent);
 }
 
-/// Whether a body moves so far in a tick that it might pass through something.
+/// Whether a body may pass through another in a tick.
 inline bool is_fast(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
-  constexpr Real fast_share = Real(0.25);  // of its smallest shape's size: slower ones meet their contacts
+  constexpr Real fast_share = Real(0.25);  // of its smallest shape's size: slower bodies have contacts in time
   return motion_bound_in(bounds, constants, body) > fast_share * constants.size;
 }
 
-/// How far ahead a body is looked for in a tick, m: 0 unless it is fast or impacts are located. Broad phases find every
-/// pair that is nearer than the sum of its two.
+/// The swept displacement of a body in a tick, m, by which its boxes are enlarged: 0 unless it is fast, impacts are
+/// located or contacts are speculative. Broad phases find each pair closer than the sum of its two.
 inline Real swept_displacement_of(const MotionBounds& bounds, const BodyModel& constants, const BodyRow& body) {
   if (constants.type == BodyType::static_body) return 0;
   if (bounds.locates_impacts) return bounds.farthest;
   const Real bound = motion_bound_in(bounds, constants, body);
-  if (bounds.speculates) return bound;  // contacts are foreseen
+  if (bounds.speculates) return bound;  // contacts are speculative
   return bounds.has_ccd && is_fast(bounds, constants, body) ? bound : Real(0);
 }
 
-/// Proxy::ahead of a body's shapes, whose boxes hold `swept`. Impacts of two moving bodies are looked for only where
-/// the scene locates all impacts, contacts are foreseen, or one of them is a bullet; else their near surroundings will
-/// do.
+/// Proxy::ccd_margin of a body's shapes, whose boxes include `swept`. Impacts of two dynamic bodies are only located if
+/// the scene locates all impacts, contacts are speculative, or one body is a bullet. For other pairs of dynamic bodies
+/// the boxes without the CCD margin are enough.
 inline Real ccd_margin_of(const MotionBounds& bounds, const BodyModel& constants, Real swept) {
   if (bounds.locates_impacts || bounds.speculates || constants.type != BodyType::dynamic_body || constants.is_bullet)
     return -1;
-  if (!(swept < Real(1e30))) return -1;  // nor where the box has no end
-  return (1 - 16 * epsilon) * swept;     // a little less: what is taken off must not take more than was put on
+  if (!(swept < Real(1e30))) return -1;  // nor for an unbounded box
+  return (1 - 16 * epsilon) * swept;     // rounding must not make the margin larger than the enlargement
 }
 
 MotionBounds motion_bounds_of_tick(const Model& model, const State& state, Real dt);

@@ -1,4 +1,4 @@
-// Poisoning of scratch memory, so that what one tick leaves behind cannot pass for what the next one should compute.
+// Poisoning of scratch memory, so that a tick cannot use results of the tick before, and forgetting of caches.
 // SPDX-License-Identifier: MIT
 #include "engine/model/scratch.h"
 

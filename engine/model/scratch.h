@@ -67,25 +67,25 @@ struct Scratch : TickLists {
   std::vector<Twist> newton[5];   // [record] diagonal, solution, residual, direction, product
   std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
-  std::vector<ContactBatches> block_batches;  // [chunk] those of the block that is being solved
+  std::vector<ContactBatches> block_batches;  // [chunk] of the block that is being solved
   std::vector<MouseJoint> mouse_joints;
-  std::vector<JointWork> joints;  // those of the group that are solved by themselves
+  std::vector<JointWork> joints;  // of the scalar path
   RevoluteBatches revolutes;
   DrivenRevoluteBatches driven_revolutes;
-  bool uses_wavefront = false;  // the passes over the group's joints are
+  bool uses_wavefront = false;  // joints are solved by a wavefront sweep
   std::vector<JointPlace> sorted_places;
   std::vector<BodyJoints> body_joints;      // [body]
   std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
   std::vector<JointTorques> joint_torques;  // [place of the plan]
-  std::vector<Real> body_torques;           // [body] the most that its joints' forces turn it with, N m
-  std::vector<std::uint32_t> level_starts;  // [level and way] in the plan's places
+  std::vector<Real> body_torques;           // [body] sum of the torques of its joints, N m
+  std::vector<std::uint32_t> level_starts;  // [level and path] in the plan's places
 };
 
 /// The solver's caches.
 void list_caches(Scratch& scratch, std::vector<TickCache*>& caches);
 
-/// Fills everything that a tick must not read before writing it with bytes that make wrong results loud (NaN, huge
-/// indices). Builds with TICKTRUE_POISON call it before each tick.
+/// Fills everything that a tick must write before reading with bytes that make errors visible (NaN, huge indices).
+/// Builds with TICKTRUE_POISON call it before each tick.
 void poison(Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

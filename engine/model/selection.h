@@ -10,8 +10,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Moves the parts that chunks have written, each where its part of the range begins, together; returns their length.
-/// `begin_of(chunk)`: where that is. `counts`: [chunk].
+/// Moves the parts of a list that chunks have written together and returns the length. `begin_of(chunk)`: where a part
+/// begins. `counts`: [chunk].
 template <typename Row, typename Begin>
 std::size_t put_together(Row* rows, const std::vector<std::uint32_t>& counts, Begin begin_of) {
   std::size_t total = counts.empty() ? 0 : counts[0];

@@ -26,8 +26,8 @@ struct BodyRow {
   Real angular_velocity;  // rad/s
 };
 
-/// A contact of two children (convex shapes of bodies), kept for warm starting. Exists exactly if the narrow phase
-/// found a point within the speculative margin; rows ascend by (body_a, child_a, body_b, child_b).
+/// A contact of two children (convex shapes of bodies), with its forces for warm starting. It exists exactly if the
+/// narrow phase found a point within the speculative margin. Rows ascend by (body_a, child_a, body_b, child_b).
 struct ContactRow {
   std::uint32_t body_a;   // id, the smaller one
   std::uint32_t child_a;  // index of the shape in its body
@@ -50,18 +50,18 @@ struct TouchRow {
 enum class EventKind : std::uint32_t { contact_begin, contact_end, sensor_begin, sensor_end };
 inline constexpr std::uint32_t event_kind_count = 4;
 
-/// What began or ended in this tick. Rows ascend by (kind, touch); the bodies may be gone.
+/// A contact or overlap that began or ended in this tick. Rows ascend by (kind, touch); the bodies may be gone.
 struct EventRow {
   std::uint32_t kind;  // EventKind
   TouchRow touch;
 };
 
-/// A pointer that holds a body.
+/// A pointer with a body: the state of a mouse joint.
 struct PointerRow {
   std::uint32_t player;
   std::uint32_t body;  // id
-  Vec2 anchor;         // where it holds, in the body's frame, from its centre of mass, m
-  Vec2 target;         // where it pulls to, world, m
+  Vec2 anchor;         // the held point, in the body's frame, from its centre of mass, m
+  Vec2 target;         // the pointer, world, m
   Vec2 force;          // N, of the last substep, for warm starting
 };
 
@@ -73,15 +73,15 @@ struct JointRow {
   std::uint32_t body_b;  // id
   Real motor_speed;      // m/s or rad/s, of B relative to A
   Real motor_force_max;  // N or N m
-  Vec2 linear_force;  // N, mean over the last substep, as the others; which ones a kind uses: constraints/joint_*.cpp
-  Real torque;        // N m
-  Real spring_force;  // N or N m
+  Vec2 linear_force;     // N, mean over the last substep, as the others; joints/joint_*.cpp say which ones a kind uses
+  Real torque;           // N m
+  Real spring_force;     // N or N m
   Real lower_force;
   Real upper_force;
   Real motor_force;
 };
 
-/// How long a body has been calm. Parallel to the bodies.
+/// The idle time of a body. Parallel to the bodies.
 struct SleepRow {
   std::uint32_t body;    // id
   std::uint32_t asleep;  // 1: its island sleeps
@@ -92,7 +92,7 @@ struct SleepRow {
 struct SubstepRow {
   std::uint32_t body;        // id
   std::uint32_t count;       // substeps per tick
-  std::uint32_t idle_ticks;  // that fewer would have done for
+  std::uint32_t idle_ticks;  // for which fewer would have been enough
 };
 
 /// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.
@@ -101,7 +101,7 @@ struct AccelerationRow {
   Real angular;  // rad/s^2
 };
 
-/// How implicit integrators fared.
+/// Statistics of implicit integrators.
 struct IntegratorRow {
   std::uint32_t unconverged;  // substeps whose equations were not solved to the tolerance
 };
@@ -148,7 +148,7 @@ struct State {
   /// Index of the body's row, or bodies.size().
   std::size_t find_body(std::uint32_t id) const;
 
-  /// Lets the body's island move again.
+  /// Wakes the body's island.
   void wake(std::size_t row) {
     if (!sleep.empty()) sleep[row].calm = 0;
   }

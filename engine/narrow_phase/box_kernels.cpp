@@ -1,7 +1,7 @@
-// Contacts of two shapes with four sharp corners, several pairs side by side.
+// Contacts of two quadrilaterals, several pairs side by side.
 // SPDX-License-Identifier: MIT
-// Source: as collide_polygons.cpp; each lane does what collide() does there for such a pair, in the same order, with
-// selections in the place of branches.
+// Source: as collide_polygons.cpp. Each lane does the operations of collide_polygons for such a pair in the same order,
+// with selections instead of branches.
 #include "engine/contacts/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
@@ -9,15 +9,15 @@ namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
 constexpr int quad_length = 16;
-// A row of State::bodies: two ids, position, rotation, velocity, angular velocity.
+// The length of a row of State::bodies in Reals: two ids, position, rotation, velocity, angular velocity.
 constexpr int pose_length = 7 + 8 / static_cast<int>(sizeof(Real));
 
-/// Corners and the normals of the edges that begin there.
+/// Corners, and the normals of the edges that begin there.
 struct Outline {
   Columns4xN x, y, normal_x, normal_y;
 };
 
-/// `is_same`: all of one shape.
+/// `is_same`: all pairs have the same shape.
 TICKTRUE_INLINE Outline load_outline(const Real* quads, const std::uint32_t* index, bool is_same) {
   if (is_same) {
     const Real* one = quads + static_cast<std::size_t>(index[0]) * quad_length;
@@ -30,7 +30,7 @@ TICKTRUE_INLINE Outline load_outline(const Real* quads, const std::uint32_t* ind
           gather4<quad_length>(quads + 8, index), gather4<quad_length>(quads + 12, index)};
 }
 
-/// An edge: its normal, where it begins and ends, and which it is.
+/// An edge: its normal, its ends and its index.
 struct Edge {
   RealxN normal_x, normal_y;
   RealxN x1, y1, x2, y2;
@@ -95,7 +95,7 @@ TICKTRUE_INLINE Columns4xN select(MaskxN mask, const Columns4xN& a, const Column
   return {{mask ? a.at[0] : b.at[0], mask ? a.at[1] : b.at[1], mask ? a.at[2] : b.at[2], mask ? a.at[3] : b.at[3]}};
 }
 
-/// simd_width pairs, starting at lane `first`.
+/// simd_width pairs, from lane `first` on.
 struct LaneRange {
   BoxContacts& out;
   int first;
@@ -115,7 +115,7 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
   const Columns4xN a = gather4<pose_length>(poses, pairs.body_a + first);
   const Columns4xN b = gather4<pose_length>(poses, pairs.body_b + first);
   const RealxN ca = a.at[2], sa = a.at[3], cb = b.at[2], sb = b.at[3];
-  // B's frame as seen from A.
+  // The pose of B in A's frame.
   const RealxN dx = b.at[0] - a.at[0];
   const RealxN dy = b.at[1] - a.at[1];
   const RealxN px = ca * dx + sa * dy;
@@ -136,7 +136,7 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
   const RealxN margin = lanes.load(pairs.margin);
   const Axis axis_a = best_axis(outline_a, outline_b);
   const Axis axis_b = best_axis(outline_b, outline_a);
-  const MaskxN is_near = (axis_a.separation <= margin) & (axis_b.separation <= margin);
+  const MaskxN is_within_margin = (axis_a.separation <= margin) & (axis_b.separation <= margin);
   const MaskxN flipped = axis_b.separation > axis_a.separation + lanes.load(pairs.preference);
   const Edge reference = select(flipped, axis_b.edge, axis_a.edge);
   const Outline other{select(flipped, outline_a.x, outline_b.x), select(flipped, outline_a.y, outline_b.y),
@@ -183,7 +183,7 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
     const RealxN middle_y = y - half * ny;
     const RealxN anchor_x = ca * middle_x - sa * middle_y;
     const RealxN anchor_y = sa * middle_x + ca * middle_y;
-    const MaskxN exists = is_near & ~is_beside & (separation <= margin);
+    const MaskxN exists = is_within_margin & ~is_beside & (separation <= margin);
     lanes.store4(lanes.out.anchors[p], {{anchor_x, anchor_y, anchor_x + back_x, anchor_y + back_y}});
     separations[p] = separation;
     const RealxN corner_a = flipped ? on_other[p] : on_reference[p];

@@ -1,4 +1,4 @@
-// Pairs of shapes with four sharp corners as kernels see them: eight at a time.
+// Pairs of quadrilaterals as kernels see them: eight at a time.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// What touches, per point, as ManifoldPoint's; -1: there is no such point.
+/// The features of each point, as in ManifoldPoint; -1: the point does not exist.
 struct BoxFeatures {
   Lanes at[2];
 };
@@ -24,13 +24,13 @@ struct BoxPairs {
   std::uint32_t quad_a[lane_count], quad_b[lane_count];
   Lanes margin;      // m
   Lanes preference;  // of A's axes, m
-  bool same_a;       // all A have one shape
+  bool same_a;       // all pairs have the same shape A
   bool same_b;
 };
 
 struct BoxKernels {
-  /// `poses`: of the bodies, `pose_length` numbers from one to the next: position x, y, rotation c, s. `quads`: 16
-  /// numbers each: x, y, normal x, normal y of the four corners.
+  /// `poses`: of the bodies, in rows of `pose_length` numbers: position x, y, rotation c, s. `quads`: 16 numbers each:
+  /// x, y, normal x, normal y of the four corners.
   void (*collide)(const BoxPairs& pairs, const Real* poses, const Real* quads, BoxContacts& out);
 };
 

@@ -1,4 +1,4 @@
-// From pairs to lanes and from lanes to manifolds.
+// From pairs to lanes, and from lanes to manifolds.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/box_pairs.h"
 
@@ -9,10 +9,10 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A batch with fewer pairs is not worth the lanes.
+/// Fewer pairs do not pay for a batch.
 constexpr std::uint32_t pairs_per_batch_least = 3;
 
-// What kernels read.
+// The layout on which kernels rely.
 static_assert(sizeof(BodyRow) == 8 + 7 * sizeof(Real) && sizeof(Quad) == 16 * sizeof(Real));
 
 }  // namespace

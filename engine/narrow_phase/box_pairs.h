@@ -1,4 +1,4 @@
-// Pairs of shapes with four sharp corners, a block at a time, for the kernels that take eight of them.
+// Pairs of quadrilaterals of a block, for kernels that take eight pairs.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,8 +9,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Adds a pair to the boxes of a block, if it is one for kernels. Returns its place. `gravity_displacement`:
-/// gravity_displacement_of_tick.
+/// Adds a pair of quadrilaterals to the boxes of a block. Returns its place, or no_place for other shapes.
 inline std::uint8_t add_box(PairBlock& block, const ShapeModel& a, const ShapeModel& b, std::uint32_t body_a,
                             std::uint32_t body_b, Real gravity_displacement) {
   if (a.quad == no_quad || b.quad == no_quad) return no_place;
@@ -25,14 +24,14 @@ inline std::uint8_t add_box(PairBlock& block, const ShapeModel& a, const ShapeMo
   pairs.preference.at[lane] = Real(0.1) * linear_slop(size);
   return static_cast<std::uint8_t>(block.box_count++);
 }
-/// When all are there: leaves out a few that would leave most of a batch empty, and fills its other lanes.
+/// Completes the last batch: repeats a pair in its empty lanes, or removes the batch if it has too few pairs.
 void complete_boxes(PairBlock& block);
 
-/// The manifolds of the boxes of a block; they have the bits that collide() gives.
+/// The manifolds of the boxes of a block, with the bits of collide().
 class BoxManifolds {
  public:
   BoxManifolds(const Model& model, const State& state, const PairBlock& block);
-  /// That of the pair at a place; of pairs that do not touch, only that it has no points.
+  /// Writes the manifold of the pair at a place; only its point count if the pair has no contact.
   void write(std::uint8_t place, Manifold& manifold) const {
     const BoxContacts& found = contacts_[place / lane_count];
     const std::size_t lane = place % lane_count;
@@ -44,8 +43,8 @@ class BoxManifolds {
     if (exists[1]) write_point(found, lane, 1, manifold.points[exists[0] ? 1 : 0]);
   }
 
-  /// Renews the contacts of all boxes of a block. False, and nothing done, unless each touches at the points at which
-  /// it did. `touching`: those contacts. Requires: block.has_features.
+  /// Updates the contacts of all boxes of a block in place. False, and nothing changed, unless each box still has the
+  /// same features. `contacts`: of these boxes. Requires: block.has_features.
   bool renew(const PairBlock& block, ContactPair* contacts) const {
     for (std::uint32_t first = 0; first < block.box_count; first += lane_count)
       if (std::memcmp(&contacts_[first / lane_count].features, &block.features[first / lane_count],
@@ -63,7 +62,7 @@ class BoxManifolds {
     }
     return true;
   }
-  /// Notes in the block at which points its boxes touch.
+  /// Saves the features of the boxes in the block.
   void cache_features(PairBlock& block) const;
 
  private:

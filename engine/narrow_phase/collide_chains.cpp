@@ -1,5 +1,5 @@
-// Contacts with an edge of a chain: from its right side only, and with no normal that its neighbours forbid, so that
-// what slides or rolls over a joint of two edges does not feel it.
+// Contacts with an edge of a chain, from its right side only. The neighbours of the edge restrict its normals, so that
+// a shape slides or rolls over a corner without a bump.
 // SPDX-License-Identifier: MIT
 // Source: van den Bergen, "Game Physics Pearls", 2010, chapter 4 (Voronoi regions of a mesh decide which normals are
 // real). Corner by corner: a convex one owns the normals between those of its edges, and belongs to the edge that ends
@@ -9,9 +9,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Corners that turn by less (sine) count as straight: a hull lies flat on both edges.
+/// Corners with a smaller sine count as straight: a hull lies flat on both edges.
 constexpr Real straight_sine = Real(0.01);
-/// Share by which a region is wider than it is, where losing a contact would be worse than having it twice.
+/// Share by which a region is enlarged where a lost contact would be worse than a double one.
 constexpr Real region_tolerance = Real(1e-3);
 
 struct Edge {
@@ -24,7 +24,7 @@ struct Edge {
   bool convex_before, convex_after;
 };
 
-/// Also where the chain turns back on itself: the tip must be met from ahead.
+/// Convex, also at a tip where the chain reverses: the tip must have contacts from ahead.
 bool is_convex(Vec2 first, Vec2 second) {
   const Real limit = straight_sine * square_root(length_squared(first) * length_squared(second));
   const Real sine = cross(first, second);
@@ -46,7 +46,7 @@ Edge edge_of(const Model& model, const ShapeModel& shape) {
   return edge;
 }
 
-/// Whether a normal is one of the corners at the ends of the edge.
+/// Whether a normal belongs to a corner at an end of the edge.
 bool belongs_to_corner(const Edge& edge, Vec2 normal) {
   const Real along = dot(edge.along, normal);
   if (along > 0) {
@@ -59,7 +59,7 @@ bool belongs_to_corner(const Edge& edge, Vec2 normal) {
 
 enum class Region : std::uint8_t { none, face, corner };
 
-/// Which normals the closest point of an edge to something apart from it has.
+/// The region of the closest point of an edge, which decides the normal.
 Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) {
   const Region face = in_front ? Region::face : Region::none;
   if (closest.vertex_a == no_vertex) return face;
@@ -67,12 +67,13 @@ Region region_of(const Edge& edge, const ClosestPoints& closest, bool in_front) 
   const bool at_end = closest.vertex_a == 1;
   if (at_end ? !edge.has_after : !edge.has_before) return dot(edge.normal, offset) >= 0 ? Region::corner : Region::none;
   if (at_end ? !edge.convex_after : !edge.convex_before) return face;
-  if (!at_end) return Region::none;  // the edge before has it
+  if (!at_end) return Region::none;  // the edge before has this corner
   const Real limit = region_tolerance * square_root(length_squared(edge.along_after) * closest.distance_squared);
   return dot(edge.along_after, offset) <= limit ? Region::corner : Region::none;
 }
 
-/// The normal where the cores overlap: the edge's own, or one of the hull's that belongs to a corner, if less deep.
+/// The normal of overlapping cores: that of the edge, or one of the hull that belongs to a corner if its overlap is
+/// smaller.
 Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real preference) {
   const Hull face{line.vertices, line.normals, 2};
   Real deepest = dot(edge.normal, hull.vertices[0] - edge.begin);
@@ -96,7 +97,7 @@ Vec2 overlap_normal(const Edge& edge, const Hull& line, const Hull& hull, Real p
 EdgeNormal edge_normal(const Model& model, const ShapeModel& shape, Vec2 normal, Vec2 center) {
   const Edge edge = edge_of(model, shape);
   const bool in_front = dot(edge.normal, center - edge.begin) >= 0;
-  const Real limit = 16 * epsilon * square_root(length_squared(edge.along));  // of turning there and back
+  const Real limit = 16 * epsilon * square_root(length_squared(edge.along));  // the rounding of two rotations
   const bool along_own = absolute(dot(edge.along, normal)) <= limit;
   if (dot(edge.normal, normal) > 0 && (along_own || belongs_to_corner(edge, normal))) return {true, in_front, normal};
   return {false, in_front, edge.normal};
@@ -143,7 +144,7 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
   const Hull hull = hull_of(model, b, b_in_a, buffer);
   const Real distance_max = b.radius + margin;
   const Overlap overlap = find_overlap(line, hull, distance_max);
-  if (!overlap.near) return {};
+  if (!overlap.is_within_distance) return {};
   const Edge edge = edge_of(model, a);
   const Vec2 center = b_in_a.position + rotate(b_in_a.rotation, b.center);
   const bool in_front = dot(edge.normal, center - edge.begin) >= 0;

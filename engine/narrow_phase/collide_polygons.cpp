@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland and Hodgman, 1974.
 //
-// Two polygons of four corners take all axes of one at once; each lane does what the loop over edges does, in its
+// Two quadrilaterals test all axes of one polygon at once. Each lane does the operations of the loop over edges, in its
 // order.
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/simd/realx4.h"
@@ -46,7 +46,7 @@ Axis best_axis(const Quad& a, const Quad& b) {
   Real separations[4];
   store_x4(separations, deepest - dot_x4(normal_x, normal_y, load_x4(a.x), load_x4(a.y)));
   Axis best{0, separations[0]};
-  for (std::uint32_t i = 1; i < 4; ++i) {  // two selections: which axis it is, is hard to guess
+  for (std::uint32_t i = 1; i < 4; ++i) {  // selections, since the best axis is hard to predict
     const bool is_better = separations[i] > best.separation;
     best.edge = is_better ? i : best.edge;
     best.separation = is_better ? separations[i] : best.separation;
@@ -92,7 +92,7 @@ void clip(const Outline& reference, std::uint32_t edge, const Outline& other, Re
   const std::uint32_t i1 = opposite_edge(other, normal);
   const std::uint32_t i2 = next_of(other, i1);
 
-  // Along the reference edge, from r1 to r2; the incident edge runs the other way, from i2's end to i1's.
+  // Along the reference edge, from r1 to r2. The incident edge runs the other way, from i2 to i1.
   const Vec2 v1 = vertex_of(reference, r1);
   const Vec2 tangent = cross(Real(1), normal);
   const Real reference_end = dot(vertex_of(reference, r2) - v1, tangent);

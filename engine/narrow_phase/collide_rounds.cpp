@@ -13,7 +13,7 @@ Manifold collide_rounds(const Model& model, const ShapeModel& a, const ShapeMode
   const Hull hull_b = hull_of(model, b, b_in_a, buffer);
   const Real distance_max = (a.radius + b.radius) + margin;
   const Overlap overlap = find_overlap(hull_a, hull_b, distance_max);
-  if (!overlap.near) return {};
+  if (!overlap.is_within_distance) return {};
 
   if (!overlap.found) {
     const ClosestPoints closest = closest_points(hull_a, hull_b);

@@ -59,14 +59,15 @@ Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max) {
   if (!(axis_a.separation <= distance_max)) return {axis_a, axis_a, false, false};
   const Axis axis_b = best_axis(b, a);
   const Real separation = larger(axis_a.separation, axis_b.separation);
-  // Two lines overlap where they cross; on one line, or end to end, no axis of theirs tells them apart.
+  // Two lines overlap where they cross. On one line, or end to end, they have no separating axis.
   const bool lines = a.count == 2 && b.count == 2;
   return {axis_a, axis_b, lines ? separation < 0 : separation <= 0, axis_b.separation <= distance_max};
 }
 
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest) {
   const Vec2 offset = closest.on_b - closest.on_a;
-  // Beside an edge its normal is more exact than the difference of two points; a line has one on either side.
+  // Beside an edge, the normal of the edge is more exact than the difference of two points. A line has a normal on
+  // either side.
   if (closest.vertex_a == no_vertex) {
     const Vec2 normal = a.normals[closest.edge_a];
     return dot(normal, offset) < 0 ? -normal : normal;
@@ -108,7 +109,7 @@ Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_
   const Real upper_b = dot(b.vertices[b1] - begin_a, tangent);
   Manifold manifold;
   const Real common = smaller(end_a, upper_b) - larger(0, lower_b);
-  // Edges that run apart from one point have a common width of nothing but rounding.
+  // Edges that diverge from one point have no common width but rounding.
   if (!(common >= degenerate_share * smaller(end_a, upper_b - lower_b))) return manifold;
 
   manifold.normal = normal;
@@ -118,7 +119,7 @@ Manifold between_edges(const Hull& a, Real radius_a, const Hull& b, Real radius_
     manifold.points[manifold.point_count++] = {
         on_a + (radius_a + Real(0.5) * separation) * normal, {}, separation, feature_of(vertex_a, vertex_b)};
   };
-  // At each end of the common width one of the edges ends; the other one is met inside.
+  // At each end of the common width one of the two edges ends.
   const auto at_a = [&](Real along) { return begin_a + clamped_share(along, end_a) * edge_a; };
   const auto at_b = [&](Real along) { return begin_b + clamped_share(along - lower_b, upper_b - lower_b) * edge_b; };
   if (lower_b < 0)

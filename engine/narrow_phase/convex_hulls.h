@@ -1,4 +1,4 @@
-// What the contacts of all hulls share: separating axes, closest features, the points between two facing edges.
+// Separating axes, closest features and contact points between facing edges, for all hulls.
 // SPDX-License-Identifier: MIT
 // Source: Gottschalk, "Separating Axis Theorem", 1996; Ericson, "Real-Time Collision Detection", 2005, section 5.1.
 #pragma once
@@ -54,7 +54,7 @@ inline std::uint32_t feature_of(std::uint32_t vertex_a, std::uint32_t vertex_b) 
   return vertex_a << 8 | vertex_b;
 }
 
-/// Room for a hull seen from another frame. Not cleared: that takes longer than to fill it.
+/// Memory for a hull in another frame. Not initialized: that takes longer than to fill it.
 struct HullBuffer {
   HullBuffer() {}
   union {
@@ -95,7 +95,7 @@ struct Overlap {
   Axis axis_a;  // best_axis(a, b)
   Axis axis_b;  // best_axis(b, a), if they are near
   bool found;
-  bool near;  // no axis separates them by more than `distance_max`
+  bool is_within_distance;  // no axis separates them by more than `distance_max`
 };
 Overlap find_overlap(const Hull& a, const Hull& b, Real distance_max);
 
@@ -109,7 +109,7 @@ Manifold between_points(const ClosestPoints& closest, Real radius_a, Real radius
 /// The unit vector from A to B at their closest points. Requires: they are apart.
 Vec2 closest_normal(const Hull& a, const Hull& b, const ClosestPoints& closest);
 
-/// The manifold of A and B from a function that wants them the other way round.
+/// The manifold of A and B from a function with the arguments in the other order.
 template <CollideFunction collide_b_a>
 Manifold swapped(const Model& model, const ShapeModel& a, const ShapeModel& b, const Placement& b_in_a, Real margin) {
   const Rotation a_rotation{b_in_a.rotation.c, -b_in_a.rotation.s};

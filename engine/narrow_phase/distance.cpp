@@ -1,4 +1,4 @@
-// Closest features while shapes are apart, the axis of least overlap where they are not.
+// The closest features of separated shapes, or the axis of least overlap.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/distance.h"
 
@@ -33,7 +33,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   Distance best;
   bool has_axis = false;
   bool axis_is_of_a = false;
-  bool is_apart = false;
+  bool is_separated = false;
   if (a.count > 1) {
     const Axis axis = best_axis(a, b);
     best.separation = axis.separation;
@@ -61,7 +61,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
     if (gap > 0 && agrees && !(has_axis && corners && gap < blur)) {
       best.separation = gap;
       best.normal = normal;
-      is_apart = true;
+      is_separated = true;
     } else if (!has_axis) {
       best.separation = 0;
       best.normal = a.count > 1 ? a.normals[0] : Vec2{0, 1};
@@ -69,9 +69,9 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   }
   // Faces that meet flat meet in the middle of their common width; else midway between the closest features.
   if (a.count > 1 && b.count > 1) {
-    const Real near = Real(1e-3) * pair_size(shape_a, shape_b);
+    const Real tolerance = Real(1e-3) * pair_size(shape_a, shape_b);
     const Manifold faces = between_edges(a, shape_a.radius, b, shape_b.radius, best.normal,
-                                         (best.separation - (shape_a.radius + shape_b.radius)) + near);
+                                         (best.separation - (shape_a.radius + shape_b.radius)) + tolerance);
     if (faces.point_count == 2) {
       best.point = pose_a.position + Real(0.5) * (faces.points[0].anchor_a + faces.points[1].anchor_a);
       best.separation = best.separation - (shape_a.radius + shape_b.radius);
@@ -80,7 +80,7 @@ Distance distance(const Model& model, const ShapeModel& shape_a, const Placement
   }
   Vec2 middle = Real(0.5) * (closest.on_a + closest.on_b);
   // Overlapping: at the corner that is deepest in the other shape.
-  if (has_axis && !is_apart) {
+  if (has_axis && !is_separated) {
     const Vec2 deepest = axis_is_of_a ? farthest_vertex(b, -best.normal) : farthest_vertex(a, best.normal);
     middle = deepest + (axis_is_of_a ? Real(-0.5) : Real(0.5)) * best.separation * best.normal;
   }

@@ -1,4 +1,4 @@
-// Distance of two convex shapes anywhere, for impacts found ahead of time.
+// The distance of two convex shapes, for impacts.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// Dispatch over shape kinds, and the stage that turns pairs into contacts.
+// Dispatch over shape families, and the stage that finds the contacts of pairs.
 // SPDX-License-Identifier: MIT
 #include "engine/narrow_phase/narrow_phase.h"
 
@@ -16,7 +16,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Lines do not meet lines.
+/// Lines have no contact with lines.
 Manifold no_contact(const Model&, const ShapeModel&, const ShapeModel&, const Placement&, Real) {
   return {};
 }
@@ -33,7 +33,7 @@ std::size_t row_of(ShapeFamily family) {
   return static_cast<std::size_t>(family);
 }
 
-/// What contacts ascend by.
+/// The order of contacts.
 struct ContactKey {
   std::uint64_t a;  // body, child
   std::uint64_t b;
@@ -49,8 +49,8 @@ ContactKey key_of(const ContactRow& row) {
   return {key_of(row.body_a, row.child_a), key_of(row.body_b, row.child_b)};
 }
 
-/// The row of a pair that touches: with the forces of the last tick for the points that are still the same ones. Number
-/// by number: copying a row that was just put together waits until all of it is written.
+/// Writes the row of a contact: with the forces of the last tick for points with the same features. Field by field,
+/// since copying a struct waits until all of it is written.
 void write_row(const BodyRow& a, std::uint32_t child_a, const BodyRow& b, std::uint32_t child_b,
                const Manifold& manifold, const ContactRow* old_row, ContactRow& out) {
   out.body_a = a.id;
@@ -93,7 +93,7 @@ Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, c
 
 namespace {
 
-/// What a pair is beside its manifold.
+/// Fills the fields of a contact that do not depend on poses.
 void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pair& of, ContactPair& pair) {
   const ShapeModel& a = model.shapes[proxies[of.first].shape];
   const ShapeModel& b = model.shapes[proxies[of.second].shape];
@@ -109,7 +109,7 @@ void fill_constants(const Model& model, std::span<const Proxy> proxies, const Pa
   pair.restitution = mixed.restitution;
 }
 
-/// What the pairs of one tick are looked at with.
+/// The parameters of the search for contacts in a tick.
 struct PairSearch {
   const Model& model;
   const State& state;
@@ -117,15 +117,15 @@ struct PairSearch {
   Real gravity_displacement;
   Real dt;
   bool speculates;
-  bool is_sparse;  // most pairs are far from touching, and a look at them is worth its time
-  bool may_reuse;  // two shapes whose bodies have the bits they had a tick ago, as far as they count, touch as they did
-  bool is_in_place;              // contacts are written where those of the tick before are
+  bool is_sparse;                // most pairs are far apart, so that a test of circles pays
+  bool may_reuse;                // contacts of bodies with the same bits as in the tick before are the same
+  bool is_in_place;              // contacts are written in the places of the tick before
   const ContactRow* old_rows;    // of the tick before, ascending
   const ContactPair* old_pairs;  // likewise, if may_reuse
   std::size_t old_count;
   std::uint32_t generation;
-  bool may_skip;         // blocks of the same pairs as a tick ago are what they were
-  bool pairs_unchanged;  // all pairs are those
+  bool may_skip;         // blocks with the same pairs as in the tick before are valid
+  bool pairs_unchanged;  // all pairs are those of the tick before
 
   ContactKey key(const Pair& pair) const {
     const Proxy& a = tick.proxies[pair.first];
@@ -134,7 +134,7 @@ struct PairSearch {
   }
 };
 
-/// The first contact of the tick before that may belong to this pair or a later one.
+/// The first old contact that may belong to this pair or a later one.
 std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
   const ContactKey key = search.key(pair);
   std::size_t low = 0;
@@ -149,10 +149,10 @@ std::size_t first_old_contact(const PairSearch& search, const Pair& pair) {
   return low;
 }
 
-/// The contacts of the tick before that may belong to the pairs that follow. What is written in place replaces those
-/// before `next`, and `next` if it is of the same pair.
+/// The contacts of the tick before that may belong to the next pairs. In-place writes overwrite entries [0, next), and
+/// `next` itself if it belongs to the same pair.
 struct OldContacts {
-  std::size_t first;  // at the beginning of the room, if that is in place
+  std::size_t first;  // at the beginning of the buffer, if that is in place
   std::size_t next;
   std::size_t end;
 };
@@ -164,20 +164,20 @@ std::uint64_t place_of(const ContactPair& pair) {
   return std::uint64_t{pair.proxy_a} << 32 | pair.proxy_b;
 }
 
-/// Leads old.next to the contact of a pair, if there was one. Requires: may_reuse.
+/// Moves old.next to the contact of a pair. True if it exists. Requires: may_reuse.
 inline bool find_same(const ContactPair* old_pairs, const Pair& pair, OldContacts& old) {
   const std::uint64_t place = place_of(pair);
   while (old.next < old.end && place_of(old_pairs[old.next]) < place) ++old.next;
   return old.next < old.end && place_of(old_pairs[old.next]) == place;
 }
-/// The same where bodies have come or gone, and rows are not what they were.
+/// The same where bodies were added or removed, so that rows have changed.
 bool find_old(const PairSearch& search, const Pair& pair, OldContacts& old) {
   const ContactKey key = search.key(pair);
   while (old.next < old.end && key_of(search.old_rows[old.next]) < key) ++old.next;
   return old.next < old.end && key_of(search.old_rows[old.next]) == key;
 }
 
-/// Whether two shapes are certainly too far apart to touch: so are the circles around them.
+/// Whether the bounding circles of two shapes are too far apart for a contact.
 bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow& a, const BodyRow& b,
              Real gravity_displacement) {
   const Circle circle_a = circle_around(a, shape_a, gravity_displacement, 0);
@@ -186,9 +186,9 @@ bool are_far(const ShapeModel& shape_a, const ShapeModel& shape_b, const BodyRow
   return length_squared(circle_b.center - circle_a.center) > Real(1.01) * (touch_distance * touch_distance);
 }
 
-/// Whether a pair that did not touch may do so now.
+/// Whether a pair without a contact may have one now.
 bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
-  if (a.is_sensor || b.is_sensor) return false;  // the events stage has those
+  if (a.is_sensor || b.is_sensor) return false;  // the events stage has sensors
   const BodyRow& body_a = search.state.bodies[a.body];
   const BodyRow& body_b = search.state.bodies[b.body];
   if (are_separated(search.model, body_a.id, body_b.id)) return false;
@@ -196,25 +196,25 @@ bool may_begin(const PairSearch& search, const Proxy& a, const Proxy& b) {
                                        search.gravity_displacement);
 }
 
-/// What the candidates of a block were a tick ago.
+/// The candidates of a block in the tick before.
 struct OldCandidates {
   std::uint64_t touched = 0;                      // [candidate] one bit each
-  std::uint64_t unchanged = 0;                    // likewise: it does what it did
-  std::uint32_t next[PairBlock::pair_count_max];  // where the contacts of this and later ones were, if may_reuse
+  std::uint64_t unchanged = 0;                    // [candidate] one bit each: poses have not changed
+  std::uint32_t next[PairBlock::pair_count_max];  // place of the old contact of this or a later candidate, if may_reuse
 
   bool all_touched(std::uint32_t count) const {
     return count > 0 && touched == ~std::uint64_t{0} >> (PairBlock::pair_count_max - count);
   }
 };
 
-/// Whether the pairs of a block are those it was made for.
+/// Whether the pairs of a block are those for which it was made.
 bool is_same(const PairSearch& search, const PairBlock& block, const Pair* pairs, std::size_t count) {
   return search.may_skip && block.is_valid && block.generation + 1 == search.generation &&
          (search.pairs_unchanged ||
           (block.pair_count == count && std::memcmp(block.pairs, pairs, count * sizeof(Pair)) == 0));
 }
 
-/// For a block that is what it was: its contacts were in a row.
+/// For an unchanged block: its contacts were consecutive.
 void find_old_of_block(const PairSearch& search, const PairBlock& block, OldContacts& old, OldCandidates& out) {
   const std::uint64_t place = place_of(block.pairs[0]);
   while (old.next < old.end && place_of(search.old_pairs[old.next]) < place) ++old.next;
@@ -232,7 +232,7 @@ void find_old_of_block(const PairSearch& search, const PairBlock& block, OldCont
   old.next = next;
 }
 
-/// Chooses those of some pairs that may touch.
+/// Selects the candidates, the pairs of a block that may have contacts.
 void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t count, OldContacts& old,
                        PairBlock& block, OldCandidates& out) {
   const ShapeModel* shapes = search.model.shapes.data();
@@ -264,11 +264,11 @@ void choose_candidates(const PairSearch& search, const Pair* pairs, std::size_t 
                      : add_box(block, shapes[a.shape], shapes[b.shape], a.body, b.body, search.gravity_displacement)};
   }
   complete_boxes(block);
-  // A block holds for later ticks only if what was left out of it follows from the pairs alone.
+  // A block is valid for later ticks only if its selection followed from the pairs alone.
   block.is_valid = !search.is_sparse && out.unchanged == 0 && !leaves_out_unchanged;
 }
 
-/// Where the contacts of some pairs are written: the first `limit` from `touching` and `rows` on, the others apart.
+/// Where contacts are written: the first `limit` to `pairs` and `rows`, the others to the spill.
 struct ContactBuffer {
   ContactPair* pairs;
   ContactRow* rows;
@@ -279,33 +279,33 @@ struct ContactBuffer {
 
 struct FoundContacts {
   std::size_t count;
-  std::size_t in_place;  // the rest is apart
-  bool any_new;          // that were not there a tick ago
+  std::size_t in_place;  // the rest is in the spill
+  bool any_new;          // some contact was not in the tick before
   CacheCounts blocks{};
-  std::uint64_t unchanged_count = 0;  // of contacts whose manifolds are those of the tick before
+  std::uint64_t unchanged_count = 0;  // contacts with unchanged manifolds
 };
 
-/// What a pair is beside its manifold, from what it was a tick ago.
+/// Copies the fields of a contact that do not depend on poses from the contact of the tick before.
 void copy_constants(const ContactPair& old, ContactPair& pair) {
   pair.body_a = old.body_a;
   pair.body_b = old.body_b;
   std::memcpy(&pair.proxy_a, &old.proxy_a, sizeof(ContactPair) - offsetof(ContactPair, proxy_a));
 }
 
-/// Whether the row of a pair is what it was: its points are, each for itself.
+/// Whether the row of a contact has the features of the manifold, in the same places.
 bool has_features(const ContactRow& row, const Manifold& manifold) {
   return row.feature[0] == manifold.points[0].feature && row.feature[0] != row.feature[1] &&
          row.feature[1] == (manifold.point_count == 2 ? manifold.points[1].feature : no_feature);
 }
 
-/// Pairs begin..end-1, and the blocks that they are looked at in.
+/// Pairs begin..end-1 and their blocks.
 struct PairRange {
   std::size_t begin;
   std::size_t end;
   PairBlock* blocks;
 };
 
-/// Writes the contacts of some pairs, block by block.
+/// Finds and writes the contacts of some pairs, block by block.
 class ContactWriter {
  public:
   ContactWriter(const PairSearch& search, const OldContacts& old)
@@ -317,7 +317,7 @@ class ContactWriter {
 
   FoundContacts found{0, 0, false, {}, 0};
 
-  /// Chooses what may touch of the pairs of a block, unless it is what it was. True if it is.
+  /// Begins a block: selects candidates, unless the block is unchanged. True if it is.
   bool begin(const Pair* pairs, std::size_t count, PairBlock& block) {
     before_.touched = before_.unchanged = 0;
     const bool is_same_block = is_same(search_, block, pairs, count);
@@ -332,14 +332,14 @@ class ContactWriter {
     return is_same_block;
   }
 
-  /// Where the contacts of the block are to be.
+  /// Sets where the contacts of the block are written.
   void enter(const ContactBuffer& buffer) {
     buffer_ = buffer;
     limit_ = std::min(buffer.limit, limit_in_place_);
   }
 
-  /// Renews the contacts of a block that is what it was, if all of its pairs are boxes that touched and touch at the
-  /// same points: so it is in most of a world at rest.
+  /// Updates the contacts of an unchanged block whose pairs are all boxes with the same features as before. In a
+  /// resting world most blocks are.
   bool renew(const BoxManifolds& boxes, PairBlock& block) {
     const std::size_t count = block.candidate_count;
     if (!is_in_place_ || !block.has_features || !before_.all_touched(block.candidate_count) ||
@@ -351,13 +351,13 @@ class ContactWriter {
     return true;
   }
 
-  /// Finds the contact of the i-th candidate, if it touches.
+  /// Finds the contact of candidate i, if it has one.
   [[gnu::always_inline]] void find(const BoxManifolds& boxes, PairBlock& block, std::size_t i) {
     const auto [index, place] = block.candidates[i];
     const Pair& pair = block.pairs[index];
     const bool touched = (before_.touched >> i & 1) != 0;
     const bool is_unchanged = (before_.unchanged >> i & 1) != 0;
-    // A contact that was not there before would be written over a later one.
+    // A new contact would overwrite a later old one.
     const bool is_taken =
         is_in_place_ && !touched && found.count < limit_ && old_.first + found.count == before_.next[i];
     Manifold& manifold = is_taken ? not_yet_ : pair_at(found.count).manifold;
@@ -388,7 +388,7 @@ class ContactWriter {
     return index < limit_ ? buffer_.rows[index] : buffer_.rows_spilled[index - limit_];
   }
 
-  /// `place`: of the pair in `boxes`, or no_place.
+  /// Finds the manifold of a pair. `place`: of the pair in `boxes`, or no_place.
   void collide_pair(const BoxManifolds& boxes, const Pair& pair, std::uint8_t place, Manifold& manifold) const {
     if (place != no_place) {
       boxes.write(place, manifold);
@@ -407,7 +407,7 @@ class ContactWriter {
                                       search_.dt);
   }
 
-  /// Completes the contact of a pair, which has its manifold unless the pair is still.
+  /// Writes the contact of a pair, whose manifold is found unless the pair is unchanged.
   void write(const Pair& pair, bool is_unchanged, bool has_old, std::size_t old_index) {
     ContactPair& contact = pair_at(found.count);
     ContactRow& row = row_at(found.count);
@@ -438,14 +438,14 @@ class ContactWriter {
   OldContacts old_;
   OldCandidates before_;
   ContactBuffer buffer_{};
-  std::size_t limit_ = 0;                         // contacts from here on are apart
-  std::size_t limit_in_place_ = ~std::size_t{0};  // once one is new
+  std::size_t limit_ = 0;                         // later contacts go to the spill
+  std::size_t limit_in_place_ = ~std::size_t{0};  // set at the first new contact
   bool is_in_place_;
   Manifold not_yet_;
 };
 
-/// Finds the contacts of some pairs, at most one each: manifolds are large. buffer_for(n, m): where to write
-/// the first n of them, m of them apart at most.
+/// Finds the contacts of some pairs. buffer_for(n, m): where to write the first n of them, at most m of these to the
+/// spill.
 template <typename BufferFor>
 FoundContacts find_contacts_of(const PairSearch& search, const PairRange& range, const OldContacts& old,
                                BufferFor buffer_for) {

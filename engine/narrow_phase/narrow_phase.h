@@ -1,4 +1,4 @@
-// Narrow phase: where two convex shapes touch, or will touch soon.
+// Narrow phase: contact points of two convex shapes that touch or will touch soon.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -28,23 +28,23 @@ class NarrowPhase final : public Stage {
 inline Real linear_slop(Real size) {
   return Real(0.005) * size;
 }
-/// What a tick of gravity adds to the way of a body in a tick, m.
+/// The displacement by gravity in a tick, m.
 inline Real gravity_displacement_of_tick(const Model& model, const State& state) {
   const Real dt = static_cast<Real>(model.scene.settings.dt);
   return length(state.world.gravity) * dt * dt;
 }
-/// Overlap and gaps of a resting pair are below this.
+/// Upper bound of the overlap and gap of a resting pair.
 inline Real resting_margin(Real size) {
   return 4 * linear_slop(size);
 }
-/// Shapes closer than this get contact points before they touch. `gravity_displacement`: gravity_displacement_of_tick;
-/// else shapes that are small against it would first be seen deep inside each other. At most eight sizes: nothing then
-/// sees the whole world.
+/// The speculative margin: shapes closer than this get contact points before they touch. It includes the gravity
+/// displacement, so that shapes small against that do not overlap deeply before their first contact. At most eight
+/// sizes, so that no shape has contacts with the whole world.
 inline Real speculative_margin(Real size, Real gravity_displacement) {
   return larger(resting_margin(size), smaller(gravity_displacement, 8 * size));
 }
 
-/// A's frame as seen from the world, B's frame as seen from A.
+/// The pose of A's frame in the world, or of B's frame in A's.
 struct Placement {
   Vec2 position;
   Rotation rotation;
@@ -80,16 +80,16 @@ Manifold collide_chain_hull(const Model& model, const ShapeModel& a, const Shape
 Manifold collide(const Model& model, const ShapeModel& a, const ShapeModel& b, const BodyRow& body_a,
                  const BodyRow& body_b, Real gravity_displacement);
 
-/// How an edge of a chain pushes what lies from it along some normal.
+/// The normal of a chain edge.
 struct EdgeNormal {
-  bool is_allowed;  // along that normal: the edge's own, or one of a convex corner or free end
+  bool is_allowed;  // the normal is the edge's own, or one of a convex corner or free end
   bool in_front;    // the centre of the other shape is on the right side of the edge
-  Vec2 normal;      // that one, or the edge's own
+  Vec2 normal;      // the allowed one, or the edge's own
 };
 /// `normal` from the edge, `center` of the other shape, both in the frame of the edge's body.
 EdgeNormal edge_normal(const Model& model, const ShapeModel& edge, Vec2 normal, Vec2 center);
 
-/// Whether the shape of a body at `row` holds the world point. Segments and chains hold none.
+/// Whether the shape of a body at `row` contains the world point. Segments and chains contain none.
 bool contains(const Model& model, const ShapeModel& shape, const BodyRow& row, Vec2 point);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

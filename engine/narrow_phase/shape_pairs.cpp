@@ -14,12 +14,12 @@ namespace {
 constexpr std::array<std::string_view, shape_family_count> family_names{"circle", "polygon", "round", "chain"};
 
 constexpr std::uint32_t several_bodies = 0xffffffff;
-constexpr std::size_t kind_count_max = 512;  // of one family: more are told as if all of them could meet
+constexpr std::size_t kind_count_max = 512;  // of one family: with more, all count as able to meet
 
 /// Shapes that the broad phase treats alike.
 struct ProxyKind {
   Proxy proxy{};                          // what may_touch reads of it
-  std::uint32_t source = several_bodies;  // of the one body that has such shapes
+  std::uint32_t source = several_bodies;  // of the only body with such shapes
 };
 using FamilyKinds = std::array<std::vector<ProxyKind>, shape_family_count>;
 

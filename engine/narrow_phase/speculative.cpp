@@ -43,7 +43,8 @@ Manifold speculative_manifold(const Model& model, const ShapeModel& a, const Sha
     at_b = predicted_pose(body_b, time);
   }
   Manifold manifold = collide(model, a, b, at_a, at_b, gravity_displacement);
-  // Back to the start of the tick: the points that turn with the bodies are a radius behind the anchors.
+  // Moves the points back to the start of the tick. The pivots that rotate with the bodies are a radius behind the
+  // anchors.
   const Rotation back_a = rotation_by(-time * body_a.angular_velocity);
   const Rotation back_b = rotation_by(-time * body_b.angular_velocity);
   const Vec2 normal = manifold.normal;

@@ -223,7 +223,7 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   plan.body_count = draw_body_count(draw, options.body_count_max);
   draw_quiet(draw, plan);
   fit_automatic_substeps(draw, plan);
-  // One impact of the largest body looks at the pairs of all others again.
+  // An impact of the largest body tests the pairs of all others again.
   if (plan.has(WorldFeature::size_ratio) && plan.body_count > 60) plan.settings.locate_impacts = false;
   plan.tick_count = draw_tick_count(draw, plan, options.tick_count_max);
   return plan;

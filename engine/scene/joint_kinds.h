@@ -37,7 +37,8 @@ enum class JointField : std::uint8_t {
   ratio,
 };
 
-/// What the limits of a joint bound: an angle, a way along an axis, or a distance, which is never negative.
+/// The quantity that the limits of a joint bound: an angle, a translation along an axis, or a distance, which is never
+/// negative.
 enum class JointLimits : std::uint8_t { angle, way, distance };
 
 struct JointTraits {
@@ -156,7 +157,7 @@ constexpr const JointTraits& traits_of(JointKind kind) {
 constexpr bool has_field(JointKind kind, JointField field) {
   return !key_of(info_of(joint_kinds, kind), field).empty();
 }
-/// False: the joint holds body B to the world.
+/// False: the joint connects body B to the world.
 constexpr bool has_body_a(JointKind kind) {
   return has_field(kind, JointField::body_a);
 }

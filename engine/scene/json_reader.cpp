@@ -1,4 +1,4 @@
-// Taking a JSON tree apart.
+// Typed reads of a JSON tree.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/json_reader.h"
 

@@ -1,4 +1,4 @@
-// Taking a JSON tree apart: typed reads, each refusal with the path, what was found and what is allowed.
+// Typed reads of a JSON tree: each refusal names the path, the value found and the values allowed.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace ticktrue::engine {
 
-/// The way to a value, kept on the stack and put into words only for an error.
+/// The path of a value, on the stack; printed only for an error.
 struct JsonPath {
   const JsonPath* parent = nullptr;
   std::string_view key;   // of an object

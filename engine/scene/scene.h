@@ -173,7 +173,7 @@ void for_each_joint_field(Visit visit) {
   visit(JointField::ratio, "ratio", &Joint::ratio, ratio);
 }
 
-/// Calls visit(point) for each point of the world that a joint holds on to.
+/// Calls visit(point) for each point of the world to which a joint is attached.
 template <typename Visit>
 void for_each_world_point(Joint& joint, Visit visit) {
   if (traits_of(joint.kind).offset_is_of_world) visit(joint.offset);
@@ -212,7 +212,7 @@ struct ClockSettings {
 
 struct SleepSettings {
   double after_s = 0.5;     // calm for so long
-  double speed_max = 0.05;  // m/s of any point of a calm body
+  double speed_max = 0.05;  // m/s, bound of any point of an idle body
   bool operator==(const SleepSettings&) const = default;
 };
 
@@ -232,7 +232,7 @@ struct Bounds {
 /// A pointer (mouse, finger) that presses, drags and releases.
 struct PointerSettings {
   std::vector<std::string> spawns;  // prototypes that a press on empty space spawns, in turn; empty: nothing is spawned
-  double hertz = 5;                 // stiffness of the pull
+  double hertz = 5;                 // of the mouse joint
   double damping_ratio = 0.7;
   double force_max_per_kg = 1000;  // N per kg of the pulled body
   std::optional<Bounds> window;    // what the pointer's screen shows (imports, pictures); absent: the scene's bounds

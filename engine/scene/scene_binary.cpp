@@ -226,7 +226,7 @@ class SceneWriter {
   ByteWriter out_;
 };
 
-/// Reads what SceneWriter writes. The first thing that is wrong is kept; after it, reads give zeros and lists end.
+/// Reads what SceneWriter writes. Stores the first error; after it, reads give zeros and lists end.
 class SceneReader {
  public:
   explicit SceneReader(ByteView bytes) : in_(bytes) {}

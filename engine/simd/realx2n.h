@@ -1,5 +1,7 @@
-// Realx2N: two registers of Reals, used as one vector. A chain of dependent operations leaves half of the processor
-// idle; two independent chains fill it. Each lane gets the bits that RealxN gives it. SPDX-License-Identifier: MIT
+// Realx2N: two registers of Reals, used as one vector. Each lane gets the bits that RealxN gives it.
+// SPDX-License-Identifier: MIT
+//
+// A chain of dependent operations leaves half of the processor idle; two independent chains fill it.
 #pragma once
 
 #include "engine/simd/transpose.h"

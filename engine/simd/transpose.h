@@ -1,8 +1,8 @@
 // Gather and scatter: rows of four values in memory become four vectors, one for each column, and back.
 // SPDX-License-Identifier: MIT
 //
-// A load or store moves a whole row; rows are transposed in registers. The next batch loads a row with the size with
-// which it was stored, so that the processor can forward the store, and no lane is moved by itself.
+// A load or store moves a whole row; rows are transposed in registers, so that no lane is moved by itself. The next
+// batch loads a row with the size with which it was stored: the processor can then forward the store.
 #pragma once
 
 #include "engine/simd/realxn.h"

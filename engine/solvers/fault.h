@@ -1,4 +1,4 @@
-// A bit flipped inside the solver, so that tests see what verification makes of it.
+// A bit flipped inside the solver, to test verification.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,10 +6,10 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Flips the planted bit if it is due after this substep of this group.
+/// Flips the injected bit if it is due after this substep of this set.
 void flip_injected(Scratch& scratch, std::size_t set, int substep);
 
-/// One question for each substep of a group, none inside its loops.
+/// One branch for each substep of a set, outside its loops.
 inline void after_substep(Scratch& scratch, std::size_t set, int substep) {
   if (scratch.injected) flip_injected(scratch, set, substep);
 }

@@ -1,4 +1,4 @@
-// Bodies that meet nothing: the integrator alone.
+// Bodies without constraints: the integrator alone.
 // SPDX-License-Identifier: MIT
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"

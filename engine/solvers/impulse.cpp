@@ -39,7 +39,7 @@ struct Placed {
   }
 };
 
-/// Of what is `distance` long; upwards where that is nothing, as for discs in one place.
+/// The unit vector of an offset; upwards for a zero offset, as of two discs in one place.
 Vec2 direction_of(Vec2 offset, Real distance) {
   return distance > 0 ? (1 / distance) * offset : Vec2{0, 1};
 }

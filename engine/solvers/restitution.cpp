@@ -1,4 +1,4 @@
-// Restitution: contacts that hit in this tick get their bounce, once, at its end.
+// Restitution: applied once, at the end of the tick, to contacts that hit in it.
 // SPDX-License-Identifier: MIT
 #include "engine/solvers/restitution.h"
 

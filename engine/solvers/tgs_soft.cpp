@@ -33,7 +33,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
   if (!scratch.has_solver_sets) put_all_into_one_set(model, state, scratch);
   clear_contacts(scratch);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  const bool poses_stay = bodies_step_alone(model) && !scratch.injected;  // from one drift to the next
+  const bool poses_stay = bodies_step_alone(model) && !scratch.injected;  // between two drifts
   const bool some_are_free = find_constrained(model, state, scratch);
   for (SolverSet& set : scratch.solver_sets) {
     const Real h = dt / static_cast<Real>(set.substeps);  // s

@@ -1,4 +1,4 @@
-// Input events act: bodies come and go, forces and impulses push, pointers press, drag and release.
+// Input events: bodies are spawned and removed, forces and impulses act, pointers press, drag and release.
 // SPDX-License-Identifier: MIT
 #include "engine/math/trig.h"
 #include "engine/narrow_phase/narrow_phase.h"
@@ -32,7 +32,7 @@ void ignore(State& state) {
   if (state.world.ignored_inputs != no_reference) ++state.world.ignored_inputs;
 }
 
-/// The row that an input means, awake, or nothing (counted) if that body was removed.
+/// The row of an input's body, awake; null (and counted) if the body was removed.
 BodyRow* find(State& state, const Input& input) {
   const std::size_t row = state.find_body(input.body);
   if (row < state.bodies.size()) {

@@ -16,11 +16,11 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
   const auto random = [&engine] { return static_cast<std::uint32_t>(engine()); };
   for (int round = 0; round < 300; ++round) {
     const auto row_count = static_cast<std::uint32_t>(random() % 9);
-    struct ColumnCopy {
+    struct TickCaches {
       Bytes memory;
       std::size_t start, stride, size;
     };
-    std::vector<ColumnCopy> kept(1 + random() % 5);
+    std::vector<TickCaches> kept(1 + random() % 5);
     GatheredState state;
     // Some columns share one block, as members of a struct do.
     Bytes shared(row_count * 64 + 64);
@@ -29,7 +29,7 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
     for (std::size_t c = 0; c < kept.size(); ++c) {
       const auto type = static_cast<ScalarType>(1 + random() % 6);  // integers: any bits are a value
       const std::uint32_t lanes = 1 + random() % 3;
-      ColumnCopy& k = kept[c];
+      TickCaches& k = kept[c];
       k.size = scalar_info(type)->size * lanes;
       const bool in_struct = random() % 2 == 0 && used + k.size <= 64;
       k.stride = in_struct ? 64 : k.size + random() % 5;
@@ -66,7 +66,7 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
     const auto tables = split_image(state.schema(), image);
     REQUIRE(tables);
     std::fill(shared.begin(), shared.end(), std::uint8_t{0});
-    for (ColumnCopy& k : kept) std::fill(k.memory.begin(), k.memory.end(), std::uint8_t{0});
+    for (TickCaches& k : kept) std::fill(k.memory.begin(), k.memory.end(), std::uint8_t{0});
     state.scatter(0, (*tables)[0]);
     REQUIRE(state.gather());
     Bytes again;

@@ -36,7 +36,7 @@ REPLACEMENTS = {
     'true': ['false'], 'false': ['true'], 'continue': ['break'], '!': [''],
     'first': ['second'], 'second': ['first'], 'begin': ['end'], 'end': ['begin'], 'lower': ['upper'],
     'upper': ['lower'], 'smaller': ['larger'], 'larger': ['smaller'], 'body_a': ['body_b'], 'body_b': ['body_a'],
-    'contact_pairs': ['contact_pairs_moved'], 'row': ['row + 1'], 'count': ['count - 1'],
+    'contact_pairs': ['contact_pairs_merged'], 'row': ['row + 1'], 'count': ['count - 1'],
 }
 WORD = re.compile(r'[A-Za-z_]\w*|\d+')
 OPERATORS = sorted((o for o in REPLACEMENTS if not WORD.fullmatch(o)), key=len, reverse=True)

@@ -1,4 +1,4 @@
-// Packing of hinges, and the passes over them.
+// Packing of driven revolute joints into batches, and the passes over the batches.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/batched/driven_revolute_batch.h"
 
@@ -66,7 +66,7 @@ void fill_driven_revolutes(const Model& model, const State& state, Scratch& scra
 std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
   const std::size_t count = last - first;
   const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
-  for (std::size_t i = size; i < count; ++i)  // the first chunk has its record already
+  for (std::size_t i = size; i < count; ++i)  // the first chunk writes to the sink that the batches have already
     redirect_to_sink(scratch, scratch.driven_revolutes.batches[first + i].point, i / size);
   return size;
 }
@@ -94,7 +94,8 @@ void store_driven_revolutes(const Scratch& scratch, State& state, Real h) {
         JointRow& row = state.joints[batch.point.row[lane]];
         const Vec2 linear{batch.point.impulse_x.at[lane], batch.point.impulse_y.at[lane]};
         row.linear_force = stored(inv_h * linear);
-        row.torque = stored(inv_h * (h * row.torque));  // none of a hinge's; as joints by themselves treat it
+        row.torque =
+            stored(inv_h * (h * row.torque));  // always 0; the same operations as for a joint of the scalar path
         row.spring_force = stored(inv_h * batch.spring_impulse.at[lane]);
         row.lower_force = stored(inv_h * batch.lower_impulse.at[lane]);
         row.upper_force = stored(inv_h * batch.upper_impulse.at[lane]);

@@ -1,4 +1,4 @@
-// Hinges in batches: packed from the state, solved by kernels, stored back.
+// Revolute joints with a spring, limits or a motor, in batches: packed from the state, solved by kernels, stored back.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct DrivenRevoluteBatches {
-  std::vector<DrivenRevoluteBatch> batches;  // as many are in use as the plan has
+  std::vector<DrivenRevoluteBatch> batches;  // the plan says how many are in use
   Softness soft;
 };
 

@@ -1,7 +1,7 @@
-// The inner loops of revolute joints with spring, limits or motor, several at a time.
+// The inner loops of revolute joints with a spring, limits or a motor, several joints at a time.
 // SPDX-License-Identifier: MIT
-// Source: as joint_rows.h; each lane does what solve_revolute (joint_point.cpp) does for such a joint, in the same
-// order, with selections in the place of branches.
+// Source: as joint_rows.h. Each lane does the operations of solve_revolute (joint_point.cpp) in the same order, with
+// selections instead of branches.
 #include "engine/joints/batched/revolute_simd.h"
 #include "engine/math/arc_tangent_terms.h"
 
@@ -17,7 +17,7 @@ TICKTRUE_INLINE Doubles doubles_of(double value) {
   return value - Doubles{};
 }
 
-/// Element by element what arc_tangent does (math/trig.cpp).
+/// arc_tangent of math/trig.cpp, lane by lane.
 TICKTRUE_INLINE Doubles arc_tangent(Doubles y, Doubles x) {
   const Doubles zero{};
   Doubles abs_y = y < zero ? -y : y;
@@ -33,7 +33,7 @@ TICKTRUE_INLINE Doubles arc_tangent(Doubles y, Doubles x) {
   const Doubles below = is_steep ? abs_x : abs_y;
   Doubles above = is_steep ? abs_y : abs_x;
   above = above > zero ? above : doubles_of(1);
-  // The nearest eighth: cut off after adding a half.
+  // The nearest eighth: add a half, then cut off.
   const Doubles share = below / above * doubles_of(8) + doubles_of(0.5);
   const Doubles round = doubles_of(0x1p52);
   const Doubles nearest = (share + round) - round;
@@ -77,14 +77,14 @@ TICKTRUE_INLINE RealxN relative_angle(const RealxN& ac, const RealxN& as, const 
   return load_xn(angles);
 }
 
-/// The angle's row, with the reaction of the pin that it draws along (joint_rows.h, PinnedAngleRow).
+/// The row of the angle, with the reaction of the point constraint (joint_rows.h, ConstrainedAngleRow).
 struct AngleRow {
   RealxN mobility;
   RealxN reaction_x, reaction_y;  // 1/m
   MaskxN works;
 };
 
-/// Everything of a joint while it is worked on.
+/// A joint while it is solved.
 struct DrivenRevolute {
   Pair pair;
   Arms arms;
@@ -137,7 +137,7 @@ TICKTRUE_INLINE void solve_motor(const LaneRange& lanes, DrivenRevoluteBatch& ba
   lanes.store(batch.motor_impulse, where ? total : old);
 }
 
-/// joint_rows.h, solve_limit. `soft`: of this pass.
+/// joint_rows.h, solve_limit. `soft`: softness in this pass.
 TICKTRUE_INLINE void solve_limit(const LaneRange& lanes, DrivenRevoluteBatch& batch, DrivenRevolute& joint,
                                  RealxN slack, Real sign, RealxN h, const Softness& soft, Lanes& impulse) {
   const RealxN zero{};

@@ -1,4 +1,4 @@
-// Revolute joints with spring, limits or motor as kernels see them: eight that share no moving body.
+// Revolute joints with a spring, limits or a motor, as kernels see them: eight that share no dynamic body.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -7,7 +7,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct DrivenRevoluteBatch {
-  RevoluteBatch point;                              // what holds the anchors together
+  RevoluteBatch point;                              // the point constraint
   std::uint32_t needs_angle;                        // 1: some lane has a spring or limits
   Lanes rotation_c, rotation_s;                     // of B relative to A and the reference, at the start of the tick
   Lanes has_spring, has_motor, has_limits;          // 1 or 0
@@ -20,7 +20,7 @@ struct DrivenRevoluteBatch {
   Lanes start_speed;  // of the angle before the substep, rad/s
 };
 
-/// Batches that follow each other, for one call of a kernel.
+/// Consecutive batches, for one call of a kernel.
 struct DrivenRevoluteWork {
   DrivenRevoluteBatch* batches;
   std::size_t batch_count;

@@ -1,4 +1,4 @@
-// Raising of levels.
+// The level schedule of a wavefront sweep.
 // SPDX-License-Identifier: MIT
 // Source: Bellman, "On a Routing Problem", 1958 (relaxation until nothing changes).
 #include "engine/joints/batched/level_schedule.h"
@@ -8,13 +8,13 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-// Fewer joints stay in the nearest cache, and are done before another thread has begun.
+// Fewer joints stay in the nearest cache. One thread is done before a second has begun.
 constexpr std::size_t joint_count_least = 1024;
-// With fewer levels between a pass and the next, few passes are in work at a time.
+// With fewer levels per distance, few passes run at the same time.
 constexpr std::uint32_t distances_least = 8;
 constexpr int iteration_count_max = 8;
 
-/// Calls `use` with the bodies that a joint moves.
+/// Calls `use` with each dynamic body of a joint.
 template <typename Use>
 void for_dynamic_bodies(const Scratch& scratch, const JointPlace& place, Use use) {
   const std::uint32_t sink = dummy_sink(scratch);
@@ -22,7 +22,7 @@ void for_dynamic_bodies(const Scratch& scratch, const JointPlace& place, Use use
   if (scratch.masses[place.body_b].write != sink) use(place.body_b);
 }
 
-/// Whether a joint reads a body that moves without it.
+/// Whether a joint is attached to a kinematic body.
 bool joins_kinematic(const Scratch& scratch) {
   const std::uint32_t sink = dummy_sink(scratch);
   const auto is_kinematic = [&](std::uint32_t row) {
@@ -33,7 +33,7 @@ bool joins_kinematic(const Scratch& scratch) {
   return false;
 }
 
-/// Notes the first and the last joint of each body. Returns the most joints that one has.
+/// Finds the first and the last joint of each body. Returns the largest number of joints of one body.
 std::uint32_t find_body_joints(Scratch& scratch) {
   const std::vector<JointPlace>& places = scratch.caches.joints.places;
   std::uint32_t most = 0;
@@ -48,8 +48,8 @@ std::uint32_t find_body_joints(Scratch& scratch) {
   return most;
 }
 
-/// Each joint above those before it that move a body of its own, and not farther below a body's last one than
-/// `distance` allows. True if nothing had to be raised.
+/// Raises each joint above the earlier joints that share a dynamic body with it. A first joint of a body is also raised
+/// to less than `distance` below the last one. True if no level changed.
 bool raise_levels(Scratch& scratch, std::uint32_t distance) {
   JointPlan& plan = scratch.caches.joints;
   std::vector<std::uint32_t>& next = scratch.body_levels;

@@ -1,4 +1,5 @@
-// Levels in which the joints of a body are near each other, so that passes over the levels can be woven (wavefront.h).
+// The level schedule: levels in which the joints of a body are close together, as a wavefront sweep needs
+// (wavefront.h).
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,9 +9,9 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Scratch;
 
-/// Raises levels of the plan's joints until those of each body are less than plan.distance apart, and sorts the bodies
-/// by the first. False: no distance is found that is worth it, or a joint holds on to a kinematic body; the levels are
-/// as before. Requires: places in scene order.
+/// Raises levels of the plan's joints until the joints of each body are less than plan.distance levels apart. Then
+/// sorts the bodies by the level of their first joint. False: no distance pays, or a joint is attached to a kinematic
+/// body; the levels are unchanged. Requires: places in scene order.
 bool schedule_levels(Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,4 +1,4 @@
-// Packing of pins, and the passes over them.
+// Packing of plain revolute joints into batches, and the passes over the batches.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/batched/revolute_batch.h"
 
@@ -8,9 +8,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-RevoluteWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t line) {
+RevoluteWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t front) {
   return {scratch.revolutes.batches.data() + first,
-          scratch.revolutes.arms.data() + line * scratch.caches.joints.revolutes.size() + first,
+          scratch.revolutes.arms.data() + front * scratch.caches.joints.revolutes.size() + first,
           last - first,
           &scratch.bodies.data()->velocity.x,
           h,
@@ -20,9 +20,9 @@ RevoluteWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real
 }  // namespace
 
 void prefetch_joint(const State& state, const Scratch& scratch, std::size_t place) {
-  constexpr std::size_t joints_ahead = 12;
-  if (place + joints_ahead >= scratch.caches.joints.places.size()) return;
-  __builtin_prefetch(&state.joints[scratch.caches.joints.places[place + joints_ahead].row].linear_force);
+  constexpr std::size_t prefetch_distance = 12;
+  if (place + prefetch_distance >= scratch.caches.joints.places.size()) return;
+  __builtin_prefetch(&state.joints[scratch.caches.joints.places[place + prefetch_distance].row].linear_force);
 }
 
 void clear_revolutes(const Scratch& scratch, RevoluteBatch& batch) {
@@ -73,7 +73,7 @@ void fill_lane(const State& state, const Scratch& scratch, const JointPlace& pla
   const BodyMass& mass_b = scratch.masses[place.body_b];
   BodyMass mass_a{0, 0, dummy_body(scratch), dummy_sink(scratch)};
   Vec2 anchor_a{0, 0};
-  Vec2 center_offset = b.position - place.anchor_a;  // held to the world: from the point
+  Vec2 center_offset = b.position - place.anchor_a;  // without body A: from the point of the world
   if (place.body_a != no_reference) {
     const BodyRow& a = state.bodies[place.body_a];
     mass_a = scratch.masses[place.body_a];
@@ -90,7 +90,7 @@ void reserve_revolutes(Scratch& scratch) {
   RevoluteBatches& revolutes = scratch.revolutes;
   const std::size_t count = scratch.caches.joints.revolutes.size();
   if (revolutes.batches.size() < count) revolutes.batches.resize(count);
-  const std::size_t arms_count = count * (scratch.uses_wavefront ? wavefront_line_count(scratch) : 1);
+  const std::size_t arms_count = count * (scratch.uses_wavefront ? front_count(scratch) : 1);
   if (revolutes.arms.size() < arms_count) revolutes.arms.resize(arms_count);
 }
 
@@ -112,28 +112,28 @@ std::size_t split_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t
   const std::size_t count = last - first;
   if (scratch.revolutes.order == RevoluteOrder::serial) return count;
   const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
-  for (std::size_t i = size; i < count; ++i)  // the first chunk has its record already
+  for (std::size_t i = size; i < count; ++i)  // the first chunk writes to the sink that the batches have already
     redirect_to_sink(scratch, scratch.revolutes.batches[first + i], i / size);
   return size;
 }
 
-void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line) {
+void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front) {
   const RevoluteKernels& kernels = scratch.kernels->revolutes;
   const auto in_levels = poses == Poses::moved ? kernels.warm_start : kernels.warm_start_again;
   const auto kernel = scratch.revolutes.order == RevoluteOrder::serial ? kernels.warm_start_serial : in_levels;
   scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, Real(1), line));
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, Real(1), front));
   });
 }
 
-void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line) {
+void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front) {
   const RevoluteKernels& kernels = scratch.kernels->revolutes;
   const bool is_serial = scratch.revolutes.order == RevoluteOrder::serial;
   const auto solve = is_serial ? kernels.solve_serial : kernels.solve;
   const auto relax = is_serial ? kernels.relax_serial : kernels.relax;
   const auto kernel = bias == Bias::on ? solve : relax;
   scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
-    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, h, line));
+    kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, h, front));
   });
 }
 

@@ -1,4 +1,4 @@
-// Pins in batches: packed from the state, solved by kernels, stored back.
+// Plain revolute joints (no spring, limits or motor) in batches: packed from the state, solved by kernels, stored back.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,13 +14,13 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 struct BodyMass;
 struct JointRange;
 
-/// How pins are solved.
+/// How plain revolute joints are solved.
 enum class RevoluteOrder : std::uint8_t {
   levels,  // eight at a time: those of a batch share no moving body
-  serial,  // one after the other
+  serial,  // in the order of the scene, one after the other
 };
 
-/// The joints of a batch: those of the plan's places from `first` on.
+/// The joints of a batch: `count` places of the plan from `first` on.
 struct JointSpan {
   std::uint32_t first;
   std::uint32_t count;
@@ -29,35 +29,35 @@ struct JointSpan {
 
 struct RevoluteBatches {
   RevoluteOrder order = RevoluteOrder::levels;
-  std::vector<RevoluteBatch> batches;  // as many are in use as the plan has
-  std::vector<RevoluteArms> arms;      // [line of passes, batch], so that each thread has its own (wavefront.h)
+  std::vector<RevoluteBatch> batches;  // the plan says how many are in use
+  std::vector<RevoluteArms> arms;      // [front, batch]; each thread of a wavefront sweep has its own
   Softness soft;
 };
 
-/// So many batches are worth another thread's while.
+/// The least number of batches per chunk for which a second thread pays.
 inline constexpr std::size_t joint_batches_per_chunk_least = 10;
 
-/// Levels take joints from everywhere: asks for the memory of one some places later.
+/// Prefetches the state row of a joint some places later: joints of a level are scattered in memory.
 void prefetch_joint(const State& state, const Scratch& scratch, std::size_t place);
 
-/// Empties a batch: lanes that hold nothing read the resting record and write to one that nobody reads.
+/// Clears a batch: empty lanes read the dummy body and write to a sink.
 void clear_revolutes(const Scratch& scratch, RevoluteBatch& batch);
-/// Lets a batch write what nobody reads to the record of this chunk.
+/// Gives a batch the sink of this chunk.
 void redirect_to_sink(const Scratch& scratch, RevoluteBatch& batch, std::size_t chunk);
 
-/// The point of a joint, in one lane: `anchor_a`, `anchor_b`, `center_offset` and `impulse` as in JointWork.
+/// The point constraint of a joint, in one lane. `anchor_a`, `anchor_b`, `center_offset` and `impulse` as in JointWork.
 void fill_revolute_lane(RevoluteBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
                         Vec2 anchor_a, Vec2 anchor_b, Vec2 center_offset, Vec2 impulse);
 
-/// Room for the batches of the plan.
+/// Allocates the batches of the plan.
 void reserve_revolutes(Scratch& scratch);
 /// Fills the batches first..last-1 of the plan.
 void fill_revolutes(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h);
-/// Makes the batches first..last-1 ready for threads and says how many one takes. Requires: pins of one level, or one
-/// thread.
+/// Prepares the batches first..last-1 for several threads and returns the chunk size. Requires: the batches are of one
+/// level, or one thread solves them.
 std::size_t split_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last);
-void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t line);
-void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t line);
+void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front);
+void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front);
 /// Impulses of the batches first..last-1 back to state.joints, as forces.
 void store_revolutes(const Scratch& scratch, State& state, std::size_t first, std::size_t last, Real h);
 

@@ -1,25 +1,25 @@
-// The inner loops of pins: revolute joints without spring, limits and motor, several at a time or in a row.
+// The inner loops of plain revolute joints, several at a time or one after the other.
 // SPDX-License-Identifier: MIT
-// Source: as joint_rows.h; each lane does what solve_revolute (joint_point.cpp) does for such a joint, in the same
-// order. So does each pin of a row, to the signs of zeros: additions of nothing are among them.
+// Source: as joint_rows.h. Each lane does the operations of solve_revolute (joint_point.cpp) in the same order. So does
+// the serial path, but for additions of zero, which fix the signs of zeros.
 #include "engine/joints/batched/revolute_simd.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
 
-/// Where the impulse acts, and what it does there.
+/// The point constraint at the present poses.
 struct PointConstraint {
   Arms arms;
   RealxN k11, k12, k22, inv_determinant;
 };
 
-/// At the present poses; keeps it for passes that meet the same ones.
+/// Computes the constraint at the present poses and caches it for the passes until poses change.
 TICKTRUE_INLINE PointConstraint compute_constraint(const LaneRange& lanes, const Pair& pair, const Real* bodies,
                                                    RevoluteArms& out) {
   const RealxN one = broadcast(1);
   const Arms arms = load_arms(lanes, pair, bodies);
   const PointMobility k = mobility_of(pair, arms);
-  // Empty lanes have no mobility: they divide by one instead.
+  // Empty lanes have no mobility. They divide by one.
   const PointConstraint constraint{arms, k.k11, k.k12, k.k22, one / (k.determinant > RealxN{} ? k.determinant : one)};
   lanes.store(out.ax, arms.ax);
   lanes.store(out.ay, arms.ay);
@@ -43,7 +43,7 @@ TICKTRUE_INLINE PointConstraint load_constraint(const LaneRange& lanes, const Re
           lanes.load(from.inv_determinant)};
 }
 
-/// Soft: as the pass before found it. Rigid: bodies have moved since.
+/// Soft: uses the constraint that the pass before has cached. Rigid: computes it, since bodies have moved.
 template <bool is_soft>
 void solve(const RevoluteWork& work) {
   const RealxN h = broadcast(work.h);
@@ -103,7 +103,7 @@ void warm_start(const RevoluteWork& work) {
   }
 }
 
-// ---- In a row ----
+// ---- Serial ----
 
 void compute_constraints(const RevoluteWork& work) {
   for (std::size_t i = 0; i < work.batch_count; ++i)
@@ -113,7 +113,7 @@ void compute_constraints(const RevoluteWork& work) {
     }
 }
 
-/// One pin of a row: its bodies' velocities in and out, and the impulses between them.
+/// One joint of the serial path: velocities of its bodies, and the impulse between them.
 struct SerialRevolute {
   RevoluteBatch& batch;
   const RevoluteArms& arms;
@@ -155,16 +155,16 @@ TICKTRUE_INLINE void solve_one(const RevoluteWork& work, const Softness& soft, S
   const int lane = joint.lane;
   const Real ax = joint.arms.ax.at[lane], ay = joint.arms.ay.at[lane];
   const Real bx = joint.arms.bx.at[lane], by = joint.arms.by.at[lane];
-  Real turning_x = 0, turning_y = 0;
+  Real arm_rate_x = 0, arm_rate_y = 0;
   if constexpr (is_soft) {
     const Real versine_a = versine(work.h * joint.aw);
     const Real versine_b = versine(work.h * joint.bw);
-    turning_x = (1 / work.h) * (versine_a * ax - versine_b * bx);
-    turning_y = (1 / work.h) * (versine_a * ay - versine_b * by);
+    arm_rate_x = (1 / work.h) * (versine_a * ax - versine_b * bx);
+    arm_rate_y = (1 / work.h) * (versine_a * ay - versine_b * by);
   }
-  const Real vx = (((joint.bx_v - joint.bw * by) - (joint.ax_v - joint.aw * ay)) + turning_x) +
+  const Real vx = (((joint.bx_v - joint.bw * by) - (joint.ax_v - joint.aw * ay)) + arm_rate_x) +
                   soft.bias_rate * joint.arms.ex.at[lane];
-  const Real vy = (((joint.by_v + joint.bw * bx) - (joint.ay_v + joint.aw * ax)) + turning_y) +
+  const Real vy = (((joint.by_v + joint.bw * bx) - (joint.ay_v + joint.aw * ax)) + arm_rate_y) +
                   soft.bias_rate * joint.arms.ey.at[lane];
   const Real k11 = joint.arms.k11.at[lane], k12 = joint.arms.k12.at[lane], k22 = joint.arms.k22.at[lane];
   const Real inv_determinant = joint.arms.inv_determinant.at[lane];
@@ -182,7 +182,7 @@ void warm_start_serial(const RevoluteWork& work) {
   for (std::size_t i = 0; i < work.batch_count; ++i)
     for (int lane = 0; lane < work.batches[i].count; ++lane) {
       SerialRevolute joint(work, i, lane);
-      joint.bw = joint.bw + Real(0);  // what springs, motors and limits would push
+      joint.bw = joint.bw + Real(0);  // as solve_revolute adds the impulses of spring, motor and limits
       joint.apply_impulse(work.batches[i].impulse_x.at[lane], work.batches[i].impulse_y.at[lane]);
     }
 }

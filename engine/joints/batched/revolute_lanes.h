@@ -1,5 +1,5 @@
-// Revolute joints without spring, limits and motor as kernels see them: eight that share no moving body, or a row of
-// them that are solved one after the other.
+// Plain revolute joints as kernels see them: eight that share no dynamic body, or some that are solved one after the
+// other.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,9 +8,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct RevoluteBatch {
-  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the resting record
+  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the dummy body
   std::uint32_t read_b[lane_count];
-  std::uint32_t write_a[lane_count];  // bodies that impulses do not move are written to a record nobody reads
+  std::uint32_t write_a[lane_count];  // non-dynamic bodies are written to a sink
   std::uint32_t write_b[lane_count];
   Lanes inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
   Lanes anchor_a_x, anchor_a_y;  // from the centres of mass at the start of the tick, world axes, m
@@ -21,14 +21,14 @@ struct RevoluteBatch {
   std::int32_t count;                      // lanes from here on are empty
 };
 
-/// What the poses make of the pins of a batch: found for eight at a time, once per change of the poses.
+/// The point constraints of a batch at the present poses: computed once after each change of poses.
 struct RevoluteArms {
   Lanes ax, ay, bx, by;  // from the centres of mass to where the impulse acts, m
-  Lanes ex, ey;          // the anchors' gap, m
+  Lanes ex, ey;          // from A's anchor to B's, m
   Lanes k11, k12, k22, inv_determinant;
 };
 
-/// Batches that follow each other, for one call of a kernel.
+/// Consecutive batches, for one call of a kernel.
 struct RevoluteWork {
   RevoluteBatch* batches;
   RevoluteArms* arms;  // [batch]
@@ -39,12 +39,12 @@ struct RevoluteWork {
 };
 
 struct RevoluteKernels {
-  // Requires of `solve`: `warm_start` since the poses changed; of `warm_start_again`: `relax` since then.
+  // Requires: before `solve`, a `warm_start` since the poses changed; before `warm_start_again`, a `relax` since then.
   void (*warm_start)(const RevoluteWork& work);
   void (*warm_start_again)(const RevoluteWork& work);
   void (*solve)(const RevoluteWork& work);
   void (*relax)(const RevoluteWork& work);
-  // Of pins that share bodies, so that velocities go from one to the next. Requires as above.
+  // The serial path, for joints that share bodies. Requires: as above.
   void (*warm_start_serial)(const RevoluteWork& work);
   void (*solve_serial)(const RevoluteWork& work);
   void (*relax_serial)(const RevoluteWork& work);

@@ -1,4 +1,4 @@
-// The parts that kernels of pinned joints share: two bodies held together at a point, several at a time.
+// Parts of the kernels of revolute joints: the point constraint of two bodies, several joints at a time.
 // SPDX-License-Identifier: MIT
 // Source: as joint_rows.h.
 #pragma once
@@ -8,7 +8,7 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 
-/// simd_width pins of a batch, starting at lane `first`.
+/// simd_width joints of a batch, from lane `first` on.
 struct LaneRange {
   RevoluteBatch& batch;
   int first;
@@ -17,7 +17,7 @@ struct LaneRange {
   TICKTRUE_INLINE void store(Lanes& lanes, RealxN value) const { store_xn(lanes.at + first, value); }
 };
 
-/// The two bodies and what the joint knows of them.
+/// Velocities and inverse masses of the two bodies.
 struct Pair {
   Columns4xN a, b;  // x, y, angular, unused
   RealxN inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
@@ -26,7 +26,7 @@ struct Pair {
 /// Where the impulse acts.
 struct Arms {
   RealxN ax, ay, bx, by;  // from the centres of mass, m
-  RealxN ex, ey;          // the anchors' gap, m
+  RealxN ex, ey;          // from A's anchor to B's, m
 };
 
 TICKTRUE_INLINE Pair load_pair(const LaneRange& lanes, const Real* bodies) {
@@ -49,7 +49,7 @@ TICKTRUE_INLINE RealxN middle_share(const Pair& pair, const Arms& arms) {
   return arm2 > zero ? half * (arm2 / (arm2 > zero ? most : broadcast(1))) : half;
 }
 
-/// `a`, `b`: what the bodies have moved and turned since the tick began.
+/// `a`, `b`: delta positions and delta rotations of the bodies since the tick began.
 TICKTRUE_INLINE Arms arms_of(const LaneRange& lanes, const Pair& pair, const Columns4xN& a, const Columns4xN& b) {
   const RevoluteBatch& batch = lanes.batch;
   const RealxN anchor_a_x = lanes.load(batch.anchor_a_x), anchor_a_y = lanes.load(batch.anchor_a_y);
@@ -75,7 +75,7 @@ TICKTRUE_INLINE Arms load_arms(const LaneRange& lanes, const Pair& pair, const R
   return arms_of(lanes, pair, a, b);
 }
 
-/// What an impulse at the point does to its velocity (joint_rows.h, point_row).
+/// The mobility of the point: velocity per impulse (joint_rows.h, point_row).
 struct PointMobility {
   RealxN k11, k12, k22;
   RealxN determinant;
@@ -98,7 +98,7 @@ TICKTRUE_INLINE PointMobility mobility_of(const Pair& pair, const Arms& arms) {
   return k;
 }
 
-/// Adds impulse (px, py) at the point, -on A, +on B, and puts the velocities back.
+/// Applies impulse (px, py) at the point, -on A, +on B, and writes the velocities back.
 TICKTRUE_INLINE void apply_impulse(const LaneRange& lanes, Pair& pair, const Arms& arms, RealxN px, RealxN py,
                                    Real* bodies) {
   pair.a.at[0] -= pair.inv_mass_a * px;
@@ -111,7 +111,7 @@ TICKTRUE_INLINE void apply_impulse(const LaneRange& lanes, Pair& pair, const Arm
   scatter4<body_record_length>(bodies, lanes.batch.write_b + lanes.first, pair.b);
 }
 
-/// How far an arm that turns ends short of where its tangent leads, in shares of the arm (joint_rows.h, turning_rate).
+/// 1 - cos(angle) of an arm that rotates by `angle` (joint_rows.h, arm_rotation_rate).
 TICKTRUE_INLINE RealxN versine(RealxN angle) {
   const RealxN x2 = angle * angle;
   return x2 / (broadcast(2) + broadcast(Real(0.5)) * x2);

@@ -1,4 +1,4 @@
-// Weaving of the passes over joints.
+// The wavefront sweep over joints.
 // SPDX-License-Identifier: MIT
 #include "engine/joints/batched/wavefront.h"
 
@@ -12,7 +12,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// A pass over all joints, and before it a step of all bodies.
+/// A pass over all joints, with the step of all bodies that comes before it.
 enum class Pass : std::uint8_t { save_velocities, warm_start, warm_start_again, solve, relax };
 
 void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
@@ -27,7 +27,7 @@ void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
   if (pass == Pass::relax) motion.move_bodies(bodies, rows, count, dummy_body(scratch), dummy_sink(scratch, level), h);
 }
 
-void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level, Real h) {
+void do_level(Scratch& scratch, Pass pass, std::size_t front, std::uint32_t level, Real h) {
   const JointPlan& plan = scratch.caches.joints;
   step_bodies(scratch, pass, level, h);
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
@@ -37,29 +37,29 @@ void do_level(Scratch& scratch, Pass pass, std::size_t line, std::uint32_t level
         save_velocities_of(scratch, range);
         break;
       case Pass::warm_start:
-        warm_start_range(scratch, range, Poses::moved, line);
+        warm_start_range(scratch, range, Poses::moved, front);
         break;
       case Pass::warm_start_again:
-        warm_start_range(scratch, range, Poses::unmoved, line);
+        warm_start_range(scratch, range, Poses::unmoved, front);
         break;
       case Pass::solve:
-        solve_range(scratch, range, h, Bias::on, line);
+        solve_range(scratch, range, h, Bias::on, front);
         break;
       case Pass::relax:
-        solve_range(scratch, range, h, Bias::off, line);
+        solve_range(scratch, range, h, Bias::off, front);
         break;
     }
   }
 }
 
-/// For the pins of a level.
+/// Calls body(first, last) for the batches of plain revolute joints of a level.
 template <typename Body>
 void for_revolutes_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
   for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
     if (plan.ranges[i].path == JointPath::revolute) body(plan.ranges[i].first, plan.ranges[i].last);
 }
 
-constexpr std::size_t line_count_max = 64;
+constexpr std::size_t front_count_max = 64;
 constexpr std::size_t levels_per_chunk_least = 8;
 
 /// The passes of all substeps.
@@ -80,19 +80,19 @@ struct Passes {
     return pass == Pass::warm_start && i >= per_substep ? Pass::warm_start_again : pass;
   }
 
-  /// The i-th pass in a line from `first` on: a line finds what poses make of its joints itself.
-  Pass in_line(std::size_t i, std::size_t first) const {
+  /// The i-th pass in a front that begins at `first`: each front computes the constraints for itself.
+  Pass of_front(std::size_t i, std::size_t first) const {
     if (at(i) != Pass::warm_start_again) return at(i);
     while (first < i && at(first) == Pass::save_velocities) ++first;
     return first == i ? Pass::warm_start : Pass::warm_start_again;
   }
 
-  /// What a pass costs, about.
+  /// The approximate cost of a pass.
   std::size_t cost(std::size_t i) const {
     constexpr std::size_t costs[] = {1, 5, 2, 3, 5};
     return costs[static_cast<std::size_t>(at(i))];
   }
-  /// The end of the passes from `first` on that make up `share` of `share_count` equal shares of the cost.
+  /// The end of the passes from `first` on that have the cost of `share` of `share_count` equal shares.
   std::size_t up_to_share(std::size_t first, std::size_t share, std::size_t share_count) const {
     std::size_t total = 0;
     for (std::size_t i = 0; i < count; ++i) total += cost(i);
@@ -115,9 +115,9 @@ bool is_left_to_joints(const Scratch& scratch, const SolverSet& set) {
          !scratch.injected;
 }
 
-std::size_t wavefront_line_count(const Scratch& scratch) {
+std::size_t front_count(const Scratch& scratch) {
   const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
-  return std::min(width, line_count_max);
+  return std::min(width, front_count_max);
 }
 
 void separate_level_sinks(Scratch& scratch) {
@@ -138,14 +138,14 @@ void separate_level_sinks(Scratch& scratch) {
 void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
   const JointPlan& plan = scratch.caches.joints;
   const Passes passes(plan, set.substeps);
-  const std::size_t pass_line_count = wavefront_line_count(scratch);
-  std::array<std::size_t, line_count_max + 1> first{};  // pass of each line
+  const std::size_t pass_front_count = front_count(scratch);
+  std::array<std::size_t, front_count_max + 1> first{};  // the first pass of each front
   std::size_t longest = 0;
-  for (std::size_t line = 1; line <= pass_line_count; ++line) {
-    first[line] = passes.up_to_share(first[line - 1], line, pass_line_count);
-    // Not with what needs another pass before it (revolute_lanes.h).
-    if (first[line] < passes.count && passes.at(first[line]) == Pass::solve) ++first[line];
-    longest = std::max(longest, first[line] - first[line - 1]);
+  for (std::size_t front = 1; front <= pass_front_count; ++front) {
+    first[front] = passes.up_to_share(first[front - 1], front, pass_front_count);
+    // A front does not begin with a pass that requires another one before it (revolute_lanes.h).
+    if (first[front] < passes.count && passes.at(first[front]) == Pass::solve) ++first[front];
+    longest = std::max(longest, first[front] - first[front - 1]);
   }
   if (longest == 0) return;
   const auto fill = [&](std::uint32_t level) {
@@ -162,18 +162,18 @@ void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
                                 for (std::size_t level = chunk.begin; level < chunk.end; ++level)
                                   fill(static_cast<std::uint32_t>(level));
                               });
-  const Lines lines{pass_line_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
-  scratch.parallel.for_lines(lines, [&](std::size_t line, std::size_t step) {
+  const Lines lines{pass_front_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
+  scratch.parallel.for_lines(lines, [&](std::size_t front, std::size_t step) {
     const auto level = static_cast<std::uint32_t>(step);
-    if (line == 0) {
+    if (front == 0) {
       if (level >= filled_first && level < plan.level_count) fill(level);
-    } else if (line == lines.line_count - 1) {
+    } else if (front == lines.line_count - 1) {
       if (level < plan.level_count) store(level);
     } else {
-      for (std::size_t i = first[line - 1]; i < first[line]; ++i) {
-        const std::size_t behind = (i - first[line - 1]) * plan.distance;
+      for (std::size_t i = first[front - 1]; i < first[front]; ++i) {
+        const std::size_t behind = (i - first[front - 1]) * plan.distance;
         if (step < behind || step - behind >= plan.level_count) continue;
-        do_level(scratch, passes.in_line(i, first[line - 1]), line - 1, static_cast<std::uint32_t>(step - behind),
+        do_level(scratch, passes.of_front(i, first[front - 1]), front - 1, static_cast<std::uint32_t>(step - behind),
                  set.h);
       }
     }

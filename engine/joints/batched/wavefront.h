@@ -1,29 +1,28 @@
-// The passes over joints in one go: level by level each pass follows the one before, as soon as its bodies are done.
+// The wavefront (time-skewed) sweep over joints: each pass follows the pass before it through the levels.
 // SPDX-License-Identifier: MIT
 //
-// A substep is passes over all joints, level after level, and between them steps of all bodies. A joint sees nothing
-// but its two bodies, so its turn in a pass may come when these are done with the pass before: when that is beyond the
-// last level that moves either. In a net that is a few levels on, and dozens of levels of different passes are in work
-// at a time: bodies and joints come from memory once per tick instead of once per pass, and threads that each do some
-// of the passes follow each other through the levels, waiting only for the one ahead. Each body meets its joints and
-// its own steps in the order of the plain passes: the same bits.
+// A substep is a sequence of passes over all joints, level by level, with a step of all bodies before some passes. A
+// joint reads and writes only its two bodies. Its next pass may begin when no joint of a later level in the pass before
+// uses these bodies. In a net this distance is a few levels, so that dozens of levels of different passes are in
+// progress together. Bodies and joints are then loaded from memory once per tick instead of once per pass. Several
+// threads each take some of the passes, a front, and follow each other through the levels; a thread waits only for the
+// front ahead. Each body meets its joints and steps in the order of plain passes: the same bits.
 #pragma once
 
 #include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Whether the scene's solver, integrator and forces leave bodies to joints alone, but for steps of their own.
+/// Whether, in this scene, bodies between two passes over joints only take steps of their own.
 bool allows_wavefront(const Model& model);
-/// Whether in this tick nothing but joints acts on the bodies of a group.
+/// Whether in this tick nothing but joints acts on the bodies of a set.
 bool is_left_to_joints(const Scratch& scratch, const SolverSet& set);
-/// How many lines of passes there are at most: one for each thread.
-std::size_t wavefront_line_count(const Scratch& scratch);
-/// Makes joints ready for it: what nobody reads is written to a record of the level's own. Call before batches are
-/// filled.
+/// The largest number of fronts: one for each thread.
+std::size_t front_count(const Scratch& scratch);
+/// Gives each level a sink of its own, since several levels are solved at once. Call before batches are filled.
 void separate_level_sinks(Scratch& scratch);
 
-/// All substeps of a group. Requires: JointPlan::uses_wavefront, is_left_to_joints; prepare_joints; the integrator's
+/// All substeps of a set. Requires: JointPlan::uses_wavefront, is_left_to_joints; prepare_joints; the integrator's
 /// begin.
 void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set);
 

@@ -1,4 +1,4 @@
-// Contacts solved in blocks of islands, and in their places: the bits of one group, found anew.
+// Contacts solved in blocks of islands, and updated in place: the bits of one set, found anew.
 // SPDX-License-Identifier: MIT
 //
 // Verified: pyramids enough for blocks, whose boxes are taken away and thrown between them, so that islands meet and
@@ -76,11 +76,11 @@ Session thirty_ticks(const Scene& scene, Change change) {
 }
 
 /// That keeping what ticks keep changes no bit.
-void check_kept(const Session& session) {
-  engine::EngineOptions kept, anew;
-  kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+void check_cached(const Session& session) {
+  engine::EngineOptions cached, anew;
+  cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
   anew.broad_phase = engine::BroadPhaseKind::brute_force;
-  CHECK(tick_hashes(session, 30, kept) == tick_hashes(session, 30, anew));
+  CHECK(tick_hashes(session, 30, cached) == tick_hashes(session, 30, anew));
 }
 
 /// The bodies and contacts after every fifth tick.
@@ -103,7 +103,7 @@ std::vector<Bytes> run_of(const Session& session, const engine::EngineOptions& o
 
 }  // namespace
 
-TEST_CASE("blocks of islands that meet and part give the bits of one group", "[engine][blocks][equivalence]") {
+TEST_CASE("blocks of islands that meet and part give the bits of one set", "[engine][blocks][equivalence]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const bool sleeps : {false, true}) {
       CAPTURE(precision, sleeps);
@@ -125,7 +125,7 @@ TEST_CASE("blocks of islands that meet and part give the bits of one group", "[e
     }
 }
 
-TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blocks][kept]") {
+TEST_CASE("a pair that was away for some ticks is tested anew", "[engine][blocks][caches]") {
   Scene scene = empty_scene(Precision::f32);
   scene.settings.continuous = false;  // no way ahead that would keep the pair
   scene.inputs = {engine::InputKind::set_velocity};
@@ -135,18 +135,18 @@ TEST_CASE("a pair that was away for some ticks is looked at anew", "[engine][blo
     scene.bodies.back().velocity = {1, 0};
   }
   scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {10, 0.5}));  // the only one in its block
-  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
+  check_cached(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
     input.body = 65;
     input.values[1] = tick == 10 ? 60 : tick == 12 ? -60 : 0;
     return tick >= 10 && tick <= 12;
   }));
 }
 
-TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engine][kept]") {
+TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engine][caches]") {
   Scene scene = empty_scene(Precision::f32);
   scene.inputs = {engine::InputKind::set_gravity};
   scene.bodies = {ground(20), body_of(box_shape(0.5, 0.5), {0, 0.5}), body_of(disc_shape(0.5), {3, 2})};
-  check_kept(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
+  check_cached(thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
     input.values[0] = tick < 20 ? 3 : -3;
     input.values[1] = tick < 25 ? -9.81 : -4;
     return tick % 10 == 5 || tick == 20;

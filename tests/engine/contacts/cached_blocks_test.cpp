@@ -1,4 +1,4 @@
-// Structures kept from tick to tick change no bit: with any of them forgotten a tick is the same.
+// Cached structures change no bit: a tick is the same with any of them forgotten.
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/input.h"
@@ -48,7 +48,7 @@ std::vector<std::uint64_t> hashes_forgetting(const Session& session, std::uint64
 }  // namespace
 
 TEST_CASE("bodies that rested near each other do not pass through each other",
-          "[engine][narrow_phase][kept][regression]") {
+          "[engine][narrow_phase][caches][regression]") {
   for (const auto& precision : engine::precisions) {
     const Session session = sent_at_each_other(precision.kind);
     const auto engine = make_engine_or_fail(session.scene);
@@ -65,7 +65,7 @@ TEST_CASE("bodies that rested near each other do not pass through each other",
   }
 }
 
-TEST_CASE("a tick without any one of the cached structures gives the same bits", "[engine][kept][determinism]") {
+TEST_CASE("a tick without any one of the cached structures gives the same bits", "[engine][caches][determinism]") {
   constexpr std::uint64_t tick_count = 40;
   std::vector<Session> sessions = property_sessions();
   for (const auto& precision : engine::precisions) sessions.push_back(sent_at_each_other(precision.kind));
@@ -95,7 +95,7 @@ TEST_CASE("a tick without any one of the cached structures gives the same bits",
   }
 }
 
-TEST_CASE("a forgotten structure is made anew, and is hit again in the tick after", "[engine][kept]") {
+TEST_CASE("a forgotten structure is made anew, and is hit again in the tick after", "[engine][caches]") {
   const Session session{"pyramid", *engine::make_builtin_scene("pyramid?base=6"), {}};
   const auto engine = make_engine_or_fail(session.scene);
   run_ticks(*engine, 120);
@@ -115,7 +115,7 @@ TEST_CASE("a forgotten structure is made anew, and is hit again in the tick afte
   }
 }
 
-TEST_CASE("an engine that checks its caches gives the same bits and finds nothing", "[engine][kept]") {
+TEST_CASE("an engine that checks its caches gives the same bits and finds nothing", "[engine][caches]") {
   engine::EngineOptions checking;
   checking.check_caches = true;
   for (const Session& session : property_sessions()) {

@@ -1,4 +1,4 @@
-// What is kept from tick to tick holds only as long as nothing has changed that contacts follow from.
+// Cached contacts are valid only while nothing changes from which contacts follow.
 // SPDX-License-Identifier: MIT
 #include <vector>
 
@@ -59,17 +59,17 @@ Session pushes(const Scene& scene, std::uint64_t seed, int tick_count) {
 
 }  // namespace
 
-TEST_CASE("contacts kept from tick to tick are those found anew where they are foreseen from velocities",
-          "[engine][broad_phase][kept][landings]") {
+TEST_CASE("cached contacts are those found anew, with speculative contacts",
+          "[engine][broad_phase][caches][resting_impacts]") {
   constexpr int tick_count = 90;
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const bool bullets : {false, true})
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         CAPTURE(precision, bullets, seed);
         const Session session = pushes(still_grid(precision, bullets), seed, tick_count);
-        engine::EngineOptions kept, anew;
-        kept.broad_phase = engine::BroadPhaseKind::aabb_tree;
+        engine::EngineOptions cached, anew;
+        cached.broad_phase = engine::BroadPhaseKind::aabb_tree;
         anew.broad_phase = engine::BroadPhaseKind::brute_force;  // keeps nothing
-        CHECK(tick_hashes(session, tick_count, kept) == tick_hashes(session, tick_count, anew));
+        CHECK(tick_hashes(session, tick_count, cached) == tick_hashes(session, tick_count, anew));
       }
 }

@@ -1,7 +1,7 @@
 // Stacks stand: towers, pyramids, card houses, of every size and mass ratio.
 // SPDX-License-Identifier: MIT
 //
-// All with automatic substeps, whose target is a sag of 0.005 of the size of a box; twice that is allowed here.
+// All with automatic substeps, whose target is an error of 0.005 of the size of a box; twice that is allowed here.
 #include <cmath>
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// Landings: what falls onto a tower or slides against it leaves the tower where it is, and adds no energy.
+// Resting impacts: a body that falls onto a tower or slides against it leaves the tower in place and adds no energy.
 // SPDX-License-Identifier: MIT
 //
 // With automatic substeps. Boxes are 1 m, so that the slop is 5 mm.
@@ -95,7 +95,7 @@ void check_landing(const Scene& scene, const Body& lands, double drop, Point lan
 
 }  // namespace
 
-TEST_CASE("a box lands on a resting tower and nothing but the box moves", "[engine][stack][landings]") {
+TEST_CASE("a box lands on a resting tower and nothing but the box moves", "[engine][stack][resting_impacts]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const int count : {3, 5, 10, 20}) {
       CAPTURE(precision, count);
@@ -105,7 +105,7 @@ TEST_CASE("a box lands on a resting tower and nothing but the box moves", "[engi
 }
 
 TEST_CASE("a box lands beside the middle of a resting tower and nothing but the box moves",
-          "[engine][stack][landings]") {
+          "[engine][stack][resting_impacts]") {
   for (const int count : {3, 5})
     for (const double drop : drops) check_landing(towers_scene(count, {0}), unit_box({0, 0}), drop, {0.3, count + 0.5});
   for (const double drop : drops) check_landing(towers_scene(10, {0}), unit_box({0, 0}), drop, {0.1, 10.5});
@@ -114,7 +114,7 @@ TEST_CASE("a box lands beside the middle of a resting tower and nothing but the 
 // Rigid boxes would not move at all: the impulse goes down within every box, so both points below it can take their
 // share, and all velocities stay zero. What a tower moves by is error: it leans under the new load.
 TEST_CASE("a box lands far beside the middle of a tall tower and nothing but the box moves",
-          "[engine][stack][landings]") {
+          "[engine][stack][resting_impacts]") {
   for (const double target : {0.005, 0.0005})
     for (const int count : {10, 20, 40})
       for (const double aside : {0.3, 0.45})
@@ -126,7 +126,7 @@ TEST_CASE("a box lands far beside the middle of a tall tower and nothing but the
         }
 }
 
-TEST_CASE("a plank lands on two resting towers and nothing but the plank moves", "[engine][stack][landings]") {
+TEST_CASE("a plank lands on two resting towers and nothing but the plank moves", "[engine][stack][resting_impacts]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     CAPTURE(precision);
     for (const double drop : drops)
@@ -135,7 +135,7 @@ TEST_CASE("a plank lands on two resting towers and nothing but the plank moves",
 }
 
 TEST_CASE("a box that slides against a resting tower adds no energy and pushes it no farther than friction lets it",
-          "[engine][stack][landings]") {
+          "[engine][stack][resting_impacts]") {
   const double friction = 0.6;
   for (const int count : {3, 10})
     for (const double speed : {0.2, 1.0, 3.0}) {  // m/s where it meets the tower
@@ -157,7 +157,8 @@ TEST_CASE("a box that slides against a resting tower adds no energy and pushes i
     }
 }
 
-TEST_CASE("boxes that land on a bridge of pinned planks get no energy from nowhere", "[engine][landings][joints]") {
+TEST_CASE("boxes that land on a bridge of pinned planks get no energy from nowhere",
+          "[engine][resting_impacts][joints]") {
   constexpr int plank_count = 6;
   for (const double half : {0.2, 0.5})
     for (const double drop : {0.5, 2.0}) {
@@ -180,7 +181,8 @@ TEST_CASE("boxes that land on a bridge of pinned planks get no energy from nowhe
     }
 }
 
-TEST_CASE("boxes that begin deep inside the ground and each other make states that load again", "[engine][landings]") {
+TEST_CASE("boxes that begin deep inside the ground and each other make states that load again",
+          "[engine][resting_impacts]") {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Random random(5);
     for (int heap = 0; heap < 300; ++heap) {

@@ -187,16 +187,16 @@ TEST_CASE("a chain made apart at every joint draws together", "[engine][joints][
   }
 }
 
-// A pass over the joints moves the hub back and forth and the rods hardly: with one pass before each move, six welded
-// rods on a hub of their own mass were at 1e8 m/s after half a second.
+// A pass over the joints moves the light body and barely the rods. With one pass per substep, six rods welded to a
+// light body of their own mass reached 1e8 m/s after half a second.
 TEST_CASE("rods on a light hub gain no energy", "[engine][joints][stretched]") {
-  for (const double hub_mass : {1.0, 0.01, 0.0001})
+  for (const double light_mass : {1.0, 0.01, 0.0001})
     for (const int count : {3, 6, 12})
       for (const JointKind kind : {JointKind::weld, JointKind::revolute}) {
-        CAPTURE(hub_mass, count, static_cast<int>(kind));
+        CAPTURE(light_mass, count, static_cast<int>(kind));
         Scene scene = empty_scene(Precision::f32);
         scene.bodies.push_back(peg({0, 0}));
-        scene.bodies.push_back(bob({0, 0}, hub_mass, 0.005 * hub_mass));
+        scene.bodies.push_back(bob({0, 0}, light_mass, 0.005 * light_mass));
         scene.joints.push_back(joint_of(JointKind::revolute, 0, 1));
         for (int i = 0; i < count; ++i) {
           const double angle = 2 * engine::pi * i / count;

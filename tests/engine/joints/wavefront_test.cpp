@@ -1,8 +1,8 @@
-// Passes over joints that are woven give the bits of passes that follow each other.
+// The wavefront sweep over joints gives the bits of plain passes.
 // SPDX-License-Identifier: MIT
 //
-// Verified: nets with joints of every kind beside each other, in both precisions, with every instruction set, on one
-// thread, on several, and with lines as early and as late as they may go; with bodies removed on the way.
+// Verified: nets with joints of every kind side by side, in both precisions, with every instruction set, on one thread
+// and several, with fronts as early and as late as allowed, and with bodies removed on the way.
 #include <atomic>
 #include <cstring>
 
@@ -63,7 +63,7 @@ Scene mixed_net(Precision precision, int columns, const std::vector<Kind>& kinds
   return scene;
 }
 
-/// A kinematic body beside a net: it moves without joints, and the passes are not woven.
+/// A kinematic body beside a net: it moves without joints, so that passes are plain.
 Scene without_wavefront(Scene scene) {
   scene.bodies.push_back(body_of(disc_shape(0.1), {-50, 0}, BodyType::kinematic_body));
   scene.bodies.back().shapes[0].filter = {2, 0xfffffffd, 0};
@@ -75,9 +75,9 @@ struct Net {
   std::vector<Kind> kinds;
 };
 std::vector<Net> nets() {
-  return {{"pins", {Kind::plain}},
-          {"hinges", {Kind::limited, Kind::sprung, Kind::driven}},
-          {"pins and hinges", {Kind::plain, Kind::plain, Kind::sprung, Kind::plain, Kind::limited}},
+  return {{"revolutes", {Kind::plain}},
+          {"driven revolutes", {Kind::limited, Kind::sprung, Kind::driven}},
+          {"plain and driven revolutes", {Kind::plain, Kind::plain, Kind::sprung, Kind::plain, Kind::limited}},
           {"all",
            {Kind::plain, Kind::limited, Kind::plain, Kind::weld, Kind::sprung, Kind::rod, Kind::driven, Kind::rope}}};
 }
@@ -114,7 +114,7 @@ void check_wavefront(const Scene& scene, const engine::EngineOptions& options, i
 
 }  // namespace
 
-TEST_CASE("woven joints give the bits of passes that follow each other", "[engine][joints][threads][equivalence]") {
+TEST_CASE("a wavefront sweep over joints gives the bits of plain passes", "[engine][joints][threads][equivalence]") {
   for (const Precision precision : {Precision::f32, Precision::f64})
     for (const Net& net : nets())
       for (const engine::InstructionSetInfo& info : engine::instruction_sets) {
@@ -127,7 +127,7 @@ TEST_CASE("woven joints give the bits of passes that follow each other", "[engin
           ChunkOrder order(reversed);
           options.parallel = {&order, 3};
           check_wavefront(scene, options, 90, 60);
-          CHECK(order.line_run_count == 60);  // they were woven, as long as all were there
+          CHECK(order.line_run_count == 60);  // a wavefront sweep in each tick in which all joints exist
         }
         if (!build_info().has_threads) continue;
         options.parallel = {nullptr, 3};
@@ -139,7 +139,7 @@ TEST_CASE("woven joints give the bits of passes that follow each other", "[engin
       }
 }
 
-TEST_CASE("large nets are woven without being forced to", "[engine][joints][threads][equivalence]") {
+TEST_CASE("large nets use a wavefront sweep unforced", "[engine][joints][threads][equivalence]") {
   for (const Net& net : nets()) {
     CAPTURE(net.name);
     const Scene scene = mixed_net(Precision::f32, 26, net.kinds);

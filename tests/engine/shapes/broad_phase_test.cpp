@@ -168,8 +168,8 @@ bool contain_those_of(const f64::Model& model, const f64::State& state, const f6
   });
 }
 
-TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump, come and go",
-          "[engine][broad_phase][kept]") {
+TEST_CASE("the cached tree gives the pairs of brute force while bodies crawl, jump, come and go",
+          "[engine][broad_phase][caches]") {
   Random random(12);
   std::size_t more = 0;
   std::size_t unchanged_count = 0;
@@ -184,7 +184,7 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
       for (f64::BodyRow& body : state.bodies) {
         if (model.bodies[body.source].type == BodyType::static_body) continue;
         const double size = model.bodies[body.source].extent;
-        // Most lie still or stir in the room of their boxes, some crawl, a few jump far beyond their boxes.
+        // Most rest or move within the margins of their boxes, some crawl, a few jump far.
         const double crawl = random.below(3) == 0 ? 0.02 : random.below(2) == 0 ? 1e-4 : 0;
         const double step = tick % 60 >= 57 ? 0.5 : tick % 7 == 3 ? 1e-5 : random.below(40) == 0 ? 3 : crawl;
         body.position = {body.position.x + size * step * random.real(-1, 1),
@@ -212,7 +212,7 @@ TEST_CASE("the kept tree gives the pairs of brute force while bodies crawl, jump
   CHECK(unchanged_count > 100);
 }
 
-TEST_CASE("the room of boxes does not count against the limit of pairs", "[engine][broad_phase][kept][hostile]") {
+TEST_CASE("the margin of boxes does not count against the limit of pairs", "[engine][broad_phase][caches][hostile]") {
   Random random(3);
   const f64::Model model = f64::make_model(scattered(1, 600, 8, 0.4, 0.5, {}));
   f64::State state = f64::initial_state(model);
@@ -240,7 +240,7 @@ TEST_CASE("the room of boxes does not count against the limit of pairs", "[engin
   CHECK(more > 10);
 }
 
-TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][kept]") {
+TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phase][caches]") {
   const f64::Model model = f64::make_model(coincident(0, 2));
   f64::State state = f64::initial_state(model);
   Following cached;
@@ -254,8 +254,8 @@ TEST_CASE("when the last body goes, so does the last pair", "[engine][broad_phas
   CHECK(cached.pairs.empty());
 }
 
-TEST_CASE("while everything flies, pairs are listed anew; once it lies still, they are kept again",
-          "[engine][broad_phase][kept]") {
+TEST_CASE("while everything moves, pairs are listed anew; at rest they are cached again",
+          "[engine][broad_phase][caches]") {
   Random random(5);
   Scene scene = scattered(1, 500, 20, 0.4, 0.5, {});
   const f64::Model model = f64::make_model(scene);

@@ -116,7 +116,7 @@ TEST_CASE("every broad phase stops in the tick that has one pair more than may b
 }
 
 TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][hostile][determinism]") {
-  // The tree then lists no large boxes, since those are more than the pairs that count.
+  // The tree then lists no pairs of fat AABBs, since these are more than the pairs that count.
   constexpr int tick_count = 24;
   const Scene scene = meeting(150, 12, 0.1);
   const std::vector<std::size_t> counts = pair_counts(scene, tick_count);
