@@ -33,14 +33,14 @@ class Box2dJoints {
   bool has_anchorage() const { return anchorage_ != nullptr; }
 
  private:
-  struct Sprung {
+  struct SoftJoint {
     b2Joint* joint;
     const engine::Joint* description;
   };
   b2World& world_;
   Box2dUnits units_;
   float dt_;
-  std::vector<Sprung> sprung_;
+  std::vector<SoftJoint> soft_joints_;
   b2Body* anchorage_ = nullptr;  // made when first needed
 };
 

@@ -56,7 +56,7 @@ bool contains(const std::array<std::string_view, count>& names, std::string_view
   return false;
 }
 
-/// Gives out the rows of a session one after another.
+/// Returns the rows of a session one after another.
 class SessionReader {
  public:
   SessionReader(std::string_view csv, const std::string& source) : rest_(csv), source_(source) {}

@@ -11,7 +11,7 @@
 
 namespace ticktrue::verifier {
 
-/// Gives out the inputs of another source, stamped by tick as they are, with the dt of the scene's clock. The session
+/// Returns the inputs of another source, stamped by tick as they are, with the dt of the scene's clock. The session
 /// also ends where the host's frames do.
 class ClockedInputs : public replay::InputSource {
  public:

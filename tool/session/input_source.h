@@ -38,7 +38,7 @@ class LineReader {
   Result<std::optional<std::string_view>> next(const std::function<bool()>& stop);
 
   const std::string& name() const { return name_; }           // for messages: the path, or "standard input"
-  std::uint64_t line_number() const { return line_number_; }  // of the line given out last, from 1
+  std::uint64_t line_number() const { return line_number_; }  // of the line returned last, from 1
   std::uint64_t offset() const { return offset_; }            // bytes read so far
   bool is_file() const { return is_file_; }                   // a regular file, which can be read again
   std::uint64_t file_size() const { return file_size_; }      // bytes; 0 where not known
@@ -56,7 +56,7 @@ class LineReader {
   std::uint64_t line_number_ = 0;
   std::uint64_t offset_ = 0;
   std::string buffer_;
-  std::size_t start_ = 0;  // of what is in the buffer and not yet given out
+  std::size_t start_ = 0;  // of what is in the buffer and not yet returned
 };
 
 /// What a whole file of inputs holds.
@@ -79,12 +79,12 @@ class JsonLinesInputs : public replay::InputSource {
   Result<std::optional<TickInput>> next(std::uint64_t tick) override;
   bool repeatable() const override { return lines_.is_file(); }
 
-  /// Which line of the tick given out last `simulation` would refuse, as "file:line". Requires: it refused the tick.
+  /// Which line of the tick returned last `simulation` would refuse, as "file:line". Requires: it refused the tick.
   std::string place_of_refused(const Simulation& simulation) const;
 
   /// Whether next() failed: then the message of that error names the place already.
   bool gave_error() const { return gave_error_; }
-  std::uint64_t count() const { return count_; }  // inputs given out so far
+  std::uint64_t count() const { return count_; }  // inputs returned so far
 
  private:
   struct Line {
@@ -103,12 +103,12 @@ class JsonLinesInputs : public replay::InputSource {
   const engine::Scene& scene_;
   Options options_;
   LineReader lines_;
-  std::optional<Line> pending_;  // read, not yet given out
+  std::optional<Line> pending_;  // read, not yet returned
   bool at_end_ = false;          // no line follows pending_
   std::optional<std::uint64_t> end_tick_;
   std::uint64_t last_tick_ = 0;
   bool last_tick_has_inputs_ = false;
-  std::vector<Line> tick_lines_;  // of the tick given out last, in the order in which they apply
+  std::vector<Line> tick_lines_;  // of the tick returned last, in the order in which they apply
   Bytes bytes_;
   std::uint64_t count_ = 0;
   bool gave_error_ = false;

@@ -26,7 +26,7 @@ engine::EngineOptions engine_options_of_environment();
 bool runs_on_threads(const SimulationInfo& info);
 
 /// How commands for traces of this simulation begin: "ticktrue", and --plugin where a plug-in brought it.
-std::string tool_words(std::string_view simulation);
+std::string tool_command(std::string_view simulation);
 
 /// "a, b or c": for error messages.
 std::string simulation_names();

@@ -13,7 +13,7 @@
 #include "tool/drawing/svg.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/playback.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/simulations.h"

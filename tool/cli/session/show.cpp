@@ -9,7 +9,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/trace_summary.h"
 
 namespace ticktrue::cli {

@@ -77,7 +77,7 @@ Finding make_failure(const Variant& variant, std::uint64_t tick, std::string wha
   return finding;
 }
 
-std::string place_words(const Engine& engine, const StateView& state, const StatePlace& place) {
+std::string place_of_tick_text(const Engine& engine, const StateView& state, const StatePlace& place) {
   const TableSchema& table = state.schema->tables[place.table];
   const std::string name = engine.row_name(place.table, place.row);
   return "table " + table.name + ", column " + table.columns[place.column].name + ", row " + std::to_string(place.row) +
@@ -170,8 +170,8 @@ class BaseWalk {
     if (!options_.checks.has(CheckKind::zeros) || saw_negative_zero_) return true;
     if (const auto place = find_negative_zero(state)) {
       saw_negative_zero_ = true;
-      run_.findings.push_back(make_failure({CheckKind::zeros}, tick,
-                                           place_words(*engine_, state, *place) + ": found -0, expected 0", false));
+      run_.findings.push_back(make_failure(
+          {CheckKind::zeros}, tick, place_of_tick_text(*engine_, state, *place) + ": found -0, expected 0", false));
     }
     return true;
   }

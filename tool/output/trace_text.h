@@ -1,4 +1,4 @@
-// Words for the condition of a trace, in text and in JSON, and the exit code they mean.
+// The condition of a trace as text and in JSON, and its exit code.
 // SPDX-License-Identifier: MIT
 #pragma once
 
