@@ -1,4 +1,4 @@
-// Gives a world of Box2D the joints of the scene.
+// Creates the joints of a scene in a Box2D world.
 // SPDX-License-Identifier: MIT
 #if defined(TICKTRUE_HAS_BOX2D)
 

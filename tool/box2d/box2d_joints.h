@@ -1,4 +1,4 @@
-// Gives a world of Box2D the joints of the scene. Included by the Box2D peer's files alone.
+// Creates the joints of a scene in a Box2D world. Included only by the files of the Box2D peer.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// Top level of the command line: help, unknown words, and everything that was not caught below.
+// Top level of the command line: help, unknown arguments, exceptions that were not caught below.
 // SPDX-License-Identifier: MIT
 #include "tool/cli/command_line.h"
 

@@ -1,4 +1,4 @@
-// The plug-in options: loading, and telling a crash or a hang.
+// The plug-in options: loading, and reporting a crash or a hang.
 // SPDX-License-Identifier: MIT
 #include "tool/cli/plugins.h"
 

@@ -1,4 +1,4 @@
-// What joints hold and look like in the world.
+// Gaps and lines of joints in the world.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/joint_geometry.h"
 

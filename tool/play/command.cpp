@@ -1,4 +1,4 @@
-// `ticktrue play`: a scene is played in and recorded, a trace is looked at.
+// `ticktrue play`: interactive recording in a scene, or playback of a trace.
 // SPDX-License-Identifier: MIT
 #include "tool/play/display.h"
 #include "tool/session/session_inputs.h"

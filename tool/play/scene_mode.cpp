@@ -19,7 +19,7 @@ constexpr std::array<const char*, 9> key_scenes{
     "thesis",           "stack?boxes=12",           "pyramid?base=16",    "mixed_pile?bodies=200", "shapes?bodies=80",
     "bridge?planks=24", "chain?links=20&angle=1.2", "card_house?tents=4", "billiards?walls=1"};
 
-/// Passes everything on, and knows how long the last steps took.
+/// Forwards to a simulation, and measures the last steps.
 class TimedSimulation : public Simulation {
  public:
   explicit TimedSimulation(engine::Engine& engine) : engine_(engine) {}
@@ -98,7 +98,7 @@ struct Recorded {
   std::uint64_t body_count = 0;
 };
 
-/// One session after the other, until the person has enough.
+/// Runs session after session until the person quits.
 class SceneMode {
  public:
   SceneMode(const cli::PlayOptions& options, Display& display, const LayerSet& layers)

@@ -1,4 +1,4 @@
-// Looking at a trace: it plays while it is simulated again; a divergence stops it and is shown.
+// Plays a trace while re-simulating it; stops at a divergence and shows it.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
@@ -36,7 +36,7 @@ std::vector<PanelLine> trace_help() {
   return list;
 }
 
-/// A lane that differs, as "column", "expected", "got" side by side.
+/// A line for a lane that differs: "column", "expected", "got".
 std::string side_by_side(const std::string& what, const std::string& expected, const std::string& got) {
   return fmt::format("{:<30.30} {:>17.17} {:>17.17}", what, expected, got);
 }
@@ -78,7 +78,7 @@ std::vector<PanelLine> divergence_lines(const verifier::Report& report) {
   return lines;
 }
 
-/// One trace, perhaps beside another.
+/// One trace, optionally with a second one for comparison.
 class TraceMode {
  public:
   TraceMode(const cli::PlayOptions& options, Display& display, Player& player, Player* other, const LayerSet& layers)

@@ -1,4 +1,4 @@
-// Inputs of a session whose ticks' lengths come from a clock and the frames of a host.
+// Inputs of a session whose dt comes from a clock and the frames of a host.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -59,7 +59,7 @@ class LineReader {
   std::size_t start_ = 0;  // of what is in the buffer and not yet returned
 };
 
-/// What a whole file of inputs holds.
+/// A summary of a file of inputs.
 struct InputSummary {
   std::uint64_t count = 0;                // without `end`
   std::uint64_t last_tick = 0;            // of the last input; 0 if there is none
@@ -70,7 +70,7 @@ class JsonLinesInputs : public replay::InputSource {
  public:
   struct Options {
     bool needs_end = false;      // the file says when the session ends: no `end` is an error
-    std::function<bool()> stop;  // asked while waiting for live inputs: true gives up with an io error; may be empty
+    std::function<bool()> stop;  // called while waiting for live inputs; true: io error; may be empty
   };
   /// The scene must outlive the source. `path` "-": standard input. Errors: io.
   static Result<std::unique_ptr<JsonLinesInputs>> open(const engine::Scene& scene, const std::string& path,
@@ -82,7 +82,7 @@ class JsonLinesInputs : public replay::InputSource {
   /// Which line of the tick returned last `simulation` would refuse, as "file:line". Requires: it refused the tick.
   std::string place_of_refused(const Simulation& simulation) const;
 
-  /// Whether next() failed: then the message of that error names the place already.
+  /// Whether next() failed: then the message of that error already contains the place.
   bool gave_error() const { return gave_error_; }
   std::uint64_t count() const { return count_; }  // inputs returned so far
 
@@ -96,7 +96,7 @@ class JsonLinesInputs : public replay::InputSource {
 
   JsonLinesInputs(const engine::Scene& scene, LineReader lines, Options options)
       : scene_(scene), options_(std::move(options)), lines_(std::move(lines)) {}
-  /// Reads up to the next input, checks it and its order, and leaves it in pending_; nothing there: the end.
+  /// Reads the next input into pending_ and checks it and its order; pending_ is empty at the end.
   Status read_pending();
   Result<std::optional<TickInput>> collect(std::uint64_t tick);
 
@@ -114,8 +114,8 @@ class JsonLinesInputs : public replay::InputSource {
   bool gave_error_ = false;
 };
 
-/// Reads a whole file and checks each line, so that nothing is begun on inputs that are wrong further down. What only
-/// a running simulation can tell (an id never issued) is not checked. `progress` (bytes done, bytes in all) may be
+/// Reads a whole file and checks each line before the session begins. Errors that only a running simulation can detect
+/// (an id that was never issued) are not checked. `progress` (bytes done, bytes in all) may be
 /// empty. Errors: io, invalid_input, limit.
 Result<InputSummary> check_inputs(const engine::Scene& scene, const std::string& path,
                                   const std::function<void(std::uint64_t, std::uint64_t)>& progress);

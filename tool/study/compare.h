@@ -1,13 +1,12 @@
 // Compares ways to simulate one scene: integrators, clocks, solvers, substeps, precisions, steps, threads and more.
 // SPDX-License-Identifier: MIT
 //
-// Every variant runs the same session as a base and is measured against the base at equal simulated times. Twins of the
-// base (as in identical-twin experiments of predictability studies) run too: every moving body is shifted by one unit
-// in the last place. A difference counts as drift of the variant only if it exceeds the differences of the twins,
-// because chaos separates any two runs. Verified: bits, tick by tick, where the ticks are the same: of the bodies, and
-// of the whole state in variants that only change what no bit may depend on (broad phase, threads); poses at equal
-// times; who stands, in what order, where bodies rest. Not verified: which of two runs is nearer to the truth
-// (`ticktrue accuracy` does that).
+// Every variant runs the same session as a base and is compared with the base at equal simulated times. Twins of the
+// base run too (as in identical-twin experiments): every moving body is shifted by one unit in the last place. A
+// difference counts as drift of the variant only if it exceeds the differences of the twins: chaos separates any runs.
+// Verified: bits, tick by tick, where the ticks are the same: of the bodies, and of the whole state in variants that
+// only change what no bit may depend on (broad phase, threads); poses at equal times; which bodies stand, in what
+// order, where bodies rest. Not verified: which of two runs is nearer to the truth (`ticktrue accuracy` does that).
 #pragma once
 
 #include <array>

@@ -166,7 +166,7 @@ class Differ {
       } else if (report_.divergence && comparable_) {
         follow_spread(*a, *b);
       }
-      if (found || (comparable_ && a->root_hash != b->root_hash)) note_differing(tick);
+      if (found || (comparable_ && a->root_hash != b->root_hash)) add_differing(tick);
       time_s += a->dt;
       ++tick;
       if (comparable_) ++report_.ticks_compared;
@@ -182,7 +182,7 @@ class Differ {
     while (b != nullptr) b = b_.advance();
   }
 
-  void note_differing(std::uint64_t tick) {
+  void add_differing(std::uint64_t tick) {
     std::vector<TickRange>& ranges = report_.differing;
     if (!ranges.empty() && (ranges.back().last + 1 >= tick || ranges.size() == differing_ranges_max))
       ranges.back().last = tick;
@@ -244,7 +244,7 @@ class Differ {
                             : same   ? "the hash of the tick before is not that of the checkpoint"
                                      : "the hashes of the tick before agree, the checkpoints do not";
     report_.divergence = std::move(divergence);
-    if (!is_start) note_differing(ticks_done - 1);
+    if (!is_start) add_differing(ticks_done - 1);
   }
 
   /// Whether the checkpoint is a state with this hash.

@@ -84,7 +84,7 @@ class SegmentPool {
     for (std::size_t i = next_.fetch_add(1); i < results_.size() && i <= first_finding_; i = next_.fetch_add(1)) {
       results_[i] = walk_one(reader, i);
       const bool is_last = i + 1 == results_.size() || options_.to_end;
-      if (!is_clean(results_[i], is_last)) note_finding(i);
+      if (!is_clean(results_[i], is_last)) set_first_finding(i);
     }
   }
 
@@ -103,7 +103,7 @@ class SegmentPool {
     return result;
   }
 
-  void note_finding(std::size_t i) {
+  void set_first_finding(std::size_t i) {
     std::size_t first = first_finding_;
     while (i < first && !first_finding_.compare_exchange_weak(first, i)) {
     }

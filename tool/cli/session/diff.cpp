@@ -1,4 +1,4 @@
-// `ticktrue diff`: compares two traces without running anything.
+// `ticktrue diff`: compares two traces without simulating.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/diff.h"
 

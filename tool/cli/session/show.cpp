@@ -1,4 +1,4 @@
-// `ticktrue show`: what is in a trace. Reads it, runs nothing.
+// `ticktrue show`: prints the contents of a trace without simulating.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 

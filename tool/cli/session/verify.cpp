@@ -183,7 +183,7 @@ bool needs_plugin(const std::string& file) {
   return info != nullptr && !verifier::runs_on_threads(*info);
 }
 
-/// What a plug-in does wrong is a finding in one file: the next one goes on.
+/// A fault of a plug-in is a finding for one file; the other files are still verified.
 Report plugin_report(const std::string& file, const std::string& mode, const std::string& what,
                      const verifier::SharedCount& compared) {
   Report report;
@@ -315,7 +315,7 @@ Status check_options(const VerifyCommand& command) {
   return {};
 }
 
-/// What continuous integration reads, beside the reports themselves.
+/// Output for continuous integration, in addition to the reports.
 Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& command) {
   if (!command.junit.empty()) {
     auto file = verifier::DataFile::create(command.junit, true);

@@ -1,4 +1,4 @@
-// `ticktrue golden`: keeps a directory of golden traces and its manifest true to each other and to this build.
+// `ticktrue golden`: checks and updates a directory of golden traces and its manifest.
 // SPDX-License-Identifier: MIT
 #include "verifier/corpus/golden.h"
 
@@ -61,7 +61,7 @@ struct GoldenOutcome {
   }
 };
 
-/// A file of the manifest: as named, or beside or in the directory of the traces.
+/// Path of a file of the manifest: as named, or next to or in the directory of the traces.
 std::string find_file(const GoldenCommand& command, const std::string& word) {
   const fs::path folder(command.directory);
   std::error_code failure;
@@ -182,7 +182,7 @@ void describe_change(const std::string& old_path, const std::string& new_path, G
   outcome.ticks = verifier::changed_ticks(*old_reader, *new_reader);
 }
 
-/// Records the row beside its trace and keeps whichever is to be.
+/// Records the row next to its trace, and keeps the old or the new file.
 void update_row(const GoldenCommand& command, GoldenRow& row, GoldenOutcome& outcome) {
   const std::string path = command.path_of(row.file);
   const std::string fresh = path + ".ticktrue-new";

@@ -1,4 +1,4 @@
-// The base run of a world, and runs in other ways that must give the same bits.
+// The base run of a world, and runs of variants that must produce the same bits.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/runs.h"
 
@@ -141,7 +141,7 @@ class BaseWalk {
       return false;
     }
     const StateView& state = engine_->state();
-    if (!look_at_values(state, tick)) return false;
+    if (!check_values(state, tick)) return false;
     run_.ran_away = has_run_away(*engine_);
     if (run_.ran_away) {
       run_.images.erase(tick);
@@ -159,7 +159,7 @@ class BaseWalk {
   }
 
   /// False: a value is not finite, and no later tick means anything.
-  bool look_at_values(const StateView& state, std::uint64_t tick) {
+  bool check_values(const StateView& state, std::uint64_t tick) {
     if (const auto found = find_non_finite_of(*engine_, tick)) {
       run_.joints_failed = !context_.soak_case.scene.joints.empty();
       if (!run_.joints_failed)
