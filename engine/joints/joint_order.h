@@ -11,7 +11,7 @@
 
 #include "engine/math/vec2.h"
 #include "engine/model/body_rows.h"
-#include "engine/scene/choices.h"
+#include "engine/scene/joint_kinds.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
