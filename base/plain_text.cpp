@@ -1,4 +1,4 @@
-// Escapes character by character: what is UTF-8, what steers, what begins a workflow command.
+// Escapes character by character: invalid UTF-8, control characters, the beginning of a workflow command.
 // SPDX-License-Identifier: MIT
 #include "base/plain_text.h"
 
@@ -44,7 +44,7 @@ void append_escaped(std::uint32_t code, std::string& out) {
   for (int shift = 12; shift >= 0; shift -= 4) out += digits[(code >> shift) & 0xf];
 }
 
-/// Bytes at the start of `text` that stay as they are: most of every text.
+/// Bytes at the start of `text` that need no escape: most of every text.
 std::size_t ordinary_size(std::string_view text, bool at_line_start) {
   std::size_t size = 0;
   while (size < text.size() && text[size] > ' ' && text[size] < 0x7f && text[size] != '#' &&
@@ -53,7 +53,7 @@ std::size_t ordinary_size(std::string_view text, bool at_line_start) {
   return size;
 }
 
-std::string escaped(std::string_view text, bool keeps_lines, bool& at_line_start) {
+std::string escaped(std::string_view text, bool allows_lines, bool& at_line_start) {
   std::string out;
   out.reserve(text.size());
   for (std::size_t i = 0; i < text.size();) {
@@ -66,17 +66,17 @@ std::string escaped(std::string_view text, bool keeps_lines, bool& at_line_start
     const std::string_view rest = text.substr(i);
     const Character c = first_character(rest);
     i += c.size;
-    const bool is_kept_control = keeps_lines && (c.code == '\n' || c.code == '\t');
+    const bool is_allowed_control = allows_lines && (c.code == '\n' || c.code == '\t');
     const bool begins_command =
         rest.substr(0, 2) == "#[" ? i >= 2 && text[i - 2] == '#' : at_line_start && rest.substr(0, 2) == "::";
     if (!c.is_valid)
       out += "\xef\xbf\xbd";
-    else if ((steers(c.code) && !is_kept_control) || begins_command)
+    else if ((steers(c.code) && !is_allowed_control) || begins_command)
       append_escaped(c.code, out);
     else
       out += rest.substr(0, c.size);
     // A runner skips spaces before a command.
-    at_line_start = keeps_lines && c.code == '\n' ? true : at_line_start && (c.code == ' ' || c.code == '\t');
+    at_line_start = allows_lines && c.code == '\n' ? true : at_line_start && (c.code == ' ' || c.code == '\t');
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// Text from outside on its way to a terminal, a log or a page: nothing in it may steer what shows it.
+// Escapes text from outside for a terminal, a log or a page: no character of it may control the display.
 // SPDX-License-Identifier: MIT
 //
 // Escaped as \uXXXX, which is also what JSON has for it: control characters (C0, DEL, C1), the characters that change

@@ -25,7 +25,7 @@ template <>
 struct Vectors<4> {
   using Words = std::uint32_t __attribute__((vector_size(16)));
   using Sums = std::uint64_t __attribute__((vector_size(16)));
-  /// Words 1 and 3, in the places of words 0 and 2; the others are of no use.
+  /// Words 1 and 3, in the places of words 0 and 2; the others are unused.
   static Words odd_words(Words a) { return __builtin_shufflevector(a, a, 1, 1, 3, 3); }
   /// Products of words 0 and 2 of both, as 64 bits each.
   static Sums multiply_even(Words a, Words b) {

@@ -126,8 +126,7 @@ int find(const std::string& path, unsigned thread_count) {
   const double wall_s = seconds_since(start);
   std::printf("%s%s: %.2f s on %u threads, %llu ticks compared, %llu stretches\n",
               verifier::report_text(report).c_str(), path.c_str(), wall_s, thread_count,
-              static_cast<unsigned long long>(report.ticks_compared),
-              static_cast<unsigned long long>(report.stretches));
+              static_cast<unsigned long long>(report.ticks_compared), static_cast<unsigned long long>(report.segments));
   return report.divergence ? 0 : 1;
 }
 

@@ -1,9 +1,9 @@
 // Time of a tick of a built-in scene, ours and Box2D's in turns in one process, so that both see the same machine.
 // SPDX-License-Identifier: MIT
 //
-// Each repeat makes both worlds anew, steps tick 0 untimed (it builds what later ticks keep), then lets them take turns
-// in blocks of ticks. A block's time over its ticks is one sample; median, least and quartiles are over all samples.
-// Stages are timed in a run of their own, so that looking at the clock slows nothing that is compared.
+// Each repeat makes both worlds again, steps tick 0 untimed (it builds what later ticks keep), then lets them take
+// turns in blocks of ticks. A block's time over its ticks is one sample; median, least and quartiles are over all
+// samples. Stages are timed in a run of their own, so that looking at the clock slows nothing that is compared.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

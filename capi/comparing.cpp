@@ -126,13 +126,13 @@ void Comparing::note_floats() {
                                (here.empty() ? std::string("IEEE 754's defaults") : here));
 }
 
-/// It follows its tick, which still waits to be compared.
+/// The checkpoint follows its tick, which is not compared yet.
 void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
   ++report_.checkpoints_compared;
   if (checkpoint.tick == 0)
-    initial_ = verifier::keep(checkpoint);
+    initial_ = verifier::copy_of(checkpoint);
   else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick)
-    ahead_.back().checkpoint = verifier::keep(checkpoint);
+    ahead_.back().checkpoint = verifier::copy_of(checkpoint);
 }
 
 bool Comparing::read_until(std::uint64_t tick) {
@@ -145,7 +145,7 @@ bool Comparing::read_until(std::uint64_t tick) {
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
       last_dt_ = record->dt;
-      ahead_.push_back({verifier::keep(*record), std::nullopt, false});
+      ahead_.push_back({verifier::copy_of(*record), std::nullopt, false});
       continue;
     }
     at_end_ = true;
@@ -213,9 +213,9 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   divergence.tick = done.tick;
   divergence.time_s = report_.time_s;
   divergence.inputs = inputs_json(done.tick, recorded.inputs);
-  verifier::TickWords words{setup().schema, setup().stages, row_name, lane_report_count_max};
-  if (setup().stages.empty()) words.no_stages = "not known: the program names no stages";
-  if (!describe_tick(words, expected, here, divergence))
+  verifier::DescribeContext context{setup().schema, setup().stages, row_name, lane_report_count_max};
+  if (setup().stages.empty()) context.no_stages = "not known: the program names no stages";
+  if (!describe_tick(context, expected, here, divergence))
     report_.warnings.push_back("the stored state of tick " + std::to_string(done.tick) + " cannot be read");
   if (const auto place = find_non_finite(*done.state))
     report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
@@ -242,25 +242,19 @@ void Comparing::note_addresses(const Divergence& divergence) {
 }
 
 bool Comparing::compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name) {
-  const auto place = find_non_finite(*done.state);
-  const std::string here = place ? place_text(*done.state->schema, *place, row_name) : "";
-  const std::string& note = report_.end->tail.end->note;
-  if (place && (note.empty() || note.find(here) != std::string::npos)) {
-    report_.notes.push_back("tick " + std::to_string(done.tick) + " is not finite, as recorded: " + here);
+  verifier::NonFiniteTick found =
+      verifier::compare_non_finite(done.tick, *done.state, report_.end->tail.end->note, row_name);
+  if (found.is_as_recorded) {
+    report_.notes.push_back(found.text);
     ahead_.pop_front();
     return true;
   }
   decided_ = true;
   report_.verdict = Verdict::diverged;
-  report_.reason = "tick " + std::to_string(done.tick) + ": recorded as not finite (" + note + "), here " +
-                   (place ? "it is not finite at " + here : std::string("it is finite"));
-  Divergence divergence;
-  divergence.tick = done.tick;
-  divergence.time_s = report_.time_s;
-  divergence.stage_note = "not known: a tick that is not finite is not stored";
-  divergence.got_root = root_hash(*done.state);
-  divergence.inputs = inputs_json(done.tick, recorded.inputs);
-  report_.divergence = std::move(divergence);
+  report_.reason = found.text;
+  found.divergence.time_s = report_.time_s;
+  found.divergence.inputs = inputs_json(done.tick, recorded.inputs);
+  report_.divergence = std::move(found.divergence);
   return false;
 }
 

@@ -1,8 +1,8 @@
-// The verifying side of a session: gives out recorded inputs, compares each confirmed tick, and makes the report.
+// The verifying side of a session: returns recorded inputs, compares each confirmed tick, makes the report.
 // SPDX-License-Identifier: MIT
 //
-// The program is run once, by itself. So what `ticktrue verify` finds out by running again (whether two runs here
-// agree) is not known here, and the report says how to find it out.
+// The program runs once. Whether two runs of this build agree, which `ticktrue verify` finds by a second run, is not
+// known here. The report states how to find out.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace ticktrue::capi {
 
-/// A recorded tick, kept until it is confirmed.
+/// A copy of a recorded tick, held until the tick is confirmed.
 struct RecordedTick : verifier::StoredTick {
   std::optional<verifier::StoredCheckpoint> checkpoint;  // behind it
   bool is_not_finite = false;                            // the recording ended because of this tick
@@ -46,7 +46,7 @@ class Comparing {
   /// The inputs that a tick took are not those it was recorded with.
   void other_inputs(std::uint64_t tick, const std::string& what);
 
-  /// The verdict; from here on nothing is compared. `ticks_run`: by the program.
+  /// Decides the verdict; later ticks are not compared. `ticks_run`: by the program.
   void finish(std::uint64_t ticks_run);
   const verifier::Report& report() const { return report_; }
   bool has_finding() const { return decided_; }

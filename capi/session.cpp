@@ -19,7 +19,7 @@ constexpr std::uint32_t checkpoint_interval_default = 600;
 constexpr std::uint32_t known_flags = TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC;
 
 std::string_view text_of(const char* text) {
-  // Bounded: a name that was never terminated is too long, not a read beyond the end of the world.
+  // Bounded: an unterminated name is too long, not a read out of bounds.
   return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
 }
 
@@ -415,7 +415,7 @@ int Session::finish() {
     exit_code_ = finish_recording();
   } else if (comparing_) {
     const bool is_wrong_call = status_ == TICKTRUE_FAILED && !message_.empty();
-    // What the loop left unconfirmed is final now: nothing follows it.
+    // Unconfirmed ticks are final now: no rollback can follow.
     if (!is_wrong_call && status_ != TICKTRUE_DIVERGED) confirm_pending(tick_);
     comparing_->finish(tick_);
     if (!is_wrong_call) exit_code_ = comparing_->report().exit_code();

@@ -45,7 +45,7 @@ class Session {
   int rewind(std::uint64_t tick);
   int confirm(std::uint64_t tick);
 
-  /// Closes and judges; the exit code. Again: the same.
+  /// Closes the session, decides the verdict and returns the exit code. A second call returns the same.
   int finish();
   bool is_finished() const { return phase_ == Phase::finished; }
   bool is_quiet() const { return (flags_ & TICKTRUE_QUIET) != 0; }
@@ -60,7 +60,7 @@ class Session {
  private:
   enum class Phase { registering, between, inside, finished };
 
-  /// A tick that ran and is not confirmed yet, with the state after it.
+  /// A tick that has run and is not confirmed yet, with the state after it.
   struct PendingTick {
     std::uint64_t tick = 0;
     double dt = 0;
@@ -109,7 +109,7 @@ class Session {
   std::uint64_t confirmed_ = 0;   // of them
   double dt_ = 0;                 // of the tick that runs
   Bytes inputs_;                  // of the tick that begins next, or runs
-  std::size_t inputs_taken_ = 0;  // verify: bytes given out
+  std::size_t inputs_taken_ = 0;  // verify: bytes returned
   std::size_t stages_done_ = 0;
   std::vector<std::uint64_t> stage_hashes_;
   std::deque<PendingTick> pending_;

@@ -1,4 +1,4 @@
-// Words for the floating point settings.
+// Describes the floating point settings as text.
 // SPDX-License-Identifier: MIT
 #include "capi/tick.h"
 

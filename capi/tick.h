@@ -1,4 +1,4 @@
-// A tick of a session: what recording and comparing are given of it.
+// A tick of a session, as passed to recording and comparing.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -29,7 +29,7 @@ struct Identity {
   std::string build;
 };
 
-/// How the calling thread's floats deviate from IEEE 754's defaults, in words; empty if they do not.
+/// How the calling thread's floats deviate from IEEE 754's defaults, as text; empty if they do not.
 std::string float_deviation();
 
 }  // namespace ticktrue::capi

@@ -17,7 +17,7 @@ using ticktrue::Error;
 using ticktrue::ErrorCode;
 using ticktrue::capi::Session;
 
-/// What the C program holds. Without `session`, memory ran out while it was made.
+/// The handle of the C program. `session` is null if memory ran out during its creation.
 struct ticktrue_session {
   std::unique_ptr<Session> session;
   std::string report;
@@ -26,12 +26,12 @@ struct ticktrue_session {
 namespace {
 
 constexpr const char* no_memory = "memory: the system refused to give more";
-/// Given out when not even a session fits into memory; never freed.
+/// Returned if a session does not fit into memory; never freed.
 ticktrue_session memory_failure;
 
-/// Runs a call: null is "off", and no exception leaves.
+/// Runs a call on a session. A null session means "off"; exceptions become error codes.
 template <typename Call>
-int guarded(ticktrue_session* handle, Call&& call) {
+int without_exceptions(ticktrue_session* handle, Call&& call) {
   if (handle == nullptr) return TICKTRUE_OK;
   if (handle->session == nullptr) return TICKTRUE_FAILED;
   try {
@@ -53,7 +53,7 @@ int guarded(ticktrue_session* handle, Call&& call) {
   }
 }
 
-/// The options as this library knows them: what an older program lacks is zero.
+/// Copies the options into the struct of this library. Fields that an older program lacks are zero.
 bool read_options(const ticktrue_options* given, ticktrue_options& options, std::string& error) {
   options = {};
   if (given == nullptr) {
@@ -135,37 +135,38 @@ const void* ticktrue_setup(ticktrue_session* session, size_t* size) {
 
 int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data, int type,
                     uint32_t lanes, uint32_t rows, size_t stride) {
-  return guarded(session, [&](Session& s) { return s.column(table, name, data, type, lanes, rows, stride); });
+  return without_exceptions(session,
+                            [&](Session& s) { return s.column(table, name, data, type, lanes, rows, stride); });
 }
 int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns) {
-  return guarded(session, [&](Session& s) { return s.key(table, columns); });
+  return without_exceptions(session, [&](Session& s) { return s.key(table, columns); });
 }
 int ticktrue_reference(ticktrue_session* session, const char* table, const char* column, const char* target) {
-  return guarded(session, [&](Session& s) { return s.reference(table, column, target); });
+  return without_exceptions(session, [&](Session& s) { return s.reference(table, column, target); });
 }
 int ticktrue_row_names(ticktrue_session* session, const char* table, ticktrue_namer namer, void* user) {
-  return guarded(session, [&](Session& s) { return s.row_names(table, namer, user); });
+  return without_exceptions(session, [&](Session& s) { return s.row_names(table, namer, user); });
 }
 int ticktrue_add_stage(ticktrue_session* session, const char* name) {
-  return guarded(session, [&](Session& s) { return s.add_stage(name); });
+  return without_exceptions(session, [&](Session& s) { return s.add_stage(name); });
 }
 int ticktrue_stage(ticktrue_session* session, const char* name) {
-  return guarded(session, [&](Session& s) { return s.stage(name); });
+  return without_exceptions(session, [&](Session& s) { return s.stage(name); });
 }
 int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
-  return guarded(session, [&](Session& s) { return s.input(data, size); });
+  return without_exceptions(session, [&](Session& s) { return s.input(data, size); });
 }
 int ticktrue_begin_tick(ticktrue_session* session, double* dt) {
-  return guarded(session, [&](Session& s) { return s.begin_tick(dt); });
+  return without_exceptions(session, [&](Session& s) { return s.begin_tick(dt); });
 }
 int ticktrue_end_tick(ticktrue_session* session) {
-  return guarded(session, [&](Session& s) { return s.end_tick(); });
+  return without_exceptions(session, [&](Session& s) { return s.end_tick(); });
 }
 int ticktrue_rewind(ticktrue_session* session, uint64_t tick) {
-  return guarded(session, [&](Session& s) { return s.rewind(tick); });
+  return without_exceptions(session, [&](Session& s) { return s.rewind(tick); });
 }
 int ticktrue_confirm(ticktrue_session* session, uint64_t tick) {
-  return guarded(session, [&](Session& s) { return s.confirm(tick); });
+  return without_exceptions(session, [&](Session& s) { return s.confirm(tick); });
 }
 
 uint64_t ticktrue_tick(const ticktrue_session* session) {
@@ -183,7 +184,7 @@ const char* ticktrue_message(const ticktrue_session* session) {
 int ticktrue_finish(ticktrue_session* session) {
   if (session != nullptr && session->session == nullptr) return 2;
   int exit_code = 0;
-  const int status = guarded(session, [&](Session& s) {
+  const int status = without_exceptions(session, [&](Session& s) {
     exit_code = s.finish();
     return TICKTRUE_OK;
   });
@@ -192,7 +193,7 @@ int ticktrue_finish(ticktrue_session* session) {
 
 const char* ticktrue_report(ticktrue_session* session) {
   if (session == nullptr || session->session == nullptr) return "";
-  const int status = guarded(session, [&](Session& s) {
+  const int status = without_exceptions(session, [&](Session& s) {
     session->report = s.is_finished() ? s.report_text() : "";
     return TICKTRUE_OK;
   });
@@ -201,7 +202,7 @@ const char* ticktrue_report(ticktrue_session* session) {
 
 const char* ticktrue_report_json(ticktrue_session* session) {
   if (session == nullptr || session->session == nullptr) return "";
-  const int status = guarded(session, [&](Session& s) {
+  const int status = without_exceptions(session, [&](Session& s) {
     session->report = s.is_finished() ? s.report_json() : "";
     return TICKTRUE_OK;
   });

@@ -125,7 +125,7 @@ class World final : public Engine {
     return status;
   }
 
-  Status plant(const InnerFault& fault) override {
+  Status inject(const InnerFault& fault) override {
     struct Field {
       std::string_view column;
       BodyField field;

@@ -1,7 +1,7 @@
 // The framing of a trace: file header, chunks with their checks and chain, and the records of a ticks chunk.
 // SPDX-License-Identifier: MIT
 //
-// Format: docs/trace_format.md. Writer and reader share this file, so that they cannot disagree.
+// Format: docs/trace_format.md. Shared by writer and reader.
 #pragma once
 
 #include <array>
@@ -63,11 +63,11 @@ void encode_file_header(ByteWriter& out, std::uint16_t version = format_version_
 /// Chain value before the first chunk, and seed of the header check of the setup chunk.
 std::uint64_t chain_start(std::uint16_t version = format_version_first);
 
-/// Appends the header; gives its check. `seed` is chain_start() for the setup, else the chain value after the setup.
+/// Appends the header; returns its check. `seed` is chain_start() for the setup, else the chain value after the setup.
 std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out);
 /// Nothing if the marker, the reserved bits or the check are wrong. Requires: chunk_header_size bytes.
 std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t seed);
-/// Whether the first bytes of a header that is cut off are what they must be.
+/// Whether the first bytes of a truncated header are valid.
 bool may_begin_chunk(ByteView part, const ChunkHeader& expected);
 
 /// Chain value after a chunk with this content: `fields`, then `data`.
@@ -84,7 +84,7 @@ enum class RecordTag : std::uint8_t {
   close = 15,
 };
 
-/// Appends a record (not `close`) and moves the running value on. A tag with a size of its own gets it in front.
+/// Appends a record (not `close`) and updates the running value. A tag with a size field gets the size first.
 void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out);
 /// Appends the record that closes a ticks chunk; `running` becomes the chain value after it.
 void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& out);
@@ -98,7 +98,8 @@ struct Record {
   std::uint64_t check_found = 0;  // with bad_check
   std::uint64_t check_expected = 0;
 };
-/// The record at the start of `bytes`. With a running value it is checked, and the value moves on if all is right.
+/// The record at the start of `bytes`. With a running value the record is checked; if it is valid, the value is
+/// updated.
 Record parse_record(ByteView bytes, std::uint64_t* running);
 
 }  // namespace ticktrue::replay

@@ -1,4 +1,4 @@
-// Reading a trace's file, and telling whether it stayed as it was.
+// Reads the file of a trace and detects changes made by other processes.
 // SPDX-License-Identifier: MIT
 #include "replay/file.h"
 

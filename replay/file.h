@@ -1,4 +1,4 @@
-// Files as the trace code needs them: append without buffer, read at an offset, every error told.
+// Files for traces: unbuffered append, read at an offset, every error reported.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace ticktrue::replay {
 
-/// Refuses what no trace can be written to, changing nothing: an empty name, a directory, a device, a pipe, a link to
-/// nothing, a file that another process is recording to. An existing file of another kind is not refused.
+/// Refuses paths to which no trace can be written, without changes: an empty name, a directory, a device, a pipe, a
+/// link to nothing, a file that another process is recording to. An existing file of another kind is not refused.
 /// Errors: io.
 Status check_output(const std::string& path);
 
@@ -37,7 +37,7 @@ class OutputFile {
   void discard();
 
   const std::string& path() const { return path_; }
-  /// Where what was overwritten is until commit or discard; empty if there was nothing.
+  /// Path of the overwritten file until commit or discard; empty if there was none.
   const std::string& old_path() const { return old_path_; }
 
  private:
@@ -64,9 +64,9 @@ class InputFile {
 
   /// Size when it was opened.
   std::uint64_t size() const { return size_; }
-  /// Whether it is still what it was when it was opened. Errors: io.
+  /// Whether the file is unchanged since it was opened. Errors: io.
   Status check_unchanged(const std::string& path) const;
-  /// Nothing behind `size_max` bytes is seen from now on.
+  /// Ignores all bytes after the first `size_max` from now on.
   void cut(std::uint64_t size_max) { size_ = size_max < size_ ? size_max : size_; }
   /// Fills `out` with at most `size` bytes from `offset`; fewer only where the file ends or cannot be read.
   void read(std::uint64_t offset, std::size_t size, Bytes& out);

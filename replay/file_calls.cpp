@@ -1,4 +1,4 @@
-// POSIX and Windows side by side, and the locks that only POSIX has.
+// File calls of POSIX and Windows; file locks of POSIX.
 // SPDX-License-Identifier: MIT
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64  // traces beyond 2 GiB on 32-bit machines
@@ -149,7 +149,7 @@ bool is_same_file([[maybe_unused]] const FileFacts& a, [[maybe_unused]] const Fi
 
 namespace {
 
-// Who only looks whether a file is locked holds the lock for that long at most.
+// A test whether a file is locked holds the lock for at most this long.
 constexpr int lock_tries_max = 10;
 constexpr std::chrono::milliseconds lock_pause{10};
 

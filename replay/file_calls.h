@@ -1,4 +1,4 @@
-// The operating system's calls on files, one spelling for every system. Of replay/ alone.
+// Portable wrappers of the operating system's file calls. Used by replay/ only.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,9 +14,9 @@ namespace ticktrue::replay {
 // One call may transfer less than 2 GiB on every system; a smaller bound keeps the loops simple.
 inline constexpr std::size_t transfer_size_max = 64u << 20;
 
-/// -1: errno says why. Flags are those of open(2).
+/// -1: see errno. Flags are those of open(2).
 int open_file(const std::string& path, int flags);
-/// -1: errno says why; else the number of bytes, which may be less.
+/// -1: see errno; otherwise the number of bytes, which may be less.
 std::int64_t write_some(int descriptor, const std::uint8_t* data, std::size_t size);
 std::int64_t read_some(int descriptor, std::uint8_t* data, std::size_t size, std::uint64_t offset);
 int sync_file(int descriptor);

@@ -1,4 +1,4 @@
-// Creating, locking, setting aside and putting back the file that a recorder writes.
+// Creates and locks the file of a recorder; renames an overwritten file and restores it on failure.
 // SPDX-License-Identifier: MIT
 #include <fcntl.h>
 
@@ -66,7 +66,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
   const fs::file_status status = fs::status(path, failure);
   if (const Status kind = check_kind(path, status); !kind) return kind.error();
   OutputFile file;
-  // What a link points at is replaced, not the link.
+  // The target of a link is replaced, not the link.
   file.path_ =
       fs::is_symlink(fs::symlink_status(path, failure)) ? fs::canonical(path, failure).string() : std::string(path);
   if (fs::exists(status))
@@ -78,7 +78,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
     return io_error(path, "cannot create", code);
   }
   if (lock_file(file.descriptor_)) return file;
-  // Another recorder, with --force, took it in the moment between: the file is that one's to set aside.
+  // Another recorder with --force was faster: the file belongs to that recorder.
   const Error busy = busy_error(path, file.descriptor_);
   file.close();
   return busy;
@@ -94,7 +94,7 @@ Status OutputFile::set_aside(bool overwrite) {
   if (!overwrite) return Error{ErrorCode::io, path_ + ": exists: it is not overwritten", "use --force to replace it"};
   const std::string aside = path_ + ".old";
   std::error_code failure;
-  // It may be the last good recording, set aside by a recorder that was killed: never ours to replace.
+  // The file may be the last good recording of a recorder that was killed: it is never replaced.
   if (fs::exists(fs::symlink_status(aside, failure)))
     return Error{ErrorCode::io, aside + ": exists: it is not overwritten",
                  "--force sets the old file aside under this name while it records; move or remove it first"};
@@ -111,7 +111,7 @@ Status OutputFile::set_aside(bool overwrite) {
   return {};
 }
 
-/// Never over a file that is there: then both stay.
+/// Never overwrites an existing file: then both files stay.
 void OutputFile::put_back() {
   if (old_path_.empty()) return;
   std::error_code failure;

@@ -140,7 +140,7 @@ void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter
   for (std::size_t t = 0; t < schema.tables.size(); ++t)
     for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c, ++column)
       if (cells.row_counts[t] > 0) out.u32(*column);
-  // Handed over in pieces: byte by byte takes as long as a tenth of the hashing.
+  // Passed in pieces: byte by byte would cost a tenth of the hashing.
   std::array<std::uint8_t, 2 * 64> bytes;
   std::size_t size = 0;
   for (const std::uint16_t cell : cells.cells) {

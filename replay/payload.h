@@ -1,4 +1,4 @@
-// What the payloads of chunks hold: setup, build facts, parts of state images, end, index, footer.
+// The payloads of chunks: setup, build facts, parts of state images, end, index, footer.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -29,7 +29,7 @@ void encode_setup(const TraceSetup& setup, ByteWriter& out);
 /// Errors: corrupt.
 Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version = format_version);
 
-/// `codecs` says which compression the state images of this file may use: it stands here, outside the chain.
+/// `codecs`: compression methods that state images of this file may use; outside the chain.
 struct FactsPayload {
   Codec codec = Codec::none;
   BuildFacts facts;
@@ -48,7 +48,7 @@ struct ImagePart {
   ByteView stored;
 };
 inline constexpr std::size_t image_part_fields_size = 28;  // what of them counts for the chain
-/// Compresses `raw` where it helps, and appends the part.
+/// Appends the part, compressed if that is smaller.
 void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out);
 /// Errors: corrupt, limit.
 Result<ImagePart> decode_image_part(ByteView payload);

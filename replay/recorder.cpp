@@ -92,7 +92,7 @@ class Recording {
     return close_before(std::move(error));
   }
 
-  /// The tick cannot be done: the ticks before it are what there is to see of the way there.
+  /// The tick failed: the earlier ticks show how the simulation got there.
   Error give_up(Error error) {
     if (writer_.tick_count() > 0) return close_before(std::move(error));
     writer_.discard();

@@ -1,4 +1,4 @@
-// Runs a simulation from a source of inputs and writes what happened.
+// Runs a simulation with inputs from a source and records a trace.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -22,9 +22,9 @@ class InputSource {
   /// Blocks until it is known. The bytes stay valid until the next call.
   /// Errors: invalid_input, io, limit; those of Simulation::step, where ticks are tried.
   virtual Result<std::optional<TickInput>> next(std::uint64_t tick) = 0;
-  /// Whether it could be read again from the start: then a failed recording is removed, else what it has is kept.
+  /// Whether the source can be read again from the start. If so, a failed recording is removed; otherwise it is closed.
   virtual bool repeatable() const = 0;
-  /// Whether next() failed because a tick that it tried could not be done: then a recording keeps the ticks before.
+  /// Whether next() failed because a tick that it simulated failed: then a recording keeps the earlier ticks.
   virtual bool tick_failed() const { return false; }
 };
 
@@ -54,13 +54,12 @@ struct RecordResult {
   std::string note;  // the place of a non-finite value, or why it was interrupted
 };
 
-/// (`progress` that gives false before the first tick: no file is left, tick_count and size are 0.)
-/// Records from the simulation's present state to its end. A tick that gives a non-finite value is not recorded: the
-/// trace is closed before it.
-/// Errors: unsupported (check_float_behaviour), io, limit and inconsistent (also of a tick that could not be done),
-/// invalid_input (also a session without a tick). On invalid_input from a repeatable source, or before the first tick,
-/// no file is left behind and an overwritten one is back; else the trace is closed (interrupted) and the message says
-/// what it holds.
+/// (If `progress` returns false before the first tick: no file is left, tick_count and size are 0.)
+/// Records from the current state of the simulation to its end. A tick that produces a non-finite value is not
+/// recorded: the trace is closed before it. Errors: unsupported (check_float_behaviour), io, limit and inconsistent
+/// (also of a tick that could not be done), invalid_input (also a session without a tick). On invalid_input from a
+/// repeatable source, or before the first tick, no file is left behind and an overwritten one is back; else the trace
+/// is closed (interrupted) and the message says what it holds.
 Result<RecordResult> record(Simulation& simulation, InputSource& source, const std::string& path,
                             const TraceSetup& setup, const BuildFacts& facts, const RecordOptions& options);
 

@@ -1,4 +1,4 @@
-// Makes a complete trace of what is intact at the start of a broken one.
+// Makes a complete trace from the intact beginning of a damaged one.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <deque>
@@ -21,13 +21,13 @@ Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
   return writer.end_tick_encoded(tick.root_hash, tick.stage_hashes, tick.image, tick.cells);
 }
 
-/// A trace without ticks proves nothing, unless it was recorded so.
+/// A trace without ticks is useless, unless it was recorded without ticks.
 bool nothing_saved(const TraceWriter& writer, const TraceTail& tail) {
   return writer.tick_count() == 0 && tail.condition != TraceCondition::complete;
 }
 
-/// A tick that waits for the ones behind it to vouch for it.
-struct HeldTick {
+/// A tick that is written only after enough later ticks have been read without damage.
+struct UnconfirmedTick {
   double dt = 0;
   Bytes inputs;
   std::uint64_t root_hash = 0;
@@ -49,20 +49,22 @@ Status salvage(const std::string& input, const TraceSetup& setup, std::uint64_t 
   if (!reader) return {};                                 // damage in the setup or the build facts: no ticks before it
   if (!is_same_setup(reader->setup(), setup)) return {};  // another file by now: told at the end
   if (!writer.has_checkpoint()) return {};
-  std::deque<HeldTick> held;
+  std::deque<UnconfirmedTick> unconfirmed;
   for (;;) {
     const TraceReader::Item& item = reader->next();
     if (std::holds_alternative<std::monostate>(item)) return {};
     const auto* tick = std::get_if<TickRecord>(&item);
     if (tick == nullptr || tick->tick < writer.tick_count()) continue;
-    if (tick->tick != writer.tick_count() + held.size()) return {};  // another file by now
-    held.push_back({tick->dt, Bytes(tick->inputs.begin(), tick->inputs.end()), tick->root_hash, tick->stage_hashes});
-    if (held.size() <= salvage_margin) continue;
-    const HeldTick& proven = held.front();
-    if (const Status status = writer.begin_tick({proven.dt, proven.inputs}); !status) return status;
-    if (const Status status = writer.end_tick_encoded(proven.root_hash, proven.stage_hashes, std::nullopt); !status)
+    if (tick->tick != writer.tick_count() + unconfirmed.size()) return {};  // another file by now
+    unconfirmed.push_back(
+        {tick->dt, Bytes(tick->inputs.begin(), tick->inputs.end()), tick->root_hash, tick->stage_hashes});
+    if (unconfirmed.size() <= salvage_margin) continue;
+    const UnconfirmedTick& confirmed = unconfirmed.front();
+    if (const Status status = writer.begin_tick({confirmed.dt, confirmed.inputs}); !status) return status;
+    if (const Status status = writer.end_tick_encoded(confirmed.root_hash, confirmed.stage_hashes, std::nullopt);
+        !status)
       return status;
-    held.pop_front();
+    unconfirmed.pop_front();
   }
 }
 

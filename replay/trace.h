@@ -1,4 +1,4 @@
-// What a trace (a replay file) holds: setup, build facts, ticks, checkpoints, end. Format: docs/trace_format.md.
+// The contents of a trace (a replay file): setup, build facts, ticks, checkpoints, end. Format: docs/trace_format.md.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -33,7 +33,7 @@ inline constexpr std::array<DetailInfo, 3> details{{
 }};
 const DetailInfo& detail_info(Detail detail);
 
-/// Everything needed to make the simulation again, and to read its state images. Equal on every platform for the
+/// Everything needed to create the simulation and to read its state images. Equal on every platform for the
 /// same recording.
 struct TraceSetup {
   std::string simulation;             // SimulationInfo::name
@@ -52,7 +52,7 @@ struct TraceSetup {
 /// Facts about the recording build: name, value. Outside the chain of checksums that identifies the content.
 using BuildFacts = std::vector<std::pair<std::string, std::string>>;
 
-/// One tick as recorded. Views are valid until the reader moves on.
+/// One tick as recorded. Views are valid until the reader advances.
 struct TickRecord {
   std::uint64_t tick = 0;  // 0-based: the tick that took the state from `tick` ticks done to `tick + 1`
   double dt = 0;           // s
@@ -84,7 +84,7 @@ inline constexpr std::array<EndReasonInfo, 4> end_reasons{{
     {EndReason::recovered, "recovered", "closed by `ticktrue recover`; what followed is lost"},
 }};
 
-/// A recorder's closing words.
+/// The end record of a recorder.
 struct EndRecord {
   EndReason reason = EndReason::complete;
   std::uint64_t tick_count = 0;
@@ -98,14 +98,14 @@ enum class TraceCondition : std::uint8_t {
   damaged,    // bytes are not what was written
 };
 
-/// A run of ticks that is intact, though something before it is not.
+/// A range of intact ticks after damage.
 struct IntactRange {
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
-  bool has_checkpoint = false;  // it can be verified on its own from a checkpoint inside it
+  bool has_checkpoint = false;  // the range can be verified from a checkpoint inside it
 };
 
-/// What is known when no more records can be read.
+/// The end of a trace, known after the last readable record.
 struct TraceTail {
   TraceCondition condition = TraceCondition::complete;
   std::uint64_t ticks_intact = 0;  // ticks readable from the start without a gap

@@ -1,4 +1,4 @@
-// Reads one chunk after the other: each is proven before anything of it is given out, a cut is told from damage.
+// Reads chunk after chunk. A chunk is verified before any record of it is returned.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -258,8 +258,8 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
                          chunk_text(header.kind) + ": found " +
                              (last_tag == static_cast<std::uint8_t>(RecordTag::stages) ? "stage hashes" : "cells") +
                              " without a root hash");
-        keep_ticks(bytes, ticks_end, tick);
-        if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
+        set_ticks(bytes, ticks_end, tick);
+        if (is_pending) set_pending(dt, bytes.subspan(inputs_offset, inputs_size));
         cursor.offset += at;
         ++cursor.sequence;
         cursor.chain = running;
@@ -270,7 +270,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
         break;  // private
     }
   }
-  // A flipped size can pretend a cut: then a whole chunk follows behind it.
+  // A flipped size can look like a truncated file: then an intact chunk follows.
   std::uint64_t behind = cursor.offset + at;
   const std::uint64_t cut = behind;
   if (find_header(behind))
@@ -279,8 +279,8 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
             " whole ticks of it");
   bytes = view(cursor.offset, at);
   if (!is_as_read(bytes, at, header.check, running)) return changed(header);
-  keep_ticks(bytes, ticks_end, tick);
-  if (is_pending) keep_pending(dt, bytes.subspan(inputs_offset, inputs_size));
+  set_ticks(bytes, ticks_end, tick);
+  if (is_pending) set_pending(dt, bytes.subspan(inputs_offset, inputs_size));
   return walk_end > 0 ? Step::ticks : Step::stop;
 }
 
@@ -312,7 +312,7 @@ std::string TraceReader::Impl::fault_text(const Record& record) {
   }
 }
 
-void TraceReader::Impl::keep_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick) {
+void TraceReader::Impl::set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick) {
   records.assign(bytes.begin() + chunk_header_size, bytes.begin() + static_cast<std::ptrdiff_t>(ticks_end));
   walk_offset = 0;
   walk_end = records.size();
@@ -322,7 +322,7 @@ void TraceReader::Impl::keep_ticks(ByteView bytes, std::size_t ticks_end, std::u
   cursor.tick = tick;
 }
 
-void TraceReader::Impl::keep_pending(double dt, ByteView inputs) {
+void TraceReader::Impl::set_pending(double dt, ByteView inputs) {
   cursor.has_pending = true;
   cursor.pending_dt = dt;
   cursor.pending_inputs.assign(inputs.begin(), inputs.end());
@@ -352,7 +352,7 @@ Step TraceReader::Impl::read_index(const ChunkHeader& header) {
       damaged(cursor.offset, "index: found other places than the checkpoints have");
   }
   if (fault) {
-    // All ticks were read by now, and the header says where the footer is: go on, and report it at the end.
+    // All ticks have been read, and the header locates the footer: continue, and report the damage at the end.
     if (fault->condition == TraceCondition::truncated || whole_size(header) > remaining()) return Step::stop;
     note_damage(*std::exchange(fault, std::nullopt));
   }

@@ -1,4 +1,4 @@
-// Reads state images, part by part: what is held and unpacked is bounded by the size of the file.
+// Reads state images part by part. The memory held and unpacked is bounded by the size of the file.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Opens a trace and gives out its ticks and checkpoints in order.
+// Opens a trace and returns its ticks and checkpoints in file order.
 // SPDX-License-Identifier: MIT
 #include "replay/trace_reader.h"
 
@@ -93,7 +93,7 @@ void TraceReader::Impl::read_facts() {
   if (!fault || fault->condition == TraceCondition::truncated) return;
   facts_fault = std::exchange(fault, std::nullopt);
   if (cursor.sequence == 2) return;
-  // Its header is damaged: what follows is found by its own.
+  // The header is damaged: the following chunks are found by their own headers.
   std::uint64_t offset = cursor.offset;
   while (std::optional<ChunkHeader> next = find_header(offset)) {
     if (next->sequence == 2 && next->chain == cursor.chain && next->tick == 0) {

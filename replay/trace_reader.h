@@ -1,4 +1,4 @@
-// Reads a trace from start to end in bounded memory, checks every byte, and says what is proven of a damaged one.
+// Reads a trace from start to end in bounded memory, checks every byte, and reports the intact part of a damaged one.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -32,19 +32,19 @@ class TraceReader {
   bool is_compressed() const;  // whether its state images may be
 
   using Item = std::variant<std::monostate, TickRecord, CheckpointRecord>;
-  /// The next tick or checkpoint, in file order; monostate when there is no more: then see tail(). A tick is given out
+  /// The next tick or checkpoint, in file order; monostate when there is no more: then see tail(). A tick is returned
   /// only after the 64-bit checksum of its whole chunk was found right (or, in the last chunk of a truncated trace,
   /// the checks of its records).
   const Item& next();
-  /// Bytes from the start of the file up to what next() gave out last, for progress.
+  /// Bytes from the start of the file to the end of the last item that next() returned, for progress.
   std::uint64_t offset() const;
 
   /// Requires: next() gave monostate.
   const TraceTail& tail() const;
 
-  /// Continues at the last checkpoint with tick <= `tick`: next() gives that checkpoint. Uses the index, or scans where
-  /// it is missing or damaged. False if there is none before damage or cut; then reading begins at the start again.
-  /// What lies before that checkpoint is not read: tail() then speaks of the rest alone.
+  /// Continues at the last checkpoint with tick <= `tick`: next() returns that checkpoint. Uses the index, or scans
+  /// where it is missing or damaged. False if there is none before damage or cut; then reading begins at the start
+  /// again. Records before that checkpoint are not read: tail() then describes only the rest.
   bool seek(std::uint64_t tick);
   void rewind();
 
@@ -52,7 +52,7 @@ class TraceReader {
   /// believes nothing that is not checked.
   std::optional<std::uint64_t> tick_count_hint() const;
 
-  /// Refuses a file that others wrote to since it was opened: what was read may be of two files. Errors: io.
+  /// Refuses a file that another process has changed since it was opened. Errors: io.
   Status check_unchanged() const;
 
  private:
@@ -63,7 +63,7 @@ class TraceReader {
 
 /// Copies all that is intact from the start of `input` into a new, complete trace. Of a ticks chunk that is damaged
 /// inside, these are the ticks before the damage, but for the last salvage_margin of them: they are known by the 16-bit
-/// checks of their records only, and by those of the records behind them. `tail` tells what was lost. No file is
+/// checks of their records only, and by those of the records behind them. `tail` describes what was lost. No file is
 /// written where no tick of a broken trace is intact. Errors: io (also an input that changes meanwhile), and what
 /// TraceReader::open refuses.
 inline constexpr std::size_t salvage_margin = 3;  // so that a wrong tick passes once in 2^64 damaged chunks

@@ -1,4 +1,4 @@
-// The parts of TraceReader, shared by the files that implement it: reading chunks, giving out records, scanning.
+// The implementation of TraceReader, shared by its source files: reads chunks, returns records, scans.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -32,7 +32,7 @@ struct Fault {
   std::string message;
 };
 
-/// Follows the row counts through an image that comes in parts, so that a wrong count is found before the rest is read.
+/// Tracks the row counts of an image that is read in parts: a wrong count is found before the rest is read.
 struct ImageShape {
   std::size_t table = 0;     // whose row count stands at `offset`
   std::uint64_t offset = 0;  // behind the last table: the size of the image
@@ -41,7 +41,7 @@ struct ImageShape {
   Status pass(const StateSchema& schema, ByteView image, std::uint64_t image_size);
 };
 
-/// Everything that says where reading is: copied to try a place, put back afterwards.
+/// The complete read position: copied before a trial and restored afterwards.
 struct Cursor {
   std::uint64_t offset = 0;  // of the next chunk
   std::uint32_t sequence = 0;
@@ -88,7 +88,7 @@ struct TraceReader::Impl {
   std::uint64_t window_offset = 0;
   std::uint64_t window_reads = 0;  // how often it was filled
 
-  // Records of the ticks chunk that is being given out.
+  // Records of the current ticks chunk.
   Bytes records;
   std::size_t walk_offset = 0;
   std::size_t walk_end = 0;  // behind the last root record
@@ -145,10 +145,10 @@ struct TraceReader::Impl {
   const char* wanted_kind(const ChunkHeader& header) const;
   Step read_private(const ChunkHeader& header);
   Step read_image_part(const ChunkHeader& header);
-  /// Whether the part, which ends at `end` in the file, keeps to what a file of that size may hold.
+  /// Whether the part, which ends at `end` in the file, is within the limits for a file of that size.
   Status check_image_limits(const ImagePart& part, std::uint64_t part_end) const;
-  /// Proves a ticks chunk record by record and keeps its records for walk(). At the end of a truncated file the
-  /// records up to the cut are kept.
+  /// Verifies a ticks chunk record by record and stores its records for walk(). At the end of a truncated file the
+  /// complete records are stored.
   Step read_ticks(const ChunkHeader& header);
   bool is_full(std::uint64_t tick) const;
   /// Whether records that were read again, up to `end`, are still those whose checks gave `running`: others may write
@@ -158,8 +158,8 @@ struct TraceReader::Impl {
     return damaged(cursor.offset, chunk_text(header.kind) + ": the file changed while it was read");
   }
   static std::string fault_text(const Record& record);
-  void keep_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick);
-  void keep_pending(double dt, ByteView inputs);
+  void set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick);
+  void set_pending(double dt, ByteView inputs);
   Step read_end(const ChunkHeader& header);
   Step read_index(const ChunkHeader& header);
   Step read_footer(const ChunkHeader& header);
@@ -171,12 +171,12 @@ struct TraceReader::Impl {
 
   void rewind();
   const Item& next();
-  /// Gives out the next tick of the chunk in `records`, which is proven.
+  /// Returns the next tick of the verified chunk in `records`.
   const Item& walk();
   void make_tail();
-  /// What is whole behind the damage at the cursor.
+  /// Finds the intact ranges after the damage at the cursor.
   std::vector<IntactRange> find_intact();
-  /// Puts the cursor at a header whose check is right, whatever came before it.
+  /// Sets the cursor to a header with a valid check, independent of earlier chunks.
   void resume_at(std::uint64_t offset, const ChunkHeader& header);
 
   // ---- Seeking ----

@@ -1,4 +1,4 @@
-// Finds chunks without reading all before them: behind damage by their marks, at a checkpoint by the index.
+// Finds chunks without reading all earlier ones: after damage by their sync markers, at a checkpoint by the index.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstring>
@@ -46,11 +46,11 @@ std::optional<ChunkHeader> TraceReader::Impl::find_header(std::uint64_t& offset)
 }
 
 std::vector<IntactRange> TraceReader::Impl::find_intact() {
-  const Cursor kept_cursor = cursor;
-  const auto kept_fault = std::exchange(fault, std::nullopt);
-  const auto kept_end = end;
-  const auto kept_damage = first_damage;
-  const bool kept_sequential = std::exchange(is_sequential, false);
+  const Cursor saved_cursor = cursor;
+  const auto saved_fault = std::exchange(fault, std::nullopt);
+  const auto saved_end = end;
+  const auto saved_damage = first_damage;
+  const bool saved_sequential = std::exchange(is_sequential, false);
   std::vector<IntactRange> ranges;
   std::uint64_t offset = cursor.offset + 1;
   int failed_try_count = 0;
@@ -83,11 +83,11 @@ std::vector<IntactRange> TraceReader::Impl::find_intact() {
     offset = std::max(cursor.offset, offset + 1);
   }
   walk_offset = walk_end = 0;
-  cursor = kept_cursor;
-  fault = kept_fault;
-  end = kept_end;
-  first_damage = kept_damage;
-  is_sequential = kept_sequential;
+  cursor = saved_cursor;
+  fault = saved_fault;
+  end = saved_end;
+  first_damage = saved_damage;
+  is_sequential = saved_sequential;
   return ranges;
 }
 
@@ -167,7 +167,7 @@ bool TraceReader::Impl::seek(std::uint64_t tick) {
     if (step == Step::checkpoint && cursor.tick <= tick) found = image_start;
   }
   const Cursor target = found.value_or(start);
-  rewind();  // what the search met is met again by reading on
+  rewind();  // faults found by the search are found again by reading
   if (!found) return false;
   fault.reset();
   cursor = target;

@@ -1,4 +1,4 @@
-// Writes chunks and records, each in one call of the operating system, nothing held back.
+// Writes chunks and records, each with one call of the operating system, unbuffered.
 // SPDX-License-Identifier: MIT
 #include "replay/trace_writer.h"
 
@@ -85,7 +85,7 @@ struct TraceWriter::Impl {
     return header;
   }
 
-  /// Appends a chunk with its trailer to `out`; gives the trailer. Leaves the chain as it is.
+  /// Appends a chunk with its trailer to `out`; returns the trailer. Does not change the chain.
   std::uint64_t put_chunk(ChunkHeader header, ByteView payload) {
     header.check = encode_chunk_header(header, seed, out);
     out.bytes(payload);
@@ -111,7 +111,7 @@ struct TraceWriter::Impl {
     is_open = false;
   }
 
-  /// Whether a reader accepts the part however little of the file it takes.
+  /// Whether a reader accepts the part even in the smallest possible file.
   bool may_compress(const ImagePart& part) const {
     return part.offset + part.size <= limits::image_held_max(size) &&
            unpacked_size + part.size <= limits::images_unpacked_max(size);

@@ -21,7 +21,7 @@ struct WriterOptions {
 };
 
 /// Order of calls: create, checkpoint (tick 0), then begin_tick / end_tick for each tick, checkpoint in between where
-/// due, finish. Any error is final: what was written before it stays readable.
+/// due, finish. Any error is final; what was written before it stays readable.
 class TraceWriter {
  public:
   /// Creates the file and writes setup and build facts. With options.overwrite an existing file is kept as
@@ -40,13 +40,13 @@ class TraceWriter {
   /// (wants_full()), `state`, after the tick, also with detail cells (wants_state()); else it may be null.
   Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* state);
 
-  /// The same with an image that is encoded already, as recovery has it.
+  /// The same with an encoded image, for recovery.
   Status end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
                           std::optional<ByteView> image, ByteView cells = {});
 
   /// Whether the tick that is in flight or begins next is to be stored in full.
   bool wants_full() const;
-  /// Whether anything but hashes is stored of it.
+  /// Whether more than hashes is stored of that tick.
   bool wants_state() const;
 
   /// Whether a checkpoint is due now, before the next begin_tick.
@@ -65,7 +65,7 @@ class TraceWriter {
   /// else it stays, truncated.
   Error abandon(Error error);
 
-  /// Whether a checkpoint was written, without which no tick can be.
+  /// Whether a checkpoint has been written; ticks require one.
   bool has_checkpoint() const;
 
   std::uint64_t tick_count() const;

@@ -587,34 +587,35 @@ TEST_CASE("every step of the ways in ARCHITECTURE.md is there", "[tidy][docs]") 
 
 // --- the rules fire -------------------------------------------------------------------------------------------------
 
-constexpr std::string_view header_lines = "// A planted file of the test.\n// SPDX-License-Identifier: MIT\n";
+constexpr std::string_view header_lines = "// A sample file of the test.\n// SPDX-License-Identifier: MIT\n";
 
-Findings planted(const std::string& path, const std::string& code) {
+Findings findings_in(const std::string& path, const std::string& code) {
   return check_file({path, std::string(header_lines) + (ends_with(path, ".h") ? "#pragma once\n" : "") + code + "\n"});
 }
 
 TEST_CASE("a clean file has no finding", "[tidy][self]") {
-  CHECK(planted("engine/math/vec2.h", "inline float length(Vec2 v) { return __builtin_sqrtf(dot(v, v)); }").empty());
-  CHECK(planted("engine/stages/x.cpp", "#include \"base/bytes.h\"\nconst int big = 200'000; // rand() is banned")
+  CHECK(
+      findings_in("engine/math/vec2.h", "inline float length(Vec2 v) { return __builtin_sqrtf(dot(v, v)); }").empty());
+  CHECK(findings_in("engine/stages/x.cpp", "#include \"base/bytes.h\"\nconst int big = 200'000; // rand() is banned")
             .empty());
-  CHECK(planted("engine/stages/x.cpp", "SinCos r = sin_cos(a); use(r.sin, r.cos, arc_tangent(y, x), sort_rows(x));")
+  CHECK(findings_in("engine/stages/x.cpp", "SinCos r = sin_cos(a); use(r.sin, r.cos, arc_tangent(y, x), sort_rows(x));")
             .empty());
-  CHECK(planted("engine/stages/x.cpp", "const char* text = \"std::sort, rand(), sin(x)\";").empty());
-  CHECK(planted("engine/stages/x.cpp", "std::map<std::string, Row*> rows; std::vector<Row*> list;").empty());
-  CHECK(planted("engine/stages/x.cpp", "step_time(1); run_time = 2;").empty());
-  CHECK(planted("tool/main.cpp", "#include <chrono>\n#include <CLI/CLI.hpp>\nstd::sort(a, b);").empty());
+  CHECK(findings_in("engine/stages/x.cpp", "const char* text = \"std::sort, rand(), sin(x)\";").empty());
+  CHECK(findings_in("engine/stages/x.cpp", "std::map<std::string, Row*> rows; std::vector<Row*> list;").empty());
+  CHECK(findings_in("engine/stages/x.cpp", "step_time(1); run_time = 2;").empty());
+  CHECK(findings_in("tool/main.cpp", "#include <chrono>\n#include <CLI/CLI.hpp>\nstd::sort(a, b);").empty());
 }
 
 TEST_CASE("every banned name fires once, at its line, with what to use", "[tidy][self]") {
   for (const Ban& ban : bans) {
-    const std::string path = ban.where.empty() ? "replay/planted.cpp"
-                                               : std::string(ban.where.substr(0, ban.where.find(','))) + "planted.cpp";
+    const std::string path =
+        ban.where.empty() ? "replay/sample.cpp" : std::string(ban.where.substr(0, ban.where.find(','))) + "sample.cpp";
     const std::string code = "int a;\nx = " + std::string(ban.name) + (ban.call ? " (b);" : " b;");
-    const Findings findings = planted(path, code);
+    const Findings findings = findings_in(path, code);
     CAPTURE(ban.name, code);
     REQUIRE(findings.size() == 1);
     CHECK(findings[0] == path + ":4: error: " + std::string(ban.name) + " is banned, use " + std::string(ban.use));
-    if (!ban.where.empty()) CHECK(planted("tests/planted.cpp", code).empty());
+    if (!ban.where.empty()) CHECK(findings_in("tests/sample.cpp", code).empty());
   }
 }
 
@@ -622,8 +623,8 @@ TEST_CASE("every libm function fires in the engine, in each spelling", "[tidy][s
   for (const std::string name : libm)
     for (const std::string& spelling : {name, "std::" + name, name + "f", name + "l", "__builtin_" + name + "f"}) {
       CAPTURE(spelling);
-      CHECK(planted("engine/planted.cpp", "x = " + spelling + "(y);").size() == 1);
-      CHECK(planted("verifier/planted.cpp", "x = " + spelling + "(y);").empty());
+      CHECK(findings_in("engine/sample.cpp", "x = " + spelling + "(y);").size() == 1);
+      CHECK(findings_in("verifier/sample.cpp", "x = " + spelling + "(y);").empty());
     }
 }
 
@@ -631,11 +632,11 @@ TEST_CASE("every banned header fires, and not where it is allowed", "[tidy][self
   for (const HeaderBan& ban : header_bans) {
     const std::string name = std::string(ban.header) + (ends_with(ban.header, "/") ? "x.h" : "");
     CAPTURE(name);
-    CHECK(planted("engine/planted.cpp", "#include <" + name + ">").size() == 1);
+    CHECK(findings_in("engine/sample.cpp", "#include <" + name + ">").size() == 1);
     if (!ban.allowed_in.empty()) {
       std::string path(ban.allowed_in.substr(0, ban.allowed_in.find(',')));
-      if (!contains(path, ".")) path += "planted.cpp";
-      CHECK(planted(path, "#include <" + name + ">").empty());
+      if (!contains(path, ".")) path += "sample.cpp";
+      CHECK(findings_in(path, "#include <" + name + ">").empty());
     }
   }
 }
@@ -665,7 +666,7 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
   };
   for (const auto& [path, include] : wrong) {
     CAPTURE(path, include);
-    CHECK(planted(path, "#include \"" + std::string(include) + "\"").size() == 1);
+    CHECK(findings_in(path, "#include \"" + std::string(include) + "\"").size() == 1);
   }
   const std::pair<const char*, const char*> right[] = {
       {"engine/x.cpp", "base/bytes.h"},
@@ -678,7 +679,7 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
   };
   for (const auto& [path, include] : right) {
     CAPTURE(path, include);
-    CHECK(planted(path, "#include \"" + std::string(include) + "\"").empty());
+    CHECK(findings_in(path, "#include \"" + std::string(include) + "\"").empty());
   }
 }
 
@@ -703,28 +704,28 @@ TEST_CASE("pointers as keys fire", "[tidy][self]") {
   for (const std::string code : {"std::map<Body*, int> m;", "std::set<const Body *> s;", "std::less<Body*> l;",
                                  "std::map<std::vector<int>*, int> m;"}) {
     CAPTURE(code);
-    CHECK(planted("engine/planted.cpp", code).size() == 1);
+    CHECK(findings_in("engine/sample.cpp", code).size() == 1);
   }
-  CHECK(planted("engine/planted.cpp", "std::map<std::pair<int, int>, Body*> m;").empty());
+  CHECK(findings_in("engine/sample.cpp", "std::map<std::pair<int, int>, Body*> m;").empty());
 }
 
 TEST_CASE("using namespace fires in headers only", "[tidy][self]") {
-  CHECK(planted("verifier/x.h", "using namespace std;").size() == 1);
-  CHECK(planted("verifier/x.cpp", "using namespace std;").empty());
+  CHECK(findings_in("verifier/x.h", "using namespace std;").size() == 1);
+  CHECK(findings_in("verifier/x.cpp", "using namespace std;").empty());
 }
 
 TEST_CASE("marks fire unless they name an issue", "[tidy][self]") {
-  CHECK(planted("base/x.cpp",
-                "// TO"
-                "DO: later")
+  CHECK(findings_in("base/x.cpp",
+                    "// TO"
+                    "DO: later")
             .size() == 1);
-  CHECK(planted("base/x.cpp",
-                "// TO"
-                "DO #12: later")
+  CHECK(findings_in("base/x.cpp",
+                    "// TO"
+                    "DO #12: later")
             .empty());
-  CHECK(planted("base/x.cpp",
-                "// FIX"
-                "ME")
+  CHECK(findings_in("base/x.cpp",
+                    "// FIX"
+                    "ME")
             .size() == 1);
 }
 

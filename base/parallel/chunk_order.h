@@ -1,4 +1,4 @@
-// Runs chunks one by one in another order than theirs: what depends on their order shows each time, without any luck.
+// Runs chunks one by one in another order: a dependency on the order shows in every run.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -26,7 +26,7 @@ class ChunkOrder final : public ChunkRunner {
       work(context, {index, begin, end});
     }
   }
-  /// Each line as early as it may go; else as late as it can, one line after the other.
+  /// Runs each line as early as its dependencies allow; otherwise as late as possible, one line after another.
   void run_lines(const Lines& lines, LineWork work, const void* context) override {
     ++line_run_count;
     if (!reversed_) return ChunkRunner::run_lines(lines, work, context);

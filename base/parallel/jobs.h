@@ -13,7 +13,7 @@ namespace ticktrue {
 unsigned core_count();
 
 /// Calls job(0), job(1), ... job(job_count - 1), each once, on at most `thread_count` threads; returns when all are
-/// done. Each thread first looks at its own floating point settings. Errors: those of check_float_behaviour.
+/// done. Each thread first checks its own floating point settings. Errors: those of check_float_behaviour.
 Status run_jobs(std::size_t job_count, unsigned thread_count, const std::function<void(std::size_t)>& job);
 
 }  // namespace ticktrue

@@ -1,8 +1,8 @@
-// Ranges cut into chunks that any thread may take, in any order, with the same result.
+// Splits ranges into chunks. Any thread may run a chunk, in any order, with the same result.
 // SPDX-License-Identifier: MIT
 //
-// What runs in chunks writes nothing that another chunk reads or writes; lists that chunks make are put together in the
-// order of the chunks. So neither the number of threads nor the size of the chunks can show in a result.
+// A chunk writes nothing that another chunk reads or writes. Lists that chunks make are concatenated in the order of
+// the chunks. So a result depends neither on the number of threads nor on the size of the chunks.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ struct Chunk {
   std::size_t end;
 };
 
-/// Lines of steps that follow each other at a distance: before step s of a line its own steps before s are done, and of
-/// the line before it those before s + lag.
+/// Lines of steps with dependencies (a wavefront): step s of a line runs after the steps before s of the same line and
+/// after the steps before s + lag of the previous line.
 struct Lines {
   std::size_t line_count;
   std::size_t step_count;  // of each line
@@ -46,11 +46,10 @@ class ChunkRunner {
 /// How a simulation runs its loops: by a runner, or without one each loop as a single chunk.
 struct Parallel {
   ChunkRunner* runner = nullptr;
-  std::size_t chunk_size_forced = 0;  // for tests: every loop in chunks of this size; 0: as it pays
+  std::size_t chunk_size_forced = 0;  // for tests: every loop in chunks of this size; 0: chosen for speed
 
-  /// Elements per chunk for a range of `count`. `least`: as many as are worth being handed to another thread, about a
-  /// microsecond's work. `step`: chunks are a multiple of it long, such as whole batches or cache lines of small
-  /// elements.
+  /// Elements per chunk for a range of `count`. `least`: the smallest number worth giving to another thread, about one
+  /// microsecond of work. `step`: the chunk size is a multiple of it, such as a whole batch or a cache line.
   std::size_t chunk_size(std::size_t count, std::size_t least, std::size_t step = 8) const {
     const std::size_t whole = count > 0 ? count : 1;
     if (runner == nullptr) return whole;
@@ -58,21 +57,21 @@ struct Parallel {
     if (count < 2 * least) return whole;
     const std::size_t wanted = std::size_t{chunks_per_thread} * runner->width();
     std::size_t chunks = count / least < wanted ? count / least : wanted;
-    if (chunks > runner->width()) chunks -= chunks % runner->width();  // as many for each thread
+    if (chunks > runner->width()) chunks -= chunks % runner->width();  // the same number for each thread
     const std::size_t size = (count + chunks - 1) / chunks;
     return (size + step - 1) / step * step;
   }
   static std::size_t chunk_count(std::size_t count, std::size_t chunk_size) {
     return (count + chunk_size - 1) / chunk_size;
   }
-  /// More chunks than any range of up to `count` elements has.
+  /// An upper bound on the number of chunks of a range of up to `count` elements.
   std::size_t chunk_count_max(std::size_t count) const {
     if (runner == nullptr) return 1;
     if (chunk_size_forced > 0) return chunk_count(count, chunk_size_forced) + 1;
     return std::size_t{chunks_per_thread} * runner->width() + 1;
   }
 
-  /// Calls body(chunk) for each chunk. A range of one chunk runs here, at the cost of a call.
+  /// Calls body(chunk) for each chunk. A single chunk runs on the calling thread, at the cost of a call.
   template <typename Body>
   void for_chunks(std::size_t count, std::size_t size, const Body& body) const {
     if (count == 0) return;
@@ -85,7 +84,7 @@ struct Parallel {
         &body);
   }
 
-  /// As for_chunks, and beside() at the same time. Requires of it: no run.
+  /// As for_chunks, and calls beside() concurrently. Requires: beside() makes no run.
   template <typename Body, typename Beside>
   void for_chunks_beside(std::size_t count, std::size_t size, const Body& body, const Beside& beside) const {
     if (size >= count) {
@@ -101,7 +100,7 @@ struct Parallel {
     });
   }
 
-  /// Calls body(line, step) for each step. Without a runner one line follows the other.
+  /// Calls body(line, step) for each step. Without a runner the lines run one after another.
   template <typename Body>
   void for_lines(const Lines& lines, const Body& body) const {
     if (runner != nullptr) {

@@ -1,10 +1,11 @@
 // The worker threads, and how they take chunks.
 // SPDX-License-Identifier: MIT
 //
-// A run deals its chunks out: one share per thread, the number of the run and the range of chunks left in one atomic
-// word, what to do beside it. A chunk is taken by advancing the range by compare-and-swap, which fails if the run is
-// not the one whose job was read: while a chunk of a run is left, its job is not replaced. So a thread that was asleep
-// all the while can come at any time, and the caller waits only for chunks that others have taken.
+// A run distributes its chunks as one share per thread. One atomic word of a share holds the run number and the range
+// of chunks left; the job is stored next to the word. A thread takes a chunk by advancing the range with
+// compare-and-swap. The operation fails if the run has changed since the job was read: a job is not replaced while a
+// chunk of its run is left. A thread that was asleep can join at any time. The caller waits only for chunks that other
+// threads have taken.
 #include "base/parallel/workers.h"
 
 #include <string>
@@ -31,16 +32,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::microseconds idle_max{200};  // of spinning before a worker sleeps
-constexpr std::chrono::microseconds late_max{200};  // of spinning for others before the caller sleeps
-constexpr unsigned spins_between_looks = 32;        // at the clock
-// A thread that lets the caller wait for so long has lost its core. The caller then works alone for some times as long,
-// each time longer until it has not had to wait for a while: a core that another program keeps busy costs a few
-// percent.
+constexpr std::chrono::microseconds idle_max{200};  // a worker spins for so long before it sleeps
+constexpr std::chrono::microseconds late_max{200};  // the caller spins for so long before it sleeps
+constexpr unsigned spins_per_clock_check = 32;      // between two reads of the clock
+// If the caller waits longer than lost_least, a worker has lost its core. The caller then works alone, with exponential
+// backoff: for a multiple of the wait that doubles with each wait. The multiple is reset after a time without waits. A
+// core that another program uses then costs a few percent.
 constexpr std::chrono::microseconds lost_least{1000};
-constexpr int alone_share_least = 4;
-constexpr int alone_share_most = 64;
-constexpr int calm_share = 4;  // of the time alone
+constexpr int backoff_factor_min = 4;
+constexpr int backoff_factor_max = 64;
+constexpr int backoff_reset_factor = 4;  // multiple of the time alone after which the backoff is reset
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -53,7 +54,7 @@ template <typename Done>
 bool spin(std::chrono::microseconds limit, Done done) {
   Clock::time_point end{};
   for (;;) {
-    for (unsigned i = 0; i < spins_between_looks; ++i) {
+    for (unsigned i = 0; i < spins_per_clock_check; ++i) {
       if (done()) return true;
       relax();
     }
@@ -79,8 +80,8 @@ Share unpacked(std::uint64_t word) {
           static_cast<std::uint32_t>(word & 0xffff)};
 }
 
-/// A share, and what its run does: one cache line, so that a thread that waits for news gets all at once. Atomic, since
-/// late threads read what they then do not use.
+/// A share and the job of its run, in one cache line: a waiting thread reads both at once. The job is atomic because a
+/// late thread may read a job that it then does not run.
 struct alignas(64) Slot {
   std::atomic<std::uint64_t> share{0};
   std::atomic<std::size_t> count{0};
@@ -102,7 +103,7 @@ class Workers final : public ChunkRunner {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  /// Starts the threads, each of which looks at its floating point first.
+  /// Starts the threads. Each thread first checks its floating point settings.
   Status start() {
     for (unsigned i = 1; i < slots_.size(); ++i) {
       try {
@@ -121,16 +122,16 @@ class Workers final : public ChunkRunner {
   unsigned width() const override { return static_cast<unsigned>(slots_.size()); }
 
   void run(std::size_t count, std::size_t chunk_size, Work work, const void* context) override {
-    deal(count, chunk_size, slots_.size(), work, context);
+    distribute(count, chunk_size, slots_.size(), work, context);
   }
 
   void run_lines(const Lines& lines, LineWork work, const void* context) override {
     if (lines_done_.size() < lines.line_count) lines_done_ = std::vector<LineProgress>(lines.line_count);
     for (std::size_t line = 0; line < lines.line_count; ++line)
       lines_done_[line].steps.store(0, std::memory_order_relaxed);
-    // A line is a chunk. All are one share, so that whoever comes to one finds those before it taken.
+    // A line is a chunk. All lines are in one share, so that a line is taken only after the lines before it.
     const LineRun all{lines, work, context, lines_done_.data()};
-    deal(
+    distribute(
         lines.line_count, 1, 1,
         [](const void* of, const Chunk& chunk) { run_line(*static_cast<const LineRun*>(of), chunk.index); }, &all);
   }
@@ -146,8 +147,8 @@ class Workers final : public ChunkRunner {
     LineProgress* done;  // [line]
   };
 
-  /// Runs chunks; `sharers`: so many threads get shares of their own.
-  void deal(std::size_t count, std::size_t chunk_size, std::size_t sharers, Work work, const void* context) {
+  /// Runs chunks; `share_count`: number of threads that get a share.
+  void distribute(std::size_t count, std::size_t chunk_size, std::size_t share_count, Work work, const void* context) {
     const std::size_t chunk_count = Parallel::chunk_count(count, chunk_size);
     if (chunk_count > chunk_count_max || is_alone()) {
       for (std::size_t i = 0; i < chunk_count; ++i) work(context, chunk_of(i, count, chunk_size));
@@ -156,8 +157,8 @@ class Workers final : public ChunkRunner {
     done_.store(0, std::memory_order_relaxed);
     ++run_;
     for (std::size_t i = slots_.size(); i-- > 0;) {
-      const auto begin = static_cast<std::uint32_t>(chunk_count * std::min(i, sharers) / sharers);
-      const auto end = static_cast<std::uint32_t>(chunk_count * std::min(i + 1, sharers) / sharers);
+      const auto begin = static_cast<std::uint32_t>(chunk_count * std::min(i, share_count) / share_count);
+      const auto end = static_cast<std::uint32_t>(chunk_count * std::min(i + 1, share_count) / share_count);
       Slot& slot = slots_[i];
       slot.count.store(count, std::memory_order_relaxed);
       slot.chunk_size.store(chunk_size, std::memory_order_relaxed);
@@ -167,7 +168,7 @@ class Workers final : public ChunkRunner {
     }
     if (some_sleep_.load(std::memory_order_relaxed)) {
       const std::lock_guard<std::mutex> guard(lock_);
-      some_sleep_.store(false, std::memory_order_relaxed);  // waking takes longer than many a run: asked for once
+      some_sleep_.store(false, std::memory_order_relaxed);  // waking takes longer than many runs: requested once
       wake_.notify_all();
     }
     std::size_t by_others = chunk_count;
@@ -195,7 +196,7 @@ class Workers final : public ChunkRunner {
     return {index, begin, std::min(begin + chunk_size, count)};
   }
 
-  /// The share that a thread looks at first, second and so on: its own, then those after it.
+  /// The order in which a thread tries the shares: its own, then those after it.
   Slot& slot_of(unsigned self, std::size_t turn) { return slots_[(self + turn) % slots_.size()]; }
 
   /// Takes chunks of a share until none is left. Returns how many.
@@ -218,7 +219,7 @@ class Workers final : public ChunkRunner {
     }
   }
 
-  /// Tells the caller of chunks that a worker has done.
+  /// Reports to the caller the chunks that a worker has done.
   void report(std::size_t taken) {
     if (taken == 0) return;
     done_.fetch_add(taken);
@@ -240,10 +241,10 @@ class Workers final : public ChunkRunner {
     }
     const Clock::time_point now = Clock::now();
     if (now - start < lost_least) return;
-    alone_share_ = now < calm_ ? std::min(alone_share_ * 2, alone_share_most) : alone_share_least;
+    backoff_factor_ = now < backoff_reset_ ? std::min(backoff_factor_ * 2, backoff_factor_max) : backoff_factor_min;
     works_alone_ = true;
-    alone_end_ = now + (now - start) * alone_share_;
-    calm_ = alone_end_ + (now - start) * alone_share_ * calm_share;
+    alone_end_ = now + (now - start) * backoff_factor_;
+    backoff_reset_ = alone_end_ + (now - start) * backoff_factor_ * backoff_reset_factor;
   }
 
   bool is_alone() {
@@ -260,21 +261,21 @@ class Workers final : public ChunkRunner {
       started_.notify_all();
     }
     std::uint32_t seen = 0;
-    const auto has_news = [&] {
+    const auto has_new_run = [&] {
       return unpacked(slots_[self].share.load(std::memory_order_acquire)).run != seen ||
              stopping_.load(std::memory_order_relaxed);
     };
     for (;;) {
-      if (!spin(idle_max, has_news)) {
+      if (!spin(idle_max, has_new_run)) {
         std::unique_lock<std::mutex> guard(lock_);
-        while (!has_news()) {
+        while (!has_new_run()) {
           some_sleep_.store(true, std::memory_order_relaxed);
           wake_.wait(guard);
         }
       }
       if (stopping_.load(std::memory_order_relaxed)) return;
       seen = unpacked(slots_[self].share.load(std::memory_order_acquire)).run;
-      // Its own first: to look whether others need help takes as long as a small chunk.
+      // Its own share first: a check of another share costs as much as a small chunk.
       for (std::size_t turn = 0; turn < slots_.size(); ++turn) report(take_chunks(slot_of(self, turn)));
     }
   }
@@ -283,15 +284,15 @@ class Workers final : public ChunkRunner {
   std::vector<LineProgress> lines_done_;             // [line]
   alignas(64) std::atomic<std::size_t> done_{0};     // chunks of the run that others than the caller have done
   std::atomic<bool> caller_waits_{false};            // asleep
-  alignas(64) std::atomic<bool> some_sleep_{false};  // who has not been woken since
+  alignas(64) std::atomic<bool> some_sleep_{false};  // some worker sleeps and has not been woken
   std::atomic<bool> stopping_{false};
 
   // The caller's own.
   std::uint32_t run_ = 0;
   bool works_alone_ = false;
-  int alone_share_ = alone_share_least;
+  int backoff_factor_ = backoff_factor_min;
   Clock::time_point alone_end_;
-  Clock::time_point calm_;  // until then another wait counts with the last one
+  Clock::time_point backoff_reset_;  // a wait before this time doubles the backoff
 
   std::mutex lock_;
   std::condition_variable wake_, finished_, started_;

@@ -309,7 +309,7 @@ void CellHasher::hash_table(std::size_t index, std::size_t row_count, std::uint3
   hash_columns(table, row_count, columns);
 }
 
-/// Finds the cells of owners anew where another one has come to stand in a row. Keys known to be first, first + 1, ...
+/// Finds the cells of owners again where another one has come to stand in a row. Keys known to be first, first + 1, ...
 /// are not looked at.
 void CellHasher::keep_places(std::size_t index, std::size_t row_count) {
   Table& table = tables_[index];

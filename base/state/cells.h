@@ -1,7 +1,7 @@
 // Cells: short hashes of a state that name the tick's differing columns, and the few rows that can have differed.
 // SPDX-License-Identifier: MIT
 //
-// Two states are compared by what two files keep of them, a few hundred bytes each. A hash per column says which
+// Two states are compared by the cells stored in two files, a few hundred bytes each. A hash per column says which
 // columns differ. For the rows, each *owner* (base/state/state_view.h: a body, with its contacts and joints) has a
 // value that is xored into one 16-bit cell of each of four partitions; cells that differ then name the owners that can
 // have differed. docs/trace_format.md, "Cells", has every formula, and the arithmetic of how long the list is and what
@@ -35,20 +35,20 @@ std::uint32_t partition_cells_for(std::uint64_t owner_count);
 struct CellOwner {
   std::size_t table = 0;
   std::size_t row = 0;
-  std::uint64_t key = 0;  // what tells it from others of its table: its key, or its row where the table has none
+  std::uint64_t key = 0;  // identifies it within its table: its key, or its row if the table has no key
 };
 
 /// The cell of each partition that the owner's value goes into.
 std::array<std::uint32_t, partition_count> cells_of(const CellOwner& owner, std::uint32_t partition_cells);
 
-/// Where an owner's value goes: what cells_of says, kept since the same owners come again tick after tick.
+/// The cells of an owner's value, cached: the same owners occur tick after tick.
 struct CellPlace {
   std::uint64_t key = 0;
   std::array<std::uint16_t, partition_count> cells{};
   bool is_known = false;
 };
 
-/// Computes the cells of states of one schema; keeps its buffers between calls.
+/// Computes the cells of states of one schema; reuses its buffers between calls.
 class CellHasher {
  public:
   explicit CellHasher(const StateSchema& schema);

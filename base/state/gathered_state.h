@@ -1,4 +1,4 @@
-// A state kept anywhere in memory, shown as packed rows: columns by pointer, stride and count, gathered after a tick.
+// A state stored anywhere in memory, shown as packed rows: columns by pointer, stride and count, gathered after a tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// Finds and words a value that is not finite.
+// Finds a value that is not finite and describes its place.
 // SPDX-License-Identifier: MIT
 #include "base/state/non_finite.h"
 

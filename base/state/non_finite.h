@@ -1,4 +1,4 @@
-// The place of a value that is not finite, in words and fields that people and programs read.
+// The place of a value that is not finite, as text and as fields.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// What people call a row, and a place in a state in words.
+// Names of rows, and the text for a place in a state.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,5 +1,5 @@
-// The interface through which any simulation is recorded and verified. The verifier knows no physics, the engine
-// knows no files: they meet here.
+// The interface through which a simulation is recorded and verified. The verifier depends on no physics; the engine
+// depends on no files.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace ticktrue {
 
-/// What drives one tick. The input bytes are the simulation's own canonical encoding of the tick's input events,
+/// The input of one tick. The input bytes are the simulation's own canonical encoding of the tick's input events,
 /// in (player, sequence) order; empty when there are none.
 struct TickInput {
   double dt = 0;    // s, recorded as bits
@@ -32,7 +32,7 @@ class StageObserver {
   virtual void after_stage(std::size_t stage, const StateView& state) = 0;
 };
 
-/// A bit to flip in the middle of a step: to test what verification makes of it.
+/// A bit to flip in the middle of a step, to test verification.
 struct InnerFault {
   std::uint32_t substep = 0;  // after this one
   StatePlace place;
@@ -61,10 +61,10 @@ class Simulation {
   /// Errors: corrupt (a value out of its range), unsupported (the state can only be observed).
   virtual Status load(ByteView image) = 0;
 
-  /// Flips a bit in the middle of the next step, that one alone. Errors: unsupported, also for places without a value
-  /// inside a step.
-  virtual Status plant(const InnerFault&) {
-    return Error{ErrorCode::unsupported, "nothing can be planted inside a step", ""};
+  /// Flips a bit in the middle of the next step only. Errors: unsupported, also for a place without a value inside a
+  /// step.
+  virtual Status inject(const InnerFault&) {
+    return Error{ErrorCode::unsupported, "no bit can be flipped inside a step", ""};
   }
 
   virtual std::span<const std::string> stage_names() const = 0;

@@ -16,34 +16,34 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
   const auto random = [&engine] { return static_cast<std::uint32_t>(engine()); };
   for (int round = 0; round < 300; ++round) {
     const auto row_count = static_cast<std::uint32_t>(random() % 9);
-    struct TickCaches {
+    struct Values {
       Bytes memory;
       std::size_t start, stride, size;
     };
-    std::vector<TickCaches> kept(1 + random() % 5);
+    std::vector<Values> columns(1 + random() % 5);
     GatheredState state;
     // Some columns share one block, as members of a struct do.
     Bytes shared(row_count * 64 + 64);
     for (std::uint8_t& byte : shared) byte = static_cast<std::uint8_t>(random());
     std::size_t used = 0;
-    for (std::size_t c = 0; c < kept.size(); ++c) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
       const auto type = static_cast<ScalarType>(1 + random() % 6);  // integers: any bits are a value
       const std::uint32_t lanes = 1 + random() % 3;
-      TickCaches& k = kept[c];
-      k.size = scalar_info(type)->size * lanes;
-      const bool in_struct = random() % 2 == 0 && used + k.size <= 64;
-      k.stride = in_struct ? 64 : k.size + random() % 5;
-      k.memory.resize(in_struct ? 0 : row_count * k.stride + 16);
-      for (std::uint8_t& byte : k.memory) byte = static_cast<std::uint8_t>(random());
-      k.start = in_struct ? used : random() % 8;
-      used += in_struct ? k.size + random() % 3 : 0;
+      Values& values = columns[c];
+      values.size = scalar_info(type)->size * lanes;
+      const bool in_struct = random() % 2 == 0 && used + values.size <= 64;
+      values.stride = in_struct ? 64 : values.size + random() % 5;
+      values.memory.resize(in_struct ? 0 : row_count * values.stride + 16);
+      for (std::uint8_t& byte : values.memory) byte = static_cast<std::uint8_t>(random());
+      values.start = in_struct ? used : random() % 8;
+      used += in_struct ? values.size + random() % 3 : 0;
       ColumnSource source;
-      source.writable = (in_struct ? shared.data() : k.memory.data()) + k.start;
+      source.writable = (in_struct ? shared.data() : values.memory.data()) + values.start;
       source.data = source.writable;
       source.type = type;
       source.lane_count = lanes;
       source.row_count = row_count;
-      source.stride = k.stride;
+      source.stride = values.stride;
       REQUIRE(state.column("t", "c" + std::to_string(c), source));
     }
     REQUIRE(state.freeze());
@@ -51,14 +51,15 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
     const TableSchema& table = state.schema().tables[0];
     const std::uint8_t* rows = state.view().tables[0].data;
     const auto at = [&](std::size_t c, std::size_t row) {
-      const Bytes& block = kept[c].memory.empty() && row_count > 0 && kept[c].stride == 64 ? shared : kept[c].memory;
-      return block.data() + kept[c].start + row * kept[c].stride;
+      const Bytes& block =
+          columns[c].memory.empty() && row_count > 0 && columns[c].stride == 64 ? shared : columns[c].memory;
+      return block.data() + columns[c].start + row * columns[c].stride;
     };
     bool equal = true;
     for (std::size_t row = 0; row < row_count; ++row)
-      for (std::size_t c = 0; c < kept.size(); ++c)
-        equal =
-            equal && std::memcmp(rows + row * table.row_size + table.columns[c].offset, at(c, row), kept[c].size) == 0;
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        equal = equal &&
+                std::memcmp(rows + row * table.row_size + table.columns[c].offset, at(c, row), columns[c].size) == 0;
     CHECK(equal);
 
     Bytes image;
@@ -66,7 +67,7 @@ TEST_CASE("any layout gathers to the same rows as a copy value by value, and sca
     const auto tables = split_image(state.schema(), image);
     REQUIRE(tables);
     std::fill(shared.begin(), shared.end(), std::uint8_t{0});
-    for (TickCaches& k : kept) std::fill(k.memory.begin(), k.memory.end(), std::uint8_t{0});
+    for (Values& values : columns) std::fill(values.memory.begin(), values.memory.end(), std::uint8_t{0});
     state.scatter(0, (*tables)[0]);
     REQUIRE(state.gather());
     Bytes again;

@@ -4,7 +4,7 @@
 // Each case runs in a fresh directory. A case file holds cases, each of these lines:
 //   === the sentence that is proven          begins a case
 //   << NAME                                  a file of the directory: the lines up to `>>`
-//   $ COMMAND                                run by sh, `ticktrue` being the tool (and `plant_fault` that of
+//   $ COMMAND                                run by sh, `ticktrue` being the tool (and `inject_fault` that of
 //   tests/page);
 //                                            what follows is about it
 //   $^ COMMAND                               the same, and the command before must have printed this one
@@ -16,7 +16,7 @@
 //   file NAME         no file NAME           is there, is not there, when the command has ended
 // Lines of blanks and lines beginning with # count for nothing.
 //
-// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" writes the help texts of docs/cli.md anew, and "[cli][describe]"
+// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[cli][docs]" writes the help texts of docs/cli.md again, and "[cli][describe]"
 // tests/cli/describe.expected.
 #include <sys/wait.h>
 
@@ -63,7 +63,7 @@ class CaseDirectory {
     path_ = name;
     fs::create_directory(path_ / "bin");
     fs::create_symlink(TICKTRUE_TOOL, path_ / "bin" / "ticktrue");
-    fs::create_symlink(fs::path(TICKTRUE_TOOL).parent_path() / "plant_fault", path_ / "bin" / "plant_fault");
+    fs::create_symlink(fs::path(TICKTRUE_TOOL).parent_path() / "inject_fault", path_ / "bin" / "inject_fault");
     fs::create_directory(path_ / "work");
   }
   CaseDirectory(const CaseDirectory&) = delete;

@@ -1,7 +1,7 @@
 // docs/experiments.md shows what its commands print: those that are the same everywhere and take seconds.
 // SPDX-License-Identifier: MIT
 //
-// ./dev experiments writes all of them anew, ./dev experiments --check compares those that are the same everywhere.
+// ./dev experiments writes all of them again, ./dev experiments --check compares those that are the same everywhere.
 #include <cstdlib>
 #include <filesystem>
 #include <string>

@@ -31,7 +31,7 @@ std::set<std::uint64_t> random_ticks(std::uint64_t end, std::size_t count, Rando
   return ticks;
 }
 
-/// Runs the session of the golden trace at `from` anew, saving its state at these ticks.
+/// Runs the session of the golden trace at `from` again, saving its state at these ticks.
 void record_with_checkpoints(const std::string& from, const std::string& to, std::size_t checkpoint_count,
                              Random& random) {
   auto reader = replay::TraceReader::open(from);

@@ -15,7 +15,7 @@
 // is listed there fails; so does a row that no command needs, and a number of exceptions other than the one written
 // there.
 //
-// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[printed]" writes outputs that differ anew, where they have no "...".
+// TICKTRUE_UPDATE_DOCS=1 ticktrue_tests "[printed]" writes outputs that differ again, where they have no "...".
 #include <sys/wait.h>
 
 #include <algorithm>

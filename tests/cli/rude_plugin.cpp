@@ -99,10 +99,10 @@ const Act acts[] = {
 };
 
 void act(const char* place) {
-  const char* wish = std::getenv("RUDE_PLUGIN");
-  if (wish == nullptr) return;
+  const char* requested = std::getenv("RUDE_PLUGIN");
+  if (requested == nullptr) return;
   for (const Act& each : acts)
-    if (std::string(place) + ":" + each.name == wish) each.run();
+    if (std::string(place) + ":" + each.name == requested) each.run();
 }
 
 int create(const ticktrue_host*, const void*, std::size_t, void** simulation, char*, std::size_t) {

@@ -26,11 +26,11 @@ namespace fs = std::filesystem;
 using ticktrue::Bytes;
 using ticktrue::damage::Outcome;
 
-using Words = std::vector<std::string>;
+using Arguments = std::vector<std::string>;
 
 struct Options {
   std::string tool;
-  Words traces;
+  Arguments traces;
   std::uint64_t files = 100;
   std::uint64_t seed = 1;
   double memory_max_mb = 300;
@@ -52,26 +52,26 @@ struct Count {
 };
 
 /// What is run on the i-th file: the lists have 7 and 11 entries, so that each mode meets each command.
-std::vector<Words> commands(std::uint64_t i, const std::string& file, const std::string& other,
-                            const std::string& saved) {
-  const std::vector<Words> verify{{"verify", file},
-                                  {"verify", "--mode", "restore", file},
-                                  {"verify", "--mode", "twice", file},
-                                  {"verify", "--mode", "threads", file},
-                                  {"verify", "--mode", "restore", "--to-end", file},
-                                  {"verify", "-j", "2", "--json", file},
-                                  {"verify", "--from", "30", file}};
-  const std::vector<Words> others{{"show", file},
-                                  {"show", "--json", file},
-                                  {"show", "--ticks", "0..", file},
-                                  {"replay", "--every", "10", file},
-                                  {"replay", "--format", "jsonl", "--ticks", "0..50", file, "-o", saved, "--force"},
-                                  {"diff", file, other},
-                                  {"diff", other, file},
-                                  {"diff", file, file},
-                                  {"recover", file, "-o", saved, "--force"},
-                                  {"report", file, "-o", saved, "--force"},
-                                  {"report", file, "--against", other, "-o", saved, "--force"}};
+std::vector<Arguments> commands(std::uint64_t i, const std::string& file, const std::string& other,
+                                const std::string& saved) {
+  const std::vector<Arguments> verify{{"verify", file},
+                                      {"verify", "--mode", "restore", file},
+                                      {"verify", "--mode", "twice", file},
+                                      {"verify", "--mode", "threads", file},
+                                      {"verify", "--mode", "restore", "--to-end", file},
+                                      {"verify", "-j", "2", "--json", file},
+                                      {"verify", "--from", "30", file}};
+  const std::vector<Arguments> others{{"show", file},
+                                      {"show", "--json", file},
+                                      {"show", "--ticks", "0..", file},
+                                      {"replay", "--every", "10", file},
+                                      {"replay", "--format", "jsonl", "--ticks", "0..50", file, "-o", saved, "--force"},
+                                      {"diff", file, other},
+                                      {"diff", other, file},
+                                      {"diff", file, file},
+                                      {"recover", file, "-o", saved, "--force"},
+                                      {"report", file, "-o", saved, "--force"},
+                                      {"report", file, "--against", other, "-o", saved, "--force"}};
   return {verify[i % verify.size()], others[i % others.size()]};
 }
 
@@ -79,14 +79,14 @@ class Checker {
  public:
   explicit Checker(const Options& options) : options_(options) {}
 
-  void judge(Words words, const std::string& what, const Bytes& bytes, Count& count) {
-    words.insert(words.begin(), options_.tool);
-    const Outcome outcome = ticktrue::damage::run_tool(words);
-    const std::string command = words[1] + (words.size() > 3 ? " " + words[2] + " " + words[3] : "");
+  void judge(Arguments arguments, const std::string& what, const Bytes& bytes, Count& count) {
+    arguments.insert(arguments.begin(), options_.tool);
+    const Outcome outcome = ticktrue::damage::run_tool(arguments);
+    const std::string command = arguments[1] + (arguments.size() > 3 ? " " + arguments[2] + " " + arguments[3] : "");
     const std::string name = what + ": " + command;
     if (outcome.cpu_s > count.slowest_s) count.slowest_s = outcome.cpu_s, count.slowest = command;
     if (outcome.memory_mb > count.largest_mb) count.largest_mb = outcome.memory_mb, count.largest = command;
-    if (words[1] == "verify") ++count.exit_codes[outcome.exit_code];
+    if (arguments[1] == "verify") ++count.exit_codes[outcome.exit_code];
     const bool is_large = options_.memory_max_mb > 0 && outcome.memory_mb > options_.memory_max_mb;
     const bool is_misjudged =
         !outcome.is_hang() && !outcome.is_crash() && (outcome.exit_code < 0 || outcome.exit_code > 6);
@@ -109,7 +109,7 @@ class Checker {
 
 Options parse(int argument_count, char** arguments) {
   Options options;
-  Words files;
+  Arguments files;
   for (int i = 1; i < argument_count; ++i) {
     const std::string word = arguments[i];
     const char* value = i + 1 < argument_count ? arguments[i + 1] : "";
@@ -182,8 +182,8 @@ int main(int argument_count, char** arguments) {
     ++count.files;
     count.longest = std::max(count.longest, bytes.size());
     const std::string what = std::string(recipe.name) + "_" + std::to_string(i);
-    for (const Words& words : commands(i / recipes.size() + i, file, from.path, saved))
-      checker.judge(words, what, bytes, count);
+    for (const Arguments& arguments : commands(i / recipes.size() + i, file, from.path, saved))
+      checker.judge(arguments, what, bytes, count);
     fs::remove_all(saved);
   }
   fs::remove_all(folder);

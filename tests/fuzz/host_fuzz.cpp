@@ -1,4 +1,4 @@
-// Fuzzes files of frame times: each one given out is a length of time.
+// Fuzzes files of frame times: each one returned is a length of time.
 // SPDX-License-Identifier: MIT
 #include "tests/fuzz/fuzz.h"
 #include "tool/session/host_frames.h"

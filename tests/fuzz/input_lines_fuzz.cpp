@@ -1,4 +1,4 @@
-// Fuzzes files of inputs as JSON Lines: checked as a whole, then given out tick by tick, and printed.
+// Fuzzes files of inputs as JSON Lines: checked as a whole, then returned tick by tick, and printed.
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/scene_json.h"

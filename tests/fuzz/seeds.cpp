@@ -48,7 +48,7 @@ void seed_text(const std::string& harness, std::string_view text) {
 }
 
 /// All that stands in quotes in the text seeds of a harness, as words to insert.
-void write_words(const std::string& harness) {
+void write_texts(const std::string& harness) {
   std::set<std::string> words;
   for (const fs::directory_entry& entry : fs::directory_iterator(out_folder / harness)) {
     const Bytes bytes = read_file(entry.path());
@@ -204,6 +204,6 @@ int main(int argument_count, char** arguments) {
   seed_states();
   seed_sessions();
   seed_stored();
-  for (const char* harness : {"scene", "input_lines", "rube"}) write_words(harness);
+  for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;
 }

@@ -134,8 +134,8 @@ class Browser:
 class Bench:
     """A folder with traces and pages made by the tools."""
 
-    def __init__(self, tool, plant_fault, folder):
-        self.tool, self.plant_fault, self.folder = tool, plant_fault, folder
+    def __init__(self, tool, inject_fault, folder):
+        self.tool, self.inject_fault, self.folder = tool, inject_fault, folder
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -312,7 +312,7 @@ def use_matching_page(browser, bench):
 
 
 def use_diverging_page(browser, bench):
-    bench.call('match.ttr', 'diverged.ttr', '137', '9', '24', 'cells', program=bench.plant_fault)
+    bench.call('match.ttr', 'diverged.ttr', '137', '9', '24', 'cells', program=bench.inject_fault)
     browser.open(bench.page('diverged', code=1))
     report = bench.verified('diverged', code=1)
     check(report['verdict'] == 'diverged' and report['divergence']['tick'] == 137, 'the fault was not found')

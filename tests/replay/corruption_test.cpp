@@ -31,7 +31,7 @@ const ReadTrace& small_contents() {
   return made;
 }
 
-/// What was given out is what was recorded, however the trace ends.
+/// What was returned is what was recorded, however the trace ends.
 void require_true_part(const ReadTrace& part, const ReadTrace& whole) {
   REQUIRE(part.ticks.size() <= whole.ticks.size());
   REQUIRE(part.tail.ticks_intact == part.ticks.size());

@@ -32,14 +32,14 @@ inline void forge_trace(const std::string& from, const std::string& to, const Fo
     const replay::TraceReader::Item& item = reader->next();
     if (std::holds_alternative<std::monostate>(item)) break;
     if (const auto* record = std::get_if<replay::TickRecord>(&item)) {
-      verifier::StoredTick tick = verifier::keep(*record);
+      verifier::StoredTick tick = verifier::copy_of(*record);
       if (forgery.tick) forgery.tick(tick);
       REQUIRE(writer->begin_tick({tick.dt, tick.inputs}));
       std::optional<ByteView> image;
       if (tick.image) image = ByteView(*tick.image);
       REQUIRE(writer->end_tick_encoded(tick.root_hash, tick.stage_hashes, image, tick.cells));
     } else {
-      verifier::StoredCheckpoint checkpoint = verifier::keep(std::get<replay::CheckpointRecord>(item));
+      verifier::StoredCheckpoint checkpoint = verifier::copy_of(std::get<replay::CheckpointRecord>(item));
       if (forgery.checkpoint) forgery.checkpoint(checkpoint);
       REQUIRE(writer->checkpoint_encoded(checkpoint.image, checkpoint.root_hash));
     }

@@ -1,4 +1,4 @@
-// An engine that hands every call to another one: what tests derive engines with a planted fault from.
+// An engine that forwards every call to another one: the base of test engines with an injected fault.
 // SPDX-License-Identifier: MIT
 #pragma once
 

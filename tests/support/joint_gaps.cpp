@@ -54,7 +54,7 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
   const Point at_a = place_of(a, joint.anchor_a);
   const Point at_b = place_of(b, joint.anchor_b);
   const Point d{at_b.x - at_a.x, at_b.y - at_a.y};
-  const double apart = std::hypot(d.x, d.y);
+  const double distance = std::hypot(d.x, d.y);
   const double angle = std::remainder(b.angle - a.angle - joint.reference_angle, 2 * engine::pi);
   const Point axis = turned(a.angle, joint.axis);
   const double axis_length = std::hypot(axis.x, axis.y);
@@ -62,11 +62,11 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
   const double across = std::fabs(d.y * axis.x - d.x * axis.y) / axis_length;
   switch (joint.kind) {
     case JointKind::revolute:
-      out.gap = apart;
+      out.gap = distance;
       if (joint.limits) out.beyond = size * beyond(*joint.limits, angle);
       break;
     case JointKind::weld:
-      if (!joint.linear_spring) out.gap = apart;
+      if (!joint.linear_spring) out.gap = distance;
       if (!joint.spring) out.gap = std::max(out.gap, size * std::fabs(angle));
       break;
     case JointKind::prismatic:
@@ -78,8 +78,8 @@ JointGap gap_of(const Joint& joint, const BodyReport& a, const BodyReport& b, do
       if (joint.limits) out.beyond = beyond(*joint.limits, along);
       break;
     case JointKind::distance:
-      if (!joint.spring && !joint.limits && !joint.motor) out.gap = std::fabs(apart - joint.length);
-      if (joint.limits) out.beyond = beyond(*joint.limits, apart);
+      if (!joint.spring && !joint.limits && !joint.motor) out.gap = std::fabs(distance - joint.length);
+      if (joint.limits) out.beyond = beyond(*joint.limits, distance);
       break;
     case JointKind::pulley:
       out.gap = std::fabs(std::hypot(at_a.x - joint.ground_anchor_a.x, at_a.y - joint.ground_anchor_a.y) +

@@ -14,9 +14,9 @@
 using namespace ticktrue;
 using namespace ticktrue::test;
 using verifier::Agreement;
+using verifier::CriterionResult;
 using verifier::CrosscheckLayout;
 using verifier::CrosscheckMeasure;
-using verifier::CrosscheckRow;
 using verifier::CrosscheckRun;
 
 namespace {
@@ -73,14 +73,14 @@ CrosscheckRun stack_run(const CrosscheckLayout& layout, int count, double gap, d
   return run_of(layout, reports_of(scene), stack_contacts(count, gap), contact_hertz);
 }
 
-const CrosscheckRow& row_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
-  for (const CrosscheckRow& row : rows)
+const CriterionResult& row_of(const std::vector<CriterionResult>& rows, const std::string& criterion) {
+  for (const CriterionResult& row : rows)
     if (row.criterion == criterion) return row;
   FAIL("no criterion " << criterion);
   return rows.front();
 }
 
-Agreement verdict_of(const std::vector<CrosscheckRow>& rows, const std::string& criterion) {
+Agreement verdict_of(const std::vector<CriterionResult>& rows, const std::string& criterion) {
   return row_of(rows, criterion).verdict;
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("the layout of a pyramid has each box on two and a row for each level"
   const CrosscheckLayout layout = verifier::make_layout(pyramid_scene(4));
   CHECK(layout.placed_count == 10);
   CHECK_FALSE(layout.is_column);
-  CHECK(layout.rows.size() == 3);  // the top is alone
+  CHECK(layout.body_rows.size() == 3);  // the top is alone
   CHECK(layout.bodies[10].supports.size() == 2);
 }
 
@@ -173,11 +173,11 @@ TEST_CASE("a body that has left the world does not stand", "[verifier][crosschec
 TEST_CASE("equal runs agree on every criterion that applies", "[verifier][crosscheck][equivalence]") {
   const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
   const std::vector<CrosscheckRun> runs(5, stack_run(layout, 10, 0));
-  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, runs, runs, skin);
+  const std::vector<CriterionResult> rows = verifier::compare_runs(layout, runs, runs, skin);
   CHECK(rows.size() == 12);
-  for (const CrosscheckRow& row : rows) {
+  for (const CriterionResult& row : rows) {
     CAPTURE(row.criterion);
-    const bool applies = row.criterion != verifier::way_criterion;  // all rest
+    const bool applies = row.criterion != verifier::distance_criterion;  // all rest
     CHECK(row.verdict == (applies ? Agreement::agree : Agreement::not_applicable));
   }
 }
@@ -187,7 +187,7 @@ TEST_CASE("a top that is higher by Box2D's skin is expected, one that is higher 
   const CrosscheckLayout layout = verifier::make_layout(stack_scene(10));
   const std::vector<CrosscheckRun> ours(2, stack_run(layout, 10, -0.003));
   const std::vector<CrosscheckRun> skinned(2, stack_run(layout, 10, 0.015));
-  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, ours, skinned, skin);
+  const std::vector<CriterionResult> rows = verifier::compare_runs(layout, ours, skinned, skin);
   CHECK(verdict_of(rows, "top height") == Agreement::expected);
   CHECK(row_of(rows, "top height").reason.find("skin") != std::string::npos);
 
@@ -229,7 +229,7 @@ TEST_CASE("a stack that fell differs from one that stands on what a person would
   }
   const std::vector<CrosscheckRun> ours(5, run_of(layout, fallen, {}));
   const std::vector<CrosscheckRun> box2d(5, stack_run(layout, 10, 0.015));
-  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, ours, box2d, skin);
+  const std::vector<CriterionResult> rows = verifier::compare_runs(layout, ours, box2d, skin);
   for (const char* criterion : {"stands or falls", "standing bodies", "top height", "order upwards", "largest tilt",
                                 "slides or holds", "weights in the stack", "weight on the ground"}) {
     CAPTURE(criterion);
@@ -280,14 +280,14 @@ TEST_CASE("rows that Box2D's skin pushed apart are expected, a pyramid that spre
   const CrosscheckLayout layout = verifier::make_layout(scene);
   const auto spread = [&](double gap) {
     std::vector<engine::BodyReport> bodies = reports_of(scene);
-    for (const std::vector<std::uint32_t>& row : layout.rows)
+    for (const std::vector<std::uint32_t>& row : layout.body_rows)
       for (std::size_t i = 0; i < row.size(); ++i)
         bodies[row[i]].center.x += gap * (static_cast<double>(i) - 0.5 * static_cast<double>(row.size() - 1));
     return std::vector<CrosscheckRun>(2, run_of(layout, bodies, stack_contacts(0, 0)));
   };
   const std::vector<CrosscheckRun> ours = spread(0);
   CHECK(verdict_of(verifier::compare_runs(layout, ours, spread(0.02), skin), "slides or holds") == Agreement::agree);
-  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, spread(0.1), ours, skin);
+  const std::vector<CriterionResult> rows = verifier::compare_runs(layout, spread(0.1), ours, skin);
   CHECK(verdict_of(rows, "slides or holds") == Agreement::differ);
 }
 
@@ -298,7 +298,7 @@ TEST_CASE("a non-finite state differs, whatever else it does", "[verifier][cross
   const CrosscheckRun good = run_of(layout, bodies, stack_contacts(2, 0));
   bodies[2].velocity.y = std::numeric_limits<double>::quiet_NaN();
   const CrosscheckRun bad = run_of(layout, bodies, stack_contacts(2, 0));
-  const std::vector<CrosscheckRow> rows = verifier::compare_runs(layout, {bad}, {good}, skin);
+  const std::vector<CriterionResult> rows = verifier::compare_runs(layout, {bad}, {good}, skin);
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].verdict == Agreement::differ);
 }

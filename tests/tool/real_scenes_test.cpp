@@ -212,7 +212,7 @@ TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven"
       CAPTURE(name, speed);
       const auto report = verifier::crosscheck(scene, options);
       REQUIRE(report.has_value());
-      for (const verifier::CrosscheckRow& row : report->rows) {
+      for (const verifier::CriterionResult& row : report->rows) {
         CAPTURE(row.criterion, row.difference, row.tolerance, row.unit, row.reason);
         // A known shortfall, not an expected difference: the bike, which begins 3.6 cm inside the ground, and the
         // walker, which sags at 4 substeps, rest up to 4.5 cm from where Box2D has them (docs/crosscheck.md). 5 cm only
@@ -220,7 +220,7 @@ TEST_CASE("the editor's scenes end in Box2D as they do here, at rest and driven"
         const bool falls_short = name == "bike" || name == "walker";
         if (row.criterion == verifier::place_criterion && falls_short && row.verdict == verifier::Agreement::differ)
           CHECK(row.difference < 0.05);
-        else if (row.criterion == verifier::place_criterion || row.criterion == verifier::way_criterion)
+        else if (row.criterion == verifier::place_criterion || row.criterion == verifier::distance_criterion)
           CHECK(row.verdict != verifier::Agreement::differ);
         CHECK(row.criterion != "scene");  // of one that Box2D cannot do
       }

@@ -12,7 +12,7 @@
 #include "tests/support/faulty_engine.h"
 #include "tests/support/forging.h"
 #include "tests/support/scenes.h"
-#include "tool/report_page/film.h"
+#include "tool/report_page/animation.h"
 #include "tool/report_page/frame_coding.h"
 #include "tool/report_page/report_page.h"
 #include "tool/session/session.h"
@@ -24,8 +24,8 @@ namespace ticktrue::test {
 namespace {
 
 using Json = nlohmann::json;
-using verifier::Film;
-using verifier::FilmFrame;
+using verifier::Animation;
+using verifier::Frame;
 using verifier::Page;
 using verifier::Report;
 using verifier::TickMatch;
@@ -95,14 +95,14 @@ std::size_t occurrences_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-Film film_of(const std::string& path, const verifier::FilmOptions& options) {
+Animation animation_of(const std::string& path, const verifier::AnimationOptions& options) {
   auto reader = replay::TraceReader::open(path);
   REQUIRE(reader.has_value());
-  return verifier::make_film(*reader, options);
+  return verifier::make_animation(*reader, options);
 }
 
-verifier::FilmOptions film_options() {
-  verifier::FilmOptions options;
+verifier::AnimationOptions animation_options() {
+  verifier::AnimationOptions options;
   options.simulation = &engine::engine_info();
   return options;
 }
@@ -158,18 +158,18 @@ TEST_CASE("report page: text and JSON are escaped", "[verifier][report_html][ana
 
 TEST_CASE("report page: frames come back from their codes as they were on the grid",
           "[verifier][report_html][equivalence]") {
-  const verifier::FilmGrid grid{1.0 / 1024, 4096};
+  const verifier::PoseGrid grid{1.0 / 1024, 4096};
   std::uint64_t state = 1;
   const auto random = [&](double range) {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return (static_cast<double>(state >> 40) / (1 << 24) - 0.5) * range;
   };
   constexpr std::size_t body_count = 5;
-  std::vector<FilmFrame> frames;
-  std::vector<verifier::FilmPose> poses(body_count);
+  std::vector<Frame> frames;
+  std::vector<verifier::Pose> poses(body_count);
   std::uint64_t tick = 0;
   for (int f = 0; f < 200; ++f, tick += f % 50 < 40 ? 1 : 7) {
-    FilmFrame frame;
+    Frame frame;
     frame.ticks_done = tick;
     for (std::uint32_t b = 0; b < body_count; ++b) {
       poses[b].body = b;
@@ -185,13 +185,13 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
   const verifier::CodedFrames coded = verifier::code_frames(frames, body_count, grid);
   CHECK(coded.presence[1].size() == 3);
   std::vector<std::uint64_t> ticks;
-  for (const FilmFrame& frame : frames) ticks.push_back(frame.ticks_done);
+  for (const Frame& frame : frames) ticks.push_back(frame.ticks_done);
   const auto decoded = verifier::decode_frames(coded, ticks);
   REQUIRE(decoded.size() == body_count);
   std::vector<std::size_t> at(body_count, 0);
   bool same = true;
-  for (const FilmFrame& frame : frames)
-    for (const verifier::FilmPose& pose : frame.poses) {
+  for (const Frame& frame : frames)
+    for (const verifier::Pose& pose : frame.poses) {
       const verifier::GridPose expected = to_grid(pose, grid);
       REQUIRE(at[pose.body] < decoded[pose.body].size());
       const verifier::GridPose& got = decoded[pose.body][at[pose.body]++];
@@ -202,20 +202,20 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
   CHECK(verifier::base64(Bytes{'M', 'a', 'n', 0xff}) == "TWFu/w==");
 }
 
-TEST_CASE("report film: poses are the engine's, and the strip says which ticks are as recorded",
+TEST_CASE("report animation: poses are the engine's, and the strip says which ticks are as recorded",
           "[verifier][report_html][equivalence]") {
   const TemporaryFolder folder;
   const Scene scene = falling_boxes(4);
   const std::string path = folder.file("film.ttr");
   record_scene(scene, path, {60, 20, Fault{33, 3, 22}});
-  verifier::FilmOptions options = film_options();
+  verifier::AnimationOptions options = animation_options();
   options.focus = 34;
   options.questions = {{"bodies", 3, 3, ""}};
-  const Film film = film_of(path, options);
-  REQUIRE(film.frames.size() == 61);
+  const Animation animation = animation_of(path, options);
+  REQUIRE(animation.frames.size() == 61);
   const auto engine = engine::make_engine(scene);
   REQUIRE(engine.has_value());
-  for (const FilmFrame& frame : film.frames) {
+  for (const Frame& frame : animation.frames) {
     const auto bodies = (*engine)->bodies();
     REQUIRE(frame.poses.size() == bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -226,23 +226,23 @@ TEST_CASE("report film: poses are the engine's, and the strip says which ticks a
     REQUIRE((*engine)->step({scene.settings.dt, {}}, nullptr));
   }
   // From the divergence to the next checkpoint nothing is known of the recording; from there on all of it is.
-  REQUIRE(film.strip.size() == 3);
-  CHECK((film.strip[0].match == TickMatch::same && film.strip[0].last == 32));
-  CHECK((film.strip[1].match == TickMatch::differs && film.strip[1].last == 39));
-  CHECK((film.strip[2].match == TickMatch::differs_known && film.strip[2].last == 59));
-  CHECK(film.recorded.size() == 20);
-  CHECK(film.checkpoints == std::vector<std::uint64_t>{0, 20, 40, 60});
-  CHECK(film.named == std::vector<std::uint32_t>{3});
+  REQUIRE(animation.match_ranges.size() == 3);
+  CHECK((animation.match_ranges[0].match == TickMatch::same && animation.match_ranges[0].last == 32));
+  CHECK((animation.match_ranges[1].match == TickMatch::differs && animation.match_ranges[1].last == 39));
+  CHECK((animation.match_ranges[2].match == TickMatch::differs_known && animation.match_ranges[2].last == 59));
+  CHECK(animation.recorded.size() == 20);
+  CHECK(animation.checkpoints == std::vector<std::uint64_t>{0, 20, 40, 60});
+  CHECK(animation.named == std::vector<std::uint32_t>{3});
 }
 
-TEST_CASE("report film: a trace in full detail shows what was recorded from the divergence on",
+TEST_CASE("report animation: a trace in full detail shows what was recorded from the divergence on",
           "[verifier][report_html][equivalence]") {
   const TemporaryFolder folder;
   record_scene(falling_boxes(4), folder.file("full.ttr"), {40, 0, Fault{10, 3, 22}, replay::Detail::full});
-  const Film film = film_of(folder.file("full.ttr"), film_options());
-  REQUIRE(film.strip.size() == 2);
-  CHECK((film.strip[1].match == TickMatch::differs_known && film.strip[1].first == 10));
-  CHECK(film.recorded.size() == 30);
+  const Animation animation = animation_of(folder.file("full.ttr"), animation_options());
+  REQUIRE(animation.match_ranges.size() == 2);
+  CHECK((animation.match_ranges[1].match == TickMatch::differs_known && animation.match_ranges[1].first == 10));
+  CHECK(animation.recorded.size() == 30);
 }
 
 TEST_CASE("report page: against another trace both are shown as they were recorded",

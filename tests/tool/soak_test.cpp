@@ -1,4 +1,4 @@
-// The soak: its oracle finds planted faults, its shrinker makes them small, and its counts do not depend on breaks.
+// The soak: its oracle finds injected faults, its shrinker makes them small, and its counts do not depend on breaks.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/soak/soak.h"
 
@@ -60,8 +60,8 @@ WorldSource small_worlds() {
     if (row == "shape/box") without.scene.bodies.pop_back();
     return without;
   };
-  source.rows = {"shape/box", "feature/even", "feature/odd"};
-  source.row_changes_bits = [](const std::string&) { return true; };
+  source.choices = {"shape/box", "feature/even", "feature/odd"};
+  source.choice_changes_bits = [](const std::string&) { return true; };
   return source;
 }
 
@@ -200,7 +200,7 @@ struct OracleFixture {
   OracleOptions options;
   explicit OracleFixture(EngineMaker make = engine::make_engine) {
     options.make = std::move(make);
-    options.checks.wanted[static_cast<std::size_t>(CheckKind::zeros)] = false;  // planted faults alone
+    options.checks.wanted[static_cast<std::size_t>(CheckKind::zeros)] = false;  // injected faults alone
     options.files.path = folder.file("world.ttr");
   }
 };
@@ -223,12 +223,12 @@ std::string text_of(const std::string& path) {
 
 TEST_CASE("ddmin keeps what fails together and nothing else", "[verifier][soak][analytic]") {
   std::size_t tests = 0;
-  const auto kept = ddmin(200, [&](const std::vector<std::size_t>& some) {
+  const auto remaining = ddmin(200, [&](const std::vector<std::size_t>& some) {
     ++tests;
     const auto has = [&](std::size_t i) { return std::count(some.begin(), some.end(), i) > 0; };
     return has(3) && has(17) && has(142);
   });
-  CHECK(kept == std::vector<std::size_t>{3, 17, 142});
+  CHECK(remaining == std::vector<std::size_t>{3, 17, 142});
   CHECK(tests < 200);
   CHECK(ddmin(9, [](const std::vector<std::size_t>&) { return true; }).empty());
   CHECK(ddmin(3, [](const std::vector<std::size_t>& some) { return some.size() == 3; }).size() == 3);
@@ -313,15 +313,15 @@ TEST_CASE("the oracle finds nothing in small worlds, and makes every run", "[ver
   }
 }
 
-TEST_CASE("the oracle finds planted faults, each by its check", "[verifier][soak][determinism]") {
-  struct Planted {
+TEST_CASE("the oracle finds injected faults, each by its check", "[verifier][soak][determinism]") {
+  struct InjectedFault {
     const char* name;
     EngineMaker make;
     CheckKind found_by;
     std::uint64_t tick;  // that is named; no_tick: it depends on the seed
   };
   constexpr std::uint64_t no_tick = UINT64_MAX;
-  const Planted planted[] = {
+  const InjectedFault faults[] = {
       {"forgetting", maker_of<ForgetsWrongly>(), CheckKind::cold, 5},
       {"forgetting some", maker_of<ForgetsWrongly>(), CheckKind::forget, no_tick},
       {"loading", maker_of<LoadsWrongly>(), CheckKind::restore, no_tick},
@@ -336,7 +336,7 @@ TEST_CASE("the oracle finds planted faults, each by its check", "[verifier][soak
       {"full pipeline", maker_wrong_if([](const EngineOptions& o) { return o.full_pipeline; }),
        CheckKind::full_pipeline, 7},
   };
-  for (const Planted& each : planted) {
+  for (const InjectedFault& each : faults) {
     if (each.found_by == CheckKind::instruction_set &&
         engine::instruction_set_in_use() == engine::InstructionSet::baseline)
       continue;
@@ -377,7 +377,7 @@ TEST_CASE("comparisons count while the base run uses a structure again", "[verif
   CHECK(result.tally.while_hit[1] == 0);
 }
 
-TEST_CASE("a planted fault is shrunk to few bodies and written with a command that shows it",
+TEST_CASE("an injected fault is shrunk to few bodies and written with a command that reproduces it",
           "[verifier][soak][determinism]") {
   OracleFixture fixture(maker_of<ForgetsWrongly>());
   const SoakCase failing = small_case(3, 40, 60);
@@ -402,9 +402,9 @@ TEST_CASE("a soak that was resumed counts the same as one that was not", "[verif
   REQUIRE(whole);
   CHECK(whole->is_whole);
   CHECK(whole->counters.failures.empty());
-  CHECK(whole->counters.rows.at("shape/box").active == 40);
-  CHECK(whole->counters.rows.at("shape/box").effect == 40);
-  CHECK(whole->counters.rows.at("feature/odd").effect == 0);
+  CHECK(whole->counters.choices.at("shape/box").active == 40);
+  CHECK(whole->counters.choices.at("shape/box").effect == 40);
+  CHECK(whole->counters.choices.at("feature/odd").effect == 0);
 
   SoakOptions parts = soak_options(other, 40);
   parts.thread_count = 3;

@@ -34,11 +34,11 @@ TEST_CASE("stage_states: the states of a tick are those that a full trace stores
   CHECK(!states_of(trace, toy_info, 50));
 }
 
-TEST_CASE("stage_states: a planted fault shows first after its stage", "[verifier][against][analytic]") {
+TEST_CASE("stage_states: an injected fault shows first after its stage", "[verifier][against][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
-  planted = {37, ToySimulation::force_stage, [](ToySimulation& toy) { toy.bodies[1].velocity[1] += 1; }};
+  injected = {37, ToySimulation::force_stage, [](ToySimulation& toy) { toy.bodies[1].velocity[1] += 1; }};
   const auto right = states_of(trace, toy_info, 37);
-  const auto wrong = states_of(trace, planted_info, 37);
+  const auto wrong = states_of(trace, faulty_info, 37);
   REQUIRE(right);
   REQUIRE(wrong);
   CHECK(right->states[0].image == wrong->states[0].image);

@@ -23,11 +23,11 @@ DiffReport diff_bytes(ByteView a, ByteView b) {
   return verifier::diff(*reader_a, *reader_b, options);
 }
 
-/// A trace of a toy with a fault planted, and inputs changed from one tick on.
+/// A trace of a toy with an injected fault, and inputs changed from one tick on.
 Bytes faulty_trace(replay::TraceSetup setup, std::uint64_t tick_count, std::uint32_t interval,
                    std::optional<std::uint64_t> other_input = std::nullopt) {
   const TemporaryFolder folder;
-  auto simulation = *make_planted(setup.setup);
+  auto simulation = *make_faulty(setup.setup);
   ScriptedInputs source([&](std::uint64_t tick) -> Result<std::optional<std::pair<double, Bytes>>> {
     if (other_input == tick) return std::optional(std::pair(0.015625, ToyInputs().push(1, 42).take()));
     return lively_script(tick);
@@ -59,7 +59,7 @@ TEST_CASE("diff: a trace equals itself, whatever its detail and checkpoints", "[
 }
 
 TEST_CASE("diff: the first differing tick is located as far as both traces store it", "[verifier][diff][analytic]") {
-  planted = {17, ToySimulation::force_stage, nudge};
+  injected = {17, ToySimulation::force_stage, nudge};
   const Bytes full_a = toy_trace_with(full_toy_setup(6, 0, 100), 40, 8);
   const Bytes full_b = faulty_trace(full_toy_setup(6, 0, 100), 40, 8);
   DiffReport report = diff_bytes(full_a, full_b);
@@ -92,7 +92,7 @@ TEST_CASE("diff: the first differing tick is located as far as both traces store
 }
 
 TEST_CASE("diff: inputs that differ are named with their tick and text", "[verifier][diff][analytic]") {
-  planted = {0, ToySimulation::move_stage, [](ToySimulation&) {}};
+  injected = {0, ToySimulation::move_stage, [](ToySimulation&) {}};
   const Bytes a = toy_trace_with(toy_setup(6), 40, 8);
   const DiffReport report = diff_bytes(a, faulty_trace(toy_setup(6), 40, 8, 22));
   CHECK(report.verdict == DiffVerdict::different);
@@ -157,7 +157,7 @@ TEST_CASE("diff: another length, a cut and damage are told apart", "[verifier][d
   CHECK(report.verdict == DiffVerdict::damaged);
   CHECK(report.exit_code() == 4);
 
-  planted = {1, ToySimulation::move_stage, nudge};
+  injected = {1, ToySimulation::move_stage, nudge};
   damaged = faulty_trace(toy_setup(6), 40, 8);
   damaged.resize(damaged.size() - 5);
   report = diff_bytes(a, damaged);
@@ -188,7 +188,7 @@ TEST_CASE("diff: where only the setups differ, the states are said to be equal",
 }
 
 TEST_CASE("diff: text and JSON say the same", "[verifier][diff][analytic]") {
-  planted = {17, ToySimulation::move_stage, nudge};
+  injected = {17, ToySimulation::move_stage, nudge};
   const DiffReport report =
       diff_bytes(toy_trace_with(full_toy_setup(6, 0, 100), 40, 8), faulty_trace(full_toy_setup(6, 0, 100), 40, 8, 30));
   const std::string text = verifier::diff_text(report);

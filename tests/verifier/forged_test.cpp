@@ -186,7 +186,7 @@ TEST_CASE("forged: any number of sides is compared, and the first two that diffe
   std::optional<StoredTick> tick;
   while (!tick) {
     const auto& item = reader->next();
-    if (const auto* record = std::get_if<replay::TickRecord>(&item)) tick = verifier::keep(*record);
+    if (const auto* record = std::get_if<replay::TickRecord>(&item)) tick = verifier::copy_of(*record);
   }
   verifier::TickComparer comparer(reader->setup().schema);
   StoredTick hash_only = *tick;

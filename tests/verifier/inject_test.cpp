@@ -169,9 +169,9 @@ TEST_CASE("inject: a place that is not there is not applicable or refused, never
 }
 
 TEST_CASE("inject: nothing is injected into a trace that does not match by itself", "[verifier][inject][analytic]") {
-  planted = {3, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[0].charge += 1; }};
+  injected = {3, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[0].charge += 1; }};
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 1000), 12, 0);
-  const InjectReport report = inject_bytes(trace, inject_options(10, planted_info));
+  const InjectReport report = inject_bytes(trace, inject_options(10, faulty_info));
   CHECK(report.rows.empty());
   CHECK(report.exit_code() == 1);
   CHECK(contains(verifier::inject_text(report), "nothing was injected"));

@@ -53,11 +53,11 @@ void require_all_found(const InjectReport& report) {
 
 TEST_CASE("locate: cells name columns, bodies, row counts and spread of a divergence", "[verifier][cells][analytic]") {
   const Bytes trace = toy_trace_with(cells_toy_setup(30), 60, 0);
-  planted = {20, ToySimulation::move_stage, [](ToySimulation& toy) {
-               toy.bodies[4].hits += 1;
-               toy.bodies[9].velocity[1] += 1;
-             }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {20, ToySimulation::move_stage, [](ToySimulation& toy) {
+                toy.bodies[4].hits += 1;
+                toy.bodies[9].velocity[1] += 1;
+              }};
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.verdict == Verdict::diverged);
   const Divergence& found = *report.divergence;
   CHECK(found.tick == 20);
@@ -88,8 +88,8 @@ TEST_CASE("locate: cells name columns, bodies, row counts and spread of a diverg
 TEST_CASE("locate: a row only one side has is told by the counts, and by its row before the tick",
           "[verifier][cells][analytic]") {
   const Bytes trace = toy_trace_with(cells_toy_setup(30), 12, 0);
-  planted = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.erase(toy.bodies.begin() + 29); }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.erase(toy.bodies.begin() + 29); }};
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   REQUIRE(report.divergence->row_counts.size() == 1);
   CHECK(report.divergence->row_counts[0].table == "bodies");
@@ -102,8 +102,8 @@ TEST_CASE("locate: a row only one side has is told by the counts, and by its row
 TEST_CASE("locate: a row under another key is told once, and nothing else for its old cells",
           "[verifier][cells][analytic]") {
   const Bytes trace = toy_trace_with(cells_toy_setup(300), 12, 0);
-  planted = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.back().id = 5'000; }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.back().id = 5'000; }};
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->candidate_count == 1);
   CHECK(names(*report.divergence, "bodies", report.divergence->owner_count - 2));  // behind the world's row
@@ -128,8 +128,8 @@ TEST_CASE("locate: where most cells differ, one that stays as it was hides nobod
 
 TEST_CASE("locate: rows in another order are told as such", "[verifier][cells][analytic]") {
   const Bytes trace = toy_trace_with(cells_toy_setup(30), 12, 0);
-  planted = {4, ToySimulation::move_stage, [](ToySimulation& toy) { std::swap(toy.links[0], toy.links[1]); }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) { std::swap(toy.links[0], toy.links[1]); }};
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->candidate_count == 0);
   CHECK(contains(verifier::report_text(report), "rows stand in another order"));
@@ -304,9 +304,9 @@ verifier::DiffReport diff_bytes(ByteView a, ByteView b, const SimulationInfo& in
 TEST_CASE("diff: cells of two traces name columns, bodies and spread without running anything",
           "[verifier][cells][diff][analytic]") {
   const Bytes a = toy_trace_with(cells_toy_setup(30), 40, 10);
-  planted = {23, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[7].charge += 1; }};
+  injected = {23, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[7].charge += 1; }};
   const TemporaryFolder folder;
-  auto simulation = *make_planted(cells_toy_setup(30).setup);
+  auto simulation = *make_faulty(cells_toy_setup(30).setup);
   ScriptedInputs source(lively_script);
   replay::RecordOptions options;
   options.tick_count = 40;

@@ -70,11 +70,11 @@ TEST_CASE("locate: a fault in any column and lane is named exactly, with its sta
   for (const Cell& cell : cells(2, 1)) {
     const TableSchema& table = schema.tables[cell.table];
     CAPTURE(table.name, table.columns[cell.column].name, cell.lane);
-    planted = {7, ToySimulation::move_stage, [&](ToySimulation& toy) {
-                 // tick_count also says when the fault is due: once only.
-                 flip(toy, cell);
-               }};
-    const Report report = verify_bytes(trace, planted_info);
+    injected = {7, ToySimulation::move_stage, [&](ToySimulation& toy) {
+                  // tick_count also says when the fault is due: once only.
+                  flip(toy, cell);
+                }};
+    const Report report = verify_bytes(trace, faulty_info);
     REQUIRE(report.verdict == Verdict::diverged);
     const Divergence& divergence = *report.divergence;
     CHECK(divergence.tick == 7);
@@ -94,8 +94,8 @@ TEST_CASE("locate: a fault in any column and lane is named exactly, with its sta
 
 TEST_CASE("locate: a row only one side has is named by its id", "[verifier][locate][analytic]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 12, 0);
-  planted = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.erase(toy.bodies.begin() + 4); }};
-  Report report = verify_bytes(trace, planted_info);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies.erase(toy.bodies.begin() + 4); }};
+  Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   REQUIRE(report.divergence->rows.size() == 1);
   CHECK(report.divergence->rows[0].column == "id");
@@ -103,13 +103,13 @@ TEST_CASE("locate: a row only one side has is named by its id", "[verifier][loca
   CHECK(report.divergence->rows[0].expected == 4u);
   CHECK(!report.divergence->rows[0].got);
 
-  planted = {4, ToySimulation::move_stage, [](ToySimulation& toy) {
-               ToyBody body;
-               body.id = 77;
-               toy.bodies.push_back(body);
-               toy.bodies[5].hits += 1;
-             }};
-  report = verify_bytes(trace, planted_info);
+  injected = {4, ToySimulation::move_stage, [](ToySimulation& toy) {
+                ToyBody body;
+                body.id = 77;
+                toy.bodies.push_back(body);
+                toy.bodies[5].hits += 1;
+              }};
+  report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   REQUIRE(report.divergence->rows.size() == 2);
   CHECK(report.divergence->rows[0].name == "toy_5");
@@ -120,10 +120,10 @@ TEST_CASE("locate: a row only one side has is named by its id", "[verifier][loca
 
 TEST_CASE("locate: more lanes than a report lists are counted", "[verifier][locate][analytic]") {
   const Bytes trace = toy_trace_with(full_toy_setup(100, 0, 100), 4, 0);
-  planted = {1, ToySimulation::move_stage, [](ToySimulation& toy) {
-               for (ToyBody& body : toy.bodies) body.charge += 1;
-             }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {1, ToySimulation::move_stage, [](ToySimulation& toy) {
+                for (ToyBody& body : toy.bodies) body.charge += 1;
+              }};
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->rows.size() == 64);
   CHECK(report.divergence->lane_count == 100);

@@ -66,9 +66,9 @@ TEST_CASE("report_ci: an accepted cut passes everywhere", "[verifier][report_ci]
 }
 
 TEST_CASE("report_ci: the sentence names tick, stage, column, row and bits", "[verifier][report_ci][analytic]") {
-  planted = {37, ToySimulation::move_stage,
-             [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
-  const Report report = verify_bytes(toy_trace_with(full_toy_setup(6, 0, 100), 50, 8), planted_info);
+  injected = {37, ToySimulation::move_stage,
+              [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
+  const Report report = verify_bytes(toy_trace_with(full_toy_setup(6, 0, 100), 50, 8), faulty_info);
   const std::string sentence = verifier::report_sentence(report);
   CAPTURE(sentence);
   CHECK(contains(sentence, "tick 37 of 50, stage move: bodies.velocity of row 1 (toy_"));

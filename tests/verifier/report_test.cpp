@@ -14,9 +14,9 @@ using verifier::Report;
 using verifier::Verdict;
 
 Report diverged_report() {
-  planted = {37, ToySimulation::move_stage,
-             [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
-  return verify_bytes(toy_trace_with(full_toy_setup(6, 0, 100), 50, 8), planted_info);
+  injected = {37, ToySimulation::move_stage,
+              [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
+  return verify_bytes(toy_trace_with(full_toy_setup(6, 0, 100), 50, 8), faulty_info);
 }
 
 TEST_CASE("report: each verdict has the exit code of the design", "[verifier][report][analytic]") {

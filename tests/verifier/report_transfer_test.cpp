@@ -34,7 +34,7 @@ Report full_report() {
   report.time_s = 0.1;
   report.root_hash = ~std::uint64_t{0};
   report.checkpoints_compared = 5;
-  report.stretches = 6;
+  report.segments = 6;
   report.wall_s = 7.5;
   verifier::Divergence divergence;
   divergence.tick = 8;

@@ -55,8 +55,8 @@ TEST_CASE("schema range: a divergence is located and followed in a trace of fewe
   setup.full_last = 100;
   const Bytes trace = toy_trace_with(setup, 40, 8);
   // A kind that the recorded range does not have.
-  planted = {17, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[1].kind = 3; }};
-  const Report report = verify_bytes(trace, planted_info);
+  injected = {17, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[1].kind = 3; }};
+  const Report report = verify_bytes(trace, faulty_info);
   CHECK(report.verdict == Verdict::diverged);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 17);

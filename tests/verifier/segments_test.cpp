@@ -28,13 +28,13 @@ Report verify_on(ByteView trace, VerifyOptions options, unsigned thread_count) {
 }
 
 std::string json_of(Report report) {
-  report.stretches = 1;
+  report.segments = 1;
   return verifier::report_json({&report, 1}, false);
 }
 
-void plant_nudge(std::uint64_t tick) {
-  planted = {tick, ToySimulation::move_stage,
-             [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
+void inject_nudge(std::uint64_t tick) {
+  injected = {tick, ToySimulation::move_stage,
+              [](ToySimulation& toy) { toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F); }};
 }
 
 TEST_CASE("segments: a matching trace gives the same report on one thread and on several",
@@ -47,7 +47,7 @@ TEST_CASE("segments: a matching trace gives the same report on one thread and on
       const Report four = verify_on(trace, options, 4);
       CHECK(one.verdict == Verdict::match);
       CHECK(json_of(one) == json_of(four));
-      if (mode == VerifyMode::replay) CHECK(four.stretches == 13);
+      if (mode == VerifyMode::replay) CHECK(four.segments == 13);
     }
   }
 }
@@ -58,9 +58,9 @@ TEST_CASE("segments: wherever a trace diverges, the report is that of the walk i
     const Bytes trace = toy_trace_with(full ? full_toy_setup(6, 0, 100) : toy_setup(6), 60, 8);
     for (std::uint64_t tick = 0; tick < 60; ++tick) {
       CAPTURE(full, tick);
-      plant_nudge(tick);
+      inject_nudge(tick);
       for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore}) {
-        const VerifyOptions options = verify_options(planted_info, mode);
+        const VerifyOptions options = verify_options(faulty_info, mode);
         const Report one = verify_on(trace, options, 1);
         const Report three = verify_on(trace, options, 3);
         REQUIRE(three.divergence);
@@ -73,11 +73,11 @@ TEST_CASE("segments: wherever a trace diverges, the report is that of the walk i
 
 TEST_CASE("segments: a part of a trace is the same part", "[verifier][segments][equivalence]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 60, 8);
-  plant_nudge(41);
+  inject_nudge(41);
   for (std::uint64_t from = 0; from < 60; from += 7)
     for (std::uint64_t to = from; to < 60; to += 5) {
       CAPTURE(from, to);
-      VerifyOptions options = verify_options(planted_info);
+      VerifyOptions options = verify_options(faulty_info);
       options.from = from;
       options.to = to;
       CHECK(json_of(verify_on(trace, options, 1)) == json_of(verify_on(trace, options, 3)));
@@ -204,11 +204,11 @@ TEST_CASE("segments: a single bit that differs is found from the root hash alone
 
 TEST_CASE("segments: two bits that differ are not taken for one", "[verifier][single_bit][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 0);
-  planted = {37, ToySimulation::move_stage, [](ToySimulation& toy) {
-               toy.bodies[1].charge ^= 1;
-               toy.bodies[2].charge ^= 1;
-             }};
-  VerifyOptions options = verify_options(planted_info);
+  injected = {37, ToySimulation::move_stage, [](ToySimulation& toy) {
+                toy.bodies[1].charge ^= 1;
+                toy.bodies[2].charge ^= 1;
+              }};
+  VerifyOptions options = verify_options(faulty_info);
   options.search_single_bit = true;
   const Report report = verify_on(trace, options, 1);
   CHECK(report.verdict == Verdict::diverged);

@@ -121,8 +121,8 @@ TEST_CASE("state_incomplete: a hidden variable is found by every run from a chec
 TEST_CASE("state_incomplete: what really diverges is diverged in every mode, from every tick and on any threads",
           "[verifier][state_incomplete][equivalence]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, recorded_ticks), recorded_ticks, 30);
-  planted = {47, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[1].charge += 1; }};
-  for (const VerifyOptions& options : ways_over_checkpoints(trace, planted_info)) {
+  injected = {47, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[1].charge += 1; }};
+  for (const VerifyOptions& options : ways_over_checkpoints(trace, faulty_info)) {
     CAPTURE(int(options.mode), options.thread_count, options.from);
     const Report report = verify_bytes(trace, options);
     CHECK(report.verdict == Verdict::diverged);

@@ -1,4 +1,4 @@
-// Toy simulations with a planted fault, and short ways to record and verify them.
+// Toy simulations with an injected fault, and short ways to record and verify them.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -16,26 +16,26 @@
 namespace ticktrue::test {
 
 /// A toy that does something at the end of a stage of one tick. What, is set by the test before it is made.
-struct Planted {
+struct InjectedFault {
   std::uint64_t tick = 0;
   std::size_t stage = 0;
   std::function<void(ToySimulation&)> fault;
 };
-inline Planted planted;
+inline InjectedFault injected;
 
-inline Result<std::unique_ptr<Simulation>> make_planted(ByteView setup) {
+inline Result<std::unique_ptr<Simulation>> make_faulty(ByteView setup) {
   ByteReader in(setup);
   auto toy = std::make_unique<ToySimulation>(in.u32());
   toy->disturb = [](ToySimulation& self, std::size_t stage) {
     // tick_count rises in the last stage, before the fault.
     const std::uint64_t tick = self.world.tick_count - (stage == ToySimulation::move_stage ? 1 : 0);
-    if (tick != planted.tick || stage != planted.stage) return;
-    planted.fault(self);
+    if (tick != injected.tick || stage != injected.stage) return;
+    injected.fault(self);
     self.refresh();
   };
   return std::unique_ptr<Simulation>(std::move(toy));
 }
-inline const SimulationInfo planted_info{"ticktrue.toy", 1, &make_planted};
+inline const SimulationInfo faulty_info{"ticktrue.toy", 1, &make_faulty};
 
 /// The toy under a class of one's own.
 template <typename Toy>

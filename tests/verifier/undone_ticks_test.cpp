@@ -8,7 +8,7 @@
 #include "tests/support/engine_runs.h"
 #include "tests/support/scenes.h"
 #include "tests/verifier/toy_variants.h"
-#include "tool/report_page/film.h"
+#include "tool/report_page/animation.h"
 #include "tool/session/clocked_inputs.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/session.h"
@@ -309,8 +309,8 @@ TEST_CASE("a replay of a trace that is not ours ends before the tick that cannot
   CHECK(replayed(31, true) == verifier::exit_finding);
 }
 
-TEST_CASE("a film of a recorded run does not go on behind a tick that cannot be done", "[verifier][report][hostile]") {
-  using verifier::StripPart;
+TEST_CASE("the animation of a recorded run ends at a tick that cannot be done", "[verifier][report][hostile]") {
+  using verifier::MatchRange;
   using verifier::TickMatch;
   const auto strip_of = [](std::uint64_t possible) {
     ticks_possible = possible;
@@ -319,13 +319,13 @@ TEST_CASE("a film of a recorded run does not go on behind a tick that cannot be 
     chosen.first_limited = 1;
     const Bytes trace = toy_trace_with(toy_setup(6), 32, 8);
     replay::TraceReader reader = open_trace(trace);
-    verifier::FilmOptions options;
+    verifier::AnimationOptions options;
     options.simulation = &chosen_info;
-    return verifier::make_film(reader, options).strip;
+    return verifier::make_animation(reader, options).match_ranges;
   };
-  const auto known_ticks = [](const std::vector<StripPart>& strip) {
+  const auto known_ticks = [](const std::vector<MatchRange>& strip) {
     std::uint64_t count = 0;
-    for (const StripPart& part : strip)
+    for (const MatchRange& part : strip)
       if (part.match == TickMatch::differs_known) count += part.last - part.first + 1;
     return count;
   };

@@ -1,4 +1,4 @@
-// Every verdict of verify, over toy simulations with planted faults.
+// Every verdict of verify, over toy simulations with injected faults.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/verify.h"
 
@@ -14,7 +14,7 @@ using verifier::VerifyMode;
 using verifier::VerifyOptions;
 
 void plant(std::uint64_t tick, std::size_t stage, std::function<void(ToySimulation&)> fault) {
-  planted = {tick, stage, std::move(fault)};
+  injected = {tick, stage, std::move(fault)};
 }
 void nudge_velocity(ToySimulation& toy) {
   toy.bodies[1].velocity[1] = std::nextafter(toy.bodies[1].velocity[1], 1e9F);
@@ -60,7 +60,7 @@ TEST_CASE("verify: a changed result is diverged at its tick, stage, column, row 
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
   plant(37, ToySimulation::force_stage, nudge_velocity);
   for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore}) {
-    const Report report = verify_bytes(trace, planted_info, mode);
+    const Report report = verify_bytes(trace, faulty_info, mode);
     CHECK(report.verdict == Verdict::diverged);
     CHECK(report.exit_code() == 1);
     CHECK(report.ticks_recorded == 50u);
@@ -86,7 +86,7 @@ TEST_CASE("verify: a changed result is diverged at its tick, stage, column, row 
 TEST_CASE("verify: the command a report suggests finds the same divergence", "[verifier][verify][equivalence]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
   plant(37, ToySimulation::force_stage, nudge_velocity);
-  VerifyOptions options = verify_options(planted_info);
+  VerifyOptions options = verify_options(faulty_info);
   const Report whole = verify_bytes(trace, options);
   options.from = 32;
   options.to = 37;
@@ -104,7 +104,7 @@ TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behi
           "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
   plant(30, ToySimulation::move_stage, nudge_velocity);
-  Report report = verify_bytes(trace, planted_info);
+  Report report = verify_bytes(trace, faulty_info);
   CHECK(report.verdict == Verdict::diverged);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 30);
@@ -114,7 +114,7 @@ TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behi
   CHECK(contains(report.again[1], "--detail full:30..30"));
 
   plant(31, ToySimulation::move_stage, nudge_velocity);
-  report = verify_bytes(trace, planted_info);
+  report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 31);
   REQUIRE(report.divergence->rows.size() == 1);
@@ -126,13 +126,13 @@ TEST_CASE("verify: with root hashes only the tick is exact and a checkpoint behi
 TEST_CASE("verify: time of a divergence is the sum of the dt before it", "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(toy_setup(6), 50, 8);
   plant(30, ToySimulation::move_stage, nudge_velocity);
-  const Report report = verify_bytes(trace, planted_info);
+  const Report report = verify_bytes(trace, faulty_info);
   REQUIRE(report.divergence);
   CHECK(report.divergence->time_s == 24 * 0.015625 + 6 * 0.0078125);
   CHECK(contains(report.divergence->inputs, "{\"tick\":30,\"type\":\"spawn\""));
 }
 
-// Made anew, it is another one each time: as if it had not initialised a member.
+// Made again, it is another one each time: as if it had not initialised a member.
 class Uninitialised : public ToySimulation {
  public:
   explicit Uninitialised(std::uint32_t body_count) : ToySimulation(body_count) {
@@ -193,7 +193,7 @@ TEST_CASE("verify: a second run that leaves the trace earlier than the first is 
 TEST_CASE("verify: a value that is not finite here is located like any other", "[verifier][verify][analytic]") {
   const Bytes trace = toy_trace_with(full_toy_setup(6, 0, 100), 50, 8);
   plant(13, ToySimulation::move_stage, [](ToySimulation& toy) { toy.bodies[2].position[0] = std::nan(""); });
-  const Report report = verify_bytes(trace, planted_info);
+  const Report report = verify_bytes(trace, faulty_info);
   CHECK(report.verdict == Verdict::diverged);
   REQUIRE(report.divergence);
   CHECK(report.divergence->tick == 13);
@@ -206,7 +206,7 @@ TEST_CASE("verify: a value that is not finite here is located like any other", "
 
 Bytes non_finite_trace(bool with_inputs) {
   const TemporaryFolder folder;
-  auto simulation = *make_planted(ToySimulation::setup(4));
+  auto simulation = *make_faulty(ToySimulation::setup(4));
   ScriptedInputs source([&](std::uint64_t tick) -> Result<std::optional<std::pair<double, Bytes>>> {
     ToyInputs inputs;
     if (with_inputs && tick == 12) inputs.poison(2);
@@ -235,12 +235,12 @@ TEST_CASE("verify: a recording that ended in a non-finite value matches if the s
   };
   plant(12, ToySimulation::move_stage, poison(1));
   const Bytes by_bug = non_finite_trace(false);
-  CHECK(verify_bytes(by_bug, planted_info).verdict == Verdict::match);
+  CHECK(verify_bytes(by_bug, faulty_info).verdict == Verdict::match);
   report = verify_bytes(by_bug, toy_info);
   CHECK(report.verdict == Verdict::diverged);
   CHECK(contains(report.reason, "here it is finite"));
   plant(12, ToySimulation::move_stage, poison(3));
-  report = verify_bytes(by_bug, planted_info);
+  report = verify_bytes(by_bug, faulty_info);
   CHECK(report.verdict == Verdict::diverged);
   CHECK(contains(report.reason, "here it is not finite at bodies row 3"));
 }
@@ -542,7 +542,7 @@ TEST_CASE("verify: damage leaves what is before it proven, and a divergence befo
   CHECK(verify_bytes(trace, options).verdict == Verdict::match);
 
   plant(17, ToySimulation::move_stage, nudge_velocity);
-  report = verify_bytes(trace, planted_info);
+  report = verify_bytes(trace, faulty_info);
   CHECK(report.verdict == Verdict::diverged);
   CHECK(report.exit_code() == 1);
   REQUIRE(report.end);
@@ -556,7 +556,7 @@ TEST_CASE("verify: a part of a trace is compared on its own", "[verifier][verify
        {std::tuple{24u, 49u, Verdict::match}, std::tuple{0u, 19u, Verdict::match}, std::tuple{24u, 24u, Verdict::match},
         std::tuple{18u, 30u, Verdict::diverged}, std::tuple{0u, 20u, Verdict::diverged}}) {
     CAPTURE(from, to);
-    VerifyOptions options = verify_options(planted_info);
+    VerifyOptions options = verify_options(faulty_info);
     options.from = from;
     options.to = to;
     const Report report = verify_bytes(trace, options);

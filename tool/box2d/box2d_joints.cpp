@@ -1,4 +1,4 @@
-// Gives a world of Box2D the joints of the scene.
+// Creates the joints of a scene in a Box2D world.
 // SPDX-License-Identifier: MIT
 #if defined(TICKTRUE_HAS_BOX2D)
 
@@ -333,15 +333,15 @@ const char* refuse_damper(const engine::Joint& joint) {
 }  // namespace
 
 void Box2dJoints::set_stiffness() const {
-  for (const Sprung& sprung : sprung_)
-    info_of(peer_joints, sprung.description->kind).stiffen(sprung.joint, *sprung.description, units_);
+  for (const SoftJoint& soft_joint : soft_joints_)
+    info_of(peer_joints, soft_joint.description->kind).stiffen(soft_joint.joint, *soft_joint.description, units_);
 }
 
 void Box2dJoints::forget(const b2Body* body) {
-  const auto is_gone = [&](const Sprung& sprung) {
-    return sprung.joint->GetBodyA() == body || sprung.joint->GetBodyB() == body;
+  const auto is_gone = [&](const SoftJoint& soft_joint) {
+    return soft_joint.joint->GetBodyA() == body || soft_joint.joint->GetBodyB() == body;
   };
-  sprung_.erase(std::remove_if(sprung_.begin(), sprung_.end(), is_gone), sprung_.end());
+  soft_joints_.erase(std::remove_if(soft_joints_.begin(), soft_joints_.end(), is_gone), soft_joints_.end());
 }
 
 Status Box2dJoints::add(const engine::Joint& joint, b2Body* a, b2Body* b, const std::string& place) {
@@ -355,7 +355,7 @@ Status Box2dJoints::add(const engine::Joint& joint, b2Body* a, b2Body* b, const 
     anchorage_ = world_.CreateBody(&definition);
   }
   b2Joint* made = kind.make({joint, units_, dt_, world_, {to_world ? anchorage_ : a, b}});
-  if (joint.spring && kind.stiffen != nullptr) sprung_.push_back({made, &joint});
+  if (joint.spring && kind.stiffen != nullptr) soft_joints_.push_back({made, &joint});
   return {};
 }
 

@@ -1,4 +1,4 @@
-// Gives a world of Box2D the joints of the scene. Included by the Box2D peer's files alone.
+// Creates the joints of a scene in a Box2D world. Included only by the files of the Box2D peer.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -33,14 +33,14 @@ class Box2dJoints {
   bool has_anchorage() const { return anchorage_ != nullptr; }
 
  private:
-  struct Sprung {
+  struct SoftJoint {
     b2Joint* joint;
     const engine::Joint* description;
   };
   b2World& world_;
   Box2dUnits units_;
   float dt_;
-  std::vector<Sprung> sprung_;
+  std::vector<SoftJoint> soft_joints_;
   b2Body* anchorage_ = nullptr;  // made when first needed
 };
 

@@ -45,7 +45,7 @@ class Box2dPeer {
   /// Scene lengths times this are Box2D's: a power of two, not 1 only where bodies are far from the 0.1 m to 10 m that
   /// Box2D is tuned for.
   virtual double length_scale() const = 0;
-  /// How far apart Box2D keeps the geometry of two polygons at most, scene m.
+  /// The largest gap that Box2D leaves between the geometry of two resting polygons, scene m.
   virtual double skin() const = 0;
   /// The first tick, from 1, in which Box2D cut a movement to its limit of 2 m or 90 degrees a step; 0: none.
   virtual std::size_t clamped_tick() const = 0;

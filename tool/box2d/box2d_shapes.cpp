@@ -1,4 +1,4 @@
-// Gives a body of Box2D the shapes of the scene's.
+// Creates the shapes of a body in Box2D.
 // SPDX-License-Identifier: MIT
 #if defined(TICKTRUE_HAS_BOX2D)
 

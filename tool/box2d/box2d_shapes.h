@@ -1,4 +1,4 @@
-// Gives a body of Box2D the shapes of the scene's. Included by the Box2D peer's files alone.
+// Creates the shapes of a body in Box2D. Included only by the files of the Box2D peer.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// Top level of the command line: help, unknown words, and everything that was not caught below.
+// Top level of the command line: help, unknown arguments, exceptions that were not caught below.
 // SPDX-License-Identifier: MIT
 #include "tool/cli/command_line.h"
 
@@ -21,8 +21,8 @@
 #include "tool/cli/commands.h"
 #include "tool/cli/plugins.h"
 #include "verifier/plugins/plugin.h"
-#include "verifier/runs/finished_mark.h"
-#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/completion.h"
+#include "verifier/runs/plugin_isolation.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -227,12 +227,12 @@ int run_to_exit_code(int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   prepare_standard_streams();
-  verifier::take_finished_mark();
+  verifier::take_completion_pipe();
   const int exit_code = run_to_exit_code(argc, argv);
   std::fflush(nullptr);  // a slow reader of the output is no plug-in that hangs
-  // From here on an exit is the tool's own: in a child process with plug-ins, and for whoever runs the tool.
-  verifier::finish_guarded(exit_code);
-  verifier::write_finished_mark();
+  // From here on an exit is the tool's own: in a child process with plug-ins, and for the parent process.
+  verifier::finish_isolated(exit_code);
+  verifier::report_completion();
   return exit_code;
 }
 

@@ -1,4 +1,4 @@
-// The plug-in options: loading, and telling a crash or a hang.
+// The plug-in options: loading, and reporting a crash or a hang.
 // SPDX-License-Identifier: MIT
 #include "tool/cli/plugins.h"
 
@@ -7,7 +7,7 @@
 #include "tool/output/cli.h"
 #include "tool/session/simulations.h"
 #include "verifier/plugins/plugin.h"
-#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/plugin_isolation.h"
 
 namespace ticktrue::cli {
 
@@ -27,11 +27,11 @@ std::shared_ptr<PluginOptions> add_plugin_options(CLI::App& app) {
 
 std::optional<int> begin_plugins(const PluginOptions& options) {
   if (options.libraries.empty()) return std::nullopt;
-  if (!verifier::can_guard_plugins())
+  if (!verifier::can_isolate_plugins())
     return fail_usage(Error{ErrorCode::usage, "--plugin: this system loads no plug-ins", ""});
   std::string names;
   for (const std::string& library : options.libraries) names += (names.empty() ? "" : ", ") + library;
-  if (const auto end = verifier::run_guarded(names, options.timeout_s)) {
+  if (const auto end = verifier::run_isolated(names, options.timeout_s)) {
     if (end->dropped_output_size > 0)
       print_note("plug-in " + names + ": " + std::to_string(end->dropped_output_size) +
                  " more bytes that it printed are not shown");
@@ -45,7 +45,7 @@ std::optional<int> begin_plugins(const PluginOptions& options) {
                         "child)"});
     return end->exit_code;
   }
-  use_data_output(verifier::guarded_output());
+  use_data_output(verifier::isolated_output());
   for (const std::string& library : options.libraries)
     if (const Status loaded = verifier::load_plugin(
             library, [](std::string_view name) { return verifier::find_simulation(name) != nullptr; });

@@ -108,7 +108,7 @@ class Runner {
     return outcome;
   }
 
-  // Steps and looks: at bodies after every tick, at contacts now and then in the last second.
+  // Steps and measures: bodies after every tick, contacts at intervals in the last second.
   template <typename World, typename Step>
   void watch(const World& world, double dt, CrosscheckMeasure& measure, Step step) {
     const std::uint64_t window = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(contact_window_s / dt));
@@ -157,16 +157,17 @@ std::size_t stood_count(const std::vector<CrosscheckRun>& runs) {
   return static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& run) { return run.stood; }));
 }
 
-bool has_difference(const std::vector<CrosscheckRow>& rows) {
+bool has_difference(const std::vector<CriterionResult>& rows) {
   return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.verdict == Agreement::differ; });
 }
 
-bool is_of_bodies(const CrosscheckRow& row) {
-  return row.criterion == place_criterion || row.criterion == way_criterion;
+bool is_of_bodies(const CriterionResult& row) {
+  return row.criterion == place_criterion || row.criterion == distance_criterion;
 }
 
 // Where Box2D with finer steps agrees with ours, the difference is one of Box2D's convergence.
-void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<CrosscheckRow>& finer, int steps_per_tick) {
+void excuse_convergence(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& finer,
+                        int steps_per_tick) {
   for (std::size_t i = 0; i < rows.size() && i < finer.size(); ++i) {
     if (rows[i].verdict != Agreement::differ || rows[i].criterion != finer[i].criterion) continue;
     if (is_of_bodies(rows[i])) continue;
@@ -180,11 +181,11 @@ void excuse_convergence(std::vector<CrosscheckRow>& rows, const std::vector<Cros
 }
 
 CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& name,
-                           const std::vector<CrosscheckRow>& rows, std::size_t stood) {
+                           const std::vector<CriterionResult>& rows, std::size_t stood) {
   CrosscheckSolver solver;
   solver.solver = name;
   solver.stood = stood;
-  for (const CrosscheckRow& row : rows) {
+  for (const CriterionResult& row : rows) {
     if (row.verdict == Agreement::agree) ++solver.passed;
     if (row.verdict == Agreement::differ) ++solver.failed;
     if (row.verdict == Agreement::expected) ++solver.expected;
@@ -204,7 +205,7 @@ CrosscheckSolver summarize(const CrosscheckReport& report, const std::string& na
 
 // A solver's part of a report that says only why nothing can be compared.
 void add_not_applicable(CrosscheckReport& report, SolverKind kind, const std::string& reason) {
-  CrosscheckRow row;
+  CriterionResult row;
   row.solver = engine::info_of(engine::solvers, kind).name;
   row.criterion = "scene";
   row.reason = reason;
@@ -324,7 +325,7 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   for (std::size_t i = 0; i < solvers.size(); ++i) {
     const std::string name{engine::info_of(engine::solvers, solvers[i]).name};
     const std::vector<CrosscheckRun> ours = runs_of(*outcomes, (i + 1) * starts.size(), starts.size());
-    std::vector<CrosscheckRow> rows = compare_runs(layout, ours, box2d, skin);
+    std::vector<CriterionResult> rows = compare_runs(layout, ours, box2d, skin);
     // Where Box2D's structure stands and ours does not, finer steps of Box2D can excuse nothing.
     const bool ours_fell = layout.is_structure && stood_count(ours) < report.box2d_stood;
     for (std::size_t level = 0; level < finer.size() && has_difference(rows) && !ours_fell; ++level) {
@@ -342,12 +343,12 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
       }
       excuse_convergence(rows, compare_runs(layout, ours, finer[level], skin), steps);
       const auto known = finer.begin() + static_cast<std::ptrdiff_t>(level) + 1;
-      for (const CrosscheckRow& again : compare_bodies(layout, ours, box2d, {finer.begin(), known}, {}, skin))
-        for (CrosscheckRow& row : rows)
+      for (const CriterionResult& again : compare_bodies(layout, ours, box2d, {finer.begin(), known}, {}, skin))
+        for (CriterionResult& row : rows)
           if (row.criterion == again.criterion && row.verdict == Agreement::differ) row = again;
     }
     const bool is_substepped = engine::info_of(engine::solvers, solvers[i]).substeps;
-    const bool places_differ = std::any_of(rows.begin(), rows.end(), [](const CrosscheckRow& row) {
+    const bool places_differ = std::any_of(rows.begin(), rows.end(), [](const CriterionResult& row) {
       return row.criterion == place_criterion && row.verdict == Agreement::differ;
     });
     if (places_differ && is_substepped && !ours_fell && layout.dynamic_count <= finest_body_count_max) {
@@ -364,12 +365,13 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
         if (!again) return again.error();
         own_finer.push_back(runs_of(*again, 0, starts.size()));
       }
-      const CrosscheckRow place = compare_bodies(layout, ours, box2d, {finer.begin(), finer.end()}, own_finer, skin)[0];
-      for (CrosscheckRow& row : rows)
+      const CriterionResult place =
+          compare_bodies(layout, ours, box2d, {finer.begin(), finer.end()}, own_finer, skin)[0];
+      for (CriterionResult& row : rows)
         if (row.criterion == place.criterion) row = place;
     }
     report.solvers.push_back(summarize(report, name, rows, stood_count(ours)));
-    for (CrosscheckRow& row : rows) {
+    for (CriterionResult& row : rows) {
       row.solver = name;
       report.rows.push_back(std::move(row));
     }

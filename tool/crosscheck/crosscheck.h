@@ -1,4 +1,4 @@
-// The cross-check: one scene in Box2D 2.4.1 and in the engine, compared by what a person would look at, not by poses.
+// The cross-check: one scene in Box2D 2.4.1 and in the engine, compared by outcome and not by poses.
 // SPDX-License-Identifier: MIT
 //
 // Verified: whether structures stand, fall, hold or slide alike, how high, in what order, when they come to rest, how
@@ -38,7 +38,7 @@ struct CrosscheckBody {
   std::vector<std::uint32_t> supports;  // ids of what it then lies on
 };
 
-/// What a scene's start says about it, once for both engines.
+/// The structure of a scene at its start, the same for both engines.
 struct CrosscheckLayout {
   engine::Point up{0, 1};
   engine::Point right{1, 0};
@@ -46,17 +46,17 @@ struct CrosscheckLayout {
   std::vector<CrosscheckBody> bodies;  // by id
   std::size_t dynamic_count = 0;
   std::size_t placed_count = 0;
-  bool is_structure = false;                     // at least half of the dynamic bodies are placed
-  bool is_column = false;                        // a structure in which every body lies on one and carries at most one
-  double size = 0;                               // m, median over dynamic bodies of the smaller of width and height
-  double base = 0;                               // m up, lowest point of the dynamic bodies once dropped
-  double height = 0;                             // m, of the highest centre over the base once dropped, at least `size`
-  double rest_speed = 0;                         // m/s: slower counts as at rest
-  std::vector<std::vector<std::uint32_t>> rows;  // bodies side by side and touching, from left to right
+  bool is_structure = false;  // at least half of the dynamic bodies are placed
+  bool is_column = false;     // a structure in which every body lies on one and carries at most one
+  double size = 0;            // m, median over dynamic bodies of the smaller of width and height
+  double base = 0;            // m up, lowest point of the dynamic bodies once dropped
+  double height = 0;          // m, of the highest centre over the base once dropped, at least `size`
+  double rest_speed = 0;      // m/s: slower counts as at rest
+  std::vector<std::vector<std::uint32_t>> body_rows;  // bodies side by side and touching, from left to right
 };
 CrosscheckLayout make_layout(const engine::Scene& scene);
 
-/// Where a body of the scene ended, seen along gravity.
+/// The final place of a body of the scene, relative to gravity.
 struct CrosscheckPlace {
   bool is_left = false;      // not removed; of the moving bodies
   bool rests = false;        // slower than 0.05 m/s throughout the last second
@@ -67,7 +67,7 @@ struct CrosscheckPlace {
   double chain_gap_max = 0;  // m, the largest of them
 };
 
-/// What one run of one engine came to.
+/// The outcome of one run of one engine.
 struct CrosscheckRun {
   bool is_finite = true;
   std::size_t standing_count = 0;      // placed bodies still upright near where they were placed
@@ -91,7 +91,7 @@ struct CrosscheckRun {
   std::vector<CrosscheckPlace> places;  // by id
 };
 
-/// Watches one run.
+/// Measures one run.
 class CrosscheckMeasure {
  public:
   /// `contact_hertz`: softness of this engine's contacts, 0 for rigid ones. `skin`: how far apart it may keep shapes,
@@ -118,8 +118,8 @@ class CrosscheckMeasure {
   };
   std::vector<Carrier> find_carriers() const;
   Chain follow_chain(std::size_t body, const std::vector<Carrier>& carriers) const;
-  void note_chains(CrosscheckRun& run) const;
-  void note_places(CrosscheckRun& run, const std::vector<const engine::BodyReport*>& found) const;
+  void measure_chains(CrosscheckRun& run) const;
+  void measure_places(CrosscheckRun& run, const std::vector<const engine::BodyReport*>& found) const;
   void close_rows(CrosscheckRun& run, const std::vector<double>& across, const std::vector<bool>& present) const;
 
   const CrosscheckLayout& layout_;
@@ -141,7 +141,7 @@ class CrosscheckMeasure {
 };
 
 /// One criterion of one solver.
-struct CrosscheckRow {
+struct CriterionResult {
   std::string solver;
   std::string criterion;
   Agreement verdict = Agreement::not_applicable;
@@ -154,18 +154,19 @@ struct CrosscheckRow {
 };
 
 /// Judges an ensemble against Box2D's. `box2d_skin`: how far apart Box2D may keep shapes, m. Neither is empty.
-std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
-                                        const std::vector<CrosscheckRun>& box2d, double box2d_skin);
+std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                          const std::vector<CrosscheckRun>& box2d, double box2d_skin);
 
 /// The criteria that judge body by body. Those differ only where the engines are certain: Box2D over its seeds and with
 /// smaller steps (`finer`: an ensemble for each), ours with smaller steps (`own_finer`). Rows in the order of these
 /// names, which compare_runs has too.
 inline constexpr std::string_view place_criterion = "rests at same place";  // values: m from Box2D's average
-inline constexpr std::string_view way_criterion = "travels as far";         // values: m of the body most off
-std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
-                                          const std::vector<CrosscheckRun>& box2d,
-                                          const std::vector<std::vector<CrosscheckRun>>& finer,
-                                          const std::vector<std::vector<CrosscheckRun>>& own_finer, double box2d_skin);
+inline constexpr std::string_view distance_criterion = "travels as far";    // values: m of the body most off
+std::vector<CriterionResult> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                            const std::vector<CrosscheckRun>& box2d,
+                                            const std::vector<std::vector<CrosscheckRun>>& finer,
+                                            const std::vector<std::vector<CrosscheckRun>>& own_finer,
+                                            double box2d_skin);
 
 struct CrosscheckOptions {
   std::vector<engine::SolverKind> solvers;  // empty: the scene's
@@ -200,7 +201,7 @@ struct CrosscheckReport {
   bool is_structure = false;
   std::size_t box2d_stood = 0;  // seeds
   std::vector<CrosscheckSolver> solvers;
-  std::vector<CrosscheckRow> rows;
+  std::vector<CriterionResult> rows;
 };
 
 /// Errors: what make_engine refuses; unsupported in a build without Box2D; usage (seeds or seconds out of range).

@@ -27,8 +27,8 @@ constexpr double travel_tolerance_share = 0.025;
 constexpr double travel_tolerance_min = 0.05;  // of a body's size
 constexpr double force_tolerance = 0.02;       // of the weight
 constexpr double place_tolerance = 0.02;       // m
-constexpr double way_tolerance_share = 0.1;
-constexpr double way_tolerance_min = 1;  // m
+constexpr double distance_tolerance_share = 0.1;
+constexpr double distance_tolerance_min = 1;  // m
 
 struct Statistics {
   double mean = 0;
@@ -60,17 +60,17 @@ bool all(const std::vector<CrosscheckRun>& runs, Condition condition) {
   return std::all_of(runs.begin(), runs.end(), condition);
 }
 
-CrosscheckRow not_applicable(std::string criterion, std::string reason) {
-  CrosscheckRow row;
+CriterionResult not_applicable(std::string criterion, std::string reason) {
+  CriterionResult row;
   row.criterion = std::move(criterion);
   row.reason = std::move(reason);
   return row;
 }
 
 // Means compared; more than the tolerance apart differs, unless Box2D's own seeds scatter as far.
-CrosscheckRow compare_means(std::string criterion, std::string unit, std::vector<double> ours,
-                            std::vector<double> box2d, double tolerance) {
-  CrosscheckRow row;
+CriterionResult compare_means(std::string criterion, std::string unit, std::vector<double> ours,
+                              std::vector<double> box2d, double tolerance) {
+  CriterionResult row;
   row.criterion = std::move(criterion);
   row.unit = std::move(unit);
   const Statistics reference = statistics_of(box2d);
@@ -127,16 +127,16 @@ struct Judge {
     return fmt::format("{} of {} moving bodies start at rest on something", layout.placed_count, layout.dynamic_count);
   }
 
-  CrosscheckRow stands() const {
+  CriterionResult stands() const {
     if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("stands or falls", reason);
     const auto stood = [](const CrosscheckRun& run) { return run.stood ? 1 : 0; };
-    CrosscheckRow row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
+    CriterionResult row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
     row.tolerance = stood_tolerance + 1e-9;
     row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
   }
 
-  CrosscheckRow standing() const {
+  CriterionResult standing() const {
     if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("standing bodies", reason);
     const auto count = [](const CrosscheckRun& run) { return run.standing_count; };
     const double placed = static_cast<double>(layout.placed_count);
@@ -144,15 +144,15 @@ struct Judge {
                          each(box2d, count), std::max(0.5, standing_share() * placed));
   }
 
-  CrosscheckRow top() const {
+  CriterionResult top() const {
     if (layout.gravity == 0) return not_applicable("top height", "no gravity");
     const auto height = [](const CrosscheckRun& run) { return run.top; };
     // What flies or falls far is measured against how far.
     const double reach = std::max(layout.height, std::fabs(mean_of(each(box2d, height))));
     // The top of a heap is whichever body ended up there: one body higher or lower is the same heap.
     const double heap = is_heap() ? layout.size : 0;
-    CrosscheckRow row = compare_means("top height", "m", each(ours, height), each(box2d, height),
-                                      std::max(top_tolerance * reach, heap));
+    CriterionResult row = compare_means("top height", "m", each(ours, height), each(box2d, height),
+                                        std::max(top_tolerance * reach, heap));
     if (row.verdict != Agreement::differ) return row;
     const auto chained = [](const CrosscheckRun& run) { return run.has_chain; };
     if (!all(ours, chained) || !all(box2d, chained)) return row;
@@ -172,7 +172,7 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow order() const {
+  CriterionResult order() const {
     if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("order upwards", reason);
     const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(), [&](const CrosscheckBody& body) {
       return std::any_of(body.supports.begin(), body.supports.end(),
@@ -183,7 +183,7 @@ struct Judge {
     return compare_means("order upwards", "% kept", each(ours, share), each(box2d, share), 100 * standing_share());
   }
 
-  CrosscheckRow tilt() const {
+  CriterionResult tilt() const {
     if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("largest tilt", reason);
     const bool any = std::any_of(layout.bodies.begin(), layout.bodies.end(),
                                  [](const CrosscheckBody& body) { return body.is_placed && body.shows_tilt; });
@@ -193,14 +193,14 @@ struct Judge {
                          tilt_tolerance_deg);
   }
 
-  CrosscheckRow settle() const {
+  CriterionResult settle() const {
     if (layout.is_structure && !box2d_stood())
       return not_applicable("comes to rest", "Box2D's structure falls or slides: when that ends is chance");
     const auto settled = [](const CrosscheckRun& run) { return std::isfinite(run.settle_s) ? 1.0 : 0.0; };
     const double ours_settled = mean_of(each(ours, settled));
     const double box2d_settled = mean_of(each(box2d, settled));
     const auto time = [](const CrosscheckRun& run) { return run.settle_s; };
-    CrosscheckRow row;
+    CriterionResult row;
     row.criterion = "comes to rest";
     row.unit = "s";
     row.ours = each(ours, time);
@@ -233,10 +233,10 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow penetration() const {
+  CriterionResult penetration() const {
     const auto depth = [](const CrosscheckRun& run) { return 100 * run.penetration; };
-    CrosscheckRow row = compare_means("deepest overlap", "% of size", each(ours, depth), each(box2d, depth),
-                                      100 * penetration_tolerance);
+    CriterionResult row = compare_means("deepest overlap", "% of size", each(ours, depth), each(box2d, depth),
+                                        100 * penetration_tolerance);
     if (row.verdict != Agreement::differ) return row;
     const auto rest = [](const CrosscheckRun& run) { return 100 * run.penetration_unexplained; };
     const double without = mean_of(each(ours, rest)) - mean_of(row.box2d);
@@ -247,8 +247,8 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow travel_by(std::vector<double> CrosscheckRun::*field) const {
-    CrosscheckRow row;
+  CriterionResult travel_by(std::vector<double> CrosscheckRun::*field) const {
+    CriterionResult row;
     row.criterion = "slides or holds";
     row.unit = "m across";
     const auto mean = [&](const CrosscheckRun& run) { return (run.*field).empty() ? 0 : mean_of(run.*field); };
@@ -266,10 +266,10 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow travel() const {
-    CrosscheckRow row = travel_by(&CrosscheckRun::travel);
+  CriterionResult travel() const {
+    CriterionResult row = travel_by(&CrosscheckRun::travel);
     if (row.verdict != Agreement::differ || !box2d_stood()) return row;
-    const CrosscheckRow closed = travel_by(&CrosscheckRun::travel_closed);
+    const CriterionResult closed = travel_by(&CrosscheckRun::travel_closed);
     if (closed.verdict != Agreement::agree) return row;
     row.verdict = Agreement::expected;
     row.reason = fmt::format("Box2D's skin pushes rows of touching bodies apart; with its gaps closed {:.4f} m apart",
@@ -325,7 +325,7 @@ struct Judge {
   }
   // Half the length of the row that a body starts in, in skins: as far as the skin may push it.
   double row_slack(std::uint32_t id) const {
-    for (const std::vector<std::uint32_t>& row : layout.rows)
+    for (const std::vector<std::uint32_t>& row : layout.body_rows)
       if (std::find(row.begin(), row.end(), id) != row.end()) return 0.5 * skin * static_cast<double>(row.size() - 1);
     return 0;
   }
@@ -338,7 +338,7 @@ struct Judge {
   }
 
   // `finer`: Box2D with smaller steps, as far as it was run; `own_finer`: likewise ours.
-  CrosscheckRow same_place(const std::vector<Runs>& finer, const std::vector<Runs>& own_finer) const {
+  CriterionResult same_place(const std::vector<Runs>& finer, const std::vector<Runs>& own_finer) const {
     enum class Found { same, same_without_gaps, converges, unsettled, differs };
     const auto judge = [&](std::uint32_t id, const Rest& own, const Rest& theirs) {
       if (is_same(own, theirs)) return Found::same;
@@ -356,7 +356,7 @@ struct Judge {
       return settled ? Found::differs : Found::unsettled;
     };
 
-    CrosscheckRow row;
+    CriterionResult row;
     row.criterion = place_criterion;
     row.tolerance = place_tolerance;
     row.verdict = Agreement::agree;
@@ -398,23 +398,23 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow same_way(const std::vector<Runs>& finer) const {
-    CrosscheckRow row;
-    row.criterion = way_criterion;
+  CriterionResult same_distance(const std::vector<Runs>& finer) const {
+    CriterionResult row;
+    row.criterion = distance_criterion;
     row.verdict = Agreement::agree;
     std::size_t judged = 0, unsettled = 0;
     double worst = -1;
     for (std::uint32_t id = 0; id < layout.bodies.size(); ++id) {
       if (!is_left(ours, id) || !is_left(box2d, id) || (rests(ours, id) && rests(box2d, id))) continue;
-      const auto way = [&](const CrosscheckRun& run) { return run.places[id].moved; };
-      std::vector<double> theirs = each(box2d, way);
-      std::vector<double> own = each(ours, way);
-      const double tolerance = std::max(way_tolerance_min, way_tolerance_share * mean_of(theirs));
+      const auto distance = [&](const CrosscheckRun& run) { return run.places[id].moved; };
+      std::vector<double> theirs = each(box2d, distance);
+      std::vector<double> own = each(ours, distance);
+      const double tolerance = std::max(distance_tolerance_min, distance_tolerance_share * mean_of(theirs));
       const auto [least, most] = std::minmax_element(theirs.begin(), theirs.end());
       if (*most - *least > tolerance) continue;  // Box2D does not know it itself
       const double difference = std::fabs(mean_of(own) - mean_of(theirs));
       const bool is_settled = std::all_of(finer.begin(), finer.end(), [&](const Runs& runs) {
-        return is_left(runs, id) && std::fabs(mean_of(each(runs, way)) - mean_of(theirs)) <= tolerance;
+        return is_left(runs, id) && std::fabs(mean_of(each(runs, distance)) - mean_of(theirs)) <= tolerance;
       });
       if (difference > tolerance && !is_settled) {
         ++unsettled;
@@ -439,10 +439,10 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow column() const {
+  CriterionResult column() const {
     if (!layout.is_column) return not_applicable("weights in the stack", "not a single stack");
     const auto error = [](const CrosscheckRun& run) { return 100 * run.column_error; };
-    CrosscheckRow row =
+    CriterionResult row =
         compare_means("weights in the stack", "% off", each(ours, error), each(box2d, error), 100 * force_tolerance);
     if (mean_of(row.box2d) > 100 * force_tolerance)
       return not_applicable("weights in the stack", "Box2D's own stack does not rest");
@@ -451,7 +451,7 @@ struct Judge {
     return row;
   }
 
-  CrosscheckRow ground() const {
+  CriterionResult ground() const {
     if (layout.gravity == 0) return not_applicable("weight on the ground", "no gravity");
     if (!all(box2d, [](const CrosscheckRun& run) { return std::isfinite(run.settle_s); }))
       return not_applicable("weight on the ground", "Box2D does not come to rest");
@@ -465,28 +465,30 @@ struct Judge {
 
 }  // namespace
 
-std::vector<CrosscheckRow> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
-                                        const std::vector<CrosscheckRun>& box2d, double box2d_skin) {
+std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                          const std::vector<CrosscheckRun>& box2d, double box2d_skin) {
   const auto finite = [](const CrosscheckRun& run) { return run.is_finite; };
   if (!all(box2d, finite)) return {not_applicable("scene", "Box2D's state becomes non-finite")};
   if (!all(ours, finite)) {
-    CrosscheckRow row = not_applicable("scene", "a state becomes non-finite");
+    CriterionResult row = not_applicable("scene", "a state becomes non-finite");
     row.verdict = Agreement::differ;
     return {row};
   }
   const Judge judge{layout, ours, box2d, box2d_skin};
-  std::vector<CrosscheckRow> rows{judge.stands(), judge.standing(),    judge.top(),    judge.order(),  judge.tilt(),
-                                  judge.settle(), judge.penetration(), judge.travel(), judge.column(), judge.ground()};
-  for (CrosscheckRow& row : compare_bodies(layout, ours, box2d, {}, {}, box2d_skin)) rows.push_back(std::move(row));
+  std::vector<CriterionResult> rows{judge.stands(), judge.standing(), judge.top(),         judge.order(),
+                                    judge.tilt(),   judge.settle(),   judge.penetration(), judge.travel(),
+                                    judge.column(), judge.ground()};
+  for (CriterionResult& row : compare_bodies(layout, ours, box2d, {}, {}, box2d_skin)) rows.push_back(std::move(row));
   return rows;
 }
 
-std::vector<CrosscheckRow> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
-                                          const std::vector<CrosscheckRun>& box2d,
-                                          const std::vector<std::vector<CrosscheckRun>>& finer,
-                                          const std::vector<std::vector<CrosscheckRun>>& own_finer, double box2d_skin) {
+std::vector<CriterionResult> compare_bodies(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
+                                            const std::vector<CrosscheckRun>& box2d,
+                                            const std::vector<std::vector<CrosscheckRun>>& finer,
+                                            const std::vector<std::vector<CrosscheckRun>>& own_finer,
+                                            double box2d_skin) {
   const Judge judge{layout, ours, box2d, box2d_skin};
-  return {judge.same_place(finer, own_finer), judge.same_way(finer)};
+  return {judge.same_place(finer, own_finer), judge.same_distance(finer)};
 }
 
 }  // namespace ticktrue::verifier

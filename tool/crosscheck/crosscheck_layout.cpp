@@ -1,4 +1,4 @@
-// What a scene's start says: which bodies are placed on which, columns, rows, sizes.
+// The structure of a scene at its start: which bodies lie on which, columns, rows, sizes.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -109,14 +109,14 @@ double gap_between(const BoundedOutline& upper, const BoundedOutline& lower) {
   const double width = std::min(upper.upper.x - upper.lower.x, lower.upper.x - lower.lower.x);
   if (right - left < 0.01 * width) return infinite;  // side by side
   double gap = infinite;
-  const auto look_at = [&](double across) {
+  const auto measure_gap_at = [&](double across) {
     if (across < left || across > right) return;
     gap = std::min(gap, span_at(upper, across).low - span_at(lower, across).high);
   };
-  look_at(left);
-  look_at(right);
-  for (const Point& p : upper.points) look_at(p.x);
-  for (const Point& p : lower.points) look_at(p.x);
+  measure_gap_at(left);
+  measure_gap_at(right);
+  for (const Point& p : upper.points) measure_gap_at(p.x);
+  for (const Point& p : lower.points) measure_gap_at(p.x);
   return gap;
 }
 
@@ -126,7 +126,7 @@ struct Outlines {
   Point upper{-infinite, -infinite};
 };
 
-// Lets every dynamic body sink straight down, lowest first, and notes what it lies on.
+// Drops every dynamic body straight down, lowest first, and stores the bodies that it lies on.
 void drop_bodies(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t id = 0; id < layout.bodies.size(); ++id)
@@ -200,7 +200,7 @@ void find_rows(const std::vector<Outlines>& outlines, CrosscheckLayout& layout) 
   });
   std::vector<std::uint32_t> row;
   const auto close_row = [&] {
-    if (row.size() > 1) layout.rows.push_back(row);
+    if (row.size() > 1) layout.body_rows.push_back(row);
     row.clear();
   };
   for (const std::uint32_t id : order) {

@@ -1,4 +1,4 @@
-// What one run came to: watches bodies and contacts, and reduces them to the quantities the criteria compare.
+// Measures bodies and contacts of one run, and reduces them to the quantities that the criteria compare.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
@@ -138,7 +138,7 @@ CrosscheckRun CrosscheckMeasure::finish() const {
   std::vector<bool> present(count, false);
   std::vector<double> settled;
   std::size_t support_count = 0;
-  std::size_t kept_count = 0;
+  std::size_t ordered_count = 0;
   run.top = -std::numeric_limits<double>::infinity();
   for (std::size_t id = 0; id < count; ++id) {
     const CrosscheckBody& start = layout_.bodies[id];
@@ -167,12 +167,13 @@ CrosscheckRun CrosscheckMeasure::finish() const {
       ++support_count;
       if (!body || !found[support]) continue;
       const double distance = (start.height + layout_.bodies[support].height) / 2;
-      if (along(body->center, layout_.up) - along(found[support]->center, layout_.up) > 0.25 * distance) ++kept_count;
+      if (along(body->center, layout_.up) - along(found[support]->center, layout_.up) > 0.25 * distance)
+        ++ordered_count;
     }
   }
   run.stood = layout_.placed_count > 0 &&
               static_cast<double>(run.standing_count) >= stood_share * static_cast<double>(layout_.placed_count);
-  run.order = support_count > 0 ? static_cast<double>(kept_count) / static_cast<double>(support_count) : 1;
+  run.order = support_count > 0 ? static_cast<double>(ordered_count) / static_cast<double>(support_count) : 1;
   if (run.travel.empty()) run.top = 0;
 
   // At rest: nineteen of twenty bodies, so that one disc that rolls for ever does not decide for a thousand.
@@ -211,8 +212,8 @@ CrosscheckRun CrosscheckMeasure::finish() const {
                      std::fabs(carried_sum_[id] / static_cast<double>(contact_sample_count_) - load[id]) / load[id]);
   }
 
-  note_chains(run);
-  note_places(run, found);
+  measure_chains(run);
+  measure_places(run, found);
   close_rows(run, across, present);
   std::sort(run.travel.begin(), run.travel.end());
   return run;
@@ -266,7 +267,7 @@ CrosscheckMeasure::Chain CrosscheckMeasure::follow_chain(std::size_t body, const
   return chain;
 }
 
-void CrosscheckMeasure::note_chains(CrosscheckRun& run) const {
+void CrosscheckMeasure::measure_chains(CrosscheckRun& run) const {
   const std::size_t count = layout_.bodies.size();
   std::size_t highest = count;
   double top = -std::numeric_limits<double>::infinity();
@@ -284,7 +285,7 @@ void CrosscheckMeasure::note_chains(CrosscheckRun& run) const {
   run.chain_gap_max = chain.gap_max;
 }
 
-void CrosscheckMeasure::note_places(CrosscheckRun& run, const std::vector<const BodyReport*>& found) const {
+void CrosscheckMeasure::measure_places(CrosscheckRun& run, const std::vector<const BodyReport*>& found) const {
   const std::vector<Carrier> carriers = find_carriers();
   run.places.resize(layout_.bodies.size());
   for (std::size_t id = 0; id < layout_.bodies.size(); ++id) {
@@ -307,7 +308,7 @@ void CrosscheckMeasure::note_places(CrosscheckRun& run, const std::vector<const 
 void CrosscheckMeasure::close_rows(CrosscheckRun& run, const std::vector<double>& across,
                                    const std::vector<bool>& present) const {
   std::vector<double> closed = across;
-  for (const std::vector<std::uint32_t>& row : layout_.rows) {
+  for (const std::vector<std::uint32_t>& row : layout_.body_rows) {
     std::vector<double> opened(row.size(), 0);
     for (std::size_t i = 1; i < row.size(); ++i) {
       const bool both = present[row[i]] && present[row[i - 1]];

@@ -32,7 +32,7 @@ Figure figure_of(const engine::Body& body, bool is_prototype) {
   for (const Shape& shape : body.shapes) {
     figure.outlines.push_back(outline_of(shape));
     for (const Point& point : figure.outlines.back().points)
-      figure.reach = std::max(figure.reach, distance(point, figure.center) + shape.radius);
+      figure.extent = std::max(figure.extent, distance(point, figure.center) + shape.radius);
   }
   return figure;
 }

@@ -1,4 +1,4 @@
-// What there is to draw of a state: an outline for each shape, and where each body stands.
+// The drawable content of a state: an outline for each shape and a pose for each body.
 // SPDX-License-Identifier: MIT
 //
 // Outlines belong to the scene (a body, or a prototype) and are in the body's frame. Poses are read from the columns of
@@ -28,7 +28,7 @@ struct Outline {
   bool operator==(const Outline&) const = default;
 };
 
-/// What all bodies made from one description share.
+/// The shapes and constants of all bodies made from one description.
 struct Figure {
   std::string name;  // of the body or prototype; may be empty
   bool is_prototype = false;
@@ -37,7 +37,7 @@ struct Figure {
   double mass = 0;       // kg; 0 for static and kinematic bodies
   double inertia = 0;    // kg m^2 about the centre of mass; 0 for static, kinematic, fixed rotation
   double gravity_scale = 1;
-  double reach = 0;  // m: how far from the centre of mass anything is drawn
+  double extent = 0;  // m: largest distance of a drawn point from the centre of mass
   std::vector<Outline> outlines;
 };
 

@@ -1,4 +1,4 @@
-// What joints hold and look like in the world.
+// Gaps and lines of joints in the world.
 // SPDX-License-Identifier: MIT
 #include "tool/drawing/joint_geometry.h"
 
@@ -31,9 +31,9 @@ double of_rod(const Joint& joint, const JointPlaces& places) {
 }
 
 double of_pulley(const Joint& joint, const JointPlaces& places) {
-  const auto apart = [](Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); };
-  return std::fabs(apart(joint.ground_anchor_a, places.anchor_a) +
-                   joint.ratio * apart(joint.ground_anchor_b, places.anchor_b) - joint.length);
+  const auto distance = [](Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); };
+  return std::fabs(distance(joint.ground_anchor_a, places.anchor_a) +
+                   joint.ratio * distance(joint.ground_anchor_b, places.anchor_b) - joint.length);
 }
 
 double nothing(const Joint&, const JointPlaces&) {

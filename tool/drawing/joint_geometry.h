@@ -1,4 +1,4 @@
-// What joints hold and look like in the world, from poses in f64: one row for each kind.
+// Gaps and lines of joints in the world, from poses in f64: one row for each kind.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@ struct JointPlaces {
   engine::Point axis;      // turned with A, of any length
 };
 
-/// Lines from place to place.
+/// Line segments between points.
 struct JointLines {
   std::size_t count = 0;
   std::array<std::array<engine::Point, 2>, 3> lines;

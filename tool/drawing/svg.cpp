@@ -203,9 +203,9 @@ WorldBox choose_view(const engine::Engine& start, const WorldBox& visited) {
 
   WorldBox view = moving.is_empty ? visited : moving;
   if (!visited.is_empty && !moving.is_empty) {
-    const double reach = std::max(far_view_m, 3 * std::max(moving.width(), moving.height()));
-    view.add(std::max(visited.lower_x, moving.lower_x - reach), std::max(visited.lower_y, moving.lower_y - reach));
-    view.add(std::min(visited.upper_x, moving.upper_x + reach), std::min(visited.upper_y, moving.upper_y + reach));
+    const double extent = std::max(far_view_m, 3 * std::max(moving.width(), moving.height()));
+    view.add(std::max(visited.lower_x, moving.lower_x - extent), std::max(visited.lower_y, moving.lower_y - extent));
+    view.add(std::min(visited.upper_x, moving.upper_x + extent), std::min(visited.upper_y, moving.upper_y + extent));
   }
   if (view.is_empty) view = fixed;
   if (!fixed.is_empty && !view.is_empty) {

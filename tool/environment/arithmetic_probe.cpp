@@ -56,7 +56,7 @@ std::uint64_t digest_of(Function function) {
   return hash64(out.view());
 }
 
-// Those of the scenes change with the physics: `./dev golden update` says so and writes them anew.
+// Those of the scenes change with the physics: `./dev golden update` says so and writes them again.
 constexpr std::uint64_t functions_expected = 0x7427705cceb460e1u;
 constexpr std::uint64_t arithmetic_f32_expected = 0xcce1f8098abfaf40u;
 constexpr std::uint64_t arithmetic_f64_expected = 0x5d2764d655f87b41u;

@@ -1,4 +1,4 @@
-// What floating point does here, found by arithmetic, not by asking: rounding, subnormals, contraction, and a digest.
+// The behaviour of floating point here, found by arithmetic: rounding, subnormals, contraction, and a digest.
 // SPDX-License-Identifier: MIT
 #pragma once
 

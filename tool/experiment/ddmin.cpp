@@ -17,34 +17,34 @@ std::pair<std::size_t, std::size_t> part_of(std::size_t size, std::size_t part, 
 }  // namespace
 
 Indices ddmin(std::size_t count, const std::function<bool(const Indices&)>& fails) {
-  Indices kept;
-  for (std::size_t i = 0; i < count; ++i) kept.push_back(i);
+  Indices remaining;
+  for (std::size_t i = 0; i < count; ++i) remaining.push_back(i);
   if (count == 0 || fails({})) return {};
   std::size_t part_count = 2;
-  while (kept.size() >= 2) {
-    part_count = std::min(part_count, kept.size());
+  while (remaining.size() >= 2) {
+    part_count = std::min(part_count, remaining.size());
     bool is_smaller = false;
     for (std::size_t part = 0; part < part_count && !is_smaller; ++part) {
-      const auto [begin, end] = part_of(kept.size(), part, part_count);
-      const auto at = [&](std::size_t i) { return kept.begin() + static_cast<std::ptrdiff_t>(i); };
+      const auto [begin, end] = part_of(remaining.size(), part, part_count);
+      const auto at = [&](std::size_t i) { return remaining.begin() + static_cast<std::ptrdiff_t>(i); };
       const Indices alone(at(begin), at(end));
-      Indices without(kept.begin(), at(begin));
-      without.insert(without.end(), at(end), kept.end());
+      Indices without(remaining.begin(), at(begin));
+      without.insert(without.end(), at(end), remaining.end());
       if (fails(alone)) {
-        kept = alone;
+        remaining = alone;
         part_count = 2;
         is_smaller = true;
       } else if (part_count > 2 && fails(without)) {
-        kept = without;
+        remaining = without;
         part_count = std::max<std::size_t>(part_count - 1, 2);
         is_smaller = true;
       }
     }
     if (is_smaller) continue;
-    if (part_count == kept.size()) break;
+    if (part_count == remaining.size()) break;
     part_count *= 2;
   }
-  return kept;
+  return remaining;
 }
 
 }  // namespace ticktrue::verifier::soak

@@ -1,4 +1,4 @@
-// Delta debugging: the smallest part of a list with which a test still fails.
+// Delta debugging: a minimal subset of a list with which a test still fails.
 // SPDX-License-Identifier: MIT
 // Source: Zeller and Hildebrandt, "Simplifying and isolating failure-inducing input", 2002, figure 5 (ddmin).
 #pragma once
@@ -9,8 +9,8 @@
 
 namespace ticktrue::verifier::soak {
 
-/// Indices of 0..count-1 to keep, ascending: no single one of them can be left out. `fails` is never asked twice about
-/// all of them. Requires: all together fail, and `fails` answers false once no more tests may be made.
+/// A subset of the indices 0..count-1, ascending, of which no single index can be removed. `fails` is called at most
+/// once with all indices. Requires: all indices together fail; `fails` returns false after the limit of tests.
 std::vector<std::size_t> ddmin(std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& fails);
 
 }  // namespace ticktrue::verifier::soak

@@ -17,17 +17,17 @@ using Indices = std::vector<std::size_t>;
 
 constexpr std::uint32_t gone = 0xffffffff;
 
-/// New index of each of `count` old ones; gone where it is not kept.
-std::vector<std::uint32_t> renumbering(std::size_t count, const Indices& kept) {
+/// New index of each of `count` old indices; `gone` for a removed one.
+std::vector<std::uint32_t> renumbering(std::size_t count, const Indices& remaining) {
   std::vector<std::uint32_t> to(count, gone);
-  for (std::size_t i = 0; i < kept.size(); ++i) to[kept[i]] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < remaining.size(); ++i) to[remaining[i]] = static_cast<std::uint32_t>(i);
   return to;
 }
 
 template <typename T>
-std::vector<T> select(const std::vector<T>& all, const Indices& kept) {
+std::vector<T> select(const std::vector<T>& all, const Indices& remaining) {
   std::vector<T> some;
-  for (const std::size_t i : kept) some.push_back(all[i]);
+  for (const std::size_t i : remaining) some.push_back(all[i]);
   return some;
 }
 
@@ -41,15 +41,15 @@ class Shrinker {
       : smallest_(failing), still_fails_(still_fails), options_(options) {}
 
   ShrinkResult run() {
-    if (options_.first_wrong_tick) cut_ticks(*options_.first_wrong_tick + 1);
+    if (options_.first_wrong_tick) shorten_to(*options_.first_wrong_tick + 1);
     std::size_t size = 0;
     do {
       size = size_of(smallest_);
-      cut_inputs();
-      cut_bodies();
-      cut_joints();
-      cut_forces();
-      cut_prototypes();
+      remove_inputs();
+      remove_bodies();
+      remove_joints();
+      remove_forces();
+      remove_prototypes();
       set_defaults();
       search_ticks();
     } while (size_of(smallest_) < size && !is_over());
@@ -76,7 +76,7 @@ class Shrinker {
     return true;
   }
 
-  bool cut_ticks(std::uint64_t tick_count) {
+  bool shorten_to(std::uint64_t tick_count) {
     if (tick_count >= smallest_.tick_count) return false;
     SoakCase candidate = smallest_;
     candidate.tick_count = tick_count;
@@ -86,41 +86,41 @@ class Shrinker {
   /// Halves, then ever smaller steps: a world may fail at several ticks.
   void search_ticks() {
     for (std::uint64_t step = smallest_.tick_count / 2; step > 0; step /= 2)
-      while (step < smallest_.tick_count && cut_ticks(smallest_.tick_count - step)) {
+      while (step < smallest_.tick_count && shorten_to(smallest_.tick_count - step)) {
       }
   }
 
-  void cut_list(std::size_t count, SoakCase (*with)(const SoakCase&, const Indices&)) {
+  void remove_from_list(std::size_t count, SoakCase (*with)(const SoakCase&, const Indices&)) {
     const SoakCase before = smallest_;
-    const Indices kept = ddmin(count, [&](const Indices& some) { return fails(with(before, some)); });
-    if (kept.size() < count) smallest_ = with(before, kept);
+    const Indices remaining = ddmin(count, [&](const Indices& some) { return fails(with(before, some)); });
+    if (remaining.size() < count) smallest_ = with(before, remaining);
   }
-  void cut_inputs() { cut_list(smallest_.inputs.size(), with_inputs); }
-  void cut_bodies() { cut_list(smallest_.scene.bodies.size(), with_bodies); }
-  void cut_joints() { cut_list(smallest_.scene.joints.size(), with_joints); }
-  void cut_forces() {
-    cut_list(smallest_.scene.forces.size(), [](const SoakCase& all, const Indices& kept) {
+  void remove_inputs() { remove_from_list(smallest_.inputs.size(), with_inputs); }
+  void remove_bodies() { remove_from_list(smallest_.scene.bodies.size(), with_bodies); }
+  void remove_joints() { remove_from_list(smallest_.scene.joints.size(), with_joints); }
+  void remove_forces() {
+    remove_from_list(smallest_.scene.forces.size(), [](const SoakCase& all, const Indices& remaining) {
       SoakCase some = all;
-      some.scene.forces = select(all.scene.forces, kept);
+      some.scene.forces = select(all.scene.forces, remaining);
       return some;
     });
   }
 
   /// Prototypes that nothing spawns.
-  void cut_prototypes() {
+  void remove_prototypes() {
     SoakCase candidate = smallest_;
-    Indices kept;
+    Indices remaining;
     for (std::size_t i = 0; i < candidate.scene.prototypes.size(); ++i) {
       const auto spawns = [&](const Input& input) { return input.kind == InputKind::spawn && input.prototype == i; };
       const bool is_spawned = std::any_of(candidate.inputs.begin(), candidate.inputs.end(), spawns);
       const std::string& name = candidate.scene.prototypes[i].name;
       const bool is_pressed = candidate.scene.pointer && std::count(candidate.scene.pointer->spawns.begin(),
                                                                     candidate.scene.pointer->spawns.end(), name) > 0;
-      if (is_spawned || is_pressed) kept.push_back(i);
+      if (is_spawned || is_pressed) remaining.push_back(i);
     }
-    if (kept.size() == candidate.scene.prototypes.size()) return;
-    const auto to = renumbering(candidate.scene.prototypes.size(), kept);
-    candidate.scene.prototypes = select(candidate.scene.prototypes, kept);
+    if (remaining.size() == candidate.scene.prototypes.size()) return;
+    const auto to = renumbering(candidate.scene.prototypes.size(), remaining);
+    candidate.scene.prototypes = select(candidate.scene.prototypes, remaining);
     for (Input& input : candidate.inputs)
       if (input.kind == InputKind::spawn) input.prototype = static_cast<std::uint16_t>(to[input.prototype]);
     take_if_fails(std::move(candidate));
@@ -222,12 +222,12 @@ class Shrinker {
 
 }  // namespace
 
-SoakCase with_bodies(const SoakCase& soak_case, const Indices& kept) {
+SoakCase with_bodies(const SoakCase& soak_case, const Indices& remaining) {
   SoakCase some = soak_case;
   Scene& scene = some.scene;
   const std::size_t count = scene.bodies.size();
-  const auto to = renumbering(count, kept);
-  scene.bodies = select(scene.bodies, kept);
+  const auto to = renumbering(count, remaining);
+  scene.bodies = select(scene.bodies, remaining);
   Indices joints;
   for (std::size_t i = 0; i < scene.joints.size(); ++i) {
     const engine::Joint& joint = scene.joints[i];
@@ -248,16 +248,16 @@ SoakCase with_bodies(const SoakCase& soak_case, const Indices& kept) {
   }
   std::erase_if(some.inputs,
                 [&](const Input& input) { return has_body(input) && input.body < count && to[input.body] == gone; });
-  const auto fewer = static_cast<std::uint32_t>(count - kept.size());
+  const auto fewer = static_cast<std::uint32_t>(count - remaining.size());
   for (Input& input : some.inputs)
     if (has_body(input)) input.body = input.body < count ? to[input.body] : input.body - fewer;
   return some;
 }
 
-SoakCase with_joints(const SoakCase& soak_case, const Indices& kept) {
+SoakCase with_joints(const SoakCase& soak_case, const Indices& remaining) {
   SoakCase some = soak_case;
-  const auto to = renumbering(soak_case.scene.joints.size(), kept);
-  some.scene.joints = select(soak_case.scene.joints, kept);
+  const auto to = renumbering(soak_case.scene.joints.size(), remaining);
+  some.scene.joints = select(soak_case.scene.joints, remaining);
   const auto is_of_joint = [](const Input& input) { return info_of(engine::input_kinds, input.kind).has_joint; };
   std::erase_if(some.inputs, [&](const Input& input) {
     return is_of_joint(input) && (input.joint >= to.size() || to[input.joint] == gone);
@@ -267,21 +267,21 @@ SoakCase with_joints(const SoakCase& soak_case, const Indices& kept) {
   return some;
 }
 
-SoakCase with_inputs(const SoakCase& soak_case, const Indices& kept) {
+SoakCase with_inputs(const SoakCase& soak_case, const Indices& remaining) {
   SoakCase some = soak_case;
   // The nth spawn makes the body with the nth id behind those of the scene.
   const auto first_id = static_cast<std::uint32_t>(soak_case.scene.bodies.size());
   Indices spawns;
-  std::vector<bool> is_kept(soak_case.inputs.size());
-  for (const std::size_t i : kept) is_kept[i] = true;
+  std::vector<bool> is_remaining(soak_case.inputs.size());
+  for (const std::size_t i : remaining) is_remaining[i] = true;
   std::size_t spawn_count = 0;
   for (std::size_t i = 0; i < soak_case.inputs.size(); ++i) {
     if (soak_case.inputs[i].kind != InputKind::spawn) continue;
-    if (is_kept[i]) spawns.push_back(spawn_count);
+    if (is_remaining[i]) spawns.push_back(spawn_count);
     ++spawn_count;
   }
   const auto to = renumbering(spawn_count, spawns);
-  some.inputs = select(soak_case.inputs, kept);
+  some.inputs = select(soak_case.inputs, remaining);
   const auto spawn_of = [&](const Input& input) { return std::size_t{input.body} - first_id; };
   const auto is_of_spawned = [&](const Input& input) {
     return has_body(input) && input.body >= first_id && spawn_of(input) < spawn_count;

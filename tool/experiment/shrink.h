@@ -1,4 +1,4 @@
-// Makes a world that fails as small as it can be while it still fails.
+// Shrinks a failing world as far as it still fails.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace ticktrue::verifier::soak {
 
-/// Whether the world still shows what is looked for. It is only asked about worlds that check_scene accepts.
+/// Whether the world still fails. Called only for worlds that check_scene accepts.
 using CaseFails = std::function<bool(const SoakCase&)>;
 
 struct ShrinkOptions {
@@ -26,12 +26,12 @@ struct ShrinkResult {
   std::size_t test_count = 0;  // calls of the predicate
 };
 
-/// Cuts ticks, inputs, bodies (with their joints, forces and inputs; ids follow), joints, forces and prototypes, and
-/// sets what is left back to the defaults, until nothing more can be left out or no more tests may be made.
+/// Removes ticks, inputs, bodies (with their joints, forces and inputs; ids follow), joints, forces and prototypes, and
+/// resets the rest to defaults, until nothing more can be removed or the limit of tests is reached.
 /// Requires: still_fails(failing).
 ShrinkResult shrink(const SoakCase& failing, const CaseFails& still_fails, const ShrinkOptions& options = {});
 
-/// The case with these bodies alone, by index, ascending. Joints, forces and inputs that refer to another go; ids of
+/// The case with only these bodies, by index, ascending. Joints, forces and inputs of other bodies are removed; ids of
 /// spawned bodies follow.
 SoakCase with_bodies(const SoakCase& soak_case, const std::vector<std::size_t>& kept);
 /// The same for joints, and inputs to them.

@@ -23,7 +23,7 @@ struct SoakCase {
   std::uint64_t tick_count = 0;
 };
 
-/// Makes the engines of every run. Tests put one with a planted fault here.
+/// Makes the engines of every run. Tests put one with an injected fault here.
 using EngineMaker =
     std::function<Result<std::unique_ptr<engine::Engine>>(const engine::Scene&, const engine::EngineOptions&)>;
 

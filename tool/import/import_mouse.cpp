@@ -56,7 +56,7 @@ bool contains(const std::array<std::string_view, count>& names, std::string_view
   return false;
 }
 
-/// Gives out the rows of a session one after another.
+/// Reads the rows of a session one after another.
 class SessionReader {
  public:
   SessionReader(std::string_view csv, const std::string& source) : rest_(csv), source_(source) {}
@@ -162,7 +162,7 @@ class InputCollector {
     tick_ = static_cast<std::uint64_t>(row.time_s / dt_);
     const bool presses = row.button == "Left" || (right_presses_ && row.button == "Right");
     if (presses && row.state == "Pressed" && row.has_position()) {
-      // A release that was never recorded is made up, so that presses and releases alternate.
+      // A missing release is inserted, so that presses and releases alternate.
       if (!held_button_.empty()) add(InputKind::release, nullptr);
       held_button_ = row.button == "Left" ? "Left" : "Right";
       add(InputKind::press, &row);

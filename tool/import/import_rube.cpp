@@ -3,7 +3,7 @@
 // Source: Campbell, "R.U.B.E. JSON structure", iforce2d.net/rube/json-structure, 2011 to 2017 (the format);
 // Catto, Box2D manual 2.3 (what the values mean).
 //
-// Broken values stop the import: reading functions note the first error in `error_` and then give out zeros.
+// Invalid values stop the import: reading functions store the first error in `error_` and then return zeros.
 #include "tool/import/import_rube.h"
 
 #include <algorithm>
@@ -113,7 +113,7 @@ Status check_extent(std::string_view json, const std::string& source) {
   return {};
 }
 
-/// Gives names out once each: "wheel", "wheel#2", "wheel#3".
+/// Makes names unique: "wheel", "wheel#2", "wheel#3".
 class UniqueNames {
  public:
   void reserve(const std::string& name) { given_by_file_.insert(name); }
@@ -285,7 +285,7 @@ class Importer {
     return out;
   }
 
-  /// Requires: each object of the list is one; else the error is noted.
+  /// Each element of the list must be an object; otherwise the error is stored.
   std::string name_of(const Place& at) {
     if (!at.value->is_object()) {
       refuse(at, "an object");
@@ -299,7 +299,7 @@ class Importer {
     return at.path + (named ? " " + in_quotes(at.value->at("name").get_ref<const std::string&>()) : "");
   }
 
-  // ---- Keys that nobody read ----
+  // ---- Keys that were not read ----
 
   void use(const Place& object, const char* key) { used_.insert({object.value, key}); }
   /// Notes the keys of an object that no function has asked for.

@@ -27,7 +27,8 @@ volatile std::sig_atomic_t stop_signal = 0;
 volatile std::time_t stop_time = 0;
 
 void remember_stop(int signal) {
-  // One wish to stop may arrive twice (`timeout` signals the process and then its group): only a later one kills.
+  // One request to stop may arrive as two signals (`timeout` signals the process and then its group): only a later one
+  // kills.
   const std::time_t now = std::time(nullptr);
   if (stop_signal != 0 && now - stop_time > 1) {
     std::signal(signal, SIG_DFL);

@@ -1,4 +1,4 @@
-// What the subcommands share: messages, data output, the SCENE argument, tick ranges, stop signals.
+// Functions shared by the subcommands: messages, data output, the SCENE argument, tick ranges, stop signals.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -34,7 +34,7 @@ using verifier::exit_ok;
 using verifier::exit_usage;
 using verifier::worst_exit_code;
 
-/// What main hands to every add_x: a subcommand's callback leaves its exit code here.
+/// The context passed to every add_x. The callback of a subcommand stores its exit code here.
 struct CliContext {
   int exit_code = exit_ok;
 };
@@ -53,16 +53,15 @@ int fail(const Error& error);
 /// The same for commands that were given a scene or inputs, not a trace: exit_usage, or exit_finding for inconsistent.
 int fail_usage(const Error& error);
 
-// Data goes to standard output through these only; base/plain_text.h says what of it is escaped. A reader that went
-// away
-// (`| head`) is no error: what follows is dropped.
+// All data goes to standard output through these functions; see base/plain_text.h for escapes. A closed reader
+// (`| head`) is no error: the rest is dropped.
 void print(std::string_view text);
 /// From here on data goes to this file instead of stdout; null: every write fails. For a process whose stdout others
 /// use.
 void use_data_output(std::FILE* file);
-/// False once nothing more can be written: long listings stop early.
+/// False if standard output is closed: long listings stop early.
 bool output_is_open();
-/// What the operating system refused (a full disk), found out at the latest here. Main calls it last.
+/// Flushes and returns a pending write error (a full disk). Main calls it last.
 Status flush_output();
 
 /// A SCENE argument: a JSON file if it ends in .json or exists as a file, else a built-in `name?key=value&...`.
@@ -72,7 +71,7 @@ Result<engine::Scene> load_scene_argument(const std::string& text);
 /// The whole content of a file of at most `size_max` bytes. Errors: io, limit.
 Result<std::string> read_text_file(const std::string& path, std::size_t size_max);
 
-/// The candidate nearest to what was typed (few letters exchanged, or its beginning); empty if none is near.
+/// The candidate nearest to the typed text (few edits, or its beginning); empty if none is near.
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates);
 
 /// Ticks as users write them: `A..B` (both included), `A..`, `..B`, or a single `A`.

@@ -61,10 +61,10 @@ std::string elapsed_text(double seconds) {
 
 Progress::Progress(std::string label, std::uint64_t total, std::string unit)
     : label_(plain_line(label)), total_(total), unit_(std::move(unit)), start_(Clock::now()) {
-  const std::string_view wish = environment("TICKTRUE_PROGRESS");
-  enabled_ = wish == "always" || (wish != "never" && is_terminal() && environment("TERM") != "dumb");
+  const std::string_view setting = environment("TICKTRUE_PROGRESS");
+  enabled_ = setting == "always" || (setting != "never" && is_terminal() && environment("TERM") != "dumb");
   colored_ = environment("NO_COLOR").empty();
-  next_draw_ = wish == "always" || wish == "at_once" ? start_ : start_ + first_draw_after;
+  next_draw_ = setting == "always" || setting == "at_once" ? start_ : start_ + first_draw_after;
 }
 
 Progress::~Progress() {

@@ -12,7 +12,7 @@ namespace ticktrue::cli {
 /// the environment variable TICKTRUE_PROGRESS overrides the terminal: `always` (from the first update on) or `never`.
 class Progress {
  public:
-  /// `label` says what goes on ("verify stack.ttr"). `total` 0: not known, then only count and rate are shown.
+  /// `label`: the task ("verify stack.ttr"). `total` 0: not known, then only count and rate are shown.
   /// `unit` is what is counted.
   Progress(std::string label, std::uint64_t total, std::string unit = "ticks");
   Progress(const Progress&) = delete;
@@ -21,12 +21,12 @@ class Progress {
 
   /// Cheap: may be called once a tick.
   void update(std::uint64_t done);
-  /// The same where the total becomes known on the way.
+  /// The same if the total becomes known later.
   void update(std::uint64_t done, std::uint64_t total) {
     total_ = total;
     update(done);
   }
-  /// Removes the bar, so that what is printed next stands on a clean line.
+  /// Removes the bar, so that the next output begins on a clean line.
   void finish();
 
  private:

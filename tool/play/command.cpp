@@ -1,6 +1,6 @@
-// `ticktrue play`: a scene is played in and recorded, a trace is looked at.
+// `ticktrue play`: interactive recording in a scene, or playback of a trace.
 // SPDX-License-Identifier: MIT
-#include "tool/play/stage.h"
+#include "tool/play/display.h"
 #include "tool/session/session_inputs.h"
 
 namespace ticktrue::cli {

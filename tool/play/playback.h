@@ -1,4 +1,4 @@
-// What a person does while a trace plays, without the window: play, pause, step, seek, look.
+// The controls of playback, independent of the window: play, pause, step, seek, view.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace ticktrue::play {
 
-/// Where on the picture the timeline is.
+/// The place of the timeline in the picture.
 struct Timeline {
   double left = 0, right = 0, top = 0, bottom = 0;  // px
   static Timeline of(const View& view);
@@ -26,7 +26,7 @@ struct Timeline {
 
 class Playback {
  public:
-  /// `player` must outlive this. `other`: a second trace that is kept at the same tick; may be null.
+  /// `player` must outlive this. `other`: a second trace at the same tick; may be null.
   Playback(Player& player, Player* other, const View& view, const LayerSet& layers);
 
   /// Takes what happened in a frame, then runs ticks until `is_late` says that it is time for a picture.

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t tick_count_max = 4u << 20;     // 19 hours at 60 Hz; 24 B each
 constexpr std::size_t inputs_size_max = 256u << 20;  // bytes
-constexpr std::size_t kept_size_max = 256u << 20;    // bytes
-constexpr std::uint64_t kept_interval = 32;          // ticks between states that are kept for the way back
+constexpr std::size_t saved_size_max = 256u << 20;   // bytes
+constexpr std::uint64_t saved_interval = 32;         // ticks between cached states, for playing backwards
 constexpr std::uint64_t run_rather_than_seek = 64;   // ticks forward
 
 }  // namespace
@@ -77,28 +77,29 @@ bool Player::load_checkpoint(std::uint64_t tick) {
 void Player::start_at_nearest(std::uint64_t target) {
   const bool is_ahead = target >= position_;
   if (is_ahead && target - position_ <= run_rather_than_seek) return;
-  // The state kept here last before the target, or the recorder's. Behind a difference the recorder's is another run.
-  auto kept = kept_.upper_bound(target);
-  const std::uint64_t kept_tick = kept == kept_.begin() ? 0 : std::prev(kept)->first;
+  // The last cached state before the target, or a recorded checkpoint. Checkpoints after a difference belong to another
+  // run.
+  auto saved = saved_.upper_bound(target);
+  const std::uint64_t saved_tick = saved == saved_.begin() ? 0 : std::prev(saved)->first;
   auto recorded = std::upper_bound(checkpoints_.begin(), checkpoints_.end(), target);
   std::uint64_t recorded_tick = 0;
   while (recorded != checkpoints_.begin() && recorded_tick == 0) {
     --recorded;
     if (!difference_ || *recorded <= *difference_) recorded_tick = *recorded;
   }
-  if (is_ahead && position_ >= std::max(kept_tick, recorded_tick)) return;
-  if (recorded_tick > kept_tick && load_checkpoint(recorded_tick)) return;
-  const Bytes& image = kept_tick > 0 ? kept_.at(kept_tick) : first_state_;
+  if (is_ahead && position_ >= std::max(saved_tick, recorded_tick)) return;
+  if (recorded_tick > saved_tick && load_checkpoint(recorded_tick)) return;
+  const Bytes& image = saved_tick > 0 ? saved_.at(saved_tick) : first_state_;
   const Status loaded = engine_->load(image);
   TICKTRUE_ASSERT(loaded.has_value());  // it is an image of this engine's own state
-  position_ = kept_tick;
+  position_ = saved_tick;
 }
 
-void Player::keep_state() {
-  if (position_ % kept_interval != 0 || kept_.count(position_) != 0 || kept_size_ > kept_size_max) return;
-  Bytes& image = kept_[position_];
+void Player::save_state() {
+  if (position_ % saved_interval != 0 || saved_.count(position_) != 0 || saved_size_ > saved_size_max) return;
+  Bytes& image = saved_[position_];
   encode_image(engine_->state(), image);
-  kept_size_ += image.size();
+  saved_size_ += image.size();
 }
 
 void Player::run_tick() {
@@ -122,7 +123,7 @@ void Player::run_tick() {
     recorded_image_.reset();
   }
   ++position_;
-  keep_state();
+  save_state();
 }
 
 void Player::go_to(std::uint64_t target, bool stop_at_difference, const std::function<bool()>& is_late) {

@@ -1,8 +1,8 @@
-// Plays a trace while re-simulating it, forwards and backwards, and knows which ticks were the recorded ones.
+// Plays a trace forwards and backwards by re-simulation, and stores which ticks agreed with the recording.
 // SPDX-License-Identifier: MIT
 //
 // Verified: the root hash of every tick that was run here. Not verified: ticks that were skipped by seeking to a
-// checkpoint, and what `ticktrue verify` looks at besides (checkpoints, stored images).
+// checkpoint, and what only `ticktrue verify` compares (checkpoints, stored images).
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ enum class Match : std::uint8_t { unknown, same, different };
 
 class Player {
  public:
-  /// Reads the trace once: inputs, hashes and checkpoints. Of a cut or damaged one, what is intact.
+  /// Reads the trace once: inputs, hashes and checkpoints. Of a truncated or damaged trace it reads the intact part.
   /// Errors: what TraceReader::open, scene_of and make_engine refuse; incomplete (no tick is intact); limit.
   static Result<std::unique_ptr<Player>> open(const std::string& path);
 
@@ -56,7 +56,7 @@ class Player {
 
   /// The first tick found to differ from the recording.
   std::optional<std::uint64_t> difference() const { return difference_; }
-  /// Why the inputs of a tick were not taken.
+  /// Why the inputs of a tick were refused.
   const std::optional<std::string>& refused() const { return refused_; }
   /// What verify says of the first difference; nothing before one is met. Runs it when asked for the first time.
   const verifier::Report* report();
@@ -71,7 +71,7 @@ class Player {
   void start_at_nearest(std::uint64_t target);
   bool load_checkpoint(std::uint64_t tick);
   void run_tick();
-  void keep_state();
+  void save_state();
   std::size_t input_end(std::uint64_t tick) const {
     return tick + 1 < input_begin_.size() ? input_begin_[tick + 1] : inputs_.size();
   }
@@ -96,8 +96,8 @@ class Player {
   std::optional<std::string> refused_;
   std::optional<verifier::Report> report_;
   std::optional<Bytes> recorded_image_;
-  std::map<std::uint64_t, Bytes> kept_;  // states met on the way, by ticks done
-  std::size_t kept_size_ = 0;            // bytes
+  std::map<std::uint64_t, Bytes> saved_;  // cached states, by ticks done
+  std::size_t saved_size_ = 0;            // bytes
 };
 
 }  // namespace ticktrue::play

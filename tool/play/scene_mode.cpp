@@ -7,8 +7,8 @@
 #include "base/hash.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "replay/file.h"
+#include "tool/play/display.h"
 #include "tool/play/session.h"
-#include "tool/play/stage.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::play {
@@ -19,7 +19,7 @@ constexpr std::array<const char*, 9> key_scenes{
     "thesis",           "stack?boxes=12",           "pyramid?base=16",    "mixed_pile?bodies=200", "shapes?bodies=80",
     "bridge?planks=24", "chain?links=20&angle=1.2", "card_house?tents=4", "billiards?walls=1"};
 
-/// Passes everything on, and knows how long the last steps took.
+/// Forwards to a simulation, and measures the last steps.
 class TimedSimulation : public Simulation {
  public:
   explicit TimedSimulation(engine::Engine& engine) : engine_(engine) {}
@@ -98,21 +98,21 @@ struct Recorded {
   std::uint64_t body_count = 0;
 };
 
-/// One session after the other, until the person has enough.
+/// Runs session after session until the person quits.
 class SceneMode {
  public:
-  SceneMode(const cli::PlayOptions& options, Stage& stage, const LayerSet& layers)
-      : options_(options), stage_(stage), layers_(layers) {
+  SceneMode(const cli::PlayOptions& options, Display& display, const LayerSet& layers)
+      : options_(options), display_(display), layers_(layers) {
     size_.width = options.width;
     size_.height = options.height;
   }
 
   int run(engine::Scene scene) {
     while (true) {
-      const Result<Wish> wish = run_session(scene);
-      if (!wish) return cli::fail_usage(wish.error());
-      if (*wish == Wish::quit || *wish == Wish::none) break;
-      if (*wish == Wish::scene) {
+      const Result<Request> request = run_session(scene);
+      if (!request) return cli::fail_usage(request.error());
+      if (*request == Request::quit || *request == Request::none) break;
+      if (*request == Request::scene) {
         Result<engine::Scene> next = engine::make_builtin_scene(key_scenes[static_cast<std::size_t>(wished_ - 1)]);
         TICKTRUE_ASSERT(next.has_value());
         scene = std::move(*next);
@@ -123,7 +123,7 @@ class SceneMode {
   }
 
  private:
-  Result<Wish> run_session(const engine::Scene& scene) {
+  Result<Request> run_session(const engine::Scene& scene) {
     const Result<PlayScene> playable = make_playable(scene);
     if (!playable) return playable.error();
     if (!playable->can_touch)
@@ -134,13 +134,13 @@ class SceneMode {
     file_ = file_name(options_, number_);
     if (const Status status = replay::check_output(file_); !status) return status.error();
     if (const Status status = verifier::check_writable_target(file_, may_overwrite()); !status) return status.error();
-    stage_.set_title("ticktrue - " + scene.name + " - " + file_);
+    display_.set_title("ticktrue - " + scene.name + " - " + file_);
 
     WorldPicture picture(engine);
     TimedSimulation timed(engine);
     Session session(engine, *playable, first_view(engine, size_.width, size_.height), layers_, [&](const Session& now) {
       draw(engine, now, picture, timed);
-      return stage_.show();
+      return display_.show();
     });
     replay::RecordOptions record_options;
     record_options.writer.overwrite = may_overwrite();
@@ -150,24 +150,25 @@ class SceneMode {
                                  verifier::make_build_facts(), record_options);
     size_ = session.view();
     layers_ = session.layers();
-    wished_ = session.wished_scene();
+    wished_ = session.requested_scene();
     draw(engine, session, picture, timed);
-    if (session.wish() == Wish::quit || session.wish() == Wish::none)
-      if (const Status status = stage_.write_files(engine, picture, session.view()); !status) return status.error();
+    if (session.request() == Request::quit || session.request() == Request::none)
+      if (const Status status = display_.write_files(engine, picture, session.view()); !status) return status.error();
     if (!result) {
-      if (engine.tick() == 0 && session.wish() != Wish::none) return session.wish();  // no tick: there is no file
+      if (engine.tick() == 0 && session.request() != Request::none)
+        return session.request();  // no tick: there is no file
       return result.error();
     }
     non_finite_ = result->reason == replay::EndReason::non_finite;
     done_.push_back({file_, scene.name, std::move(*result), session.input_count(), picture.bodies().size()});
     ++number_;
-    return session.wish();
+    return session.request();
   }
 
   bool may_overwrite() const { return options_.force && number_ == 1 && !options_.output.empty(); }
 
   void draw(const engine::Engine& engine, const Session& session, WorldPicture& picture, const TimedSimulation& timed) {
-    Canvas& canvas = stage_.begin_picture(session.view());
+    Canvas& canvas = display_.begin_picture(session.view());
     picture.draw(canvas, session.view(), session.layers());
     std::vector<PanelLine> lines{{"scene", engine.scene().name},
                                  {"tick", fmt::format("{}  {:.2f} s", engine.tick(), engine.time_s())},
@@ -175,15 +176,15 @@ class SceneMode {
                                  {"bodies", fmt::format("{}", picture.bodies().size())},
                                  {"contacts", fmt::format("{}", row_count(engine.state(), "contacts"))},
                                  {"tick takes", fmt::format("{:.3f} ms", timed.ms_per_tick())}};
-    if (const std::string pace = stage_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
-    draw_panel(canvas, stage_.fonts().normal, Corner::upper_left, lines);
-    draw_layer_keys(canvas, stage_.fonts().small, session.layers());
+    if (const std::string pace = display_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
+    draw_panel(canvas, display_.fonts().normal, Corner::upper_left, lines);
+    draw_layer_keys(canvas, display_.fonts().small, session.layers());
     std::vector<PanelLine> below{{session.is_paused() ? "paused" : "recording",
                                   fmt::format("{}   {} inputs", file_, session.input_count()),
                                   session.is_paused() ? theme::warning : theme::text}};
-    draw_panel(canvas, stage_.fonts().small, Corner::lower_left, below);
-    draw_panel(canvas, stage_.fonts().small, Corner::lower_right, {{"h", "help", theme::text}});
-    if (session.shows_help()) draw_help(canvas, stage_.fonts(), "Playing in a scene", scene_help());
+    draw_panel(canvas, display_.fonts().small, Corner::lower_left, below);
+    draw_panel(canvas, display_.fonts().small, Corner::lower_right, {{"h", "help", theme::text}});
+    if (session.shows_help()) draw_help(canvas, display_.fonts(), "Playing in a scene", scene_help());
   }
 
   void report() const {
@@ -200,7 +201,7 @@ class SceneMode {
                                         {"bodies", row.body_count},
                                         {"note", row.result.note},
                                         {"hash", hex64(row.result.root_hash)}});
-      object["display"] = stage_.frames_json();
+      object["display"] = display_.frames_json();
       return cli::print_json(object);
     }
     for (const Recorded& row : done_) {
@@ -209,11 +210,11 @@ class SceneMode {
       if (!row.result.note.empty()) cli::print(fmt::format("  ended   {}\n", row.result.note));
     }
     if (done_.empty()) cli::print("nothing was recorded: no tick was run\n");
-    cli::print("  display " + stage_.frames_text() + "\n");
+    cli::print("  display " + display_.frames_text() + "\n");
   }
 
   const cli::PlayOptions& options_;
-  Stage& stage_;
+  Display& display_;
   LayerSet layers_;
   View size_;       // of the picture
   int number_ = 1;  // of the recording
@@ -237,9 +238,9 @@ int play_in_scene(const cli::PlayOptions& options) {
   }
   if (const Status status = verifier::check_not_read(options.output, {options.what, options.script}); !status)
     return cli::fail_usage(status.error());
-  const auto stage = Stage::open(options);
-  if (!stage) return cli::fail_usage(stage.error());
-  return SceneMode(options, **stage, *layers).run(std::move(*scene));
+  const auto display = Display::open(options);
+  if (!display) return cli::fail_usage(display.error());
+  return SceneMode(options, **display, *layers).run(std::move(*scene));
 }
 
 }  // namespace ticktrue::play

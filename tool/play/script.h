@@ -1,4 +1,4 @@
-// A person written down: events at moments of a session, for tests and pictures.
+// Scripted events of a session, for tests and pictures.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -46,7 +46,7 @@ std::size_t body_at(const verifier::Drawing& drawing, const std::vector<verifier
     const verifier::DrawnBody& body = bodies[i];
     const verifier::Figure& figure = drawing.figures()[body.figure];
     const double dx = point.x - body.center.x, dy = point.y - body.center.y;
-    if (!body.is_finite || !(dx * dx + dy * dy <= figure.reach * figure.reach)) continue;
+    if (!body.is_finite || !(dx * dx + dy * dy <= figure.extent * figure.extent)) continue;
     const Point local{figure.center.x + body.cos * dx + body.sin * dy, figure.center.y - body.sin * dx + body.cos * dy};
     for (const verifier::Outline& outline : figure.outlines)
       if (contains(outline, local)) return i;
@@ -84,7 +84,7 @@ Result<std::optional<TickInput>> Session::next(std::uint64_t tick) {
       make_inputs(tick);
       return std::optional<TickInput>(TickInput{**dt, bytes_});
     }
-    if (wish_ != Wish::none) return std::optional<TickInput>();
+    if (request_ != Request::none) return std::optional<TickInput>();
     const Result<HostFrame> frame = next_frame_(*this);
     if (!frame) return frame.error();
     take(*frame);
@@ -92,7 +92,7 @@ Result<std::optional<TickInput>> Session::next(std::uint64_t tick) {
 }
 
 void Session::pass(double seconds) {
-  if (paused_ || wish_ != Wish::none) return;
+  if (paused_ || request_ != Request::none) return;
   time_s_ += seconds;
   frame_s_ += seconds;
 }
@@ -127,13 +127,13 @@ void Session::handle(const Event& event) {
       view_.height = static_cast<int>(event.y);
       return;
     case EventKind::quit:
-      wish_ = Wish::quit;
+      request_ = Request::quit;
       return;
   }
 }
 
-void Session::add(Act act, Piece piece, const Event& event) {
-  if (playable_.can_touch) pending_.push_back({time_s_, act, piece, event.ctrl, view_.to_world({event.x, event.y})});
+void Session::add(Action action, Piece piece, const Event& event) {
+  if (playable_.can_touch) pending_.push_back({time_s_, action, piece, event.ctrl, view_.to_world({event.x, event.y})});
 }
 
 void Session::handle_press(const Event& event) {
@@ -141,9 +141,9 @@ void Session::handle_press(const Event& event) {
   switch (event.button) {
     case Button::left:
       left_down_ = true;
-      return add(event.ctrl ? Act::spawn : Act::press, Piece::circle, event);
+      return add(event.ctrl ? Action::spawn : Action::press, Piece::circle, event);
     case Button::right:
-      return add(Act::spawn, Piece::box, event);
+      return add(Action::spawn, Piece::box, event);
     case Button::middle:
       middle_down_ = pointer_;
       panning_ = false;
@@ -154,10 +154,10 @@ void Session::handle_press(const Event& event) {
 void Session::handle_release(const Event& event) {
   if (event.button == Button::left && left_down_) {
     left_down_ = false;
-    add(Act::release, Piece::circle, event);
+    add(Action::release, Piece::circle, event);
   }
   if (event.button == Button::middle && middle_down_) {
-    if (!panning_) add(Act::spawn, Piece::polygon, event);
+    if (!panning_) add(Action::spawn, Piece::polygon, event);
     middle_down_.reset();
   }
 }
@@ -166,23 +166,23 @@ void Session::handle_move(const Event& event) {
   if (middle_down_ && std::hypot(event.x - middle_down_->x, event.y - middle_down_->y) > pan_begins_px) panning_ = true;
   if (middle_down_ && panning_) view_.pan(event.x - pointer_.x, event.y - pointer_.y);
   pointer_ = {event.x, event.y};
-  if (left_down_) add(Act::drag, Piece::circle, event);
+  if (left_down_) add(Action::drag, Piece::circle, event);
 }
 
 void Session::handle_key(const std::string& key) {
   if (layers_.toggle_key(key)) return;
   if (key == "space") paused_ = !paused_;
-  if (key == "." && wish_ == Wish::none) {
+  if (key == "." && request_ == Request::none) {
     paused_ = true;
     time_s_ += playable_.scene.settings.dt;
     frame_s_ += playable_.scene.settings.dt;
   }
   if (key == "h") help_ = !help_;
-  if (key == "r") wish_ = Wish::restart;
-  if (key == "q" || key == "escape") wish_ = Wish::quit;
+  if (key == "r") request_ = Request::restart;
+  if (key == "q" || key == "escape") request_ = Request::quit;
   if (key.size() == 1 && key[0] >= '1' && key[0] <= '9') {
-    wish_ = Wish::scene;
-    wished_scene_ = key[0] - '0';
+    request_ = Request::scene;
+    requested_scene_ = key[0] - '0';
   }
   if (key == "left") view_.pan(pan_step * view_.width, 0);
   if (key == "right") view_.pan(-pan_step * view_.width, 0);
@@ -213,19 +213,19 @@ void Session::make_input(const Pending& pending) {
   const auto piece = static_cast<std::size_t>(pending.piece);
   if (!(std::abs(pending.at.x) <= limits::coordinate_max_m && std::abs(pending.at.y) <= limits::coordinate_max_m))
     return;
-  if (pending.act == Act::drag && pull_) {
+  if (pending.action == Action::drag && pull_) {
     pull_ = pending.at;
     add_input(InputKind::drag, 0, &pending.at);
   }
-  if (pending.act == Act::release && pull_) {
+  if (pending.action == Action::release && pull_) {
     pull_.reset();
     add_input(InputKind::release, 0, nullptr);
   }
-  if (pending.act != Act::press && pending.act != Act::spawn) return;
+  if (pending.action != Action::press && pending.action != Action::spawn) return;
   const std::size_t hit = body_at(drawing_, bodies_, pending.at);
   if (hit == bodies_.size()) {
     add_input(InputKind::spawn, (pending.is_static ? playable_.fixed : playable_.moving)[piece], &pending.at);
-  } else if (pending.act == Act::press &&
+  } else if (pending.action == Action::press &&
              drawing_.figures()[bodies_[hit].figure].type == engine::BodyType::dynamic_body) {
     pull_ = pending.at;
     add_input(InputKind::press, 0, &pending.at);

@@ -1,4 +1,4 @@
-// A session at the window, without the window: turns events and the time of frames into the inputs and ticks of a
+// An interactive session, independent of the window: converts events and frame times into inputs and ticks of a
 // recording.
 // SPDX-License-Identifier: MIT
 //
@@ -24,8 +24,8 @@
 
 namespace ticktrue::play {
 
-/// Why a session ended.
-enum class Wish : std::uint8_t { none, quit, restart, scene };
+/// What the person requested by ending a session.
+enum class Request : std::uint8_t { none, quit, restart, scene };
 
 class Session : public replay::InputSource {
  public:
@@ -39,8 +39,8 @@ class Session : public replay::InputSource {
   Result<std::optional<TickInput>> next(std::uint64_t tick) override;
   bool repeatable() const override { return false; }
 
-  Wish wish() const { return wish_; }
-  int wished_scene() const { return wished_scene_; }  // 1..9, with Wish::scene
+  Request request() const { return request_; }
+  int requested_scene() const { return requested_scene_; }  // 1..9, with Request::scene
 
   const View& view() const { return view_; }
   const LayerSet& layers() const { return layers_; }
@@ -51,11 +51,11 @@ class Session : public replay::InputSource {
   const engine::ClockReport& clock_report() const { return clock_.report; }
 
  private:
-  enum class Act : std::uint8_t { press, drag, release, spawn };
+  enum class Action : std::uint8_t { press, drag, release, spawn };
   /// An event whose tick has not come.
   struct Pending {
     double time_s;  // of the session
-    Act act;
+    Action action;
     Piece piece;
     bool is_static;
     engine::Point at;
@@ -67,7 +67,7 @@ class Session : public replay::InputSource {
   void handle_release(const Event& event);
   void handle_move(const Event& event);
   void handle_key(const std::string& key);
-  void add(Act act, Piece piece, const Event& event);
+  void add(Action action, Piece piece, const Event& event);
   /// Lets the session's time pass, unless it is paused.
   void pass(double seconds);
   Result<std::optional<double>> next_dt();
@@ -94,8 +94,8 @@ class Session : public replay::InputSource {
   LayerSet layers_;
   bool paused_ = false;
   bool help_ = false;
-  Wish wish_ = Wish::none;
-  int wished_scene_ = 0;
+  Request request_ = Request::none;
+  int requested_scene_ = 0;
   bool left_down_ = false;
   std::optional<Pixel> middle_down_;  // where the middle button went down
   bool panning_ = false;

@@ -1,11 +1,11 @@
-// Looking at a trace: it plays while it is simulated again; a divergence stops it and is shown.
+// Plays a trace while re-simulating it; stops at a divergence and shows it.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
 #include "base/hash.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
+#include "tool/play/display.h"
 #include "tool/play/playback.h"
-#include "tool/play/stage.h"
 #include "tool/play/timeline_picture.h"
 #include "verifier/locate/locate_cells.h"
 #include "verifier/report/report.h"
@@ -36,12 +36,12 @@ std::vector<PanelLine> trace_help() {
   return list;
 }
 
-/// A lane that differs, as "column", "expected", "got" side by side.
+/// A line for a lane that differs: "column", "expected", "got".
 std::string side_by_side(const std::string& what, const std::string& expected, const std::string& got) {
   return fmt::format("{:<30.30} {:>17.17} {:>17.17}", what, expected, got);
 }
 
-std::string lane_words(const verifier::LaneReport& row, const std::optional<std::uint64_t>& bits) {
+std::string lane_value_text(const verifier::LaneReport& row, const std::optional<std::uint64_t>& bits) {
   return bits ? lane_text(row.type, *bits) : "no such row";
 }
 
@@ -64,7 +64,8 @@ std::vector<PanelLine> divergence_lines(const verifier::Report& report) {
       const verifier::LaneReport& row = found.rows[i];
       std::string what = (row.name.empty() ? row.table + " " + std::to_string(row.row) : row.name) + " " + row.column;
       if (row.lane_count > 1) what += "[" + std::to_string(row.lane) + "]";
-      lines.push_back({side_by_side(what, lane_words(row, row.expected), lane_words(row, row.got)), "", theme::text});
+      lines.push_back(
+          {side_by_side(what, lane_value_text(row, row.expected), lane_value_text(row, row.got)), "", theme::text});
     }
     if (found.lane_count > row_count_max)
       lines.push_back({fmt::format("and {} more", found.lane_count - row_count_max), "", theme::faint});
@@ -77,12 +78,12 @@ std::vector<PanelLine> divergence_lines(const verifier::Report& report) {
   return lines;
 }
 
-/// One trace, perhaps beside another.
+/// One trace, optionally with a second one for comparison.
 class TraceMode {
  public:
-  TraceMode(const cli::PlayOptions& options, Stage& stage, Player& player, Player* other, const LayerSet& layers)
+  TraceMode(const cli::PlayOptions& options, Display& display, Player& player, Player* other, const LayerSet& layers)
       : options_(options),
-        stage_(stage),
+        display_(display),
         player_(player),
         other_(other),
         picture_(player.engine()),
@@ -91,16 +92,16 @@ class TraceMode {
   }
 
   int run() {
-    stage_.set_title("ticktrue - " + player_.path());
+    display_.set_title("ticktrue - " + player_.path());
     while (true) {
       draw();
-      const Result<HostFrame> frame = stage_.show();
+      const Result<HostFrame> frame = display_.show();
       if (!frame) return cli::fail_usage(frame.error());
-      playback_.take(*frame, [this] { return stage_.is_late(); });
+      playback_.take(*frame, [this] { return display_.is_late(); });
       if (playback_.wants_quit()) break;
     }
     draw();
-    if (const Status status = stage_.write_files(player_.engine(), picture_, playback_.view()); !status)
+    if (const Status status = display_.write_files(player_.engine(), picture_, playback_.view()); !status)
       return cli::fail_usage(status.error());
     return report();
   }
@@ -108,7 +109,7 @@ class TraceMode {
  private:
   void draw() {
     const View& view = playback_.view();
-    Canvas& canvas = stage_.begin_picture(view);
+    Canvas& canvas = display_.begin_picture(view);
     picture_.draw(canvas, view, playback_.layers());
     const bool at_difference = player_.difference() && player_.position() > *player_.difference();
     if (at_difference) {
@@ -118,15 +119,15 @@ class TraceMode {
     if (other_drawing_ && playback_.shows_ghosts() && other_->position() == player_.position())
       picture_.draw_ghosts(canvas, view, *other_drawing_, other_->engine().state());
     draw_state(canvas);
-    draw_layer_keys(canvas, stage_.fonts().small, playback_.layers());
-    draw_timeline(canvas, stage_.fonts().small, player_, other_, view);
+    draw_layer_keys(canvas, display_.fonts().small, playback_.layers());
+    draw_timeline(canvas, display_.fonts().small, player_, other_, view);
     if (at_difference)
       if (const verifier::Report* found = player_.report())
-        draw_panel(canvas, stage_.fonts().small, Corner::upper_right, divergence_lines(*found), layer_keys_px);
+        draw_panel(canvas, display_.fonts().small, Corner::upper_right, divergence_lines(*found), layer_keys_px);
     if (player_.refused())
-      draw_panel(canvas, stage_.fonts().normal, Corner::lower_left,
+      draw_panel(canvas, display_.fonts().normal, Corner::lower_left,
                  {{"cannot go on: " + *player_.refused(), "", theme::bad}}, timeline_px);
-    if (playback_.shows_help()) draw_help(canvas, stage_.fonts(), "Looking at a trace", trace_help());
+    if (playback_.shows_help()) draw_help(canvas, display_.fonts(), "Looking at a trace", trace_help());
   }
 
   /// The state that was recorded of the tick that differs, where the trace has it.
@@ -156,7 +157,7 @@ class TraceMode {
         {playback_.is_playing() ? "playing" : "paused",
          playback_.is_seeking() ? "seeking" : fmt::format("{:g}x   h: help", playback_.speed()),
          playback_.is_playing() ? theme::text : theme::warning}};
-    if (const std::string pace = stage_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
+    if (const std::string pace = display_.pace_text(); !pace.empty()) lines.push_back({"frames", pace});
     if (position > 0 && player_.has_inputs(position - 1)) {
       std::string text = engine.inputs_text(position - 1, player_.inputs(position - 1));
       text = text.substr(0, text.find('\n'));
@@ -167,7 +168,7 @@ class TraceMode {
       if (const auto first = first_recorded_difference())
         lines.push_back({"", fmt::format("recordings differ from tick {} on", *first), theme::ghost});
     }
-    draw_panel(canvas, stage_.fonts().normal, Corner::upper_left, lines);
+    draw_panel(canvas, display_.fonts().normal, Corner::upper_left, lines);
   }
 
   /// The first tick of which the two traces hold other states.
@@ -205,7 +206,7 @@ class TraceMode {
       object["first_difference"] = player_.difference() ? cli::Json(*player_.difference()) : cli::Json(nullptr);
       object["named_bodies"] = player_.named_bodies();
       object["hash"] = hex64(root_hash(player_.engine().state()));
-      object["display"] = stage_.frames_json();
+      object["display"] = display_.frames_json();
       cli::print_json(object);
       return code;
     }
@@ -213,12 +214,12 @@ class TraceMode {
     if (player_.difference())
       cli::print(fmt::format("  differs  first at tick {}; ticktrue verify {} says more\n", *player_.difference(),
                              verifier::shell_word(player_.path())));
-    cli::print("  display  " + stage_.frames_text() + "\n");
+    cli::print("  display  " + display_.frames_text() + "\n");
     return code;
   }
 
   const cli::PlayOptions& options_;
-  Stage& stage_;
+  Display& display_;
   Player& player_;
   Player* other_;
   WorldPicture picture_;
@@ -245,12 +246,12 @@ int play_trace_file(const cli::PlayOptions& options) {
     if (!opened) return cli::fail(opened.error());
     other = std::move(*opened);
   }
-  const auto stage = Stage::open(options);
-  if (!stage) return cli::fail_usage(stage.error());
+  const auto display = Display::open(options);
+  if (!display) return cli::fail_usage(display.error());
   const auto never_late = [] { return cli::stop_requested(); };
   (*player)->go_to(options.from, true, never_late);
   if (other) other->go_to((*player)->position(), false, never_late);
-  return TraceMode(options, **stage, **player, other.get(), *layers).run();
+  return TraceMode(options, **display, **player, other.get(), *layers).run();
 }
 
 }  // namespace ticktrue::play

@@ -100,7 +100,7 @@ void take_block(BitReader& in, std::span<std::uint32_t> block) {
   }
 }
 
-/// What a lane is expected to be next. The same in page_base.js: double arithmetic without rounding but for the
+/// The predicted next value of a lane. page_base.js computes the same: double arithmetic that is exact except for the
 /// division.
 class Predictor {
  public:
@@ -113,7 +113,7 @@ class Predictor {
     const double value = static_cast<double>(last_) + std::floor(moved * ahead / behind + 0.5);
     return static_cast<std::int32_t>(std::clamp(value, -prediction_max, prediction_max));
   }
-  void see(std::uint64_t tick, std::int32_t value) {
+  void process(std::uint64_t tick, std::int32_t value) {
     before_ = last_;
     before_tick_ = last_tick_;
     last_ = value;
@@ -143,19 +143,20 @@ double power_of_two_below(double value) {
 
 }  // namespace
 
-FilmGrid choose_grid(const Film& film) {
+PoseGrid choose_grid(const Animation& animation) {
   double smallest = 0, largest = 0;  // m
-  for (const FilmBody& body : film.bodies) {
-    const Figure& figure = film.figures[body.figure];
-    if (figure.type == engine::BodyType::static_body || figure.reach <= 0) continue;
-    smallest = smallest == 0 ? figure.reach : std::min(smallest, figure.reach);
-    largest = std::max(largest, figure.reach);
+  for (const AnimatedBody& body : animation.bodies) {
+    const Figure& figure = animation.figures[body.figure];
+    if (figure.type == engine::BodyType::static_body || figure.extent <= 0) continue;
+    smallest = smallest == 0 ? figure.extent : std::min(smallest, figure.extent);
+    largest = std::max(largest, figure.extent);
   }
   if (smallest == 0) smallest = largest = 1;
   double width = 1;
-  if (film.view.size() == 2) width = std::max({1e-9, film.view[1].x - film.view[0].x, film.view[1].y - film.view[0].y});
+  if (animation.view.size() == 2)
+    width = std::max({1e-9, animation.view[1].x - animation.view[0].x, animation.view[1].y - animation.view[0].y});
   constexpr double steps_of_smallest = 512, steps_of_view = 1 << 24;
-  FilmGrid grid;
+  PoseGrid grid;
   grid.length = power_of_two_below(std::max(smallest / steps_of_smallest, width / steps_of_view));
   // The far end of the largest body moves by a step of the grid, too.
   const double angle_count = power_of_two_below(2 * engine::pi * largest / grid.length);
@@ -163,17 +164,17 @@ FilmGrid choose_grid(const Film& film) {
   return grid;
 }
 
-GridPose to_grid(const FilmPose& pose, const FilmGrid& grid) {
+GridPose to_grid(const Pose& pose, const PoseGrid& grid) {
   return {round_to_grid(pose.x / grid.length), round_to_grid(pose.y / grid.length),
           round_to_grid(pose.angle / (2 * engine::pi) * grid.angle_count)};
 }
 
-CodedFrames code_frames(const std::vector<FilmFrame>& frames, std::size_t body_count, const FilmGrid& grid) {
+CodedFrames code_frames(const std::vector<Frame>& frames, std::size_t body_count, const PoseGrid& grid) {
   CodedFrames coded;
   coded.presence.resize(body_count);
   std::vector<std::vector<std::pair<std::uint64_t, GridPose>>> poses(body_count);
   for (std::uint32_t f = 0; f < frames.size(); ++f)
-    for (const FilmPose& pose : frames[f].poses) {
+    for (const Pose& pose : frames[f].poses) {
       std::vector<BodyFrames>& rows = coded.presence[pose.body];
       if (!rows.empty() && rows.back().first + rows.back().count == f)
         ++rows.back().count;
@@ -189,7 +190,7 @@ CodedFrames code_frames(const std::vector<FilmFrame>& frames, std::size_t body_c
       rest.clear();
       for (const auto& [tick, pose] : of_body) {
         rest.push_back(without_sign(pose.*lane - predictor.next(tick)));
-        predictor.see(tick, pose.*lane);
+        predictor.process(tick, pose.*lane);
       }
       for (std::size_t i = 0; i < rest.size(); i += block_length)
         put_block(std::span(rest).subspan(i, std::min(block_length, rest.size() - i)), out);
@@ -213,7 +214,7 @@ std::vector<std::vector<GridPose>> decode_frames(const CodedFrames& coded, std::
         take_block(in, std::span(rest).subspan(i, std::min(block_length, rest.size() - i)));
       for (std::size_t i = 0; i < ticks.size(); ++i) {
         of_body[i].*lane = predictor.next(ticks[i]) + with_sign(rest[i]);
-        predictor.see(ticks[i], of_body[i].*lane);
+        predictor.process(ticks[i], of_body[i].*lane);
       }
     }
   }

@@ -1,8 +1,8 @@
-// Poses of a film as few bytes: rounded to a grid, predicted from the two frames before, the rest in Rice codes.
+// Compresses poses: rounding to a grid, prediction from the two previous frames, Rice codes of the residuals.
 // SPDX-License-Identifier: MIT
 //
 // Source: Rice, "Some Practical Universal Noiseless Coding Techniques", 1979.
-// page_base.js reads it again: a change here is a change there.
+// page_base.js decodes this format: change both together.
 //
 // For each body, then for each of x, y and angle: the values at the frames in which the body is there, whole numbers of
 // the grid. A value is predicted to move on as it did between the two frames before, in proportion to their ticks. The
@@ -17,20 +17,20 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "tool/report_page/film.h"
+#include "tool/report_page/animation.h"
 
 namespace ticktrue::verifier {
 
-/// What poses are rounded to.
-struct FilmGrid {
+/// The grid to which poses are rounded.
+struct PoseGrid {
   double length = 1;              // m; a power of two
   std::uint32_t angle_count = 1;  // steps of a full turn; a power of two
 };
 
-/// Fine enough that rounding is not seen where the smallest body that moves fills the screen.
-FilmGrid choose_grid(const Film& film);
+/// So fine that rounding is invisible even if the smallest moving body fills the screen.
+PoseGrid choose_grid(const Animation& animation);
 
-/// A row of frames in which bodies were.
+/// Consecutive frames in which a body exists.
 struct BodyFrames {
   std::uint32_t first = 0;  // index of a frame
   std::uint32_t count = 0;
@@ -41,16 +41,16 @@ struct CodedFrames {
   Bytes bits;
 };
 
-/// `body_count`: how many bodies the poses refer to.
-CodedFrames code_frames(const std::vector<FilmFrame>& frames, std::size_t body_count, const FilmGrid& grid);
+/// `body_count`: number of bodies that the poses refer to.
+CodedFrames code_frames(const std::vector<Frame>& frames, std::size_t body_count, const PoseGrid& grid);
 
-/// A pose as whole numbers of the grid.
+/// A pose in grid steps.
 struct GridPose {
   std::int32_t x = 0, y = 0, angle = 0;
 };
-GridPose to_grid(const FilmPose& pose, const FilmGrid& grid);
+GridPose to_grid(const Pose& pose, const PoseGrid& grid);
 
-/// The numbers again: [body][frame in which it is there]. For tests; bits that end early give zeros.
+/// Decodes poses: [body][frame in which the body exists]. For tests; missing bits count as zeros.
 std::vector<std::vector<GridPose>> decode_frames(const CodedFrames& coded, std::span<const std::uint64_t> ticks_done);
 
 std::string base64(ByteView bytes);

@@ -1,4 +1,4 @@
-// Putting a page together: facts from the report, frames from the film, all of it as JSON inside the HTML.
+// Makes the page: facts from the report and frames from the animation, as JSON inside the HTML.
 // SPDX-License-Identifier: MIT
 #include "tool/report_page/report_page.h"
 
@@ -13,7 +13,7 @@
 #include "base/build_info.h"
 #include "base/plain_text.h"
 #include "replay/trace_reader.h"
-#include "tool/report_page/film.h"
+#include "tool/report_page/animation.h"
 #include "tool/report_page/frame_coding.h"
 #include "tool/report_page/page_parts.h"
 #include "tool/session/simulations.h"
@@ -83,46 +83,45 @@ std::uint64_t ticks_done_at(const Divergence& divergence) {
 
 // --- frames ---------------------------------------------------------------------------------------------------------
 
-/// Frames with bodies that are drawn beside those of a film.
+/// Frames whose bodies are drawn as ghosts over an animation.
 struct Ghosts {
-  const Film* film = nullptr;  // whose bodies and figures the poses refer to
-  std::vector<FilmFrame> frames;
+  const Animation* animation = nullptr;  // whose bodies and figures the poses refer to
+  std::vector<Frame> frames;
 };
 
-bool same_poses(const FilmFrame& a, const FilmFrame& b) {
-  return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(),
-                    [](const FilmPose& p, const FilmPose& q) {
-                      return p.body == q.body && p.x == q.x && p.y == q.y && p.angle == q.angle;
-                    });
+bool same_poses(const Frame& a, const Frame& b) {
+  return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), [](const Pose& p, const Pose& q) {
+    return p.body == q.body && p.x == q.x && p.y == q.y && p.angle == q.angle;
+  });
 }
 
-const FilmFrame* find_frame(const std::vector<FilmFrame>& frames, std::uint64_t ticks_done) {
+const Frame* find_frame(const std::vector<Frame>& frames, std::uint64_t ticks_done) {
   const auto at = std::lower_bound(frames.begin(), frames.end(), ticks_done,
-                                   [](const FilmFrame& frame, std::uint64_t done) { return frame.ticks_done < done; });
+                                   [](const Frame& frame, std::uint64_t done) { return frame.ticks_done < done; });
   return at != frames.end() && at->ticks_done == ticks_done ? &*at : nullptr;
 }
 
-/// What was recorded, where it is known, stands in for what this build made of it.
-void prefer_recorded(Film& film) {
-  for (FilmFrame& frame : film.frames)
-    if (const FilmFrame* recorded = find_frame(film.recorded, frame.ticks_done)) frame = *recorded;
-  film.recorded.clear();
+/// Replaces frames of this build by recorded frames, where these are known.
+void prefer_recorded(Animation& animation) {
+  for (Frame& frame : animation.frames)
+    if (const Frame* recorded = find_frame(animation.recorded, frame.ticks_done)) frame = *recorded;
+  animation.recorded.clear();
 }
 
 /// What the trace's own recording was, where it is known and differs.
-Ghosts ghosts_of(const Film& film) {
-  Ghosts ghosts{&film, {}};
-  for (const FilmFrame& frame : film.recorded)
-    if (find_frame(film.frames, frame.ticks_done) != nullptr) ghosts.frames.push_back(frame);
+Ghosts ghosts_of(const Animation& animation) {
+  Ghosts ghosts{&animation, {}};
+  for (const Frame& frame : animation.recorded)
+    if (find_frame(animation.frames, frame.ticks_done) != nullptr) ghosts.frames.push_back(frame);
   return ghosts;
 }
 
 /// The other trace, from where it begins to differ.
-Ghosts ghosts_of(const Film& film, const Film& other) {
+Ghosts ghosts_of(const Animation& animation, const Animation& other) {
   Ghosts ghosts{&other, {}};
   bool differs = false;
-  for (const FilmFrame& frame : film.frames) {
-    const FilmFrame* ghost = find_frame(other.frames, frame.ticks_done);
+  for (const Frame& frame : animation.frames) {
+    const Frame* ghost = find_frame(other.frames, frame.ticks_done);
     if (ghost == nullptr) continue;
     differs = differs || !same_poses(frame, *ghost);
     if (differs) ghosts.frames.push_back(*ghost);
@@ -130,19 +129,19 @@ Ghosts ghosts_of(const Film& film, const Film& other) {
   return ghosts;
 }
 
-/// The largest distance between a body and its ghost at each frame of the film.
+/// The largest distance between a body and its ghost at each frame of the animation.
 struct Drift {
   std::vector<float> distance;  // m; NaN where there is no ghost
-  std::vector<float> body;      // index in the film of the one that is furthest off; -1: none
+  std::vector<float> body;      // index in the animation of the body with that distance; -1: none
 };
 
-Drift measure_drift(const Film& film, const Ghosts& ghosts, bool same_before) {
+Drift measure_drift(const Animation& animation, const Ghosts& ghosts, bool same_before) {
   std::map<std::uint32_t, std::uint32_t> ghost_of_id;
-  for (std::size_t g = 0; g < ghosts.film->bodies.size(); ++g)
-    ghost_of_id[ghosts.film->bodies[g].id] = static_cast<std::uint32_t>(g);
+  for (std::size_t g = 0; g < ghosts.animation->bodies.size(); ++g)
+    ghost_of_id[ghosts.animation->bodies[g].id] = static_cast<std::uint32_t>(g);
   Drift drift;
-  for (const FilmFrame& frame : film.frames) {
-    const FilmFrame* ghost = find_frame(ghosts.frames, frame.ticks_done);
+  for (const Frame& frame : animation.frames) {
+    const Frame* ghost = find_frame(ghosts.frames, frame.ticks_done);
     double furthest = 0;
     float body = -1;
     if (ghost == nullptr) {
@@ -152,11 +151,11 @@ Drift measure_drift(const Film& film, const Ghosts& ghosts, bool same_before) {
       drift.body.push_back(-1);
       continue;
     }
-    for (const FilmPose& pose : frame.poses) {
-      const auto of = ghost_of_id.find(film.bodies[pose.body].id);
+    for (const Pose& pose : frame.poses) {
+      const auto of = ghost_of_id.find(animation.bodies[pose.body].id);
       if (of == ghost_of_id.end()) continue;
       const auto at = std::lower_bound(ghost->poses.begin(), ghost->poses.end(), of->second,
-                                       [](const FilmPose& p, std::uint32_t index) { return p.body < index; });
+                                       [](const Pose& p, std::uint32_t index) { return p.body < index; });
       if (at == ghost->poses.end() || at->body != of->second) continue;
       const double distance = std::sqrt((pose.x - at->x) * (pose.x - at->x) + (pose.y - at->y) * (pose.y - at->y));
       if (distance <= furthest) continue;
@@ -203,11 +202,12 @@ class FigureList {
   Json list_ = Json::array();
 };
 
-Json frames_json(const std::vector<FilmFrame>& frames, const Film& film, const FilmGrid& grid, FigureList& figures) {
-  const CodedFrames coded = code_frames(frames, film.bodies.size(), grid);
+Json frames_json(const std::vector<Frame>& frames, const Animation& animation, const PoseGrid& grid,
+                 FigureList& figures) {
+  const CodedFrames coded = code_frames(frames, animation.bodies.size(), grid);
   Json ticks = Json::array(), presence = Json::array(), ids = Json::array(), names = Json::array(),
        shapes = Json::array();
-  for (const FilmFrame& frame : frames) ticks.push_back(frame.ticks_done);
+  for (const Frame& frame : frames) ticks.push_back(frame.ticks_done);
   for (const std::vector<BodyFrames>& rows : coded.presence) {
     Json parts = Json::array();
     for (const BodyFrames& part : rows) {
@@ -216,21 +216,21 @@ Json frames_json(const std::vector<FilmFrame>& frames, const Film& film, const F
     }
     presence.push_back(std::move(parts));
   }
-  for (const FilmBody& body : film.bodies) {
+  for (const AnimatedBody& body : animation.bodies) {
     ids.push_back(body.id);
     names.push_back(body.name);
-    shapes.push_back(figures.index_of(film.figures[body.figure]));
+    shapes.push_back(figures.index_of(animation.figures[body.figure]));
   }
   return {{"ticks", std::move(ticks)},   {"ids", std::move(ids)},           {"names", std::move(names)},
           {"figure", std::move(shapes)}, {"presence", std::move(presence)}, {"bits", base64(coded.bits)}};
 }
 
-Json sums_json(const Film& film) {
+Json sums_json(const Animation& animation) {
   std::vector<float> kinetic, potential, momentum_x, momentum_y, penetration, contacts;
-  for (const FilmFrame& frame : film.frames) {
-    const FilmSums& sums = frame.sums;
+  for (const Frame& frame : animation.frames) {
+    const FrameSums& sums = frame.sums;
     kinetic.push_back(static_cast<float>(sums.kinetic));
-    potential.push_back(static_cast<float>(sums.potential - film.frames.front().sums.potential));
+    potential.push_back(static_cast<float>(sums.potential - animation.frames.front().sums.potential));
     momentum_x.push_back(static_cast<float>(sums.momentum_x));
     momentum_y.push_back(static_cast<float>(sums.momentum_y));
     penetration.push_back(static_cast<float>(sums.penetration));
@@ -241,9 +241,9 @@ Json sums_json(const Film& film) {
           {"penetration", base64_of_floats(penetration)}, {"contacts", base64_of_floats(contacts)}};
 }
 
-Json strip_json(const Film& film) {
+Json match_ranges_json(const Animation& animation) {
   Json list = Json::array();
-  for (const StripPart& part : film.strip) list.push_back({part.first, part.last, match_name(part.match)});
+  for (const MatchRange& part : animation.match_ranges) list.push_back({part.first, part.last, match_name(part.match)});
   return list;
 }
 
@@ -254,63 +254,65 @@ Json ranges_json(const std::vector<TickRange>& ranges) {
   return list;
 }
 
-Json input_ticks_json(const Film& film) {
+Json input_ticks_json(const Animation& animation) {
   Json list = Json::array();
-  const std::uint64_t width = film.input_ticks.size() <= input_marks_max ? 1 : film.tick_count / input_marks_max + 1;
-  for (std::size_t i = 0; i < film.input_ticks.size();) {
-    const std::uint64_t first = film.input_ticks[i].tick;
+  const std::uint64_t width =
+      animation.input_ticks.size() <= input_marks_max ? 1 : animation.tick_count / input_marks_max + 1;
+  for (std::size_t i = 0; i < animation.input_ticks.size();) {
+    const std::uint64_t first = animation.input_ticks[i].tick;
     std::uint64_t count = 0;
-    for (; i < film.input_ticks.size() && film.input_ticks[i].tick / width == first / width; ++i)
-      count += film.input_ticks[i].count;
+    for (; i < animation.input_ticks.size() && animation.input_ticks[i].tick / width == first / width; ++i)
+      count += animation.input_ticks[i].count;
     list.push_back({first, count});
   }
   return list;
 }
 
-Json checkpoints_json(const Film& film) {
+Json checkpoints_json(const Animation& animation) {
   Json list = Json::array();
-  const std::size_t step = film.checkpoints.size() / checkpoint_marks_max + 1;
-  for (std::size_t i = 0; i < film.checkpoints.size(); i += step) list.push_back(film.checkpoints[i]);
+  const std::size_t step = animation.checkpoints.size() / checkpoint_marks_max + 1;
+  for (std::size_t i = 0; i < animation.checkpoints.size(); i += step) list.push_back(animation.checkpoints[i]);
   return list;
 }
 
-Json film_json(const Film& film) {
+Json animation_json(const Animation& animation) {
   Json lines = Json::array();
-  for (const auto& [tick, line] : film.input_lines) lines.push_back({tick, line});
-  return {{"strip", strip_json(film)},
-          {"tick_count", film.tick_count},
-          {"ticks_run", film.ticks_run},
-          {"time_s", film.time_s},
-          {"stopped", film.stopped},
-          {"checkpoints", checkpoints_json(film)},
-          {"checkpoint_count", film.checkpoints.size()},
-          {"input_ticks", input_ticks_json(film)},
-          {"input_tick_count", film.input_ticks.size()},
-          {"input_count", film.input_count},
+  for (const auto& [tick, line] : animation.input_lines) lines.push_back({tick, line});
+  return {{"strip", match_ranges_json(animation)},
+          {"tick_count", animation.tick_count},
+          {"ticks_run", animation.ticks_run},
+          {"time_s", animation.time_s},
+          {"stopped", animation.stopped},
+          {"checkpoints", checkpoints_json(animation)},
+          {"checkpoint_count", animation.checkpoints.size()},
+          {"input_ticks", input_ticks_json(animation)},
+          {"input_tick_count", animation.input_ticks.size()},
+          {"input_count", animation.input_count},
           {"input_lines", std::move(lines)},
-          {"no_poses", film.no_poses}};
+          {"no_poses", animation.no_poses}};
 }
 
-Json playback_json(const Film& film, const Ghosts& ghosts, bool has_drift, bool same_before) {
-  const FilmGrid grid = choose_grid(film);
+Json playback_json(const Animation& animation, const Ghosts& ghosts, bool has_drift, bool same_before) {
+  const PoseGrid grid = choose_grid(animation);
   FigureList figures;
   Json named = Json::array();
-  for (const std::uint32_t body : film.named) named.push_back(body);
+  for (const std::uint32_t body : animation.named) named.push_back(body);
   std::vector<double> times;
-  for (const FilmFrame& frame : film.frames) times.push_back(frame.time_s);
-  Json object = {{"grid", {{"length", grid.length}, {"angle_count", grid.angle_count}}},
-                 {"view", {film.view[0].x, film.view[0].y, film.view[1].x, film.view[1].y}},
-                 {"stride", film.stride},
-                 {"exact", film.exact_last > 0 ? Json({film.exact_first, film.exact_last}) : Json(nullptr)},
-                 {"named", std::move(named)},
-                 {"times", base64_of_doubles(times)},
-                 {"bodies", frames_json(film.frames, film, grid, figures)},
-                 {"sums", sums_json(film)},
-                 {"ghosts", nullptr},
-                 {"drift", nullptr}};
-  if (!ghosts.frames.empty()) object["ghosts"] = frames_json(ghosts.frames, *ghosts.film, grid, figures);
+  for (const Frame& frame : animation.frames) times.push_back(frame.time_s);
+  Json object = {
+      {"grid", {{"length", grid.length}, {"angle_count", grid.angle_count}}},
+      {"view", {animation.view[0].x, animation.view[0].y, animation.view[1].x, animation.view[1].y}},
+      {"stride", animation.stride},
+      {"exact", animation.exact_last > 0 ? Json({animation.exact_first, animation.exact_last}) : Json(nullptr)},
+      {"named", std::move(named)},
+      {"times", base64_of_doubles(times)},
+      {"bodies", frames_json(animation.frames, animation, grid, figures)},
+      {"sums", sums_json(animation)},
+      {"ghosts", nullptr},
+      {"drift", nullptr}};
+  if (!ghosts.frames.empty()) object["ghosts"] = frames_json(ghosts.frames, *ghosts.animation, grid, figures);
   if (has_drift) {
-    const Drift drift = measure_drift(film, ghosts, same_before);
+    const Drift drift = measure_drift(animation, ghosts, same_before);
     object["drift"] = {{"distance", base64_of_floats(drift.distance)}, {"body", base64_of_floats(drift.body)}};
   }
   object["figures"] = figures.json();
@@ -415,12 +417,12 @@ class PageMaker {
         const int codes[] = {exit_code, difference_->exit_code(options_.allow_truncated)};
         exit_code = worst_exit_code(codes);
       }
-      if (reader) film_both(*reader, *other);
+      if (reader) animate_both(*reader, *other);
       return {};
     }
     if (!reader) return {};
     data_["trace"] = trace_json(*reader);
-    film_ = make_film(*reader, film_options(*reader, 0, 1));
+    animation_ = make_animation(*reader, animation_options(*reader, 0, 1));
     mark_divergence();
     return {};
   }
@@ -432,8 +434,8 @@ class PageMaker {
     if (!report_.divergence && difference_->divergence) data_["focus"] = ticks_done_at(*difference_->divergence);
   }
 
-  FilmOptions film_options(const replay::TraceReader& reader, std::uint64_t part, std::uint64_t parts) {
-    FilmOptions options;
+  AnimationOptions animation_options(const replay::TraceReader& reader, std::uint64_t part, std::uint64_t parts) {
+    AnimationOptions options;
     options.simulation = find_simulation(reader.setup().simulation);
     const std::uint64_t tick_count = reader.tick_count_hint().value_or(0);
     if (options_.progress)
@@ -451,15 +453,15 @@ class PageMaker {
     return options;
   }
 
-  void film_both(replay::TraceReader& reader, replay::TraceReader& other) {
+  void animate_both(replay::TraceReader& reader, replay::TraceReader& other) {
     data_["trace"] = trace_json(reader);
-    film_ = make_film(reader, film_options(reader, 0, 2));
+    animation_ = make_animation(reader, animation_options(reader, 0, 2));
     mark_divergence();
-    other_ = make_film(other, film_options(other, 1, 2));
-    prefer_recorded(*film_);
+    other_ = make_animation(other, animation_options(other, 1, 2));
+    prefer_recorded(*animation_);
     prefer_recorded(*other_);
     Json against = {{"trace", trace_json(other)}, {"diff", Json::parse(diff_json(*difference_))}};
-    against["strip"] = strip_json(*other_);
+    against["strip"] = match_ranges_json(*other_);
     against["differing"] = ranges_json(difference_->differing);
     against["tick_count"] = other_->tick_count;
     against["no_poses"] = other_->no_poses;
@@ -470,7 +472,7 @@ class PageMaker {
   void mark_divergence() {
     if (report_.verdict != Verdict::diverged || !report_.divergence) return;
     const std::uint64_t ticks_done = ticks_done_at(*report_.divergence);
-    if (ticks_done > 0) mark_differing(*film_, ticks_done - 1);
+    if (ticks_done > 0) mark_differing(*animation_, ticks_done - 1);
   }
 
   void add_others() {
@@ -497,33 +499,33 @@ class PageMaker {
 
   /// The page with as many frames as go into it.
   std::string fit() {
-    if (!film_) return html();
+    if (!animation_) return html();
     for (;;) {
-      put_film();
+      put_animation();
       std::string page = html();
-      if (page.size() <= options_.size_max || !film_->no_poses.empty()) return page;
-      const bool is_thinner = thin_out(*film_);
-      if (other_) thin_out(*other_);
+      if (page.size() <= options_.size_max || !animation_->no_poses.empty()) return page;
+      const bool is_thinner = halve_frames(*animation_);
+      if (other_) halve_frames(*other_);
       if (is_thinner) continue;
-      film_->no_poses = "The shapes alone would make this page larger than it may be.";
+      animation_->no_poses = "The shapes alone would make this page larger than it may be.";
     }
   }
 
-  void put_film() {
-    data_["film"] = film_json(*film_);
+  void put_animation() {
+    data_["film"] = animation_json(*animation_);
     data_["film"]["playback"] = nullptr;
-    if (!film_->no_poses.empty() || film_->frames.empty() || film_->view.size() != 2) return;
+    if (!animation_->no_poses.empty() || animation_->frames.empty() || animation_->view.size() != 2) return;
     if (other_) even_out();
     const bool has_other = other_ && other_->no_poses.empty();
-    const Ghosts ghosts = has_other ? ghosts_of(*film_, *other_) : ghosts_of(*film_);
-    data_["film"]["playback"] = playback_json(*film_, ghosts, has_other || !ghosts.frames.empty(), has_other);
+    const Ghosts ghosts = has_other ? ghosts_of(*animation_, *other_) : ghosts_of(*animation_);
+    data_["film"]["playback"] = playback_json(*animation_, ghosts, has_other || !ghosts.frames.empty(), has_other);
   }
 
-  /// Both films with the same frames.
+  /// Gives both animations the same frames.
   void even_out() {
-    while (other_->stride < film_->stride && thin_out(*other_)) {
+    while (other_->stride < animation_->stride && halve_frames(*other_)) {
     }
-    while (film_->stride < other_->stride && thin_out(*film_)) {
+    while (animation_->stride < other_->stride && halve_frames(*animation_)) {
     }
   }
 
@@ -532,8 +534,8 @@ class PageMaker {
   Json data_;
   std::string title_;
   std::optional<DiffReport> difference_;
-  std::optional<Film> film_;
-  std::optional<Film> other_;
+  std::optional<Animation> animation_;
+  std::optional<Animation> other_;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 // The page about one trace: a self-contained HTML file that says what verify found and plays what happened.
 // SPDX-License-Identifier: MIT
 //
-// Verified: nothing but what the report says; the page repeats it word for word (the object of `verify --json`) beside
-// pictures of a run of this build. Whatever comes from a trace is escaped: it is text on the page, never markup.
-// Not verified: positions are rounded to a grid that the page states.
+// Verified: only what the report states; the page contains the report (the object of `verify --json`) unchanged, next
+// to pictures of a run of this build. Whatever comes from a trace is escaped: it is text on the page, never markup. Not
+// verified: positions are rounded to a grid that the page states.
 #pragma once
 
 #include <cstddef>

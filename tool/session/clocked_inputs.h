@@ -1,4 +1,4 @@
-// Inputs of a session whose ticks' lengths come from a clock and the frames of a host.
+// Inputs of a session whose dt comes from a clock and the frames of a host.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace ticktrue::verifier {
 
-/// Gives out the inputs of another source, stamped by tick as they are, with the dt of the scene's clock. The session
+/// Returns the inputs of another source, stamped by tick as they are, with the dt of the scene's clock. The session
 /// also ends where the host's frames do.
 class ClockedInputs : public replay::InputSource {
  public:

@@ -24,7 +24,7 @@ constexpr std::size_t block_size = 1u << 16;
 
 #ifdef _WIN32
 constexpr int read_flags = O_RDONLY | O_BINARY;
-/// Windows cannot wait for a pipe this way: the read itself waits, and a wish to stop is seen at the next line.
+/// Windows cannot wait for a pipe this way: the read itself waits, and a stop request is seen at the next line.
 bool wait_for_data(int, const std::function<bool()>& stop) {
   return !stop || !stop();
 }

@@ -38,7 +38,7 @@ class LineReader {
   Result<std::optional<std::string_view>> next(const std::function<bool()>& stop);
 
   const std::string& name() const { return name_; }           // for messages: the path, or "standard input"
-  std::uint64_t line_number() const { return line_number_; }  // of the line given out last, from 1
+  std::uint64_t line_number() const { return line_number_; }  // of the line returned last, from 1
   std::uint64_t offset() const { return offset_; }            // bytes read so far
   bool is_file() const { return is_file_; }                   // a regular file, which can be read again
   std::uint64_t file_size() const { return file_size_; }      // bytes; 0 where not known
@@ -56,10 +56,10 @@ class LineReader {
   std::uint64_t line_number_ = 0;
   std::uint64_t offset_ = 0;
   std::string buffer_;
-  std::size_t start_ = 0;  // of what is in the buffer and not yet given out
+  std::size_t start_ = 0;  // of what is in the buffer and not yet returned
 };
 
-/// What a whole file of inputs holds.
+/// A summary of a file of inputs.
 struct InputSummary {
   std::uint64_t count = 0;                // without `end`
   std::uint64_t last_tick = 0;            // of the last input; 0 if there is none
@@ -70,7 +70,7 @@ class JsonLinesInputs : public replay::InputSource {
  public:
   struct Options {
     bool needs_end = false;      // the file says when the session ends: no `end` is an error
-    std::function<bool()> stop;  // asked while waiting for live inputs: true gives up with an io error; may be empty
+    std::function<bool()> stop;  // called while waiting for live inputs; true: io error; may be empty
   };
   /// The scene must outlive the source. `path` "-": standard input. Errors: io.
   static Result<std::unique_ptr<JsonLinesInputs>> open(const engine::Scene& scene, const std::string& path,
@@ -79,12 +79,12 @@ class JsonLinesInputs : public replay::InputSource {
   Result<std::optional<TickInput>> next(std::uint64_t tick) override;
   bool repeatable() const override { return lines_.is_file(); }
 
-  /// Which line of the tick given out last `simulation` would refuse, as "file:line". Requires: it refused the tick.
+  /// Which line of the tick returned last `simulation` would refuse, as "file:line". Requires: it refused the tick.
   std::string place_of_refused(const Simulation& simulation) const;
 
-  /// Whether next() failed: then the message of that error names the place already.
+  /// Whether next() failed: then the message of that error already contains the place.
   bool gave_error() const { return gave_error_; }
-  std::uint64_t count() const { return count_; }  // inputs given out so far
+  std::uint64_t count() const { return count_; }  // inputs returned so far
 
  private:
   struct Line {
@@ -96,26 +96,26 @@ class JsonLinesInputs : public replay::InputSource {
 
   JsonLinesInputs(const engine::Scene& scene, LineReader lines, Options options)
       : scene_(scene), options_(std::move(options)), lines_(std::move(lines)) {}
-  /// Reads up to the next input, checks it and its order, and leaves it in pending_; nothing there: the end.
+  /// Reads the next input into pending_ and checks it and its order; pending_ is empty at the end.
   Status read_pending();
   Result<std::optional<TickInput>> collect(std::uint64_t tick);
 
   const engine::Scene& scene_;
   Options options_;
   LineReader lines_;
-  std::optional<Line> pending_;  // read, not yet given out
+  std::optional<Line> pending_;  // read, not yet returned
   bool at_end_ = false;          // no line follows pending_
   std::optional<std::uint64_t> end_tick_;
   std::uint64_t last_tick_ = 0;
   bool last_tick_has_inputs_ = false;
-  std::vector<Line> tick_lines_;  // of the tick given out last, in the order in which they apply
+  std::vector<Line> tick_lines_;  // of the tick returned last, in the order in which they apply
   Bytes bytes_;
   std::uint64_t count_ = 0;
   bool gave_error_ = false;
 };
 
-/// Reads a whole file and checks each line, so that nothing is begun on inputs that are wrong further down. What only
-/// a running simulation can tell (an id never issued) is not checked. `progress` (bytes done, bytes in all) may be
+/// Reads a whole file and checks each line before the session begins. Errors that only a running simulation can detect
+/// (an id that was never issued) are not checked. `progress` (bytes done, bytes in all) may be
 /// empty. Errors: io, invalid_input, limit.
 Result<InputSummary> check_inputs(const engine::Scene& scene, const std::string& path,
                                   const std::function<void(std::uint64_t, std::uint64_t)>& progress);

@@ -1,4 +1,4 @@
-// Gives out the inputs of a session tick by tick, as a trace would.
+// Returns the inputs of a session tick by tick, as a trace would.
 // SPDX-License-Identifier: MIT
 #include "tool/session/scene_source.h"
 

@@ -1,4 +1,4 @@
-// A scene and its inputs as a source of records without results: what mode `twice` needs, before anything is recorded.
+// A scene and its inputs as a source of records without results: for mode `twice` without a recording.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// A session of the engine: runs it from inputs and measures it, and says what a trace of it must hold.
+// A session of the engine: runs it from inputs, measures it, and makes the setup of its trace.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -24,7 +24,7 @@ struct TraceChoices {
   std::uint32_t checkpoint_interval = 600;
 };
 
-/// What a trace must say of the engine in its present state, so that it can be made again.
+/// The setup for a trace of the engine in its current state.
 replay::TraceSetup make_trace_setup(const engine::Engine& engine, const TraceChoices& choices);
 
 /// The facts about this build that go into traces.

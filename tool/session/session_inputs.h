@@ -1,4 +1,4 @@
-// The inputs of `run` and `record`: checked before anything begins, and the place of what is refused later.
+// The inputs of `run` and `record`: checked before the run; errors during the run get the place of the input.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -30,18 +30,18 @@ void add_threads_option(CLI::App& command, std::uint64_t& thread_count);
 Status check_threads(std::uint64_t thread_count);
 engine::EngineOptions engine_options(std::uint64_t thread_count);
 
-/// What the command line says of the host's frames.
+/// The options for the frames of the host.
 struct HostOptions {
   std::string host;        // --host; empty: frames of the scene's dt
   std::uint64_t seed = 1;  // --host-seed
 };
 void add_host_options(CLI::App& command, HostOptions& options);
 
-/// Lets the scene's clock make the ticks, if a host is given or the clock makes others than one of dt a frame.
+/// Uses the clock of the scene, if a host is given or the clock does not make one tick of dt per frame.
 /// Errors: io.
 Status use_clock(SessionInputs& inputs, const HostOptions& options, engine::Engine& engine);
 
-/// What became of the host's time, for --json and for people.
+/// The report of the clock, as JSON and as text.
 Json clock_json(const engine::Scene& scene, const engine::ClockReport& report);
 std::string clock_text(const engine::Scene& scene, const engine::ClockReport& report);
 

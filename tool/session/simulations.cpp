@@ -64,7 +64,7 @@ bool runs_on_threads(const SimulationInfo& info) {
   return &info == &engine_here() || &info == &engine::engine_info();
 }
 
-std::string tool_words(std::string_view simulation) {
+std::string tool_command(std::string_view simulation) {
   const std::string library = plugin_path(simulation);
   return library.empty() ? "ticktrue" : "ticktrue --plugin " + shell_word(library);
 }

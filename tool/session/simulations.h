@@ -1,4 +1,4 @@
-// The simulations this build can make from a trace, those of loaded plug-ins with them: the only list of them.
+// The list of all simulations that this build can make from a trace, including those of loaded plug-ins.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -25,8 +25,8 @@ engine::EngineOptions engine_options_of_environment();
 /// nothing between them.
 bool runs_on_threads(const SimulationInfo& info);
 
-/// How commands for traces of this simulation begin: "ticktrue", and --plugin where a plug-in brought it.
-std::string tool_words(std::string_view simulation);
+/// The beginning of commands for traces of this simulation: "ticktrue", and --plugin if it comes from a plug-in.
+std::string tool_command(std::string_view simulation);
 
 /// "a, b or c": for error messages.
 std::string simulation_names();

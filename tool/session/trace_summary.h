@@ -1,4 +1,4 @@
-// What is in a trace, found by reading it once, without running anything.
+// A summary of a trace, from one read without simulating.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace ticktrue::verifier {
 
-/// Turns the inputs of a trace into the lines they were recorded from.
+/// Converts the inputs of a trace to the lines from which they were recorded.
 class InputListing {
  public:
   explicit InputListing(const replay::TraceSetup& setup);

@@ -48,7 +48,7 @@ engine::Scene scene_of(const Problem& problem, const Method& method, const Setti
   return scene;
 }
 
-void note_sample(const Problem& problem, const engine::Engine& engine, Observed& observed) {
+void add_sample(const Problem& problem, const engine::Engine& engine, Observed& observed) {
   observed.times.push_back(engine.time_s());
   observed.samples.push_back(problem.observe(engine));
   if (problem.kind == ProblemClass::smooth) return;
@@ -80,7 +80,7 @@ Status run_on_ticks(const Problem& problem, Run& run, Observed& observed) {
   const double ticks = problem.duration / run.engine().scene().settings.dt / problem.sample_count;
   for (int sample = 0; sample < problem.sample_count; ++sample) {
     if (Status did = run.advance(static_cast<std::uint64_t>(std::lround(ticks))); !did) return did;
-    note_sample(problem, run.engine(), observed);
+    add_sample(problem, run.engine(), observed);
     // The sum of the ticks' lengths has rounding of its own.
     observed.times.back() = problem.duration * (sample + 1) / problem.sample_count;
   }
@@ -101,7 +101,7 @@ Status run_on_frames(const Problem& problem, const Method& method, const Setting
     if (!*input) break;
     if (Status did = run.engine().step(**input, nullptr); !did) return did;
     observed.step_time_s += computed_s() - start;
-    note_sample(problem, run.engine(), observed);
+    add_sample(problem, run.engine(), observed);
   }
   return {};
 }

@@ -33,7 +33,7 @@ struct Method {
   std::string host = {};                        // of the clock
 };
 
-/// What is swept of a method. Fields that do not apply keep the scene's values.
+/// A setting of a method in a sweep. Fields that do not apply have the scene's values.
 struct Setting {
   double dt = 1.0 / 60;  // s
   int substeps = 1;
@@ -48,7 +48,7 @@ struct AccuracyPoint {
   Setting setting;
   double error = 0;          // root mean square over samples, relative to the problem's scale
   double error_max = 0;      // relative
-  double floor = 0;          // what rounding puts into the error: relative, root mean square
+  double floor = 0;          // error due to rounding: relative, root mean square
   double energy = 0;         // J, at the end less at the start; of kinetic energy and gravity
   double momentum = 0;       // kg m/s, the same of its length
   double overlap_max = 0;    // m, at samples
@@ -86,7 +86,7 @@ inline constexpr double error_coarse = 0.1;  // relative: points above it do not
 std::optional<double> fitted_slope(const std::vector<double>& steps, const std::vector<double>& errors,
                                    const std::vector<double>& floors, std::size_t count = 4);
 
-/// What theory says of a method on a problem: the slope of its error, or that it is exact, or why there is none.
+/// The theory of a method on a problem: the slope of its error, that it is exact, or why there is no slope.
 struct Expectation {
   std::optional<double> slope;
   bool is_exact = false;
@@ -97,7 +97,7 @@ Expectation expectation_of(const Problem& problem, const Method& method);
 /// Whether a point shows an order: above ten floors and below error_coarse.
 bool shows_order(double error, double floor);
 
-/// The verdict on one curve, whoever computed its errors. `steps` fall, errors and floors belong to them.
+/// The verdict on one curve. `steps` descend; errors and floors belong to the steps.
 Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
                 const std::vector<double>& floors);
 
@@ -129,7 +129,7 @@ Result<std::vector<AccuracyCurve>> run_accuracy(const std::vector<Problem>& prob
 
 /// The point of a curve with at most this error that takes the least time; null if none.
 const AccuracyPoint* cheapest(const AccuracyCurve& curve, double error);
-/// The same without looking at times: the coarsest one.
+/// The same without regard to times: the coarsest one.
 const AccuracyPoint* coarsest(const AccuracyCurve& curve, double error);
 
 /// "1/240" (s), "8 sub", "tol 1e-3": how a setting of a method is written.

@@ -1,4 +1,4 @@
-// Compares ways to simulate one scene: runs them, aligns them by simulated time, judges them beside twins.
+// Compares ways to simulate one scene: runs them, aligns them by simulated time, compares them with twins.
 // SPDX-License-Identifier: MIT
 #include "tool/study/compare.h"
 
@@ -152,8 +152,8 @@ std::optional<double> first_beyond(const std::vector<CompareSample>& samples) {
 
 namespace {
 
-// One run, as far as comparisons need it.
-struct Course {
+// The trajectory of one run, as far as comparisons need it.
+struct Trajectory {
   std::string why_not;  // not empty: it was refused, and why
   bool is_finite = true;
   bool has_clock = false;
@@ -182,8 +182,8 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
   return scene;
 }
 
-/// What it changes is no state: every column must keep its bits.
-bool keeps_state(const Variant& v) {
+/// Whether the variant changes no state, so that every column must have the same bits.
+bool preserves_state(const Variant& v) {
   return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt;
 }
 
@@ -223,7 +223,7 @@ class TickMaker {
   }
 
  private:
-  // The inputs whose time has come, numbered anew: several recorded ticks may fall into one.
+  // The inputs whose time has come, numbered again: several recorded ticks may fall into one.
   void collect(double time_s) {
     bytes_.clear();
     std::vector<engine::Input> due;
@@ -270,17 +270,17 @@ Bodies between(const Bodies& before, double before_s, const Bodies& after, doubl
   return out;
 }
 
-Course run_course(const CompareSession& session, const Variant& variant, const Scene& scene,
-                  const CrosscheckLayout& layout, const CompareOptions& options) {
-  Course course;
-  course.has_clock = variant.clock.has_value();
-  course.row.variant = variant;
+Trajectory run_trajectory(const CompareSession& session, const Variant& variant, const Scene& scene,
+                          const CrosscheckLayout& layout, const CompareOptions& options) {
+  Trajectory trajectory;
+  trajectory.has_clock = variant.clock.has_value();
+  trajectory.row.variant = variant;
   engine::EngineOptions choices;
   choices.thread_count = variant.threads.value_or(1);
   Result<Run> made = Run::make(scene, choices);
   if (!made) {
-    course.why_not = made.error().message;
-    return course;
+    trajectory.why_not = made.error().message;
+    return trajectory;
   }
   Run& run = *made;
   Engine& engine = run.engine();
@@ -296,51 +296,51 @@ Course run_course(const CompareSession& session, const Variant& variant, const S
     while (engine.time_s() < time_s - 1e-9) {
       const auto input = ticks.next(engine.tick());
       if (!input) {
-        course.why_not = input.error().message;
-        return course;
+        trajectory.why_not = input.error().message;
+        return trajectory;
       }
       if (Status accepted = engine.accept(*input); !accepted) {
-        course.why_not = accepted.error().message;
-        return course;
+        trajectory.why_not = accepted.error().message;
+        return trajectory;
       }
       before_s = engine.time_s();
       if (before_s + input->dt >= time_s - 1e-9) before = run.bodies();
       const auto wall = std::chrono::steady_clock::now();
       const Result<double> computed_s = run.step(*input);
       if (!computed_s) {
-        course.why_not = computed_s.error().message;
-        return course;
+        trajectory.why_not = computed_s.error().message;
+        return trajectory;
       }
       step_time_s += options.wall_clock ? std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count()
                                         : *computed_s;
-      course.dts.push_back(input->dt);
-      course.bits.push_back(bits_of(engine.state()));
-      course.root.push_back(root_hash(engine.state()));
+      trajectory.dts.push_back(input->dt);
+      trajectory.bits.push_back(bits_of(engine.state()));
+      trajectory.root.push_back(root_hash(engine.state()));
     }
     now = run.bodies();
     if (!all_finite(now)) {
-      course.is_finite = false;
+      trajectory.is_finite = false;
       break;
     }
-    course.samples.push_back(between(before, before_s, now, engine.time_s(), time_s));
+    trajectory.samples.push_back(between(before, before_s, now, engine.time_s(), time_s));
     const auto contacts = engine.contacts();
-    course.row.overlap_max = std::max(course.row.overlap_max, deepest_overlap(contacts));
-    course.row.joint_gap_max = std::max(course.row.joint_gap_max, largest(joint_gaps(scene, now)));
+    trajectory.row.overlap_max = std::max(trajectory.row.overlap_max, deepest_overlap(contacts));
+    trajectory.row.joint_gap_max = std::max(trajectory.row.joint_gap_max, largest(joint_gaps(scene, now)));
     measure.add(time_s, now, time_s > session.seconds - 1 ? &contacts : nullptr);
   }
-  course.row.tick_count = engine.tick();
-  course.row.root_hash = root_hash(engine.state());
-  course.row.energy = energy_of(scene, now) - energy_of(scene, start);
+  trajectory.row.tick_count = engine.tick();
+  trajectory.row.root_hash = root_hash(engine.state());
+  trajectory.row.energy = energy_of(scene, now) - energy_of(scene, start);
   const engine::Point momentum = momentum_of(now);
-  course.row.momentum = std::hypot(momentum.x, momentum.y);
-  course.row.ms_per_s = step_time_s * 1e3 / session.seconds;
-  if (!course.is_finite) return course;
-  course.outcome = measure.finish();
-  course.row.placed_count = layout.placed_count;
-  course.row.standing_count = course.outcome.standing_count;
-  course.row.order = course.outcome.order;
-  for (const CrosscheckPlace& place : course.outcome.places) course.row.resting_count += place.rests ? 1 : 0;
-  return course;
+  trajectory.row.momentum = std::hypot(momentum.x, momentum.y);
+  trajectory.row.ms_per_s = step_time_s * 1e3 / session.seconds;
+  if (!trajectory.is_finite) return trajectory;
+  trajectory.outcome = measure.finish();
+  trajectory.row.placed_count = layout.placed_count;
+  trajectory.row.standing_count = trajectory.outcome.standing_count;
+  trajectory.row.order = trajectory.outcome.order;
+  for (const CrosscheckPlace& place : trajectory.outcome.places) trajectory.row.resting_count += place.rests ? 1 : 0;
+  return trajectory;
 }
 
 CompareSample apart(const Bodies& a, const Bodies& b, double time_s) {
@@ -372,18 +372,18 @@ std::size_t elsewhere(const CrosscheckRun& a, const CrosscheckRun& b, double siz
 }
 
 // Fills what needs the base. `twin_rms[i]`: the largest of the twins' at sample i and before.
-CompareRow against(const Course& base, const Course& course, const std::vector<double>& twin_rms,
+CompareRow against(const Trajectory& base, const Trajectory& trajectory, const std::vector<double>& twin_rms,
                    const CompareSession& session, double size) {
-  CompareRow row = course.row;
-  if (!course.why_not.empty()) {
-    row.reason = course.why_not;
+  CompareRow row = trajectory.row;
+  if (!trajectory.why_not.empty()) {
+    row.reason = trajectory.why_not;
     return row;
   }
-  row.same_ticks = course.dts == base.dts;
+  row.same_ticks = trajectory.dts == base.dts;
   const bool same_rows = row.same_ticks && session.scene.settings.precision ==
                                                row.variant.precision.value_or(session.scene.settings.precision);
-  row.whole_state = same_rows && keeps_state(row.variant);
-  const std::vector<std::uint64_t>& bits = row.whole_state ? course.root : course.bits;
+  row.whole_state = same_rows && preserves_state(row.variant);
+  const std::vector<std::uint64_t>& bits = row.whole_state ? trajectory.root : trajectory.bits;
   const std::vector<std::uint64_t>& base_bits = row.whole_state ? base.root : base.bits;
   if (same_rows)
     for (std::size_t i = 0; i < std::min(bits.size(), base_bits.size()); ++i)
@@ -391,10 +391,10 @@ CompareRow against(const Course& base, const Course& course, const std::vector<d
         row.first_different = i;
         break;
       }
-  const std::size_t count = std::min(base.samples.size(), course.samples.size());
+  const std::size_t count = std::min(base.samples.size(), trajectory.samples.size());
   const double interval = session.seconds / static_cast<double>(std::max<std::size_t>(1, base.samples.size()));
   for (std::size_t i = 0; i < count; ++i) {
-    CompareSample sample = apart(base.samples[i], course.samples[i], interval * static_cast<double>(i + 1));
+    CompareSample sample = apart(base.samples[i], trajectory.samples[i], interval * static_cast<double>(i + 1));
     if (i < twin_rms.size()) sample.twin_rms = twin_rms[i];
     row.position_max = std::max(row.position_max, sample.position_max);
     row.angle_max = std::max(row.angle_max, sample.angle_max);
@@ -402,13 +402,14 @@ CompareRow against(const Course& base, const Course& course, const std::vector<d
     row.samples.push_back(sample);
   }
   row.growth = growth_rate(row.samples);
-  row.elsewhere_count = elsewhere(base.outcome, course.outcome, size);
-  if (!course.is_finite) {
+  row.elsewhere_count = elsewhere(base.outcome, trajectory.outcome, size);
+  if (!trajectory.is_finite) {
     row.verdict = CompareVerdict::not_finite;
-    row.reason = "a value is not finite after tick " + std::to_string(course.bits.empty() ? 0 : course.bits.size() - 1);
+    row.reason =
+        "a value is not finite after tick " + std::to_string(trajectory.bits.empty() ? 0 : trajectory.bits.size() - 1);
     return row;
   }
-  if (same_rows && !row.first_different && course.bits.size() == base.bits.size()) {
+  if (same_rows && !row.first_different && trajectory.bits.size() == base.bits.size()) {
     row.verdict = CompareVerdict::same_bits;
     return row;
   }
@@ -431,20 +432,20 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
                                        const CompareOptions& options) {
   const CrosscheckLayout layout = make_layout(session.scene);
   const std::size_t twin_count = static_cast<std::size_t>(options.twin_count);
-  std::vector<Course> courses(1 + twin_count + variants.size());
+  std::vector<Trajectory> trajectories(1 + twin_count + variants.size());
   std::mutex mutex;
   std::uint64_t done_count = 0;
-  const Status ran = run_jobs(courses.size(), options.thread_count, [&](std::size_t i) {
+  const Status ran = run_jobs(trajectories.size(), options.thread_count, [&](std::size_t i) {
     Variant variant;
     variant.name = i == 0 ? "base" : "twin " + std::to_string(i);
     if (i > twin_count) variant = variants[i - 1 - twin_count];
     Scene scene = i == 0 ? session.scene : i <= twin_count ? twin_of(session.scene, i) : scene_of(session, variant);
-    courses[i] = run_course(session, variant, scene, layout, options);
+    trajectories[i] = run_trajectory(session, variant, scene, layout, options);
     const std::lock_guard<std::mutex> lock(mutex);
-    if (options.progress) options.progress(++done_count, courses.size());
+    if (options.progress) options.progress(++done_count, trajectories.size());
   });
   if (!ran) return ran.error();
-  const Course& base = courses[0];
+  const Trajectory& base = trajectories[0];
   if (!base.why_not.empty()) return Error{ErrorCode::invalid_scene, "compare: the base: " + base.why_not, {}};
 
   CompareReport report;
@@ -452,25 +453,25 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
   report.base = base.row;
   report.base.verdict = base.is_finite ? CompareVerdict::same_bits : CompareVerdict::not_finite;
   std::vector<double> twin_rms(base.samples.size(), 0);
-  std::size_t twins_apart = 0;
+  std::size_t twins_with_other_outcome = 0;
   for (std::size_t i = 1; i <= twin_count; ++i) {
-    report.twins.push_back(against(base, courses[i], {}, session, layout.size));
+    report.twins.push_back(against(base, trajectories[i], {}, session, layout.size));
     CompareRow& twin = report.twins.back();
     for (std::size_t k = 0; k < twin.samples.size() && k < twin_rms.size(); ++k)
       twin_rms[k] = std::max(twin_rms[k], twin.samples[k].position_rms);
     if (twin.verdict == CompareVerdict::drift) twin.verdict = CompareVerdict::within_twins;
     twin.beyond_s.reset();
-    if (differs_in_outcome(report.base, twin)) ++twins_apart;
+    if (differs_in_outcome(report.base, twin)) ++twins_with_other_outcome;
   }
   for (std::size_t k = 1; k < twin_rms.size(); ++k) twin_rms[k] = std::max(twin_rms[k], twin_rms[k - 1]);
-  for (std::size_t i = 1 + twin_count; i < courses.size(); ++i) {
-    CompareRow row = against(base, courses[i], twin_rms, session, layout.size);
+  for (std::size_t i = 1 + twin_count; i < trajectories.size(); ++i) {
+    CompareRow row = against(base, trajectories[i], twin_rms, session, layout.size);
     const bool is_judged = row.verdict == CompareVerdict::drift || row.verdict == CompareVerdict::within_twins;
     if (is_judged && differs_in_outcome(report.base, row)) {
-      if (twins_apart == 0) row.verdict = CompareVerdict::other_outcome;
-      row.reason = twins_apart == 0 ? "the twins all end as the base does"
-                                    : "the outcome is another one, but so is that of " + std::to_string(twins_apart) +
-                                          " of the twins";
+      if (twins_with_other_outcome == 0) row.verdict = CompareVerdict::other_outcome;
+      row.reason = twins_with_other_outcome == 0 ? "the twins all end as the base does"
+                                                 : "the outcome is another one, but so is that of " +
+                                                       std::to_string(twins_with_other_outcome) + " of the twins";
     }
     report.rows.push_back(std::move(row));
   }

@@ -1,11 +1,11 @@
 // Compares ways to simulate one scene: integrators, clocks, solvers, substeps, precisions, steps, threads and more.
 // SPDX-License-Identifier: MIT
 //
-// Every variant runs the same session as a base and is measured against it at equal simulated times. Beside them run
-// twins: the base with every moving body shifted by one unit in the last place. What a variant is off by is called its
-// own drift only where it is beyond what the twins are off by: chaos makes any two runs part.
+// Every variant runs the same session as a base and is compared with the base at equal simulated times. Twins of the
+// base run too (as in identical-twin experiments): every moving body is shifted by one unit in the last place. A
+// difference counts as drift of the variant only if it exceeds the differences of the twins: chaos separates any runs.
 // Verified: bits, tick by tick, where the ticks are the same: of the bodies, and of the whole state in variants that
-// only change what no bit may depend on (broad phase, threads); poses at equal times; who stands, in what
+// only change what no bit may depend on (broad phase, threads); poses at equal times; which bodies stand, in what
 // order, where bodies rest. Not verified: which of two runs is nearer to the truth (`ticktrue accuracy` does that).
 #pragma once
 
@@ -24,7 +24,7 @@
 
 namespace ticktrue::verifier {
 
-/// A scene and what happens in it.
+/// A scene and its inputs.
 struct CompareSession {
   struct TimedInput {
     double time_s = 0;  // start of the tick it acts in
@@ -39,7 +39,7 @@ struct CompareSession {
 /// of the engine).
 Result<CompareSession> session_of_trace(const std::string& path);
 
-/// One way to run it; what is absent is the base's.
+/// One way to run the session; absent fields are those of the base.
 struct Variant {
   std::string name;  // "rk4, f64"; the base's is "base"
   std::optional<engine::IntegratorKind> integrator = {};
@@ -121,7 +121,7 @@ struct CompareOptions {
   bool wall_clock = false;    // for ms_per_s: threads that share a tick compute more than passes
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // runs; from one thread at a time
 };
-inline constexpr double beyond_factor = 4;  // of the twins' spread
+inline constexpr double beyond_factor = 4;  // of the spread of the twins
 
 /// Errors: what make_engine refuses of the base; inputs that the base refuses.
 Result<CompareReport> compare_variants(const CompareSession& session, const std::vector<Variant>& variants,
@@ -133,7 +133,7 @@ engine::Scene twin_of(const engine::Scene& scene, std::uint64_t seed);
 
 /// Slope of log(rms) over time from the first sample that is not 0 to where it has reached a tenth of its largest.
 std::optional<double> growth_rate(const std::vector<CompareSample>& samples);
-/// First time at which the RMS is beyond beyond_factor times the twins'.
+/// First time at which the RMS exceeds beyond_factor times that of the twins.
 std::optional<double> first_beyond(const std::vector<CompareSample>& samples);
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// The scenes of `ticktrue crosscheck --suite`: structures whose outcome a person can foretell, small enough that an
+// The scenes of `ticktrue crosscheck --suite`: structures whose outcome a person can predict, small enough that an
 // ensemble of each in both engines takes seconds.
 // SPDX-License-Identifier: MIT
 #pragma once
@@ -12,7 +12,7 @@ namespace ticktrue::verifier {
 
 struct SuiteScene {
   std::string_view name;
-  std::string_view outcome;  // what a person expects to see, in a few words
+  std::string_view outcome;  // the expected outcome
   double seconds;            // simulated
   engine::Scene (*make)();
 };

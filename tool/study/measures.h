@@ -1,4 +1,4 @@
-// What a study measures on a run: time of the steps, energy, momentum, overlaps, gaps of joints.
+// Measurements of a run: time of the steps, energy, momentum, overlaps, gaps of joints.
 // SPDX-License-Identifier: MIT
 //
 // Verified: nothing here judges. Energies of springs, motors and pointers are not counted: `energy` is kinetic plus
@@ -33,8 +33,8 @@ double speed_of(const engine::BodyReport& body);
 /// Of the bodies that move.
 double fastest(const Bodies& bodies);
 
-/// Seconds that this thread has computed, since some moment: what others do on the machine is not in it. Where the
-/// system does not tell, those of a steady clock.
+/// CPU time of this thread, s. Other load on the machine is not included. Falls back to a steady clock on systems
+/// without a CPU clock.
 double computed_s();
 
 /// A run whose steps alone are timed.

@@ -4,7 +4,7 @@
 // The error is the distance from the ideal geometry, root mean square over bodies and samples of the measured time; of
 // chains the distance of anchors that should be one. Box2D keeps polygons up to two skins apart (0.02 m): in a stack
 // every gap between 0 and two skins counts as none, so only what is beyond is an error. Joints have no skin.
-// Both engines take turns, repeat by repeat, on one thread.
+// The engines run alternately, repeat by repeat, on one thread.
 #pragma once
 
 #include <cstdint>

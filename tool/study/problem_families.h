@@ -1,4 +1,4 @@
-// The parts that the list of verification problems is put together from.
+// The parts of the list of verification problems.
 // SPDX-License-Identifier: MIT
 #pragma once
 

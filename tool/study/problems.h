@@ -1,4 +1,4 @@
-// The verification problems: scenes whose course is known from a closed form or from high-precision numbers.
+// The verification problems: scenes with a known solution, from a closed form or from high-precision numbers.
 // SPDX-License-Identifier: MIT
 //
 // Errors are relative to a length, angle, speed or force of the problem, its scale. References never come from the
@@ -41,12 +41,12 @@ struct Problem {
   std::function<std::vector<double>(const engine::Engine&)> observe;
   std::function<std::vector<double>(double time_s)> exact;
 
-  /// Slope that theory gives the default solver's error over h; absent: none, and `why_no_slope` says why.
+  /// Theoretical slope of the default solver's error over h; absent: none, see `why_no_slope`.
   std::optional<double> slope;
   /// The same under integrators of order 2 or more, where it is another one.
   std::optional<double> slope_of_higher;
   std::string why_no_slope;
-  bool is_exact = false;  // of the scheme itself: what is left is rounding
+  bool is_exact = false;  // of the scheme itself: only rounding remains
   bool is_pair = false;   // an impact of two bodies: exact also where it is not located
 
   /// Smooth problems: the start and the acceleration, of a point or (x alone) an angle.

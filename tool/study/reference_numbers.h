@@ -1,4 +1,4 @@
-// Numbers made by tool/study/generator/reference_numbers.cpp, which says what they are.
+// Reference numbers, made by tool/study/generator/reference_numbers.cpp; see there.
 // SPDX-License-Identifier: MIT
 #pragma once
 

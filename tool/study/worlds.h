@@ -28,9 +28,9 @@ engine::Scene empty(engine::Precision precision);
 /// Nothing collides; one disc of 1 kg, no gravity, one substep.
 engine::Scene flight(engine::Precision precision, engine::Point position, engine::Point velocity);
 void set_material(engine::Scene& scene, double friction, double restitution);
-/// Every contact bounces with `restitution` at the moment of impact, nothing rubs.
+/// Every contact bounces with `restitution` at the moment of impact, without friction.
 void set_bounces(engine::Scene& scene, double restitution);
-/// Level ground under gravity that leans: a slope down to the right.
+/// Level ground under inclined gravity: a slope down to the right.
 void lean(engine::Scene& scene, double degrees);
 
 engine::Joint joint(engine::JointKind kind, std::uint32_t body_a, std::uint32_t body_b, engine::Point anchor_a = {},
@@ -40,7 +40,7 @@ engine::Joint joint(engine::JointKind kind, std::uint32_t body_a, std::uint32_t 
 engine::Scene stack(engine::Precision precision, int count, double size = 1, double jitter = 0);
 /// Links of 1 m and 1 kg pinned end to end from a peg at the origin; `direction` of the chain; the last of `end_mass`.
 engine::Scene chain(engine::Precision precision, int links, engine::Point direction, double end_mass);
-/// Twenty links of 0.6 m and 1 kg between pegs 10 m apart, damped, in two straight lines.
+/// Twenty links of 0.6 m and 1 kg between two pegs at a distance of 10 m, damped, in two straight lines.
 engine::Scene catenary(engine::Precision precision);
 
 }  // namespace ticktrue::verifier::worlds

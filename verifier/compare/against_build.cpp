@@ -1,4 +1,4 @@
-// Asking another build of ticktrue: first for its verdict on the trace, then for one tick in full detail.
+// Runs another build of ticktrue: first for its verdict on the trace, then for one tick in full detail.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/against_build.h"
 
@@ -14,7 +14,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// What the other build says of the trace.
+/// The verdict of the other build on the trace.
 struct OtherVerdict {
   std::string failure;  // why there is no verdict; empty: there is one
   OtherBuild build;
@@ -75,7 +75,8 @@ class BuildComparison {
     OtherVerdict other;
     other.build.binary = options_.binary;
     std::vector<std::string> words{options_.binary, "verify", reader_.name(), "--json"};
-    if (to) words.insert(words.end(), {"--to", std::to_string(*to)});  // behind our first difference nothing counts
+    if (to)
+      words.insert(words.end(), {"--to", std::to_string(*to)});  // ticks after our first difference are not compared
     const ChildResult result = run(words);
     other.failure = child_failure(result, limits_);
     if (!other.failure.empty()) return other;

@@ -1,4 +1,4 @@
-// Compares this build with another one on the same trace, and where they part goes on to stage, column and bits.
+// Compares this build with another one on the same trace; locates a difference by stage, column and bits.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -19,7 +19,7 @@ struct AgainstOptions {
 
 /// `here` is the report of this build in mode replay. The result is the report of the pair: match if both builds give
 /// the recorded bits; diverged with the first difference between them, "expected" being the other build, or, where they
-/// agree with each other, between both and the recording. Verdict::error: the other build could not be asked.
+/// agree with each other, between both and the recording. Verdict::error: the other build could not be run.
 Report compare_builds(replay::TraceReader& reader, Report here, const AgainstOptions& options);
 
 }  // namespace ticktrue::verifier

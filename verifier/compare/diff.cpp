@@ -1,4 +1,4 @@
-// Two traces side by side: setup, inputs, states.
+// Compares two traces: setup, inputs, states.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/diff.h"
 
@@ -25,7 +25,7 @@ class Side {
  public:
   explicit Side(replay::TraceReader& reader) : reader_(reader) { reader_.rewind(); }
 
-  /// The next tick, or null at the end. Keeps the checkpoint it passes on the way.
+  /// The next tick, or null at the end. Stores the checkpoint that it passes.
   const TickRecord* advance() {
     checkpoint_.reset();
     if (ended_) return nullptr;
@@ -39,8 +39,8 @@ class Side {
         ended_ = true;
         return nullptr;
       }
-      checkpoint_ = keep(std::get<CheckpointRecord>(item));
-      if (keeps_last_) last_ = checkpoint_;
+      checkpoint_ = copy_of(std::get<CheckpointRecord>(item));
+      if (updates_last_) last_ = checkpoint_;
     }
   }
 
@@ -49,16 +49,16 @@ class Side {
     return checkpoint_ && checkpoint_->tick == ticks_done ? &*checkpoint_ : nullptr;
   }
   std::uint64_t ticks() const { return ticks_; }
-  /// The last checkpoint passed, until keep_last.
+  /// The last checkpoint passed; fixed after freeze_last.
   const std::optional<StoredCheckpoint>& last() const { return last_; }
-  void keep_last() { keeps_last_ = false; }
+  void freeze_last() { updates_last_ = false; }
   const replay::TraceTail& tail() const { return reader_.tail(); }
 
  private:
   replay::TraceReader& reader_;
   std::optional<StoredCheckpoint> checkpoint_;
   std::optional<StoredCheckpoint> last_;
-  bool keeps_last_ = true;
+  bool updates_last_ = true;
   std::uint64_t ticks_ = 0;
   bool ended_ = false;
 };
@@ -66,7 +66,7 @@ class Side {
 constexpr std::uint64_t spread_ticks = 64;
 constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
 
-/// What to run, each with the build that recorded it, for the values behind a difference of two traces.
+/// Commands, one for each recording build, that show the values of a difference of two traces.
 std::string more_detail_commands(const std::string& a, const std::string& b, std::uint64_t tick,
                                  const std::string& tool) {
   const std::string number = std::to_string(tick);
@@ -95,7 +95,7 @@ std::string stages_summary(const std::vector<std::string>& stages) {
   return text;
 }
 
-/// Differences that keep the two from being compared at all come first; returns how many those are.
+/// Differences that make a comparison impossible come first; returns their number.
 std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector<SetupDifference>& out) {
   if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
   if (a.physics_version != b.physics_version)
@@ -132,7 +132,7 @@ class Differ {
     report_.b.build = b.facts();
     if (options.simulation != nullptr && options.simulation->name == setup_a_.simulation)
       if (Result<std::unique_ptr<Simulation>> made = options.simulation->make(setup_a_.setup))
-        words_ = std::move(*made);
+        simulation_ = std::move(*made);
   }
 
   DiffReport run() {
@@ -144,7 +144,7 @@ class Differ {
 
  private:
   std::string inputs_text(std::uint64_t tick, ByteView inputs) const {
-    return words_ ? words_->inputs_text(tick, inputs) : "";
+    return simulation_ ? simulation_->inputs_text(tick, inputs) : "";
   }
 
   void walk() {
@@ -155,7 +155,7 @@ class Differ {
     if (comparable_) compare_checkpoints(0, time_s);
     while (a != nullptr && b != nullptr) {
       compare_inputs(tick, *a, *b);
-      // Hashes of different schemas say nothing about each other.
+      // Hashes of different schemas are not comparable.
       const bool found = comparable_ && !report_.divergence && differ(*a, *b);
       if (found) {
         Divergence divergence;
@@ -166,7 +166,7 @@ class Differ {
       } else if (report_.divergence && comparable_) {
         follow_spread(*a, *b);
       }
-      if (found || (comparable_ && a->root_hash != b->root_hash)) note_differing(tick);
+      if (found || (comparable_ && a->root_hash != b->root_hash)) add_differing(tick);
       time_s += a->dt;
       ++tick;
       if (comparable_) ++report_.ticks_compared;
@@ -182,7 +182,7 @@ class Differ {
     while (b != nullptr) b = b_.advance();
   }
 
-  void note_differing(std::uint64_t tick) {
+  void add_differing(std::uint64_t tick) {
     std::vector<TickRange>& ranges = report_.differing;
     if (!ranges.empty() && (ranges.back().last + 1 >= tick || ranges.size() == differing_ranges_max))
       ranges.back().last = tick;
@@ -213,10 +213,10 @@ class Differ {
     root_ = a.root_hash;
     if (!difference) return false;
     part_ = difference->part;
-    differing_[0] = keep(a);
-    differing_[1] = keep(b);
-    a_.keep_last();
-    b_.keep_last();
+    differing_[0] = copy_of(a);
+    differing_[1] = copy_of(b);
+    a_.freeze_last();
+    b_.freeze_last();
     return true;
   }
 
@@ -237,14 +237,14 @@ class Differ {
     divergence.tick = ticks_done;
     divergence.time_s = time_s;
     const TickSide tick_before{root_};
-    describe(a != nullptr ? side_of(*a) : tick_before, b != nullptr ? side_of(*b) : tick_before, plain_words(),
+    describe(a != nullptr ? side_of(*a) : tick_before, b != nullptr ? side_of(*b) : tick_before, plain_context(),
              divergence);
     divergence.stage = std::string(is_start ? stage_setup : std::string_view("checkpoint"));
     divergence.stage_note = is_start ? "they begin with different states"
                             : same   ? "the hash of the tick before is not that of the checkpoint"
                                      : "the hashes of the tick before agree, the checkpoints do not";
     report_.divergence = std::move(divergence);
-    if (!is_start) note_differing(ticks_done - 1);
+    if (!is_start) add_differing(ticks_done - 1);
   }
 
   /// Whether the checkpoint is a state with this hash.
@@ -253,8 +253,8 @@ class Differ {
     return checkpoint.root_hash == root && state && root_hash(state->view()) == root;
   }
 
-  void describe(const TickSide& a, const TickSide& b, const TickWords& words, Divergence& divergence) {
-    if (const Status described = describe_tick(words, a, b, divergence); !described)
+  void describe(const TickSide& a, const TickSide& b, const DescribeContext& context, Divergence& divergence) {
+    if (const Status described = describe_tick(context, a, b, divergence); !described)
       report_.notes.push_back("a stored state cannot be read: " + described.error().message);
   }
 
@@ -265,22 +265,22 @@ class Differ {
     for (const auto& [side, stored] : {std::pair(&a_, &differing_[0]), std::pair(&b_, &differing_[1])})
       if (const StoredCheckpoint* checkpoint = side->checkpoint_at(ticks_done); checkpoint != nullptr && !stored->image)
         stored->image = checkpoint->image;
-    TickWords words = plain_words();
+    DescribeContext context = plain_context();
     std::optional<ImageState> rows;
     const bool has_images = differing_[0].image && differing_[1].image;
     const bool has_cells = !differing_[0].cells.empty() && !differing_[1].cells.empty();
     if (!has_images && has_cells && a_.last()) {
-      if (Result<ImageState> state = ImageState::of(words.schema, a_.last()->image)) rows.emplace(std::move(*state));
-      if (rows) words.rows = &rows->view();
-      if (words_ && words_->load(a_.last()->image))
-        words.row_name = [this](std::size_t table, std::size_t row) { return words_->row_name(table, row); };
+      if (Result<ImageState> state = ImageState::of(context.schema, a_.last()->image)) rows.emplace(std::move(*state));
+      if (rows) context.rows = &rows->view();
+      if (simulation_ && simulation_->load(a_.last()->image))
+        context.row_name = [this](std::size_t table, std::size_t row) { return simulation_->row_name(table, row); };
       report_.notes.push_back("rows are those of the state stored before tick " + std::to_string(a_.last()->tick) +
                               ": later ones cannot be named");
     }
     TickSide a = side_of(differing_[0]);
     TickSide b = side_of(differing_[1]);
     if (setup_a_.stages != setup_b_.stages) a.stage_hashes = b.stage_hashes = {};
-    describe(a, b, words, divergence);
+    describe(a, b, context, divergence);
     if (const std::string contradiction = contradiction_text(divergence.tick, part_); !contradiction.empty())
       report_.notes.push_back(contradiction);
     if (!has_images && has_cells && cell_count(differing_[0]) != cell_count(differing_[1]))
@@ -292,10 +292,10 @@ class Differ {
     return replay::decode_cells(setup_a_.schema, stored.cells).partition_cells;
   }
 
-  TickWords plain_words() const {
-    TickWords words{setup_a_.schema, setup_a_.stages, {}, options_.row_count_max};
-    words.no_stages = "not known: not both store a hash after each stage of this tick";
-    return words;
+  DescribeContext plain_context() const {
+    DescribeContext context{setup_a_.schema, setup_a_.stages, {}, options_.row_count_max};
+    context.no_stages = "not known: not both store a hash after each stage of this tick";
+    return context;
   }
 
   /// At 1, 2, 4, 8, ... ticks behind the divergence.
@@ -314,7 +314,7 @@ class Differ {
     }
   }
 
-  /// What only one of the two stores is not compared, and the report says so.
+  /// Notes in the report which data only one of the two traces stores: it is not compared.
   void note_not_compared() {
     const ComparedParts& done = report_.compared;
     const auto note = [&](TickPart part, std::uint64_t a, std::uint64_t b, std::uint64_t compared) {
@@ -389,7 +389,7 @@ class Differ {
   Side a_;
   Side b_;
   const DiffOptions& options_;
-  std::unique_ptr<Simulation> words_;  // only to put inputs into words
+  std::unique_ptr<Simulation> simulation_;  // formats inputs and row names as text
   DiffReport report_;
   bool comparable_ = true;
   TickComparer comparer_;

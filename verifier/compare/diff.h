@@ -1,4 +1,4 @@
-// Compares two traces with each other, without running anything.
+// Compares two traces without simulating.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -77,10 +77,10 @@ struct DiffReport {
 };
 
 struct DiffOptions {
-  const SimulationInfo* simulation = nullptr;  // puts inputs into words; may be null
+  const SimulationInfo* simulation = nullptr;  // formats inputs as text; may be null
   std::size_t row_count_max = 64;
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
-  /// As of VerifyOptions; empty: only the program that recorded the traces can do so again.
+  /// As in VerifyOptions; empty: only the program that recorded the traces can record them again.
   std::string tool = "ticktrue";
 };
 

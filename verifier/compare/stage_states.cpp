@@ -1,4 +1,4 @@
-// Running one tick with an observer, and its states as lines that another build of this program can read.
+// Runs one tick with an observer; writes and reads its states as lines that another build can read.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/stage_states.h"
 
@@ -16,9 +16,10 @@ namespace {
 
 constexpr const char* stages_schema = "ticktrue.stages/1";
 
-class StateKeeper : public StageObserver {
+class StateCollector : public StageObserver {
  public:
-  StateKeeper(std::span<const std::string> names, std::vector<StageState>& states) : names_(names), states_(states) {}
+  StateCollector(std::span<const std::string> names, std::vector<StageState>& states)
+      : names_(names), states_(states) {}
   void after_stage(std::size_t stage, const StateView& state) override {
     StageState kept{stage < names_.size() ? names_[stage] : "?", root_hash(state), {}};
     encode_image(state, kept.image);
@@ -57,7 +58,7 @@ bool bytes_of(const std::string& text, Bytes& bytes) {
   return true;
 }
 
-/// Puts the simulation at the last checkpoint at or before the tick, the source behind it.
+/// Loads the last checkpoint at or before the tick; the source is positioned behind it.
 Result<std::uint64_t> go_to_checkpoint(TraceSource& source, Simulation& simulation, std::uint64_t tick) {
   if (tick > 0 && source.seek(tick)) {
     const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&source.next());
@@ -106,8 +107,8 @@ Result<StageStates> stage_states(TraceSource& source, const SimulationInfo& info
     StageState before{"", root_hash(simulation.state()), {}};
     encode_image(simulation.state(), before.image);
     found.states.push_back(std::move(before));
-    StateKeeper keeper(simulation.stage_names(), found.states);
-    if (const Status did = simulation.step(input, &keeper); !did) return did.error();
+    StateCollector collector(simulation.stage_names(), found.states);
+    if (const Status did = simulation.step(input, &collector); !did) return did.error();
     return found;
   }
   return Error{ErrorCode::usage, "tick " + std::to_string(tick) + ": not in the part of the trace that is intact", ""};

@@ -34,7 +34,7 @@ bool is_hash(const std::string& text) {
   return text == "-" || (text.size() == 16 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
 }
 
-/// A name in the directory itself: nothing in a manifest reaches out of it.
+/// Only names in the directory itself: a manifest cannot refer to other directories.
 bool is_plain_name(const std::string& name) {
   return !name.empty() && name.front() != '.' && name.find('/') == std::string::npos &&
          name.find('\\') == std::string::npos;

@@ -1,4 +1,4 @@
-// Golden traces: a directory of traces and the manifest that says how each was recorded and in which state it ends.
+// Golden traces: a directory of traces, and a manifest with the recording command and the final state of each.
 // SPDX-License-Identifier: MIT
 //
 // MANIFEST.tsv: lines of tab-separated columns file, scene, inputs, ticks, detail, hash, bytes, why; lines that begin

@@ -1,4 +1,4 @@
-// Which traces a command means: files, directories, and one machine's share of them.
+// The list of traces of a command: files, directories, and the shard of one machine.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ticktrue::verifier {
 
-/// A directory stands for the *.ttr in it, by name; other words for themselves.
+/// A directory is replaced by its *.ttr files, sorted by name; other arguments are unchanged.
 /// Errors: io (a directory that cannot be listed or has no trace).
 Result<std::vector<std::string>> list_traces(const std::vector<std::string>& words);
 

@@ -1,4 +1,4 @@
-// Fault injection: a simulation that shows one flipped bit, run through the ordinary verification.
+// Fault injection: verifies a trace with a simulation whose state has one flipped bit.
 // SPDX-License-Identifier: MIT
 #include "verifier/inject/inject.h"
 
@@ -29,7 +29,7 @@ struct FlippedBit {
   std::string row_name;
 };
 
-/// Which flip is wanted, and, once it was made, which it was.
+/// The requested flip and, after it was made, its place.
 struct Flip {
   std::uint64_t tick = 0;
   std::uint64_t seed = 0;  // of the draws below the tick
@@ -38,7 +38,7 @@ struct Flip {
   bool done = false;
   std::vector<FlippedBit> bits;
   std::vector<CellOwner> concerned;  // rows whose values it changes
-  Bytes row_after;                   // inside the solver: what became of the row by the end of the tick
+  Bytes row_after;                   // inside the solver: the row at the end of the tick
   bool waived = false;               // it became what it would have been without
   std::uint64_t rows_seen = 0;       // of the largest table the flip could be in
 };
@@ -119,7 +119,7 @@ void add_concerned(const StateView& state, const FlippedBit& flipped, std::vecto
       concerned.push_back(owner);
 }
 
-/// Passes everything through to the real simulation, but shows its state at the end of one tick with one bit flipped.
+/// Forwards to the real simulation, but flips one bit of its state at the end of one tick.
 class FlippingSimulation : public Simulation {
  public:
   FlippingSimulation(std::unique_ptr<Simulation> real, std::uint64_t ticks_done, Flip& flip)
@@ -129,11 +129,11 @@ class FlippingSimulation : public Simulation {
   Status step(const TickInput& input, StageObserver* observer) override {
     const bool is_due = ticks_done_ == flip_.tick;
     const bool is_inside = flip_.options->after_substep.has_value();
-    if (is_due && is_inside) plant_flip();
+    if (is_due && is_inside) inject_flip();
     shows_flip_ = false;
     if (Status did = real_->step(input, observer); !did) return did;
     ++ticks_done_;
-    if (is_due && is_inside && flip_.done) note_planted();
+    if (is_due && is_inside && flip_.done) describe_injected();
     shows_flip_ = is_due && !is_inside && make_flip();
     return {};
   }
@@ -183,24 +183,24 @@ class FlippingSimulation : public Simulation {
   }
 
   /// Draws until a place has a value inside the solver.
-  void plant_flip() {
+  void inject_flip() {
     Random random(flip_.seed);
     flip_.done = false;
     for (int tries = 0; tries < 1'000 && !flip_.done; ++tries) {
       FlippedBit drawn;
       if (!draw_place(real_->state(), *flip_.options, random, flip_, drawn)) return;
-      flip_.done = static_cast<bool>(real_->plant({*flip_.options->after_substep, drawn.place, drawn.bit}));
+      flip_.done = static_cast<bool>(real_->inject({*flip_.options->after_substep, drawn.place, drawn.bit}));
       flip_.bits = {drawn};
     }
   }
 
   /// Rows do not move between the solver and the end of the tick.
-  void note_planted() {
-    FlippedBit& planted = flip_.bits[0];
-    planted.row_name = real_->row_name(planted.place.table, planted.place.row);
+  void describe_injected() {
+    FlippedBit& injected = flip_.bits[0];
+    injected.row_name = real_->row_name(injected.place.table, injected.place.row);
     flip_.concerned.clear();
-    flip_.row_after = row_bytes(real_->state(), planted.place);
-    if (!flip_.row_after.empty()) add_concerned(real_->state(), planted, flip_.concerned);
+    flip_.row_after = row_bytes(real_->state(), injected.place);
+    if (!flip_.row_after.empty()) add_concerned(real_->state(), injected, flip_.concerned);
   }
 
   std::unique_ptr<Simulation> real_;
@@ -211,7 +211,7 @@ class FlippingSimulation : public Simulation {
   Bytes rows_;  // of the table with the flip
 };
 
-/// One tick of a trace with the state before it as its checkpoint: what a flip in this tick needs.
+/// One tick of a trace with the state before it as a checkpoint: enough for a flip in this tick.
 class Excerpt : public TraceSource {
  public:
   Excerpt(const replay::TraceSetup& setup, const Bytes& state_before, const TickRecord& record)
@@ -442,7 +442,7 @@ class Injector {
   }
 
   /// One pass through the file: each flip in a tick whose state before is stored costs one tick (and one more to
-  /// judge). Gives the flips in other ticks.
+  /// judge). Returns the flips in other ticks.
   std::vector<std::size_t> run_excerpts(TraceSource& source, const std::vector<std::size_t>& order,
                                         const SimulationPool& pool) {
     std::vector<std::size_t> left;
@@ -555,7 +555,7 @@ class Injector {
       return;
     }
     row.cells_required = found.divergence && found.divergence->from_cells;
-    // A checkpoint right behind the tick gives the place away too.
+    // A checkpoint right after the tick also contains the place.
     row.place_required = !row.cells_required && !is_inside &&
                          (stored_in_full(flip.tick) || (found.divergence && !found.divergence->tables.empty()));
     row.concerned = flip.concerned.size();

@@ -1,4 +1,4 @@
-// Proves that verify finds what it should: flips single bits of a simulation's state and requires the exact place back.
+// Fault injection: flips single bits of a simulation's state and requires that verify reports the exact place.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -21,7 +21,7 @@ struct InjectOptions {
   const SimulationInfo* simulation = nullptr;
   std::uint64_t count = 1;
   std::uint64_t seed = 1;
-  // What is given is kept; the rest is drawn anew for each flip.
+  // Fields that are set apply to every flip; the others are drawn at random for each flip.
   std::optional<std::uint64_t> tick;
   std::string table;   // empty: any
   std::string column;  // empty: any
@@ -33,7 +33,7 @@ struct InjectOptions {
   std::function<void(std::uint64_t flips_done)> progress;  // may be empty; called by one thread at a time
 
   unsigned thread_count = 1;  // flips at once, where `reopen` is given; the report is the same
-  /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
+  /// Opens the same trace for another thread; null if that fails. May be empty: then one thread is used.
   std::function<std::unique_ptr<TraceSource>()> reopen;
 };
 

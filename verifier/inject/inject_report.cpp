@@ -9,7 +9,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-std::string place_words(const InjectRow& row) {
+std::string place_of_tick_text(const InjectRow& row) {
   std::string text = "tick " + std::to_string(row.tick) + ", " + row.place.table + "." + row.place.column + " row " +
                      std::to_string(row.place.row);
   if (!row.place.name.empty()) text += " \"" + row.place.name + "\"";
@@ -73,7 +73,7 @@ std::string inject_text(const InjectReport& report) {
     const bool single = report.rows.size() == 1;
     if ((row.outcome != InjectRow::Outcome::missed && !single) || shown++ >= rows_shown_max) continue;
     if (row.outcome == InjectRow::Outcome::not_applicable) continue;
-    text += "  flipped " + place_words(row) + "\n";
+    text += "  flipped " + place_of_tick_text(row) + "\n";
     if (row.outcome == InjectRow::Outcome::missed) text += "  missed  verify says: " + row.reason + "\n";
     if (row.divergence) text += divergence_text(*row.divergence);
   }

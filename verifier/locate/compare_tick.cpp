@@ -1,4 +1,4 @@
-// The parts of a tick, side by side.
+// Compares the parts of a tick.
 // SPDX-License-Identifier: MIT
 #include "verifier/locate/compare_tick.h"
 
@@ -34,19 +34,19 @@ std::optional<TickDifference> first_difference(std::span<const TickSide> sides, 
 
 }  // namespace
 
-StoredTick keep(const replay::TickRecord& record) {
-  StoredTick kept;
-  kept.tick = record.tick;
-  kept.dt = record.dt;
-  kept.inputs.assign(record.inputs.begin(), record.inputs.end());
-  kept.root_hash = record.root_hash;
-  kept.stage_hashes = record.stage_hashes;
-  if (record.image) kept.image = Bytes(record.image->begin(), record.image->end());
-  kept.cells.assign(record.cells.begin(), record.cells.end());
-  return kept;
+StoredTick copy_of(const replay::TickRecord& record) {
+  StoredTick copy;
+  copy.tick = record.tick;
+  copy.dt = record.dt;
+  copy.inputs.assign(record.inputs.begin(), record.inputs.end());
+  copy.root_hash = record.root_hash;
+  copy.stage_hashes = record.stage_hashes;
+  if (record.image) copy.image = Bytes(record.image->begin(), record.image->end());
+  copy.cells.assign(record.cells.begin(), record.cells.end());
+  return copy;
 }
 
-StoredCheckpoint keep(const replay::CheckpointRecord& record) {
+StoredCheckpoint copy_of(const replay::CheckpointRecord& record) {
   return {record.tick, record.root_hash, Bytes(record.image.begin(), record.image.end())};
 }
 
@@ -128,13 +128,14 @@ bool TickComparer::same_cells(const TickSide& a, const TickSide& b) {
   return stored.row_counts == other.row_counts && stored.columns == other.columns;
 }
 
-Status describe_tick(const TickWords& words, const TickSide& expected, const TickSide& got, Divergence& divergence) {
+Status describe_tick(const DescribeContext& context, const TickSide& expected, const TickSide& got,
+                     Divergence& divergence) {
   divergence.expected_root = expected.root_hash;
   divergence.got_root = got.root_hash;
   if (expected.stage_hashes.empty() || got.stage_hashes.empty())
-    divergence.stage_note = words.no_stages;
+    divergence.stage_note = context.no_stages;
   else
-    locate_stage(words.stages, expected.stage_hashes, got.stage_hashes, divergence);
+    locate_stage(context.stages, expected.stage_hashes, got.stage_hashes, divergence);
 
   Bytes made;
   std::optional<ByteView> got_image = got.image;
@@ -143,16 +144,17 @@ Status describe_tick(const TickWords& words, const TickSide& expected, const Tic
     got_image = ByteView(made);
   }
   if (expected.image && got_image)
-    return locate_lanes(words.schema, *expected.image, *got_image, words.row_name, words.row_count_max, divergence);
+    return locate_lanes(context.schema, *expected.image, *got_image, context.row_name, context.row_count_max,
+                        divergence);
   if (expected.cells.empty() || (got.cells.empty() && got.state == nullptr)) return {};
-  const StateCells there = replay::decode_cells(words.schema, expected.cells);
+  const StateCells there = replay::decode_cells(context.schema, expected.cells);
   StateCells here;
   if (!got.cells.empty())
-    here = replay::decode_cells(words.schema, got.cells);
+    here = replay::decode_cells(context.schema, got.cells);
   else
-    CellHasher(words.schema).hash(*got.state, there.partition_cells, here);
-  const StateView* rows = words.rows != nullptr ? words.rows : got.state;
-  locate_cells(words.schema, there, here, rows, words.row_name, words.row_count_max, divergence);
+    CellHasher(context.schema).hash(*got.state, there.partition_cells, here);
+  const StateView* rows = context.rows != nullptr ? context.rows : got.state;
+  locate_cells(context.schema, there, here, rows, context.row_name, context.row_count_max, divergence);
   return {};
 }
 
@@ -162,6 +164,25 @@ std::string contradiction_text(std::uint64_t tick, TickPart part) {
          (part == TickPart::image ? " does not" : " do not") +
          (part == TickPart::stage_hashes ? ": the stages do other work to the same end, or the record was changed"
                                          : ": the record contradicts itself, as if it was changed");
+}
+
+NonFiniteTick compare_non_finite(std::uint64_t tick, const StateView& state, const std::string& recorded_note,
+                                 const RowNamer& row_name) {
+  NonFiniteTick found;
+  found.place = find_non_finite(state);
+  const std::string here = found.place ? place_text(*state.schema, *found.place, row_name) : "";
+  const std::string number = "tick " + std::to_string(tick);
+  found.is_as_recorded = found.place && (recorded_note.empty() || recorded_note.find(here) != std::string::npos);
+  if (found.is_as_recorded) {
+    found.text = number + " is not finite, as recorded: " + here;
+    return found;
+  }
+  found.text = number + ": recorded as not finite (" + recorded_note + "), here " +
+               (found.place ? "it is not finite at " + here : std::string("it is finite"));
+  found.divergence.tick = tick;
+  found.divergence.stage_note = "not known: a tick that is not finite is not stored";
+  found.divergence.got_root = root_hash(state);
+  return found;
 }
 
 }  // namespace ticktrue::verifier

@@ -22,7 +22,7 @@
 
 namespace ticktrue::verifier {
 
-/// A tick as recorded, kept beyond the reader's next step.
+/// A copy of a recorded tick, valid beyond the reader's next step.
 struct StoredTick {
   std::uint64_t tick = 0;
   double dt = 0;
@@ -32,17 +32,17 @@ struct StoredTick {
   std::optional<Bytes> image;
   Bytes cells;  // encoded; empty unless stored
 };
-StoredTick keep(const replay::TickRecord& record);
+StoredTick copy_of(const replay::TickRecord& record);
 
-/// The checkpoint behind a tick. Of that tick it is a side of its own.
+/// A copy of the checkpoint after a tick. It counts as another side of that tick.
 struct StoredCheckpoint {
   std::uint64_t tick = 0;  // ticks done
   std::uint64_t root_hash = 0;
   Bytes image;
 };
-StoredCheckpoint keep(const replay::CheckpointRecord& record);
+StoredCheckpoint copy_of(const replay::CheckpointRecord& record);
 
-/// What one side has of a tick. The views must outlive it.
+/// The data that one side has of a tick. The views must outlive it.
 struct TickSide {
   std::uint64_t root_hash = 0;
   std::span<const std::uint64_t> stage_hashes = {};  // empty: not known
@@ -79,10 +79,10 @@ class TickComparer {
   /// The schema is that of the stored sides; ranges of columns do not matter.
   explicit TickComparer(const StateSchema& schema) : schema_(schema) {}
 
-  /// Nothing if every part is the same on all sides that have it.
+  /// Returns nothing if every part is the same on all sides that have the part.
   std::optional<TickDifference> compare(std::span<const TickSide> sides);
 
-  /// Ticks of which each part was compared between two sides at least, since the last call.
+  /// Counts, for each part, the ticks in which it was compared between at least two sides since the last call.
   ComparedParts take_compared() { return std::exchange(compared_, {}); }
 
  private:
@@ -96,21 +96,33 @@ class TickComparer {
   ComparedParts compared_;
 };
 
-/// What describe_tick needs beside the two sides.
-struct TickWords {
+/// Names and limits for describe_tick.
+struct DescribeContext {
   const StateSchema& schema;
   std::span<const std::string> stages;
   RowNamer row_name;  // of the rows of `rows`; may be empty
   std::size_t row_count_max = 64;
-  const StateView* rows = nullptr;  // whose rows cells may name; null: those of `got`, where it has a state
+  const StateView* rows = nullptr;  // state whose rows can be candidates; null: the state of `got`, if any
   std::string_view no_stages = "not known: the trace stores no hash after each stage of this tick";
 };
 
-/// Fills the hashes, and as far as both sides store it stage, tables, rows and candidates of `divergence`.
+/// Fills the hashes of `divergence`; also its stage, tables, rows and candidates if both sides store the data.
 /// Errors: corrupt, if a stored image does not fit the schema.
-Status describe_tick(const TickWords& words, const TickSide& expected, const TickSide& got, Divergence& divergence);
+Status describe_tick(const DescribeContext& context, const TickSide& expected, const TickSide& got,
+                     Divergence& divergence);
 
-/// A note for people where the root hashes of both sides agree and another part does not; empty for the root hash.
+/// A note if the root hashes of both sides agree and another part differs; empty for the root hash.
 std::string contradiction_text(std::uint64_t tick, TickPart part);
+
+/// A tick of this build, compared with a recording that ended because that tick was not finite.
+struct NonFiniteTick {
+  bool is_as_recorded = false;      // the state here is not finite, at the recorded place if that is known
+  std::optional<StatePlace> place;  // in the state here
+  std::string text;                 // a note if it is as recorded, else the reason of the verdict
+  Divergence divergence;            // if it is not: tick, stage note and hash
+};
+/// `recorded_note`: of the end of the recording; it ends with the recorded place, or is empty.
+NonFiniteTick compare_non_finite(std::uint64_t tick, const StateView& state, const std::string& recorded_note,
+                                 const RowNamer& row_name);
 
 }  // namespace ticktrue::verifier

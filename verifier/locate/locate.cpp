@@ -7,7 +7,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-// Bounds the memory of a report when everything differs; more than that many lanes tell nobody more.
+// Bounds the memory of a report when everything differs; more lanes give no further information.
 constexpr std::size_t lane_count_max = 1'000'000;
 
 /// The row of `table` with the keys of row `row` of `other`. Nothing if there is none.

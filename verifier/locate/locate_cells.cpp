@@ -109,8 +109,8 @@ std::set<OwnerKey> keys_of(const std::vector<CellOwner>& owners) {
   return keys;
 }
 
-/// Puts the candidates among owners of the state here, and among those of the state before that are gone, into the
-/// divergence. Where no row came or went, one that is gone is the row here of the same index, under another key.
+/// Adds candidates to the divergence: owners of the state here, and owners of the previous state that no longer exist.
+/// Where no row came or went, one that is gone is the row here of the same index, under another key.
 void list_candidates(const StateSchema& schema, const CellFinding& finding, const StateView& rows,
                      const RowNamer& row_name, const RowsBefore* before, std::vector<Candidate>& listed) {
   const auto is_listed = [&](const std::string& table, std::uint64_t row) {

@@ -12,15 +12,15 @@
 
 namespace ticktrue::verifier {
 
-/// Beyond so many rows that all partitions name, those that three name are on the list as well: where most cells
-/// differ, one that stays as it was by chance is missed by nothing else.
+/// If all partitions name more rows than this, rows named by three partitions are listed too. If most cells differ, a
+/// row with one cell that is unchanged by chance would otherwise be missed.
 inline constexpr std::size_t short_list_max = 32;
 
-/// What the cells of two states say of their rows.
+/// The rows that the cells of two states can tell apart.
 struct CellFinding {
   std::vector<CellOwner> candidates;  // of the given owners, those that can have differed
   std::vector<CellOwner> gone;        // of those given as gone
-  bool healed = false;                // some are there by three of four partitions
+  bool healed = false;                // some candidates were named by three of four partitions
   std::uint32_t differing_cells = 0;
   std::uint32_t unexplained_cells = 0;  // differ, and no candidate's value goes into them
 };
@@ -57,10 +57,10 @@ std::optional<Spread> measure_spread(const StateSchema& schema, const replay::Ti
 Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const StateCells& b, std::uint64_t tick);
 std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, ByteView b, std::uint64_t tick);
 
-/// What to run with the build that recorded `file`, for the values behind a difference at `tick`.
+/// The command, for the build that recorded `file`, that shows the values of a difference at `tick`.
 std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool);
 
-/// An image seen as a state. Requires: an image of the schema, which must outlive this.
+/// A state view over an image. Requires: an image of the schema, which must outlive this.
 class ImageState {
  public:
   /// Errors: corrupt.

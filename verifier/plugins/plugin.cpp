@@ -12,7 +12,7 @@
 #include "base/limits.h"
 #include "base/state/gathered_state.h"
 #include "include/ticktrue.h"
-#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/plugin_isolation.h"
 
 #if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
 #include <dlfcn.h>
@@ -55,7 +55,7 @@ std::string_view bounded(const char* text) {
   return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
 }
 
-/// Room for a plug-in's words.
+/// A buffer for the text of a plug-in.
 class TextBuffer {
  public:
   explicit TextBuffer(std::size_t size) : text_(size, '\0') {}

@@ -8,7 +8,7 @@
 namespace ticktrue::verifier {
 namespace {
 
-/// Linux's own words; other systems have no such file.
+/// The file is Linux only.
 std::string cpu_name() {
   std::FILE* file = std::fopen("/proc/cpuinfo", "rb");
   if (file == nullptr) return "";

@@ -1,4 +1,4 @@
-// What a report means: verdicts, exit codes, and words both printers use.
+// Verdicts, exit codes, and text that several printers use.
 // SPDX-License-Identifier: MIT
 #include "verifier/report/report.h"
 

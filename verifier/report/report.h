@@ -75,7 +75,7 @@ struct TableDifference {
   std::vector<std::string> columns;  // that differ, in schema order
 };
 
-/// A row that can have diverged, as far as cells tell.
+/// A row that can have diverged, according to the cells.
 struct Candidate {
   std::string table;
   std::uint64_t row = 0;
@@ -98,7 +98,7 @@ struct Spread {
   bool estimated = false;
 };
 
-/// The stages a divergence can name beside those of the simulation.
+/// Stages that a divergence can name in addition to those of the simulation.
 inline constexpr std::string_view stage_setup = "setup";  // the state made from the setup, before tick 0
 inline constexpr std::string_view stage_load = "load";    // the state after loading a checkpoint, before the tick
 
@@ -171,9 +171,9 @@ struct Report {
   double time_s = 0;             // simulated time at the end of the last tick compared
   std::uint64_t root_hash = 0;   // of the last state compared
   std::uint64_t checkpoints_compared = 0;
-  ComparedParts compared;       // of these ticks
-  std::uint64_t stretches = 1;  // between checkpoints, walked apart from each other
-  double wall_s = 0;            // how long it took; 0: not measured
+  ComparedParts compared;      // of these ticks
+  std::uint64_t segments = 1;  // walked independently, between checkpoints
+  double wall_s = 0;           // how long it took; 0: not measured
   std::optional<Divergence> divergence;
   std::optional<std::uint64_t> checkpoint;  // state_incomplete: tick of the one from which the run differs
   std::optional<NonFinite> non_finite;      // where a value here is not finite, as recorded or not
@@ -182,7 +182,7 @@ struct Report {
   std::vector<std::string> notes;
   replay::BuildFacts recorded_build;
   std::optional<OtherBuild> against;
-  std::vector<std::string> again;  // commands that would tell more
+  std::vector<std::string> again;  // commands for further examination
 
   int exit_code(bool allow_truncated = false) const;
 };

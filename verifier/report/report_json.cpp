@@ -174,7 +174,7 @@ Json row_json(const Report& report) {
   object["root_hash"] = hex64(report.root_hash);
   object["checkpoints_compared"] = report.checkpoints_compared;
   object["compared"] = compared_json(report.compared);
-  object["stretches"] = report.stretches;
+  object["stretches"] = report.segments;
   object["checkpoint"] = report.checkpoint ? Json(*report.checkpoint) : Json(nullptr);
   object["non_finite"] = report.non_finite ? non_finite_json(*report.non_finite) : Json(nullptr);
   object["end"] = report.end ? end_json(*report.end) : Json(nullptr);

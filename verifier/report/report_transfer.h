@@ -8,7 +8,7 @@
 
 namespace ticktrue::verifier {
 
-/// The fields in the order of their structs: of use between two processes of one build, and to nobody else.
+/// The fields in the order of their structs. The encoding is only for two processes of the same build.
 Bytes encode_report(Report report);
 /// Errors: corrupt.
 Result<Report> decode_report(ByteView bytes);

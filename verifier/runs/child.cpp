@@ -3,7 +3,7 @@
 #include "verifier/runs/child.h"
 
 #include "verifier/runs/child_process.h"
-#include "verifier/runs/finished_mark.h"
+#include "verifier/runs/completion.h"
 
 #ifdef TICKTRUE_HAS_FORK
 #include <fcntl.h>
@@ -44,7 +44,7 @@ class CStrings {
   std::vector<char*> pointers_;
 };
 
-CStrings environment_of(const ChildCommand& command, int finished_descriptor) {
+CStrings environment_of(const ChildCommand& command, int completion_descriptor) {
   CStrings strings;
   for (char** at = environ; at != nullptr && *at != nullptr; ++at) strings.add(*at);
   const auto change = [&](const std::string& name, const std::optional<std::string>& value) {
@@ -52,7 +52,7 @@ CStrings environment_of(const ChildCommand& command, int finished_descriptor) {
     if (value) strings.add(name + "=" + *value);
   };
   for (const auto& [name, value] : command.environment) change(name, value);
-  change(finished_mark_variable, std::to_string(finished_descriptor));
+  change(completion_variable, std::to_string(completion_descriptor));
   return strings;
 }
 
@@ -90,10 +90,10 @@ ChildResult run_child(const ChildCommand& command) {
     return result;
   }
   ChildProcess process;
-  const ProgramStreams streams{process.add_stream(command.limits.output_size_max, ChildStream::Keep::first),
-                               process.add_stream(command.limits.message_size_max, ChildStream::Keep::last),
-                               process.add_stream(1, ChildStream::Keep::first),
-                               process.add_stream(sizeof(int), ChildStream::Keep::first)};
+  const ProgramStreams streams{process.add_stream(command.limits.output_size_max, ChildStream::Retain::first),
+                               process.add_stream(command.limits.message_size_max, ChildStream::Retain::last),
+                               process.add_stream(1, ChildStream::Retain::first),
+                               process.add_stream(sizeof(int), ChildStream::Retain::first)};
   CStrings arguments;
   for (const std::string& word : command.argv) arguments.add(word);
   CStrings environment = environment_of(command, streams.finished.write_end());

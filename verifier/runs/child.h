@@ -1,4 +1,4 @@
-// Runs another program with limits, and tells how it ended.
+// Runs another program with limits, and reports how it ended.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,8 +15,8 @@ namespace ticktrue::verifier {
 
 struct ChildLimits {
   double time_s = 600;                                 // wall time; then the process group is killed
-  std::size_t output_size_max = std::size_t{1} << 30;  // bytes kept of standard output: the first
-  std::size_t message_size_max = 64u << 10;            // bytes kept of standard error: the last
+  std::size_t output_size_max = std::size_t{1} << 30;  // first bytes of standard output that are retained
+  std::size_t message_size_max = 64u << 10;            // last bytes of standard error that are retained
 };
 
 struct ChildCommand {

@@ -14,7 +14,7 @@ struct EscapedChild {
 };
 
 struct ChildEnd {
-  /// `stopped`: killed because whoever waited for it said so.
+  /// `stopped`: killed because the waiting process asked for it.
   enum class How { exited, killed_by_signal, timed_out, stopped, not_started };
   How how = How::not_started;
   int exit_status = 0;  // of exited

@@ -36,7 +36,7 @@ void close_descriptor(int& descriptor) {
 
 }  // namespace
 
-ChildStream::ChildStream(std::size_t size_max, Keep keep) : size_max_(size_max), keep_(keep) {
+ChildStream::ChildStream(std::size_t size_max, Retain retain) : size_max_(size_max), retain_(retain) {
   int ends[2];
   if (::pipe(ends) != 0) return;
   read_end_ = ends[0];
@@ -54,18 +54,18 @@ void ChildStream::close_write_end() {
   close_descriptor(write_end_);
 }
 
-void ChildStream::keep(std::string_view bytes) {
-  if (keep_ == Keep::first) {
-    const std::string_view part = bytes.substr(0, size_max_ - std::min(size_max_, kept_.size()));
+void ChildStream::retain(std::string_view bytes) {
+  if (retain_ == Retain::first) {
+    const std::string_view part = bytes.substr(0, size_max_ - std::min(size_max_, retained_.size()));
     if (relay && !part.empty()) relay(part);
-    kept_ += part;
+    retained_ += part;
     dropped_size_ += bytes.size() - part.size();
     return;
   }
-  kept_ += bytes;
-  if (kept_.size() <= 2 * size_max_ + stream_read_size) return;  // not at every read
-  dropped_size_ += kept_.size() - size_max_;
-  kept_.erase(0, kept_.size() - size_max_);
+  retained_ += bytes;
+  if (retained_.size() <= 2 * size_max_ + stream_read_size) return;  // not at every read
+  dropped_size_ += retained_.size() - size_max_;
+  retained_.erase(0, retained_.size() - size_max_);
 }
 
 void ChildStream::read() {
@@ -73,15 +73,16 @@ void ChildStream::read() {
   const auto count = ::read(read_end_, block, sizeof block);
   if (count < 0 && (errno == EINTR || errno == EAGAIN)) return;
   if (count <= 0) return close_descriptor(read_end_);
-  keep({block, static_cast<std::size_t>(count)});
+  retain({block, static_cast<std::size_t>(count)});
 }
 
 std::string ChildStream::text() const {
-  return keep_ == Keep::first || kept_.size() <= size_max_ ? kept_ : kept_.substr(kept_.size() - size_max_);
+  return retain_ == Retain::first || retained_.size() <= size_max_ ? retained_
+                                                                   : retained_.substr(retained_.size() - size_max_);
 }
 
-ChildStream& ChildProcess::add_stream(std::size_t size_max, ChildStream::Keep keep) {
-  return streams_.emplace_back(size_max, keep);
+ChildStream& ChildProcess::add_stream(std::size_t size_max, ChildStream::Retain retain) {
+  return streams_.emplace_back(size_max, retain);
 }
 
 ChildProcess::Side ChildProcess::fork() {
@@ -91,7 +92,7 @@ ChildProcess::Side ChildProcess::fork() {
     failure_ = system_message(errno);
     return Side::failed;
   }
-  const HeldSignals held;  // none arrives between the fork and the time at which it would be passed on
+  const BlockedSignals held;  // none arrives between the fork and the time at which it would be passed on
   if (stop_signal_pending()) {
     failure_ = "stopped";
     return Side::failed;
@@ -108,11 +109,11 @@ ChildProcess::Side ChildProcess::fork() {
 #ifdef __linux__
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-    forget_stop_signals();
+    reset_stop_signals();
     return Side::child;
   }
-  ::setpgid(id_, id_);  // whoever comes first
-  pass_stop_signals_to(id_);
+  ::setpgid(id_, id_);  // in parent and child: either may run first
+  forward_stop_signals_to(id_);
   for (ChildStream& stream : streams_) stream.close_write_end();
   return Side::parent;
 }
@@ -166,7 +167,7 @@ ChildEnd ChildProcess::end_group(ChildEnd end) {
   while ((found = ::waitpid(id_, &status, 0)) < 0 && errno == EINTR) {
   }
   end.wall_s = elapsed_s();
-  // Its own children, if they are ours now. Then nobody of the group holds a write end any more.
+  // Children of the child that were adopted. Afterwards no process of the group holds a write end.
   const double last_s = end.wall_s + group_end_max_s;
   while (::waitpid(-id_, nullptr, WNOHANG) >= 0 && elapsed_s() < last_s) ::poll(nullptr, 0, 1);
   for (ChildStream& stream : streams_) {
@@ -177,7 +178,7 @@ ChildEnd ChildProcess::end_group(ChildEnd end) {
       stream.read();
     }
   }
-  end.stop_signal = keep_stop_signals_from(id_);
+  end.stop_signal = end_forwarding_to(id_);
   forget_own_child(id_);
   end.escaped = escaped_children();
   if (end.how != ChildEnd::How::exited) return end;

@@ -23,11 +23,11 @@
 
 namespace ticktrue::verifier {
 
-/// A pipe from a child process, and what is kept of what comes through it.
+/// A pipe from a child process, and the part of its output that is retained.
 class ChildStream {
  public:
-  enum class Keep { first, last };
-  ChildStream(std::size_t size_max, Keep keep);
+  enum class Retain { first, last };
+  ChildStream(std::size_t size_max, Retain retain);
   ChildStream(const ChildStream&) = delete;
   ChildStream& operator=(const ChildStream&) = delete;
   ~ChildStream();
@@ -42,16 +42,16 @@ class ChildStream {
   std::string text() const;
   std::uint64_t dropped_size() const { return dropped_size_; }
 
-  /// Called with bytes as they come, as far as they are kept (Keep::first).
+  /// Called with bytes as they arrive, as far as they are retained (Retain::first).
   std::function<void(std::string_view)> relay;
 
  private:
-  void keep(std::string_view bytes);
+  void retain(std::string_view bytes);
   int read_end_ = -1;
   int write_end_ = -1;
   std::size_t size_max_;
-  Keep keep_;
-  std::string kept_;
+  Retain retain_;
+  std::string retained_;
   std::uint64_t dropped_size_ = 0;
 };
 
@@ -61,7 +61,7 @@ class ChildProcess {
   enum class Side { parent, child, failed };
 
   /// Bytes of the stream: the first or the last `size_max`. Valid as long as this.
-  ChildStream& add_stream(std::size_t size_max, ChildStream::Keep keep);
+  ChildStream& add_stream(std::size_t size_max, ChildStream::Retain retain);
 
   /// In the child: leads its group, ends with this thread where the system can do that, and has the write ends open.
   /// In the parent: stop signals go to the child's group until wait() has returned. `failed`: failure() says why.

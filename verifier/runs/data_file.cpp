@@ -1,4 +1,4 @@
-// Output files: created exclusively or beside what they replace, checked at every write, flush and close.
+// Output files: created exclusively, or next to the file they replace; every write, flush and close is checked.
 // SPDX-License-Identifier: MIT
 #include "verifier/runs/data_file.h"
 
@@ -58,7 +58,7 @@ Result<DataFile> DataFile::create(const std::string& path, bool overwrite) {
   if (fs::is_symlink(fs::symlink_status(path, code)) && fs::is_regular_file(status))
     file.path_ = fs::canonical(path, code).string();
   file.new_path_ = file.path_;
-  const char* mode = "wbx";  // x: fails if somebody created it meanwhile
+  const char* mode = "wbx";  // x: fails if the file exists by now
   if (fs::exists(status)) {
     mode = "wb";
     file.removable_ = fs::is_regular_file(status);

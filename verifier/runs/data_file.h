@@ -1,4 +1,4 @@
-// A file that a command makes: never over an existing one unasked, and never half of it left behind.
+// An output file of a command: never overwrites a file without --overwrite, never leaves a partial file.
 // SPDX-License-Identifier: MIT
 #pragma once
 

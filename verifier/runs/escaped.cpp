@@ -93,7 +93,7 @@ std::vector<EscapedChild> adopted_children() {
 }  // namespace
 
 pid_t fork_own_child() {
-  // One lock for both: nobody sees the child before it is known.
+  // One lock for both: no other thread sees the child before it is registered.
   const std::lock_guard guard(children_lock);
 #ifdef __linux__
   if (!adopts_orphans) {

@@ -1,4 +1,4 @@
-// How many ticks were compared, where a child process that crashes leaves it behind.
+// The number of ticks compared, in shared memory that outlives a crash of the child process.
 // SPDX-License-Identifier: MIT
 #pragma once
 

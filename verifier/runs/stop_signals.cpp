@@ -46,18 +46,18 @@ void put_handlers_back() {
 
 }  // namespace
 
-HeldSignals::HeldSignals() {
+BlockedSignals::BlockedSignals() {
   sigset_t set;
   ::sigemptyset(&set);
   for (const int signal : stop_signals) ::sigaddset(&set, signal);
   ::pthread_sigmask(SIG_BLOCK, &set, &before_);
 }
 
-HeldSignals::~HeldSignals() {
+BlockedSignals::~BlockedSignals() {
   ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
-void pass_stop_signals_to(pid_t group) {
+void forward_stop_signals_to(pid_t group) {
   const std::lock_guard guard(groups_lock);
   if (group_count++ == 0) install_handlers();
   for (std::atomic<pid_t>& place : signal_groups) {
@@ -66,7 +66,7 @@ void pass_stop_signals_to(pid_t group) {
   }
 }
 
-int keep_stop_signals_from(pid_t group) {
+int end_forwarding_to(pid_t group) {
   const std::lock_guard guard(groups_lock);
   for (std::atomic<pid_t>& place : signal_groups) {
     pid_t id = group;
@@ -83,7 +83,7 @@ bool stop_signal_pending() {
   return stop_signal_seen != 0;
 }
 
-void forget_stop_signals() {
+void reset_stop_signals() {
   if (group_count > 0) put_handlers_back();
   group_count = 0;
   stop_signal_seen = 0;

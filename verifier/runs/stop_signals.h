@@ -1,4 +1,4 @@
-// Ctrl-C and its like, while child processes run: first to their groups, then to this process.
+// Stop signals (Ctrl-C) while child processes run: forwarded to their process groups, then handled by this process.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,30 +10,30 @@
 
 namespace ticktrue::verifier {
 
-/// SIGINT, SIGTERM and SIGHUP wait while it exists.
-class HeldSignals {
+/// Blocks SIGINT, SIGTERM and SIGHUP for its lifetime.
+class BlockedSignals {
  public:
-  HeldSignals();
-  HeldSignals(const HeldSignals&) = delete;
-  HeldSignals& operator=(const HeldSignals&) = delete;
-  ~HeldSignals();
+  BlockedSignals();
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+  ~BlockedSignals();
 
  private:
   sigset_t before_;
 };
 
-/// From here on the stop signals that this process does not ignore go to the process group instead. From any thread.
-void pass_stop_signals_to(pid_t group);
+/// Forwards stop signals that this process does not ignore to the process group instead. From any thread.
+void forward_stop_signals_to(pid_t group);
 
-/// Ends that; with the last group the handlers from before are back. Gives the signal that came meanwhile, or 0: it is
-/// for the caller to raise it again.
-int keep_stop_signals_from(pid_t group);
+/// Ends the forwarding; after the last group the previous handlers are restored. Returns the signal that arrived
+/// meanwhile, or 0: the caller raises it again.
+int end_forwarding_to(pid_t group);
 
-/// Whether one came while groups are left that it went to.
+/// Whether a signal was forwarded to a group that still runs.
 bool stop_signal_pending();
 
-/// In a child after fork: the groups are not its own, and the handlers are those from before.
-void forget_stop_signals();
+/// In a child after fork: clears the groups and restores the previous handlers.
+void reset_stop_signals();
 
 }  // namespace ticktrue::verifier
 

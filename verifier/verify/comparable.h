@@ -1,4 +1,4 @@
-// What a trace can be compared with at all: simulation, physics version, schema, stages, floating point.
+// Whether a trace can be compared with this build: simulation, physics version, schema, stages, floating point.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace ticktrue::verifier {
 
-/// Whether this build is one that the trace can be compared with. If not, `findings` says why. Mode `twice` compares
-/// the build with itself: there a difference from the recording build is a warning.
+/// Whether the trace can be compared with this build. If not, `findings` states why. Mode `twice` compares the build
+/// with itself: a difference from the recording build is then a warning.
 bool check_comparable(const WalkContext& context, Findings& findings);
 
 }  // namespace ticktrue::verifier

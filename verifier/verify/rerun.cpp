@@ -54,7 +54,7 @@ class SecondRun {
       // The first run agreed with the recorded hash here.
       rerun_.differs_at = tick_;
       here.state = &simulation_->state();
-      rerun_.divergence = describe_mismatch(context_, *simulation_, keep(record), time_s_, here, findings_);
+      rerun_.divergence = describe_mismatch(context_, *simulation_, copy_of(record), time_s_, here, findings_);
       return;
     }
     time_s_ += record.dt;

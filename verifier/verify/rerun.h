@@ -1,4 +1,4 @@
-// Running up to a mismatch once more: tells a difference between builds from chance, and finds the stage.
+// Repeats the run up to a mismatch: separates a difference between builds from a random one, and finds the stage.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,15 +8,16 @@
 
 namespace ticktrue::verifier {
 
-/// What a second run up to the end of the mismatching tick gave.
+/// The result of a second run up to the end of the mismatching tick.
 struct Rerun {
-  bool done = false;                        // it got as far as the tick of the mismatch
+  bool done = false;                        // it reached the tick of the mismatch
   bool same = false;                        // and ended in the same state by the same stages, bit for bit
   std::optional<std::uint64_t> differs_at;  // first tick known to differ between the two runs
-  std::optional<Divergence> divergence;     // where the second run left the recorded one before the first did
+  std::optional<Divergence> divergence;     // set if the second run differs from the recording earlier than the first
   std::optional<Divergence> between;        // done, not same: what differs between the two runs
-  std::optional<Divergence> located;        // with cells that no row here explains: once more, with the rows before
-  std::string why_undone;                   // not empty: the second run could not do the tick `differs_at`
+  std::optional<Divergence>
+      located;             // set if cells differ that no row here explains: located with the rows of the previous tick
+  std::string why_undone;  // not empty: the second run could not do the tick `differs_at`
 };
 
 /// Runs from `start` to the end of the tick of the mismatch. Moves `source`.

@@ -1,4 +1,4 @@
-// Planning and walking the stretches of one trace.
+// Plans the segments of one trace and walks them.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/segments.h"
 
@@ -17,21 +17,21 @@ namespace {
 
 using replay::CheckpointRecord;
 
-/// One thread's way through the trace: it only reads forward, except where it must go back.
-class StretchReader {
+/// The read position of one thread. Reads forward; rewinds only if the start lies behind the position.
+class SegmentReader {
  public:
-  explicit StretchReader(TraceSource& source) : source_(source) {}
+  explicit SegmentReader(TraceSource& source) : source_(source) {}
   TraceSource& source() { return source_; }
 
-  /// Stands behind the checkpoint of `start` and takes its image. False: it is not there.
+  /// Moves just behind the checkpoint of `start` and copies its image. False: the checkpoint is missing.
   bool go_to(Start& start) {
     if (!start.loaded) {
       source_.rewind();
       return true;
     }
-    if (seam_ && seam_->tick == start.tick) {
-      start.image = std::move(seam_->image);
-      seam_.reset();
+    if (boundary_ && boundary_->tick == start.tick) {
+      start.image = std::move(boundary_->image);
+      boundary_.reset();
       return true;
     }
     if (ticks_read_ >= start.tick) source_.rewind();
@@ -45,22 +45,22 @@ class StretchReader {
     }
   }
   void walked(WalkResult& result) {
-    seam_.reset();
-    if (result.seam) seam_ = std::make_unique<Start>(std::move(*result.seam));
-    result.seam.reset();
-    ticks_read_ = result.tick + (seam_ ? 0 : 1);
+    boundary_.reset();
+    if (result.boundary) boundary_ = std::make_unique<Start>(std::move(*result.boundary));
+    result.boundary.reset();
+    ticks_read_ = result.tick + (boundary_ ? 0 : 1);
   }
 
  private:
   TraceSource& source_;
-  std::uint64_t ticks_read_ = std::numeric_limits<std::uint64_t>::max();  // at the start it may stand anywhere
-  std::unique_ptr<Start> seam_;                                           // the checkpoint behind which it stands
+  std::uint64_t ticks_read_ = std::numeric_limits<std::uint64_t>::max();  // the initial position is unknown
+  std::unique_ptr<Start> boundary_;  // the checkpoint just before the read position
 };
 
-class StretchPool {
+class SegmentPool {
  public:
-  StretchPool(const WalkContext& context, const StretchPlan& plan, const StretchOptions& options)
-      : context_(context), plan_(plan), options_(options), results_(plan.cuts.size()) {
+  SegmentPool(const WalkContext& context, const SegmentPlan& plan, const SegmentOptions& options)
+      : context_(context), plan_(plan), options_(options), results_(plan.segment_begins.size()) {
     for (WalkResult& result : results_) result.end = WalkEnd::abandoned;
   }
 
@@ -80,30 +80,30 @@ class StretchPool {
 
  private:
   void work(TraceSource& source) {
-    StretchReader reader(source);
+    SegmentReader reader(source);
     for (std::size_t i = next_.fetch_add(1); i < results_.size() && i <= first_finding_; i = next_.fetch_add(1)) {
       results_[i] = walk_one(reader, i);
       const bool is_last = i + 1 == results_.size() || options_.to_end;
-      if (!is_clean(results_[i], is_last)) note_finding(i);
+      if (!is_clean(results_[i], is_last)) set_first_finding(i);
     }
   }
 
-  WalkResult walk_one(StretchReader& reader, std::size_t i) {
-    Stretch stretch;
-    stretch.start = plan_.marks[plan_.cuts[i]];
-    if (!reader.go_to(stretch.start)) return {};
-    if (!options_.to_end && i + 1 < results_.size()) stretch.stop = plan_.marks[plan_.cuts[i + 1]].tick;
-    stretch.count_from = context_.options.from;
-    stretch.counts = options_.counts;
-    stretch.counts_load = options_.counts_load || i == 0;
-    stretch.is_abandoned = [this, i] { return first_finding_.load(std::memory_order_relaxed) < i; };
-    if (context_.options.progress) stretch.progress = [this](std::uint64_t) { tell_progress(); };
-    WalkResult result = walk(context_, reader.source(), stretch);
+  WalkResult walk_one(SegmentReader& reader, std::size_t i) {
+    Segment segment;
+    segment.start = plan_.starts[plan_.segment_begins[i]];
+    if (!reader.go_to(segment.start)) return {};
+    if (!options_.to_end && i + 1 < results_.size()) segment.stop = plan_.starts[plan_.segment_begins[i + 1]].tick;
+    segment.count_from = context_.options.from;
+    segment.counts = options_.counts;
+    segment.counts_load = options_.counts_load || i == 0;
+    segment.is_abandoned = [this, i] { return first_finding_.load(std::memory_order_relaxed) < i; };
+    if (context_.options.progress) segment.progress = [this](std::uint64_t) { tell_progress(); };
+    WalkResult result = walk(context_, reader.source(), segment);
     reader.walked(result);
     return result;
   }
 
-  void note_finding(std::size_t i) {
+  void set_first_finding(std::size_t i) {
     std::size_t first = first_finding_;
     while (i < first && !first_finding_.compare_exchange_weak(first, i)) {
     }
@@ -115,8 +115,8 @@ class StretchPool {
   }
 
   const WalkContext& context_;
-  const StretchPlan& plan_;
-  const StretchOptions& options_;
+  const SegmentPlan& plan_;
+  const SegmentOptions& options_;
   std::vector<WalkResult> results_;  // each written by the thread that took it
   std::atomic<std::size_t> next_{0};
   std::atomic<std::size_t> first_finding_{std::numeric_limits<std::size_t>::max()};
@@ -126,11 +126,10 @@ class StretchPool {
 
 }  // namespace
 
-StretchPlan plan_stretches(const WalkContext& context, TraceSource& source, const Start& first,
-                           std::size_t stretch_count_max) {
-  StretchPlan plan;
-  plan.marks.push_back(first);
-  plan.marks[0].image.clear();
+SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const Start& first, std::size_t count_max) {
+  SegmentPlan plan;
+  plan.starts.push_back(first);
+  plan.starts[0].image.clear();
   source.rewind();
   double time_s = 0;
   std::uint64_t ticks = 0;
@@ -145,13 +144,13 @@ StretchPlan plan_stretches(const WalkContext& context, TraceSource& source, cons
       time_s += record->dt;
       ++ticks;
     } else if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item); checkpoint->tick > first.tick) {
-      plan.marks.push_back({checkpoint->tick, time_s, true, {}, checkpoint->root_hash});
+      plan.starts.push_back({checkpoint->tick, time_s, true, {}, checkpoint->root_hash});
     }
   }
-  // A checkpoint behind the last tick ends a stretch and begins none.
-  if (plan.marks.size() > 1 && plan.marks.back().tick >= ticks) plan.marks.pop_back();
-  const std::size_t count = std::min(plan.marks.size(), std::max<std::size_t>(1, stretch_count_max));
-  for (std::size_t i = 0; i < count; ++i) plan.cuts.push_back(i * plan.marks.size() / count);
+  // A checkpoint after the last tick ends a segment and begins none.
+  if (plan.starts.size() > 1 && plan.starts.back().tick >= ticks) plan.starts.pop_back();
+  const std::size_t count = std::min(plan.starts.size(), std::max<std::size_t>(1, count_max));
+  for (std::size_t i = 0; i < count; ++i) plan.segment_begins.push_back(i * plan.starts.size() / count);
   return plan;
 }
 
@@ -160,9 +159,9 @@ bool is_clean(const WalkResult& result, bool is_last) {
   return result.end == WalkEnd::reached_stop || (is_last && result.end == WalkEnd::end_of_trace);
 }
 
-Result<std::vector<WalkResult>> walk_stretches(const WalkContext& context, TraceSource& source, const StretchPlan& plan,
-                                               const StretchOptions& stretch_options) {
-  return StretchPool(context, plan, stretch_options).run(source);
+Result<std::vector<WalkResult>> walk_segments(const WalkContext& context, TraceSource& source, const SegmentPlan& plan,
+                                              const SegmentOptions& segment_options) {
+  return SegmentPool(context, plan, segment_options).run(source);
 }
 
 }  // namespace ticktrue::verifier

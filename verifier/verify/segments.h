@@ -1,8 +1,8 @@
-// One trace on several threads: cut at its checkpoints, each stretch walked on its own, the seams compared.
+// Verifies one trace on several threads: the trace is split into segments at its checkpoints.
 // SPDX-License-Identifier: MIT
 //
-// A stretch ends by comparing its state with the checkpoint from which the next one began. So where all agree, the
-// whole does: the state at each seam is the recorded one, whether it was carried there or loaded.
+// Each segment is walked independently. Its final state is compared with the checkpoint at which the next segment
+// begins. If every segment agrees, the whole trace agrees: the state at each boundary is the recorded one.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,30 @@
 
 namespace ticktrue::verifier {
 
-/// Where a trace can be cut, from one reading of it without simulating.
-struct StretchPlan {
-  std::vector<Start> marks;               // the first start, then every checkpoint behind it; without images
-  std::vector<std::size_t> cuts;          // indices of the marks at which stretches begin; ascending, the first is 0
-  std::optional<replay::TraceTail> tail;  // absent: not read to its end (options.to)
+/// How a trace is split into segments. The plan needs one read of the trace and no simulation.
+struct SegmentPlan {
+  std::vector<Start> starts;                // the first start, then every later checkpoint; without images
+  std::vector<std::size_t> segment_begins;  // indices into `starts`; ascending, the first is 0
+  std::optional<replay::TraceTail> tail;    // absent: not read to its end (options.to)
 };
 
-/// Reads `source` from its start. At most `stretch_count_max` stretches of about as many checkpoints each.
-StretchPlan plan_stretches(const WalkContext& context, TraceSource& source, const Start& first,
-                           std::size_t stretch_count_max);
+/// Reads `source` from its start. Makes at most `count_max` segments, with about the same number of checkpoints each.
+SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const Start& first, std::size_t count_max);
 
-struct StretchOptions {
+struct SegmentOptions {
   unsigned thread_count = 1;
-  bool to_end = false;       // each from its start to the end of the trace
-  bool counts = true;        // Stretch::counts
-  bool counts_load = false;  // Stretch::counts_load
+  bool to_end = false;       // each segment runs from its start to the end of the trace
+  bool counts = true;        // Segment::counts
+  bool counts_load = false;  // Segment::counts_load
 };
 
-/// Walks the stretches; result i belongs to cut i. Once one has a finding, later ones are given up: their results say
-/// WalkEnd::abandoned. `source` is one of the sources used; more come from context.options.reopen.
+/// Walks the segments; result i belongs to segment i. After a finding in one segment, later segments are abandoned:
+/// their results have WalkEnd::abandoned. `source` is used by one thread; the others use context.options.reopen.
 /// Errors: those of check_float_behaviour.
-Result<std::vector<WalkResult>> walk_stretches(const WalkContext& context, TraceSource& source, const StretchPlan& plan,
-                                               const StretchOptions& stretch_options);
+Result<std::vector<WalkResult>> walk_segments(const WalkContext& context, TraceSource& source, const SegmentPlan& plan,
+                                              const SegmentOptions& segment_options);
 
-/// Whether the stretch was walked to where it should end, without a finding.
+/// Whether the walk reached the end of its segment without a finding.
 bool is_clean(const WalkResult& result, bool is_last);
 
 }  // namespace ticktrue::verifier

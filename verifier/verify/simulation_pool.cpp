@@ -8,12 +8,12 @@
 
 namespace ticktrue::verifier {
 
-class SimulationPool::Loan : public Simulation {
+class SimulationPool::PooledSimulation : public Simulation {
  public:
-  Loan(SimulationPool& pool, std::unique_ptr<Simulation> real) : pool_(pool), real_(std::move(real)) {}
-  Loan(const Loan&) = delete;
-  Loan& operator=(const Loan&) = delete;
-  ~Loan() override { pool_.idle_.push_back(std::move(real_)); }
+  PooledSimulation(SimulationPool& pool, std::unique_ptr<Simulation> real) : pool_(pool), real_(std::move(real)) {}
+  PooledSimulation(const PooledSimulation&) = delete;
+  PooledSimulation& operator=(const PooledSimulation&) = delete;
+  ~PooledSimulation() override { pool_.idle_.push_back(std::move(real_)); }
 
   Status accept(const TickInput& input) const override { return real_->accept(input); }
   Status step(const TickInput& input, StageObserver* observer) override {
@@ -26,7 +26,7 @@ class SimulationPool::Loan : public Simulation {
     is_loaded_ = is_loaded_ || loaded.has_value();
     return loaded;
   }
-  Status plant(const InnerFault& fault) override { return real_->plant(fault); }
+  Status inject(const InnerFault& fault) override { return real_->inject(fault); }
   std::span<const std::string> stage_names() const override { return real_->stage_names(); }
   std::string row_name(std::size_t table, std::size_t row) const override { return real_->row_name(table, row); }
   std::string inputs_text(std::uint64_t tick, ByteView inputs) const override {
@@ -50,7 +50,7 @@ SimulationPool::SimulationPool(const SimulationInfo& real) : real_(real) {
     }
     std::unique_ptr<Simulation> taken = std::move(idle_.back());
     idle_.pop_back();
-    return std::unique_ptr<Simulation>(std::make_unique<Loan>(*this, std::move(taken)));
+    return std::unique_ptr<Simulation>(std::make_unique<PooledSimulation>(*this, std::move(taken)));
   };
 }
 

@@ -1,4 +1,4 @@
-// Simulations of one setup, made once and lent out again and again to those who load a state first.
+// A pool of simulations of one setup. A simulation is reused by callers that load a state first.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -9,19 +9,19 @@
 
 namespace ticktrue::verifier {
 
-/// For one thread. Making a simulation of a thousand bodies takes as long as five of its ticks, loading a state one.
+/// For one thread. Making a simulation of a thousand bodies costs five ticks; loading a state costs one.
 class SimulationPool {
  public:
   explicit SimulationPool(const SimulationInfo& real);
   SimulationPool(const SimulationPool&) = delete;
   SimulationPool& operator=(const SimulationPool&) = delete;
 
-  /// Simulations like the real ones, but that their state is whatever it was until a state is loaded. The pool must
-  /// outlive them. Requires of who gets one: always the same setup; load before step.
+  /// Makes simulations whose initial state is undefined until a state is loaded. The pool must outlive them.
+  /// Requires of the caller: always the same setup; load before step.
   const SimulationInfo& info() const { return info_; }
 
  private:
-  class Loan;
+  class PooledSimulation;
   const SimulationInfo& real_;
   SimulationInfo info_;
   std::vector<std::unique_ptr<Simulation>> idle_;

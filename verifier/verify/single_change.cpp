@@ -1,4 +1,4 @@
-// The search over single bits: one block is hashed anew for each, the other blocks keep their hashes.
+// Searches over single bits: each candidate rehashes one block; the hashes of the other blocks are reused.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/single_change.h"
 

@@ -1,4 +1,4 @@
-// Which single bit of a state must differ for the state to have the recorded hash: found by trying them all.
+// Finds the single bit of a state that must be flipped to get the recorded hash, by trying every bit.
 // SPDX-License-Identifier: MIT
 //
 // A trace may store no more of a tick than its root hash. Where the recorder's memory lost one bit (a fault of the
@@ -25,8 +25,8 @@ inline constexpr std::uint64_t single_changes_max = 20'000'000;
 Result<std::optional<Bytes>> find_single_bit(const StateSchema& schema, ByteView image, std::uint64_t wanted,
                                              unsigned thread_count);
 
-/// Where the trace stores only a hash of the tick that differs and one bit explains it: that place in the divergence of
-/// `findings`, and what it means.
+/// If the trace stores only a hash of the differing tick and one flipped bit explains the hash: adds that place and its
+/// meaning to the divergence of `findings`.
 void explain_by_single_bit(const WalkContext& context, const Mismatch& mismatch, Findings& findings);
 
 }  // namespace ticktrue::verifier

@@ -11,7 +11,7 @@
 
 namespace ticktrue::verifier {
 
-/// Gives out the inputs and the dt of every tick as recorded.
+/// Returns the inputs and the dt of every tick as recorded.
 class TraceInputs : public replay::InputSource {
  public:
   explicit TraceInputs(replay::TraceReader reader) : reader_(std::move(reader)) {}

@@ -1,4 +1,4 @@
-// TraceSource: where verify takes the records of a trace from: a file, or an excerpt held in memory.
+// TraceSource: the source of records for verify: a file, or an excerpt in memory.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ticktrue::verifier {
 
-/// The part of TraceReader that verify uses; the meaning of each function is the reader's.
+/// The part of TraceReader that verify uses; see the functions of TraceReader.
 class TraceSource {
  public:
   virtual ~TraceSource() = default;

@@ -1,4 +1,4 @@
-// Mode `twice`: does a simulation give the same twice on this machine?
+// Mode `twice`: whether a simulation is reproducible on this machine.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/twice.h"
 
@@ -55,7 +55,7 @@ class TwiceWalk {
     ++result_.ticks_compared;
     result_.last_tick_s = result_.time_s;
     if (!same_states("", "not looked for: two runs here differ", input.inputs)) return false;
-    watch_.look(first_->state());
+    watch_.update(first_->state());
     if (const auto place = find_non_finite(first_->state())) {
       result_.findings.notes.push_back(
           tick + " is not finite in both runs: " + place_text(*first_->state().schema, *place, names_of(*first_)));

@@ -1,4 +1,4 @@
-// Two simulations of one setup, fed the same inputs side by side and compared after every tick.
+// Runs two simulations of one setup with the same inputs and compares them after every tick.
 // SPDX-License-Identifier: MIT
 #pragma once
 

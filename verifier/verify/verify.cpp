@@ -33,7 +33,7 @@ std::string count_text(std::uint64_t count, const char* noun) {
 }
 
 /// What a run that began with a checkpoint found. A divergence only if a run from the setup has a finding as well.
-struct Suspicion {
+struct UnconfirmedFinding {
   Start start;
   WalkResult found;
 };
@@ -132,19 +132,19 @@ class Verifier {
   void run_replay() {
     const Start first = find_start(options_.from);
     if (findings_.decided) return;
-    std::optional<Suspicion> suspicion;
-    if (walks_segments() && replay_segments(first, suspicion)) return;
+    std::optional<UnconfirmedFinding> unconfirmed;
+    if (walks_segments() && replay_segments(first, unconfirmed)) return;
     if (findings_.decided) return;
-    if (!first.loaded) return run_straight(std::move(suspicion));
+    if (!first.loaded) return run_from_setup(std::move(unconfirmed));
     WalkResult result = walk_from(first);
-    if (!is_clean(result, true)) return run_straight(Suspicion{first, std::move(result)});
-    if (suspicion) return run_straight(std::move(suspicion));
+    if (!is_clean(result, true)) return run_from_setup(UnconfirmedFinding{first, std::move(result)});
+    if (unconfirmed) return run_from_setup(std::move(unconfirmed));
     take(std::move(result));
   }
 
   /// In order, from `start` to the end.
   WalkResult walk_from(const Start& start) {
-    Stretch whole;
+    Segment whole;
     whole.start = start;
     whole.count_from = options_.from;
     whole.progress = options_.progress;
@@ -152,29 +152,30 @@ class Verifier {
     return walk(context_, source_, whole);
   }
 
-  /// The run from the setup has the last word. What a run that began with a checkpoint found is a divergence only if
-  /// this one has a finding too.
-  void run_straight(std::optional<Suspicion> suspicion) {
-    if (suspicion && !options_.confirm_from_start) return conclude_walk(std::move(suspicion->found), suspicion->start);
-    WalkResult straight = walk_from(Start{});
-    if (!suspicion) return conclude_walk(std::move(straight), Start{});
+  /// Confirms a finding by a run from the setup. A finding of a run from a checkpoint is a divergence only if the run
+  /// from the setup has a finding too.
+  void run_from_setup(std::optional<UnconfirmedFinding> unconfirmed) {
+    if (unconfirmed && !options_.confirm_from_start)
+      return conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
+    WalkResult from_setup = walk_from(Start{});
+    if (!unconfirmed) return conclude_walk(std::move(from_setup), Start{});
     report_.ticks_compared = report_.checkpoints_compared = 0;
     report_.compared = {};
-    if (is_clean(straight, true)) {
-      take(std::move(straight));
-      return judge_suspicion(*suspicion);
+    if (is_clean(from_setup, true)) {
+      take(std::move(from_setup));
+      return judge_unconfirmed(*unconfirmed);
     }
-    const std::uint64_t tick = tick_of(straight);
-    if (tick >= options_.from) return conclude_walk(std::move(straight), Start{});
+    const std::uint64_t tick = tick_of(from_setup);
+    if (tick >= options_.from) return conclude_walk(std::move(from_setup), Start{});
     findings_.notes.push_back("the run from the start leaves the recording at tick " + std::to_string(tick) +
                               ", before the first tick compared");
-    conclude_walk(std::move(suspicion->found), suspicion->start);
+    conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
   }
 
-  /// Everything in a run from the setup is as recorded.
-  void judge_suspicion(const Suspicion& suspicion) {
-    const Start& start = suspicion.start;
-    const WalkResult& found = suspicion.found;
+  /// Called if the run from the setup agrees with the recording.
+  void judge_unconfirmed(const UnconfirmedFinding& unconfirmed) {
+    const Start& start = unconfirmed.start;
+    const WalkResult& found = unconfirmed.found;
     if (found.mismatch) {
       read_tail();
       judge_mismatch(*found.mismatch, run_again(context_, source_, start, *found.mismatch, findings_, {}), findings_);
@@ -217,7 +218,7 @@ class Verifier {
       VerifyOptions options = options_;
       options.simulation = &info;
       const WalkContext context{setup_, options};
-      Stretch whole;
+      Segment whole;
       whole.start = find_start(options_.from);
       whole.progress = options_.progress;
       if (!go_to_start(source_, whole.start)) source_.rewind();
@@ -236,8 +237,8 @@ class Verifier {
     findings_.notes.push_back("the same with 1, 2, 4 and 8 threads");
   }
 
-  /// The second run begins at the checkpoint next to the mismatch; only where it ends in another state than the first
-  /// the whole is run again.
+  /// The second run begins at the last checkpoint before the mismatch. If its final state differs from that of the
+  /// first run, the whole trace is run again.
   void judge(const Mismatch& mismatch, const Start& first, const Start& near) {
     Rerun rerun;
     if (near.tick > first.tick) {
@@ -255,10 +256,10 @@ class Verifier {
   }
 
   /// False: something has to be walked in order. What was found behind a loaded checkpoint is a suspicion.
-  bool replay_segments(const Start& first, std::optional<Suspicion>& suspicion) {
-    const StretchPlan plan = plan_stretches(context_, source_, first, segment_count_max);
-    if (plan.cuts.size() < 2) return false;
-    auto results = walk_stretches(context_, source_, plan, {options_.thread_count});
+  bool replay_segments(const Start& first, std::optional<UnconfirmedFinding>& unconfirmed) {
+    const SegmentPlan plan = plan_segments(context_, source_, first, segment_count_max);
+    if (plan.segment_begins.size() < 2) return false;
+    auto results = walk_segments(context_, source_, plan, {options_.thread_count});
     if (!results) {
       not_comparable(results.error().message, results.error().hint);
       return true;
@@ -266,14 +267,14 @@ class Verifier {
     std::size_t found = 0;
     while (found + 1 < results->size() && is_clean((*results)[found], false)) ++found;
     WalkResult& last = (*results)[found];
-    const Start& start = plan.marks[plan.cuts[found]];
+    const Start& start = plan.starts[plan.segment_begins[found]];
     if (!is_clean(last, found + 1 == results->size()) && start.loaded) {
-      if (last.mismatch || last.findings.decided) suspicion = Suspicion{start, std::move(last)};
+      if (last.mismatch || last.findings.decided) unconfirmed = UnconfirmedFinding{start, std::move(last)};
       return false;
     }
     for (std::size_t i = 0; i < found; ++i) take(std::move((*results)[i]));
     if (plan.tail && !last.trace_end) report_.end = TraceEnd{*plan.tail, ""};
-    report_.stretches = found + 1;
+    report_.segments = found + 1;
     conclude_walk(std::move(last), first);
     return true;
   }
@@ -295,31 +296,32 @@ class Verifier {
       }
       first = start_at(*checkpoint, 0);
     }
-    const StretchPlan plan = plan_stretches(context_, source_, first, std::numeric_limits<std::size_t>::max());
-    std::optional<Suspicion> suspicion;
-    bool clean = restore_stretches(plan, {options_.thread_count, false, true, true}, suspicion);
+    const SegmentPlan plan = plan_segments(context_, source_, first, std::numeric_limits<std::size_t>::max());
+    std::optional<UnconfirmedFinding> unconfirmed;
+    bool clean = restore_segments(plan, {options_.thread_count, false, true, true}, unconfirmed);
     if (clean && options_.to_end) {
       // Each tick counts once: the runs to the end are only compared.
-      StretchPlan later = plan;
-      later.cuts.erase(later.cuts.begin());
-      if (!later.cuts.empty()) clean = restore_stretches(later, {options_.thread_count, true, false, true}, suspicion);
+      SegmentPlan later = plan;
+      later.segment_begins.erase(later.segment_begins.begin());
+      if (!later.segment_begins.empty())
+        clean = restore_segments(later, {options_.thread_count, true, false, true}, unconfirmed);
     }
-    if (suspicion) run_straight(std::move(suspicion));
+    if (unconfirmed) run_from_setup(std::move(unconfirmed));
   }
 
   /// False: not all was walked and as recorded.
-  bool restore_stretches(const StretchPlan& plan, const StretchOptions& stretch_options,
-                         std::optional<Suspicion>& suspicion) {
-    auto results = walk_stretches(context_, source_, plan, stretch_options);
+  bool restore_segments(const SegmentPlan& plan, const SegmentOptions& segment_options,
+                        std::optional<UnconfirmedFinding>& unconfirmed) {
+    auto results = walk_segments(context_, source_, plan, segment_options);
     if (!results) {
       not_comparable(results.error().message, results.error().hint);
       return false;
     }
     for (std::size_t i = 0; i < results->size(); ++i) {
       WalkResult& result = (*results)[i];
-      const bool clean = is_clean(result, i + 1 == results->size() || stretch_options.to_end);
+      const bool clean = is_clean(result, i + 1 == results->size() || segment_options.to_end);
       if (!clean && (result.mismatch || result.findings.decided)) {
-        suspicion = Suspicion{plan.marks[plan.cuts[i]], std::move(result)};
+        unconfirmed = UnconfirmedFinding{plan.starts[plan.segment_begins[i]], std::move(result)};
         return false;
       }
       take(std::move(result));
@@ -342,7 +344,7 @@ class Verifier {
     for (std::string& warning : findings_.warnings) report_.warnings.push_back(std::move(warning));
   }
 
-  /// All that was compared is the same: how much was it?
+  /// Decides the verdict if every comparison agreed: it depends on how much was compared.
   void judge_end() {
     const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
     const bool any = report_.ticks_compared > 0;
@@ -383,12 +385,12 @@ class Verifier {
   std::uint64_t tick_ = 0;  // ticks done
 };
 
-/// The commands that would tell more.
+/// Suggests commands for further examination.
 void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Report& report) {
   const std::string file = shell_word(report.file);
-  const std::string verify_words = options.tool + " verify " + file;
+  const std::string verify_command = options.tool + " verify " + file;
   if (report.verdict == Verdict::not_reproducible && options.mode != VerifyMode::twice)
-    report.again.push_back(verify_words + " --mode twice");
+    report.again.push_back(verify_command + " --mode twice");
   if (report.verdict == Verdict::incomplete && report.end &&
       report.end->tail.condition == replay::TraceCondition::truncated)
     report.again.push_back("ticktrue recover " + file + " -o WHOLE.ttr");
@@ -397,7 +399,7 @@ void suggest(const replay::TraceSetup& setup, const VerifyOptions& options, Repo
   const std::uint64_t tick = report.divergence->tick;
   const std::uint64_t interval = setup.checkpoint_interval;
   const std::uint64_t from = report.checkpoint.value_or(interval == 0 ? 0 : tick / interval * interval);
-  report.again.push_back(verify_words + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
+  report.again.push_back(verify_command + " --mode " + (is_incomplete ? "restore" : report.mode) + " --from " +
                          std::to_string(from) + " --to " + std::to_string(tick));
   if (!report.divergence->rows.empty()) return;
   const std::string number = std::to_string(tick);

@@ -43,31 +43,31 @@ struct VerifyOptions {
   std::optional<std::uint64_t> to;  // last tick to compare; the trace is not read beyond it
   bool to_end = false;              // restore: from each checkpoint to the end, instead of to the next checkpoint
   std::size_t row_count_max = 64;   // lanes and candidates listed in a report
-  std::uint64_t spread_ticks = 64;  // how far behind a divergence its spread is followed; 0: not at all
+  std::uint64_t spread_ticks = 64;  // ticks after a divergence in which differing rows are counted; 0: none
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty; called by one thread at a time
 
-  /// After each tick that counts as compared: the simulated time at its end. May be empty; called by any thread.
+  /// Called after each tick that counts as compared, with the simulated time at its end. May be empty; any thread.
   std::function<void(double time_s)> on_compared;
 
-  /// Where a trace stores only the hash of the tick that differs: look for a single bit that explains it (replay).
+  /// If the trace stores only the hash of the differing tick: search for a single bit that explains the hash (replay).
   bool search_single_bit = false;
 
-  std::string tool = "ticktrue";  // how the commands in reports begin: with a plug-in also how it is loaded
+  std::string tool = "ticktrue";  // the beginning of commands in reports; includes the options that load a plug-in
 
-  /// Replay: in segments between checkpoints, on one thread too. With several threads always, where `reopen` is given.
+  /// Replay: walks segments between checkpoints even on one thread. Several threads with `reopen` always do so.
   bool in_segments = false;
-  /// What a run from a checkpoint finds is shown by a run from the setup. Off for fault injection, which knows.
+  /// A finding of a run from a checkpoint is confirmed by a run from the setup. Off for fault injection.
   bool confirm_from_start = true;
 
   unsigned thread_count = 1;  // segments at once, where `reopen` is given
-  /// The same trace once more, for another thread; null where it cannot be opened. May be empty: then one thread.
+  /// Opens the same trace for another thread; null if that fails. May be empty: then one thread is used.
   std::function<std::unique_ptr<TraceSource>()> reopen;
 
-  /// Stands between the simulation and verify (fault injection); may be empty. `ticks_done`: of its present state.
+  /// Wraps the simulation (fault injection); may be empty. `ticks_done`: of its current state.
   std::function<std::unique_ptr<Simulation>(std::unique_ptr<Simulation> simulation, std::uint64_t ticks_done)> wrap;
 };
 
-/// Reads the whole trace (up to options.to) in bounded memory, whatever is found.
+/// Reads the whole trace (up to options.to) in bounded memory, whatever the findings.
 Report verify(replay::TraceReader& reader, const VerifyOptions& options);
 
 /// The same over any source of records. Fills all of the report but `file` and the build facts.

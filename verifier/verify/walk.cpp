@@ -1,4 +1,4 @@
-// Walking a stretch of a trace: step, hash, compare; and what a difference looks like from one tick's records.
+// Walks a segment of a trace: step, hash, compare. Describes a difference from the records of one tick.
 // SPDX-License-Identifier: MIT
 #include "verifier/verify/walk.h"
 
@@ -25,20 +25,20 @@ std::size_t table_size(const StateView& state, std::size_t table) {
   return static_cast<std::size_t>(state.tables[table].row_count) * state.schema->tables[table].row_size;
 }
 
-class StretchWalk {
+class SegmentWalk {
  public:
-  StretchWalk(const WalkContext& context, TraceSource& source, const Stretch& stretch)
+  SegmentWalk(const WalkContext& context, TraceSource& source, const Segment& segment)
       : context_(context),
         source_(source),
-        stretch_(stretch),
+        segment_(segment),
         comparer_(context.setup.schema),
         last_dt_(context.setup.dt) {
-    result_.tick = result_.last_checkpoint = stretch.start.tick;
-    result_.time_s = result_.last_checkpoint_s = stretch.start.time_s;
+    result_.tick = result_.last_checkpoint = segment.start.tick;
+    result_.time_s = result_.last_checkpoint_s = segment.start.time_s;
   }
 
   WalkResult run() {
-    simulation_ = begin_at(context_, stretch_.start, result_.findings);
+    simulation_ = begin_at(context_, segment_.start, result_.findings);
     if (simulation_ == nullptr || !check_loaded()) return std::move(result_);
     watch_.begin(simulation_->state());
     result_.end = walk_on();
@@ -51,17 +51,17 @@ class StretchWalk {
   WalkEnd walk_on() {
     for (;;) {
       if (context_.options.to && result_.tick > *context_.options.to) return WalkEnd::reached_stop;
-      if (stretch_.is_abandoned && stretch_.is_abandoned()) return WalkEnd::abandoned;
+      if (segment_.is_abandoned && segment_.is_abandoned()) return WalkEnd::abandoned;
       const replay::TraceReader::Item& item = source_.next();
       if (std::holds_alternative<std::monostate>(item)) return WalkEnd::end_of_trace;
       if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) {
-        if (checkpoint->tick != result_.tick || (stretch_.start.loaded && result_.tick == stretch_.start.tick))
+        if (checkpoint->tick != result_.tick || (segment_.start.loaded && result_.tick == segment_.start.tick))
           continue;
         if (!check_checkpoint(*checkpoint)) return WalkEnd::stopped;
         result_.last_checkpoint = result_.tick;
         result_.last_checkpoint_s = result_.time_s;
-        if (result_.tick < stretch_.stop) continue;
-        result_.seam = start_at(*checkpoint, result_.time_s);
+        if (result_.tick < segment_.stop) continue;
+        result_.boundary = start_at(*checkpoint, result_.time_s);
         return WalkEnd::reached_stop;
       }
       const TickRecord& record = std::get<TickRecord>(item);
@@ -72,11 +72,11 @@ class StretchWalk {
     }
   }
 
-  /// Whether the loaded state shows itself as it was loaded.
+  /// Compares the state after loading with the image that was loaded.
   bool check_loaded() {
-    if (!stretch_.start.loaded) return true;
-    if (stretch_.counts_load) ++result_.checkpoints_compared;
-    return check_image(stretch_.start.root_hash, stretch_.start.image, stage_load,
+    if (!segment_.start.loaded) return true;
+    if (segment_.counts_load) ++result_.checkpoints_compared;
+    return check_image(segment_.start.root_hash, segment_.start.image, stage_load,
                        "the state after loading the checkpoint is not the checkpoint's");
   }
 
@@ -104,9 +104,9 @@ class StretchWalk {
     describe_lanes(context_, *simulation_, expected, image_, divergence, result_.findings);
     result_.findings.divergence = std::move(divergence);
     result_.findings.decide(Verdict::diverged, "");
-    // The same twice? Then it is the build; else chance.
-    if (result_.tick == stretch_.start.tick)
-      if (const auto again = begin_at(context_, stretch_.start, result_.findings)) {
+    // Two simulations with different initial states are not reproducible; otherwise the build differs.
+    if (result_.tick == segment_.start.tick)
+      if (const auto again = begin_at(context_, segment_.start, result_.findings)) {
         Bytes second;
         encode_image(again->state(), second);
         if (second != image_)
@@ -125,7 +125,7 @@ class StretchWalk {
     return false;
   }
 
-  /// False: it cannot be done here.
+  /// False: the simulation refused the step; the finding is set.
   bool steps(const TickInput& input, StageObserver* observer) {
     const Status did = simulation_->step(input, observer);
     last_dt_ = input.dt;
@@ -140,17 +140,17 @@ class StretchWalk {
     const std::optional<TickDifference> difference = comparer_.compare(sides);
     count_tick();
     if (difference) {
-      keep_mismatch(record, difference->part);
+      store_mismatch(record, difference->part);
       return false;
     }
     result_.root_hash = record.root_hash;
-    watch_.look(simulation_->state());
+    watch_.update(simulation_->state());
     result_.time_s += record.dt;
-    if (context_.options.on_compared && stretch_.counts && result_.tick >= stretch_.count_from)
+    if (context_.options.on_compared && segment_.counts && result_.tick >= segment_.count_from)
       context_.options.on_compared(result_.time_s);
     ++result_.tick;
     result_.last_tick_s = result_.time_s;
-    if (stretch_.progress) stretch_.progress(result_.tick);
+    if (segment_.progress) segment_.progress(result_.tick);
     return true;
   }
 
@@ -163,14 +163,14 @@ class StretchWalk {
   void count_tick() {
     const ComparedParts compared = comparer_.take_compared();
     result_.last_tick_s = result_.time_s;
-    if (!stretch_.counts || result_.tick < stretch_.count_from) return;
+    if (!segment_.counts || result_.tick < segment_.count_from) return;
     ++result_.ticks_compared;
     result_.compared += compared;
   }
 
-  void keep_mismatch(const TickRecord& record, TickPart part) {
+  void store_mismatch(const TickRecord& record, TickPart part) {
     Mismatch found;
-    found.expected = keep(record);
+    found.expected = copy_of(record);
     found.part = part;
     found.got_stages = stages_.hashes();
     encode_image(simulation_->state(), found.got);
@@ -185,10 +185,11 @@ class StretchWalk {
       found.divergence.stage_note = "not known: the root hash of the tick agrees, its " + std::string(name_of(part)) +
                                     (part == TickPart::image ? " does not" : " do not");
     if (const auto place = find_non_finite(simulation_->state())) {
-      result_.findings.notes.push_back("the state here is not finite: " + text_of(*place));
+      result_.findings.notes.push_back("the state here is not finite: " +
+                                       place_text(context_.setup.schema, *place, names_of(*simulation_)));
       result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
     }
-    // A state that no load would accept is not run on: nobody knows what a simulation makes of it.
+    // A state that load would refuse is not stepped: the behaviour of the simulation is undefined.
     const bool goes_on =
         context_.options.spread_ticks > 0 && ticktrue::check_image(*simulation_->state().schema, found.got);
     if (!follow_spread(item, goes_on ? context_.options.spread_ticks : 0, found.divergence))
@@ -196,8 +197,8 @@ class StretchWalk {
     result_.mismatch = std::move(found);
   }
 
-  /// Runs on behind the divergence and says, at 1, 2, 4, 8, ... ticks behind it, how many rows differ. `item` is what
-  /// the source gave last. False: the source came to its end.
+  /// Continues after the divergence and counts the differing rows 1, 2, 4, 8, ... ticks later. `item` is the last
+  /// item read from the source. False: the source reached its end.
   bool follow_spread(const replay::TraceReader::Item& item, std::uint64_t tick_count, Divergence& divergence) {
     CellHasher hasher(context_.setup.schema);
     const replay::TraceReader::Item* next = &item;
@@ -230,44 +231,34 @@ class StretchWalk {
     result_.trace_end = std::move(end);
   }
 
-  /// A recording closed because the next tick gave a NaN or an infinity: the same must happen here, at the same place.
+  /// The recording ended because the next tick produced a NaN or an infinity. The same must happen here, in the same
+  /// column and row.
   void check_non_finite_end(const replay::TraceTail& tail) {
-    // A tick without inputs and with the dt of the tick before leaves nothing behind.
+    // A tick without inputs and with an unchanged dt leaves no pending record.
     const TickInput input =
         tail.has_pending_inputs ? TickInput{tail.pending_dt, tail.pending_inputs} : TickInput{last_dt_, {}};
     if (!accepts(input) || !steps(input, nullptr)) return;
-    const auto place = find_non_finite(simulation_->state());
+    const StateView& state = simulation_->state();
     result_.findings.non_finite = find_non_finite_of(*simulation_, result_.tick);
-    const std::string here = place ? text_of(*place) : "";
-    const std::string tick = "tick " + std::to_string(result_.tick);
-    // The recorder's note ends with the place it found.
-    if (place && (tail.end->note.empty() || tail.end->note.find(here) != std::string::npos)) {
-      result_.findings.notes.push_back(tick + " is not finite, as recorded: " + here);
+    NonFiniteTick found = compare_non_finite(result_.tick, state, tail.end->note, names_of(*simulation_));
+    if (found.is_as_recorded) {
+      result_.findings.notes.push_back(found.text);
       return;
     }
-    result_.findings.decide(Verdict::diverged,
-                            tick + ": recorded as not finite (" + tail.end->note + "), here " +
-                                (place ? "it is not finite at " + here : std::string("it is finite")));
-    Divergence divergence;
-    divergence.tick = result_.tick;
+    result_.findings.decide(Verdict::diverged, found.text);
+    Divergence& divergence = found.divergence;
     divergence.time_s = result_.time_s;
-    divergence.stage_note = "not known: a tick that is not finite is not stored";
-    divergence.got_root = root_hash(simulation_->state());
     divergence.inputs = simulation_->inputs_text(result_.tick, tail.pending_inputs);
-    if (place) {
-      const TableSchema& table = context_.setup.schema.tables[place->table];
-      divergence.tables.push_back({table.name, {table.columns[place->column].name}});
+    if (found.place) {
+      const TableSchema& table = context_.setup.schema.tables[found.place->table];
+      divergence.tables.push_back({table.name, {table.columns[found.place->column].name}});
     }
     result_.findings.divergence = std::move(divergence);
   }
 
-  std::string text_of(const StatePlace& place) const {
-    return place_text(context_.setup.schema, place, names_of(*simulation_));
-  }
-
   const WalkContext& context_;
   TraceSource& source_;
-  const Stretch& stretch_;
+  const Segment& segment_;
   TickComparer comparer_;
   StageHashes stages_;  // of the tick that ran last, where the trace stores them
   WalkResult result_;
@@ -368,9 +359,9 @@ Divergence describe_mismatch(const WalkContext& context, Simulation& simulation,
   divergence.tick = expected.tick;
   divergence.time_s = time_s;
   divergence.inputs = simulation.inputs_text(expected.tick, expected.inputs);
-  const TickWords words{context.setup.schema, context.setup.stages, names_of(simulation),
-                        context.options.row_count_max};
-  if (const Status described = describe_tick(words, side_of(expected), got, divergence); !described)
+  const DescribeContext describe{context.setup.schema, context.setup.stages, names_of(simulation),
+                                 context.options.row_count_max};
+  if (const Status described = describe_tick(describe, side_of(expected), got, divergence); !described)
     findings.warn_unreadable(divergence.tick, described.error());
   return divergence;
 }
@@ -382,7 +373,7 @@ void ChangeWatch::begin(const StateView& state) {
   changed_ = false;
 }
 
-void ChangeWatch::look(const StateView& state) {
+void ChangeWatch::update(const StateView& state) {
   for (std::size_t t = 0; t < state.tables.size() && !changed_; ++t) {
     if (!is_watched(*state.schema, t)) continue;
     const std::size_t size = table_size(state, t);
@@ -390,8 +381,8 @@ void ChangeWatch::look(const StateView& state) {
   }
 }
 
-WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch) {
-  return StretchWalk(context, source, stretch).run();
+WalkResult walk(const WalkContext& context, TraceSource& source, const Segment& segment) {
+  return SegmentWalk(context, source, segment).run();
 }
 
 }  // namespace ticktrue::verifier

@@ -1,4 +1,4 @@
-// One stretch of a verification: simulate from a start, compare each tick and checkpoint with the records.
+// Walks one segment of a trace: simulates from a start and compares each tick and checkpoint with the records.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -28,13 +28,13 @@ struct Start {
 };
 Start start_at(const replay::CheckpointRecord& checkpoint, double time_s);
 
-/// What all parts of one verification share; constant while they run.
+/// The setup and options of one verification; constant while it runs.
 struct WalkContext {
   const replay::TraceSetup& setup;
   const VerifyOptions& options;
 };
 
-/// What was found on the way, in the words of the report. `decided`: the verdict stands.
+/// The findings of a walk, as the report states them. `decided`: the verdict is final.
 struct Findings {
   bool decided = false;
   Verdict verdict = Verdict::incomplete;
@@ -47,7 +47,7 @@ struct Findings {
 
   void decide(Verdict found, std::string why, std::string next = "");
   void not_reproducible(const std::string& why);
-  /// Of a tick that Simulation::step could not do.
+  /// Sets the verdict for a tick for which Simulation::step returned an error.
   void undone(const Error& error);
   void warn_unreadable(std::uint64_t tick, const Error& error);
 };
@@ -59,24 +59,24 @@ RowNamer names_of(const Simulation& simulation);
 std::unique_ptr<Simulation> make_simulation(const WalkContext& context, Findings& findings);
 /// A simulation in the state of `start`; null where that is refused (then `findings` says so).
 std::unique_ptr<Simulation> begin_at(const WalkContext& context, const Start& start, Findings& findings);
-/// Whether states can be loaded at all.
+/// Whether the simulation can load states.
 bool can_load(const WalkContext& context, Findings& findings);
-/// The verdict where they cannot and must be.
+/// Sets the verdict if loading is required and not supported.
 void refuse_loading(const WalkContext& context, Findings& findings);
 
-/// The divergence of the tick `expected` from what was made of it here, as far as what is stored of the tick goes. May
-/// add to the warnings of `findings`.
+/// Describes the divergence between the recorded tick `expected` and the tick of this build. The detail depends on
+/// what the trace stores of the tick. May add warnings to `findings`.
 Divergence describe_mismatch(const WalkContext& context, Simulation& simulation, const StoredTick& expected,
                              double time_s, const TickSide& got, Findings& findings);
 /// Fills tables, rows and lanes from two images; warns where the expected one cannot be read.
 void describe_lanes(const WalkContext& context, Simulation& simulation, ByteView expected, ByteView got,
                     Divergence& divergence, Findings& findings);
 
-/// Whether any state but that of the table `world` (its tick and time always change) was ever seen to change.
+/// Whether any state changed, except in the table `world`, whose tick and time always change.
 class ChangeWatch {
  public:
   void begin(const StateView& state);
-  void look(const StateView& state);
+  void update(const StateView& state);
   bool changed() const { return changed_; }
 
  private:
@@ -86,13 +86,13 @@ class ChangeWatch {
 
 enum class WalkEnd : std::uint8_t {
   end_of_trace,
-  reached_stop,  // the checkpoint at which the stretch ends, or the last tick asked for
-  mismatch,      // a tick with another hash: what is known stands in `mismatch`, its verdict is still to be found
-  stopped,       // something else was found
-  abandoned,     // options of the stretch said so
+  reached_stop,  // the checkpoint at the end of the segment, or the last tick requested
+  mismatch,      // a tick has another hash: `mismatch` describes it, the verdict is not decided yet
+  stopped,       // another finding
+  abandoned,     // Segment::is_abandoned returned true
 };
 
-/// A tick with another result than was recorded.
+/// A tick whose result is not the recorded one.
 struct Mismatch {
   StoredTick expected;
   TickPart part = TickPart::root_hash;    // that differs
@@ -101,26 +101,26 @@ struct Mismatch {
   Divergence divergence;
 };
 
-/// What walking one stretch gave.
+/// The result of walking one segment.
 struct WalkResult {
   WalkEnd end = WalkEnd::stopped;
   Findings findings;
   std::optional<Mismatch> mismatch;
   std::uint64_t tick = 0;  // ticks done
   double time_s = 0;       // simulated at `tick`
-  double last_tick_s = 0;  // simulated at the end of the last tick compared, as reports give it
+  double last_tick_s = 0;  // simulated at the end of the last tick compared, as in reports
   std::uint64_t ticks_compared = 0;
   std::uint64_t checkpoints_compared = 0;
   ComparedParts compared;                  // of these ticks
   std::optional<std::uint64_t> root_hash;  // of the last state that was as recorded
-  bool changed = false;                    // some state beside the world table
-  std::uint64_t last_checkpoint = 0;       // tick of the last one that was met, or of the start
+  bool changed = false;                    // some state outside the table `world`
+  std::uint64_t last_checkpoint = 0;       // tick of the last checkpoint passed, or of the start
   double last_checkpoint_s = 0;            // simulated time there
   std::optional<TraceEnd> trace_end;       // where the end was read
-  std::optional<Start> seam;               // the checkpoint at which it stopped
+  std::optional<Start> boundary;           // the checkpoint at which the walk stopped
 };
 
-struct Stretch {
+struct Segment {
   Start start;
   std::uint64_t stop = std::numeric_limits<std::uint64_t>::max();  // ends at the checkpoint of this tick, compared
   std::uint64_t count_from = 0;                                    // ticks from here on count as compared
@@ -130,7 +130,7 @@ struct Stretch {
   std::function<void(std::uint64_t ticks_done)> progress;  // may be empty
 };
 
-/// Walks the stretch. Requires: `source` stands just behind the checkpoint of the start, or at its beginning.
-WalkResult walk(const WalkContext& context, TraceSource& source, const Stretch& stretch);
+/// Walks the segment. Requires: `source` is positioned just behind the checkpoint of the start, or at its beginning.
+WalkResult walk(const WalkContext& context, TraceSource& source, const Segment& segment);
 
 }  // namespace ticktrue::verifier

@@ -231,7 +231,7 @@ std::uint32_t big_endian(const Bytes& bytes, std::size_t at) {
          static_cast<std::uint32_t>(bytes[at + 2]) << 8 | bytes[at + 3];
 }
 
-/// Decodes a zlib stream of one block of fixed codes, by the tables of RFC 1951 written out anew.
+/// Decodes a zlib stream of one block of fixed codes, by the tables of RFC 1951 written out again.
 class Inflater {
  public:
   Inflater(const Bytes& in, std::size_t at) : in_(in), at_(at) {}

@@ -222,9 +222,11 @@ TEST_CASE("zooming keeps what is under the pointer", "[play][view]") {
 
 TEST_CASE("keys ask for a restart, another scene, or the end", "[play][keys]") {
   const test::TemporaryDirectory directory;
-  const std::pair<const char*, play::Wish> rows[] = {
-      {"r", play::Wish::restart}, {"4", play::Wish::scene}, {"q", play::Wish::quit}, {"escape", play::Wish::quit}};
-  for (const auto& [name, wish] : rows) {
+  const std::pair<const char*, play::Request> rows[] = {{"r", play::Request::restart},
+                                                        {"4", play::Request::scene},
+                                                        {"q", play::Request::quit},
+                                                        {"escape", play::Request::quit}};
+  for (const auto& [name, request] : rows) {
     CAPTURE(name);
     const auto playable = play::make_playable(test::builtin_scene("stack"));
     REQUIRE(playable);
@@ -251,8 +253,8 @@ TEST_CASE("keys ask for a restart, another scene, or the end", "[play][keys]") {
         break;
       }
     }
-    CHECK(session.wish() == wish);
-    if (wish == play::Wish::scene) CHECK(session.wished_scene() == 4);
+    CHECK(session.request() == request);
+    if (request == play::Request::scene) CHECK(session.requested_scene() == 4);
   }
 }
 

@@ -1,4 +1,4 @@
-// `ticktrue diff`: compares two traces without running anything.
+// `ticktrue diff`: compares two traces without simulating.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/diff.h"
 
@@ -31,7 +31,7 @@ int run_diff(const DiffCommand& command) {
   if (!b) return fail_open(b.error());
   verifier::DiffOptions options;
   options.simulation = verifier::find_simulation(a->setup().simulation);
-  options.tool = options.simulation == nullptr ? "" : verifier::tool_words(options.simulation->name);
+  options.tool = options.simulation == nullptr ? "" : verifier::tool_command(options.simulation->name);
   Progress progress("diff " + command.a, a->tick_count_hint().value_or(0));
   options.progress = [&](std::uint64_t ticks_done) { progress.update(ticks_done); };
   const verifier::DiffReport report = verifier::diff(*a, *b, options);

@@ -7,7 +7,7 @@
 #include "base/state/state_view.h"
 #include "tool/output/cli.h"
 #include "tool/output/json_output.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/plugin_session.h"
 #include "verifier/plugins/plugin.h"
 

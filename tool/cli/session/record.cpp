@@ -10,7 +10,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/session.h"
 #include "tool/session/session_inputs.h"

@@ -8,7 +8,7 @@
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::cli {

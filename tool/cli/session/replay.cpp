@@ -13,7 +13,7 @@
 #include "tool/drawing/svg.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/playback.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/simulations.h"
@@ -102,7 +102,7 @@ std::string json_line(const engine::Engine& engine, std::uint64_t tick) {
   return plain_text(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-/// Says how the playing ended, and gives the exit code.
+/// Prints how the playback ended, and returns the exit code.
 int report_end(const std::string& file, const verifier::PlaybackResult& result) {
   int code = exit_ok;
   if (result.tail && result.tail->condition != replay::TraceCondition::complete) {
@@ -198,7 +198,7 @@ int write_pictures(replay::TraceReader& reader, const ReplayOptions& options, co
   return *code;
 }
 
-/// One tick in full detail, for another build to compare with its own (verify --against-build).
+/// One tick in full detail, for comparison by another build (verify --against-build).
 int write_stages(replay::TraceReader& reader, const ReplayOptions& options, const TickRange& range) {
   if (options.ticks.empty() || range.first != range.last)
     return fail_usage(Error{ErrorCode::usage,

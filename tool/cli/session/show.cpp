@@ -1,4 +1,4 @@
-// `ticktrue show`: what is in a trace. Reads it, runs nothing.
+// `ticktrue show`: prints the contents of a trace without simulating.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/trace_summary.h"
 
 namespace ticktrue::cli {

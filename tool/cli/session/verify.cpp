@@ -16,7 +16,7 @@
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
 #include "tool/output/progress.h"
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 #include "tool/session/scene_source.h"
 #include "tool/session/session_inputs.h"
 #include "tool/session/simulations.h"
@@ -27,7 +27,7 @@
 #include "verifier/report/report_ci.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/runs/data_file.h"
-#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/plugin_isolation.h"
 #include "verifier/runs/shared_count.h"
 
 namespace ticktrue::cli {
@@ -93,7 +93,7 @@ Report verify_trace(const std::string& file, const VerifyCommand& command, unsig
       return verifier::open_error_report(file, known.error());
   verifier::VerifyOptions options = walk_options(command);
   options.simulation = verifier::find_simulation(reader->setup().simulation);
-  if (options.simulation != nullptr) options.tool = verifier::tool_words(options.simulation->name);
+  if (options.simulation != nullptr) options.tool = verifier::tool_command(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
   options.thread_count = on_threads ? thread_count : 1;
   options.in_segments = on_threads && command.jobs != 1;
@@ -183,7 +183,7 @@ bool needs_plugin(const std::string& file) {
   return info != nullptr && !verifier::runs_on_threads(*info);
 }
 
-/// What a plug-in does wrong is a finding in one file: the next one goes on.
+/// A fault of a plug-in is a finding for one file; the other files are still verified.
 Report plugin_report(const std::string& file, const std::string& mode, const std::string& what,
                      const verifier::SharedCount& compared) {
   Report report;
@@ -205,7 +205,7 @@ Report plugin_report(const std::string& file, const std::string& mode, const std
 /// In a process of its own.
 Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
   verifier::SharedCount compared;
-  const verifier::GuardedPart done = verifier::run_part([&] {
+  const verifier::IsolatedPart done = verifier::run_part([&] {
     Progress bar("verify " + file, 0);
     try {
       const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
@@ -315,7 +315,7 @@ Status check_options(const VerifyCommand& command) {
   return {};
 }
 
-/// What continuous integration reads, beside the reports themselves.
+/// Output for continuous integration, in addition to the reports.
 Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& command) {
   if (!command.junit.empty()) {
     auto file = verifier::DataFile::create(command.junit, true);

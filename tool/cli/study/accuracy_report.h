@@ -1,4 +1,4 @@
-// What `ticktrue accuracy` prints and writes of its curves.
+// The output of `ticktrue accuracy`: tables, JSON and plots of its curves.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -18,8 +18,8 @@ namespace ticktrue::cli {
 namespace {
 
 using verifier::Agreement;
+using verifier::CriterionResult;
 using verifier::CrosscheckReport;
-using verifier::CrosscheckRow;
 using verifier::CrosscheckSolver;
 
 constexpr std::size_t text_width = 116;  // of a line
@@ -82,7 +82,7 @@ std::string wrapped(std::string_view text, std::size_t indent) {
 
 constexpr std::string_view row_format = "  {:<21}{:<24} {:<24} {:<8}{:<8}{:<14}{}\n";
 
-std::string row_text(const CrosscheckRow& row) {
+std::string row_text(const CriterionResult& row) {
   if (row.verdict == Agreement::not_applicable)
     return fmt::format("  {:<21}not applicable: {}\n", row.criterion, row.reason);
   std::string text =
@@ -102,7 +102,7 @@ std::string report_text(const CrosscheckReport& report) {
                         report.length_scale);
   for (const CrosscheckSolver& solver : report.solvers) {
     text += "\n" + fmt::format(row_format, "criterion", solver.solver, "Box2D", "apart", "allowed", "", "verdict");
-    for (const CrosscheckRow& row : report.rows)
+    for (const CriterionResult& row : report.rows)
       if (row.solver == solver.solver) text += row_text(row);
   }
   text += "\n";
@@ -157,7 +157,7 @@ Json report_json(const CrosscheckReport& report) {
   object["not_applicable"] = not_applicable;
   object["solvers"] = std::move(solvers);
   Json rows = Json::array();
-  for (const CrosscheckRow& row : report.rows) {
+  for (const CriterionResult& row : report.rows) {
     Json entry;
     entry["solver"] = row.solver;
     entry["criterion"] = row.criterion;
@@ -205,7 +205,7 @@ std::string some_criteria(const CrosscheckReport& report, const std::string& sol
   constexpr std::size_t width = 56;
   std::string text;
   int left_off = 0;
-  for (const CrosscheckRow& row : report.rows) {
+  for (const CriterionResult& row : report.rows) {
     if (row.solver != solver || row.verdict != verdict) continue;
     const bool fits = left_off == 0 && text.size() + row.criterion.size() + 2 <= width;
     if (fits)

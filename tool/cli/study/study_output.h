@@ -1,4 +1,4 @@
-// What the study commands share: how verdicts are shown, and where tables go besides the screen.
+// Functions shared by the study commands: text of verdicts, tables and files.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// `ticktrue golden`: keeps a directory of golden traces and its manifest true to each other and to this build.
+// `ticktrue golden`: checks and updates a directory of golden traces and its manifest.
 // SPDX-License-Identifier: MIT
 #include "verifier/corpus/golden.h"
 
@@ -45,13 +45,13 @@ struct GoldenCommand {
 /// What was found of one golden trace.
 struct GoldenOutcome {
   int code = exit_ok;
-  bool changed = false;       // update: recorded anew
+  bool changed = false;       // update: recorded again
   std::vector<Error> errors;  // what is wrong
   std::string report;         // of verify, where it does not match
   std::string hash;           // as this build gives it
   std::uint64_t size = 0;     // bytes
   std::string ticks;          // update: those that changed
-  std::string first;          // update: the first difference in words
+  std::string first;          // update: the first difference as text
   bool was_there = false;     // update: there was a trace to compare with
 
   void fail(int with, std::string what, std::string hint = "") {
@@ -61,7 +61,7 @@ struct GoldenOutcome {
   }
 };
 
-/// A file of the manifest: as named, or beside or in the directory of the traces.
+/// Path of a file of the manifest: as named, or next to or in the directory of the traces.
 std::string find_file(const GoldenCommand& command, const std::string& word) {
   const fs::path folder(command.directory);
   std::error_code failure;
@@ -109,7 +109,7 @@ Result<std::unique_ptr<GoldenSession>> open_session(const GoldenCommand& command
   return session;
 }
 
-/// The trace is intact and matches, and recorded anew as its row says it ends in the state the row says.
+/// The trace is intact and matches, and recorded again as its row says it ends in the state the row says.
 void check_row(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome& outcome) {
   const std::string manifest = command.path_of(verifier::manifest_name);
   const std::string path = command.path_of(row.file);
@@ -157,7 +157,7 @@ void check_row(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome
                      " --reason TEXT; else: ticktrue verify " + verifier::shell_word(path));
 }
 
-/// Words for what is the first difference between the old trace and the new one.
+/// Describes the first difference between the old trace and the new one.
 void describe_change(const std::string& old_path, const std::string& new_path, GoldenOutcome& outcome) {
   auto old_reader = replay::TraceReader::open(old_path);
   auto new_reader = replay::TraceReader::open(new_path);
@@ -182,7 +182,7 @@ void describe_change(const std::string& old_path, const std::string& new_path, G
   outcome.ticks = verifier::changed_ticks(*old_reader, *new_reader);
 }
 
-/// Records the row beside its trace and keeps whichever is to be.
+/// Records the row next to its trace, and keeps the old or the new file.
 void update_row(const GoldenCommand& command, GoldenRow& row, GoldenOutcome& outcome) {
   const std::string path = command.path_of(row.file);
   const std::string fresh = path + ".ticktrue-new";

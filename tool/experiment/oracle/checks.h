@@ -1,4 +1,4 @@
-// The checks of `ticktrue soak`: ways to run a world that may not change a bit of it, and rules that every run keeps.
+// The checks of `ticktrue soak`: variants of a run that may not change a bit, and rules that every run obeys.
 // SPDX-License-Identifier: MIT
 #pragma once
 

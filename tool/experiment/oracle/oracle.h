@@ -1,4 +1,4 @@
-// The oracle: runs one world in every way that may change no bit of it, and compares every tick.
+// The oracle: runs one world in every variant that may not change a bit, and compares every tick.
 // SPDX-License-Identifier: MIT
 //
 // Verified: the root hash of every tick (of what both pipelines share, where one is full); verdicts of verify; finite

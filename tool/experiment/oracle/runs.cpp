@@ -1,4 +1,4 @@
-// The base run of a world, and runs in other ways that must give the same bits.
+// The base run of a world, and runs of variants that must produce the same bits.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/oracle/runs.h"
 
@@ -77,7 +77,7 @@ Finding make_failure(const Variant& variant, std::uint64_t tick, std::string wha
   return finding;
 }
 
-std::string place_words(const Engine& engine, const StateView& state, const StatePlace& place) {
+std::string place_of_tick_text(const Engine& engine, const StateView& state, const StatePlace& place) {
   const TableSchema& table = state.schema->tables[place.table];
   const std::string name = engine.row_name(place.table, place.row);
   return "table " + table.name + ", column " + table.columns[place.column].name + ", row " + std::to_string(place.row) +
@@ -141,7 +141,7 @@ class BaseWalk {
       return false;
     }
     const StateView& state = engine_->state();
-    if (!look_at_values(state, tick)) return false;
+    if (!check_values(state, tick)) return false;
     run_.ran_away = has_run_away(*engine_);
     if (run_.ran_away) {
       run_.images.erase(tick);
@@ -159,7 +159,7 @@ class BaseWalk {
   }
 
   /// False: a value is not finite, and no later tick means anything.
-  bool look_at_values(const StateView& state, std::uint64_t tick) {
+  bool check_values(const StateView& state, std::uint64_t tick) {
     if (const auto found = find_non_finite_of(*engine_, tick)) {
       run_.joints_failed = !context_.soak_case.scene.joints.empty();
       if (!run_.joints_failed)
@@ -170,8 +170,8 @@ class BaseWalk {
     if (!options_.checks.has(CheckKind::zeros) || saw_negative_zero_) return true;
     if (const auto place = find_negative_zero(state)) {
       saw_negative_zero_ = true;
-      run_.findings.push_back(make_failure({CheckKind::zeros}, tick,
-                                           place_words(*engine_, state, *place) + ": found -0, expected 0", false));
+      run_.findings.push_back(make_failure(
+          {CheckKind::zeros}, tick, place_of_tick_text(*engine_, state, *place) + ": found -0, expected 0", false));
     }
     return true;
   }

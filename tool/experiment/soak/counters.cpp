@@ -59,8 +59,8 @@ SoakCounters parse_counters(const Json& json) {
     json.at("invalidations").at(i).get_to(counters.caches[i].invalidations);
   }
   for (const auto& [name, row] : json.at("rows").items())
-    counters.rows[name] = {row.at(0).get<std::uint64_t>(), row.at(1).get<std::uint64_t>(),
-                           row.at(2).get<std::uint64_t>()};
+    counters.choices[name] = {row.at(0).get<std::uint64_t>(), row.at(1).get<std::uint64_t>(),
+                              row.at(2).get<std::uint64_t>()};
   counters.pairs = parse_pairs(json.at("pairs"));
   counters.known = parse_pairs(json.at("known"));
   for (const Json& failure : json.at("failures")) counters.failures.push_back(parse_failure(failure));
@@ -89,7 +89,7 @@ std::string print_progress(const SoakIdentity& identity, const SoakCounters& cou
     json["invalidations"].push_back(counts.invalidations);
   }
   json["rows"] = Json::object();
-  for (const auto& [name, row] : counters.rows) json["rows"][name] = {row.active, row.measured, row.effect};
+  for (const auto& [name, row] : counters.choices) json["rows"][name] = {row.active, row.measured, row.effect};
   json["pairs"] = pairs_json(counters.pairs);
   json["known"] = pairs_json(counters.known);
   json["failures"] = Json::array();

@@ -1,4 +1,4 @@
-// What a soak has counted so far: kept in a file, so that a soak can be resumed.
+// The counters of a soak, stored in a file so that a soak can be resumed.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -29,13 +29,13 @@ struct FailedWorld {
   std::uint64_t test_count = 0;  // runs that shrinking took
 };
 
-struct RowCoverage {
-  std::uint64_t active = 0;    // worlds that have the row
-  std::uint64_t measured = 0;  // of these, worlds that were run without it
-  std::uint64_t effect = 0;    // of these, worlds whose states differ without it
+struct ChoiceCoverage {
+  std::uint64_t active = 0;    // worlds that use the choice
+  std::uint64_t measured = 0;  // of these, worlds that were run without the choice
+  std::uint64_t effect = 0;    // of these, worlds whose states differ without the choice
 };
 
-/// How many rows with an effect are enough: then no more worlds are run without the row.
+/// Number of worlds with an effect after which a choice is no longer measured.
 inline constexpr std::uint64_t effect_count_wanted = 500;
 
 struct SoakCounters {
@@ -45,8 +45,8 @@ struct SoakCounters {
   std::array<std::uint64_t, check_table.size()> run_counts{};
   engine::CacheReport caches{};  // of the base runs
   CacheTally while_hit{};
-  std::map<std::string, RowCoverage> rows;
-  std::map<std::pair<std::string, std::string>, std::uint64_t> pairs;  // worlds that have both rows
+  std::map<std::string, ChoiceCoverage> choices;
+  std::map<std::pair<std::string, std::string>, std::uint64_t> pairs;  // worlds that use both choices
   std::map<std::pair<std::string, std::string>, std::uint64_t> known;  // (cause, check): worlds
   std::uint64_t ran_away_count = 0;       // worlds whose base run ended for BaseRun::ran_away
   std::uint64_t joints_failed_count = 0;  // likewise

@@ -1,4 +1,4 @@
-// A world that failed: shrunk, and written down with the command that shows it.
+// Writes files of a world that failed: the shrunk world and the command that reproduces the failure.
 // SPDX-License-Identifier: MIT
 #pragma once
 

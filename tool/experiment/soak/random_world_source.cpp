@@ -17,8 +17,8 @@ WorldSource random_worlds() {
     if (!without) return std::nullopt;
     return SoakCase{std::move(without->scene), std::move(without->inputs), without->tick_count};
   };
-  source.rows = engine::random_world_rows();
-  source.row_changes_bits = engine::row_changes_bits;
+  source.choices = engine::random_world_rows();
+  source.choice_changes_bits = engine::row_changes_bits;
   return source;
 }
 

@@ -13,8 +13,8 @@
 #include "base/build_info.h"
 #include "base/parallel/jobs.h"
 #include "tool/experiment/oracle/physics_checks.h"
+#include "tool/experiment/soak/choice_effects.h"
 #include "tool/experiment/soak/failure_files.h"
-#include "tool/experiment/soak/row_effects.h"
 #include "verifier/runs/data_file.h"
 
 namespace ticktrue::verifier::soak {
@@ -33,14 +33,14 @@ struct WorldOutcome {
 };
 
 /// A file that exists while a world is examined: what is left of it names the world that ended the process.
-class RunningMark {
+class RunningFile {
  public:
-  RunningMark(const SoakOptions& options, std::uint64_t index)
+  RunningFile(const SoakOptions& options, std::uint64_t index)
       : path_(options.folder + "/running_" + std::to_string(index)) {
     std::ofstream(path_) << "ticktrue soak --seed " << options.seed << " --world " << index << "\n";
   }
-  RunningMark(const RunningMark&) = delete;
-  ~RunningMark() {
+  RunningFile(const RunningFile&) = delete;
+  ~RunningFile() {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
   }
@@ -103,7 +103,7 @@ class Soak {
 
   /// Worlds done: all of the block, or those before the time was over.
   Result<std::uint64_t> run_block(std::uint64_t begin, std::uint64_t end) {
-    const std::vector<std::string> wanted = rows_to_measure(options_.worlds, counters_.rows);
+    const std::vector<std::string> wanted = choices_to_measure(options_.worlds, counters_.choices);
     std::vector<WorldOutcome> outcomes(end - begin);
     const Status ran = run_jobs(outcomes.size(), options_.thread_count, [&](std::size_t i) {
       const bool is_late = options_.time_s > 0 && seconds_since(start_) >= options_.time_s;
@@ -121,8 +121,8 @@ class Soak {
     return done;
   }
 
-  WorldOutcome run_world(std::uint64_t index, const std::vector<std::string>& wanted_rows) const {
-    const RunningMark mark(options_, index);
+  WorldOutcome run_world(std::uint64_t index, const std::vector<std::string>& wanted_choices) const {
+    const RunningFile mark(options_, index);
     const std::uint64_t seed = world_seed(options_.seed, index);
     WorldSource::World world = options_.worlds.make(seed);
     OracleOptions oracle = options_.oracle;
@@ -139,7 +139,7 @@ class Soak {
     counts.caches = result.base.caches;
     engine::add_counts(counts.caches, result.tally.caches);
     counts.while_hit = result.tally.while_hit;
-    count_rows(options_.worlds, world, seed, result.base, wanted_rows, options_.oracle.make, counts);
+    count_choices(options_.worlds, world, seed, result.base, wanted_choices, options_.oracle.make, counts);
     if (index < options_.known_world_count) {
       const CaseInputs inputs(world.soak_case);
       const PhysicsCounts physics = count_physics({world.soak_case, inputs, oracle.make}, result.base);
@@ -171,8 +171,8 @@ class Soak {
       counters_.caches[i].invalidations += counts.caches[i].invalidations;
       counters_.while_hit[i] += counts.while_hit[i];
     }
-    for (const auto& [name, row] : counts.rows) {
-      RowCoverage& sum = counters_.rows[name];
+    for (const auto& [name, row] : counts.choices) {
+      ChoiceCoverage& sum = counters_.choices[name];
       sum.active += row.active;
       sum.measured += row.measured;
       sum.effect += row.effect;

@@ -19,13 +19,13 @@ namespace ticktrue::verifier::soak {
 struct WorldSource {
   struct World {
     SoakCase soak_case;
-    std::vector<std::string> rows;  // "joint/weld": what the world has of the tables of choices
+    std::vector<std::string> choices;  // "joint/weld": choices that the world uses
   };
   std::function<World(std::uint64_t world_seed)> make;
-  /// The world without a row; nothing where there is none.
-  std::function<std::optional<SoakCase>(std::uint64_t world_seed, const std::string& row)> without;
-  std::vector<std::string> rows;                                 // all there are, so that missing ones are seen
-  std::function<bool(const std::string& row)> row_changes_bits;  // false: only its use is counted
+  /// The world without a choice; nothing if there is no such world.
+  std::function<std::optional<SoakCase>(std::uint64_t world_seed, const std::string& choice)> without;
+  std::vector<std::string> choices;                                    // every choice, so that unused ones are reported
+  std::function<bool(const std::string& choice)> choice_changes_bits;  // false: only its use is counted, not its effect
 };
 /// Those of engine/random_worlds.
 WorldSource random_worlds();
@@ -33,7 +33,7 @@ WorldSource random_worlds();
 struct SoakOptions {
   std::uint64_t seed = 1;
   std::uint64_t world_count = 1000;
-  std::optional<std::uint64_t> only_world;  // this index alone; no progress is kept
+  std::optional<std::uint64_t> only_world;  // this index alone; no progress is stored
   double time_s = 0;                        // begin no world later; 0: no limit
   unsigned thread_count = 1;                // over worlds
   bool resume = false;
@@ -60,8 +60,8 @@ std::uint64_t world_seed(std::uint64_t seed, std::uint64_t index);
 /// Errors: io (folder, progress), corrupt and incompatible (progress), unsupported (check_float_behaviour).
 Result<SoakReport> run_soak(const SoakOptions& options);
 
-/// Worlds between two savings of the progress. What counts rows with an effect looks only at what was known at the
-/// last one, so that a soak that was resumed counts the same as one that was not.
+/// Worlds between two savings of the progress. Effects are counted from the state of the last saving, so that a resumed
+/// soak counts the same as an uninterrupted one.
 inline constexpr std::uint64_t worlds_per_block = 16;
 
 }  // namespace ticktrue::verifier::soak

@@ -24,22 +24,22 @@ struct PairCoverage {
 };
 constexpr std::uint64_t pair_count_wanted = 5;
 
-std::string_view table_of(std::string_view row) {
-  return row.substr(0, row.find('/'));
+std::string_view table_of(std::string_view choice) {
+  return choice.substr(0, choice.find('/'));
 }
 
 PairCoverage pair_coverage(const SoakOptions& options, const SoakCounters& counters) {
   PairCoverage coverage;
-  const std::vector<std::string>& rows = options.worlds.rows;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t k = i + 1; k < rows.size(); ++k) {
-      const auto found = counters.pairs.find(std::minmax(rows[i], rows[k]));
-      const std::string names = rows[i] + " and " + rows[k];
+  const std::vector<std::string>& choices = options.worlds.choices;
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    for (std::size_t k = i + 1; k < choices.size(); ++k) {
+      const auto found = counters.pairs.find(std::minmax(choices[i], choices[k]));
+      const std::string names = choices[i] + " and " + choices[k];
       if (found != counters.pairs.end() && found->second >= pair_count_wanted)
         ++coverage.enough;
       else if (found != counters.pairs.end())
         coverage.rare.push_back(names + ": " + std::to_string(found->second));
-      else if (table_of(rows[i]) != table_of(rows[k]))
+      else if (table_of(choices[i]) != table_of(choices[k]))
         coverage.never.push_back(names);
     }
   return coverage;
@@ -64,15 +64,16 @@ std::string caches_text(const SoakCounters& counters) {
   return text;
 }
 
-std::string rows_text(const SoakOptions& options, const SoakCounters& counters) {
-  if (options.worlds.rows.empty()) return "";
+std::string choices_text(const SoakOptions& options, const SoakCounters& counters) {
+  if (options.worlds.choices.empty()) return "";
   std::string text = fmt::format("  rows {:<32} {:>8} {:>12}\n", "", "worlds", "with effect");
-  for (const std::string& name : options.worlds.rows) {
-    const auto found = counters.rows.find(name);
-    const RowCoverage row = found == counters.rows.end() ? RowCoverage{} : found->second;
-    const std::string effect = options.worlds.row_changes_bits(name) ? fmt::format("{} of {}", row.effect, row.measured)
-                                                                     : std::string("changes no bit");
-    text += fmt::format("    {:<33} {:>8} {:>12}\n", name, row.active, effect);
+  for (const std::string& name : options.worlds.choices) {
+    const auto found = counters.choices.find(name);
+    const ChoiceCoverage choice = found == counters.choices.end() ? ChoiceCoverage{} : found->second;
+    const std::string effect = options.worlds.choice_changes_bits(name)
+                                   ? fmt::format("{} of {}", choice.effect, choice.measured)
+                                   : std::string("changes no bit");
+    text += fmt::format("    {:<33} {:>8} {:>12}\n", name, choice.active, effect);
   }
   const PairCoverage pairs = pair_coverage(options, counters);
   text += fmt::format("  pairs of rows  {} in at least {} worlds, {} in fewer, {} of different tables in none\n",
@@ -104,16 +105,16 @@ Json caches_json(const SoakCounters& counters) {
   return list;
 }
 
-Json rows_json(const SoakOptions& options, const SoakCounters& counters) {
+Json choices_json(const SoakOptions& options, const SoakCounters& counters) {
   Json list = Json::array();
-  for (const std::string& name : options.worlds.rows) {
-    const auto found = counters.rows.find(name);
-    const RowCoverage row = found == counters.rows.end() ? RowCoverage{} : found->second;
+  for (const std::string& name : options.worlds.choices) {
+    const auto found = counters.choices.find(name);
+    const ChoiceCoverage choice = found == counters.choices.end() ? ChoiceCoverage{} : found->second;
     list.push_back({{"row", name},
-                    {"worlds", row.active},
-                    {"changes_bits", options.worlds.row_changes_bits(name)},
-                    {"run_without", row.measured},
-                    {"with_effect", row.effect}});
+                    {"worlds", choice.active},
+                    {"changes_bits", options.worlds.choice_changes_bits(name)},
+                    {"run_without", choice.measured},
+                    {"with_effect", choice.effect}});
   }
   return list;
 }
@@ -151,7 +152,7 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
   text += fmt::format("  ended   {} worlds early: {} in which a body ran away, {} with joints that became non-finite\n",
                       counters.ran_away_count + counters.joints_failed_count, counters.ran_away_count,
                       counters.joints_failed_count);
-  text += checks_text(counters) + caches_text(counters) + rows_text(options, counters);
+  text += checks_text(counters) + caches_text(counters) + choices_text(options, counters);
   text += fmt::format("  time    {:.1f} s for {} worlds, {:.2f} worlds/s\n", report.seconds, report.new_worlds,
                       worlds_per_second(report));
   return text;
@@ -173,7 +174,7 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
   for (const CheckInfo& info : check_table)
     json["checks"][std::string(info.name)] = counters.run_counts[static_cast<std::size_t>(info.kind)];
   json["caches"] = caches_json(counters);
-  json["rows"] = rows_json(options, counters);
+  json["rows"] = choices_json(options, counters);
   const PairCoverage pairs = pair_coverage(options, counters);
   json["pairs"] = {
       {"wanted", pair_count_wanted}, {"enough", pairs.enough}, {"rare", pairs.rare}, {"never", pairs.never}};

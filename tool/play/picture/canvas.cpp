@@ -40,14 +40,14 @@ double covered(double distance) {
 }
 
 /// Pixels [begin, end) of a row whose centres lie between two places.
-struct Row {
+struct PixelSpan {
   int begin = 0;
   int end = 0;
 };
-Row row_between(double lower, double upper, int width) {
-  Row row{clamped(std::ceil(lower - 0.5), width), clamped(std::floor(upper - 0.5) + 1, width)};
-  if (row.end < row.begin) row.end = row.begin;
-  return row;
+PixelSpan span_between(double lower, double upper, int width) {
+  PixelSpan scanline{clamped(std::ceil(lower - 0.5), width), clamped(std::floor(upper - 0.5) + 1, width)};
+  if (scanline.end < scanline.begin) scanline.end = scanline.begin;
+  return scanline;
 }
 
 }  // namespace
@@ -81,12 +81,12 @@ void Canvas::blend(std::uint32_t& pixel, Color color, double coverage) const {
 }
 
 void Canvas::span(int y, int begin, int end, Color color) {
-  std::uint32_t* row = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  std::uint32_t* scanline = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
   if (color.alpha == 255) {
-    std::fill(row + begin, row + end, packed(color));
+    std::fill(scanline + begin, scanline + end, packed(color));
     return;
   }
-  for (int x = begin; x < end; ++x) blend(row[x], color, 1);
+  for (int x = begin; x < end; ++x) blend(scanline[x], color, 1);
 }
 
 void Canvas::convex(std::span<const Pixel> corners, const Paint& paint) {
@@ -112,7 +112,7 @@ void Canvas::convex(std::span<const Pixel> corners, const Paint& paint) {
   }
   if (edges_.size() < 2) return;
 
-  const Row rows = row_between(top - 0.5, bottom + 0.5, height_);
+  const PixelSpan rows = span_between(top - 0.5, bottom + 0.5, height_);
   const Color inside = shaded(paint, -1e9);
   for (int y = rows.begin; y < rows.end; ++y) {
     double low = -1e300, high = 1e300;                // where coverage begins
@@ -132,15 +132,16 @@ void Canvas::convex(std::span<const Pixel> corners, const Paint& paint) {
       }
     }
     if (!(low < high)) continue;
-    const Row outer = row_between(low, high, width_);
-    Row inner = low_inside < high_inside ? row_between(low_inside, high_inside, width_) : Row{outer.end, outer.end};
+    const PixelSpan outer = span_between(low, high, width_);
+    PixelSpan inner =
+        low_inside < high_inside ? span_between(low_inside, high_inside, width_) : PixelSpan{outer.end, outer.end};
     if (inner.begin >= inner.end) inner = {outer.end, outer.end};
-    std::uint32_t* row = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    std::uint32_t* scanline = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
     const auto soft = [&](int begin, int end) {
       for (int x = begin; x < end; ++x) {
         double distance = -1e300;
         for (const Edge& edge : edges_) distance = std::max(distance, edge.a * (x + 0.5) + edge.b * (y + 0.5) + edge.c);
-        blend(row[x], shaded(paint, distance), covered(distance));
+        blend(scanline[x], shaded(paint, distance), covered(distance));
       }
     };
     soft(outer.begin, std::min(inner.begin, outer.end));
@@ -151,27 +152,27 @@ void Canvas::convex(std::span<const Pixel> corners, const Paint& paint) {
 
 void Canvas::circle(Pixel center, double radius, const Paint& paint) {
   if (!std::isfinite(center.x) || !std::isfinite(center.y) || !std::isfinite(radius)) return;
-  const Row rows = row_between(center.y - radius - 0.5, center.y + radius + 0.5, height_);
+  const PixelSpan rows = span_between(center.y - radius - 0.5, center.y + radius + 0.5, height_);
   const Color inside = shaded(paint, -1e9);
   for (int y = rows.begin; y < rows.end; ++y) {
     const double dy = y + 0.5 - center.y;
     const double outside = radius + 0.5;
     if (dy * dy >= outside * outside) continue;
     const double half = std::sqrt(outside * outside - dy * dy);
-    const Row outer = row_between(center.x - half, center.x + half, width_);
+    const PixelSpan outer = span_between(center.x - half, center.x + half, width_);
     const double whole = radius - 0.5 - paint.edge_px;
-    Row inner{outer.end, outer.end};
+    PixelSpan inner{outer.end, outer.end};
     if (whole > 0 && dy * dy < whole * whole) {
       const double half_inside = std::sqrt(whole * whole - dy * dy);
-      const Row found = row_between(center.x - half_inside, center.x + half_inside, width_);
+      const PixelSpan found = span_between(center.x - half_inside, center.x + half_inside, width_);
       if (found.begin < found.end) inner = found;
     }
-    std::uint32_t* row = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    std::uint32_t* scanline = pixels_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
     const auto soft = [&](int begin, int end) {
       for (int x = begin; x < end; ++x) {
         const double dx = x + 0.5 - center.x;
         const double distance = std::sqrt(dx * dx + dy * dy) - radius;
-        blend(row[x], shaded(paint, distance), covered(distance));
+        blend(scanline[x], shaded(paint, distance), covered(distance));
       }
     };
     soft(outer.begin, std::min(inner.begin, outer.end));
@@ -199,12 +200,13 @@ void Canvas::ring(Pixel center, double radius, double width_px, Color color) {
 }
 
 void Canvas::mask(const Mask& mask, int x, int y, Color color) {
-  for (int row = std::max(0, -y); row < mask.height && y + row < height_; ++row)
+  for (int scanline = std::max(0, -y); scanline < mask.height && y + scanline < height_; ++scanline)
     for (int column = std::max(0, -x); column < mask.width && x + column < width_; ++column) {
-      const std::uint8_t coverage = mask.coverage[static_cast<std::size_t>(row) * static_cast<std::size_t>(mask.width) +
-                                                  static_cast<std::size_t>(column)];
+      const std::uint8_t coverage =
+          mask.coverage[static_cast<std::size_t>(scanline) * static_cast<std::size_t>(mask.width) +
+                        static_cast<std::size_t>(column)];
       if (coverage == 0) continue;
-      blend(pixels_[static_cast<std::size_t>(y + row) * static_cast<std::size_t>(width_) +
+      blend(pixels_[static_cast<std::size_t>(y + scanline) * static_cast<std::size_t>(width_) +
                     static_cast<std::size_t>(x + column)],
             color, coverage / 255.0);
     }

@@ -151,17 +151,17 @@ Bytes compressed(const Bytes& data) {
 Bytes png_of(const Canvas& canvas) {
   const auto width = static_cast<std::size_t>(canvas.width());
   const auto height = static_cast<std::size_t>(canvas.height());
-  const std::size_t row_size = 3 * width;
-  Bytes above(row_size, 0), row(row_size, 0), data;
+  const std::size_t scanline_size = 3 * width;
+  Bytes above(scanline_size, 0), scanline(scanline_size, 0), data;
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x) {
       const std::uint32_t pixel = canvas.pixels()[y * width + x];
       for (std::size_t channel = 0; channel < 3; ++channel)
-        row[3 * x + channel] = static_cast<std::uint8_t>(pixel >> (16 - 8 * channel));
+        scanline[3 * x + channel] = static_cast<std::uint8_t>(pixel >> (16 - 8 * channel));
     }
     data.push_back(2);  // the difference from the row above
-    for (std::size_t i = 0; i < row_size; ++i) data.push_back(static_cast<std::uint8_t>(row[i] - above[i]));
-    above.swap(row);
+    for (std::size_t i = 0; i < scanline_size; ++i) data.push_back(static_cast<std::uint8_t>(scanline[i] - above[i]));
+    above.swap(scanline);
   }
   Bytes head;
   put_big_endian(head, static_cast<std::uint32_t>(width));

@@ -18,8 +18,8 @@ verifier::WorldBox turned_bodies(const engine::Engine& engine) {
   for (const verifier::DrawnBody& body : bodies) {
     const verifier::Figure& figure = drawing.figures()[body.figure];
     if (figure.type == engine::BodyType::static_body || !body.is_finite) continue;
-    box.add(body.center.x - figure.reach, body.center.y - figure.reach);
-    box.add(body.center.x + figure.reach, body.center.y + figure.reach);
+    box.add(body.center.x - figure.extent, body.center.y - figure.extent);
+    box.add(body.center.x + figure.extent, body.center.y + figure.extent);
   }
   return box;
 }

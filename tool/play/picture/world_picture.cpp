@@ -141,7 +141,7 @@ void WorldPicture::draw_body(Canvas& canvas, const View& view, const DrawnBody& 
   const Figure& figure = used_->figures()[body.figure];
   if (!body.is_finite) return;
   const Pixel middle = view.to_pixel(body.center);
-  const double reach = figure.reach * view.scale + 2;
+  const double reach = figure.extent * view.scale + 2;
   if (middle.x + reach < 0 || middle.x - reach > canvas.width() || middle.y + reach < 0 ||
       middle.y - reach > canvas.height())
     return;
@@ -308,7 +308,7 @@ void WorldPicture::draw_rings(Canvas& canvas, const View& view, const std::vecto
   for (const std::uint32_t id : ids) {
     const DrawnBody* body = find(id);
     if (body == nullptr || !body->is_finite) continue;
-    const double radius = drawing_.figures()[body->figure].reach * view.scale + 7;
+    const double radius = drawing_.figures()[body->figure].extent * view.scale + 7;
     canvas.ring(view.to_pixel(body->center), radius, 5, with_alpha(theme::bad, 70));
     canvas.ring(view.to_pixel(body->center), radius, 2, theme::bad);
   }

@@ -1,4 +1,4 @@
-// What shows the pictures and says what a person does: a window, or nobody.
+// The host of a session: shows pictures and returns events; a window, or no display.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -15,7 +15,7 @@ namespace ticktrue::play {
 enum class EventKind : std::uint8_t { press, release, move, wheel, key, resize, quit };
 enum class Button : std::uint8_t { left, middle, right };
 
-/// What a person did. Which fields count is said beside them.
+/// An event of a person. The comment of a field lists the events that use it.
 struct Event {
   EventKind kind = EventKind::quit;
   double at_s = 0;               // since the frame began
@@ -28,7 +28,7 @@ struct Event {
                     // "page down"; others as the window system calls them
 };
 
-/// The time between two pictures, and what happened in it.
+/// The time between two pictures, and its events.
 struct HostFrame {
   double seconds = 0;
   double show_s = 0;          // that showing the picture took, without waiting for the moment of the next one
@@ -38,12 +38,12 @@ struct HostFrame {
 class Host {
  public:
   virtual ~Host() = default;
-  /// Shows the picture; then what happened since the picture before. Errors: io.
+  /// Shows the picture; returns the events since the previous picture. Errors: io.
   virtual Result<HostFrame> next(const Canvas& picture) = 0;
   virtual void set_title(const std::string& title) = 0;
 };
 
-/// Frames of 1 / hz s, as fast as they can be drawn, which nobody sees.
+/// Frames of 1 / hz s without a display, as fast as they can be drawn.
 std::unique_ptr<Host> no_display(double hz);
 
 struct WindowSize {

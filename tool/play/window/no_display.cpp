@@ -9,7 +9,7 @@ class NoDisplay : public Host {
  public:
   explicit NoDisplay(double hz) : hz_(hz) {}
   Result<HostFrame> next(const Canvas&) override {
-    // From the number of frames, so that rounding does not add up.
+    // From the number of frames, so that rounding errors do not accumulate.
     const double begin = static_cast<double>(frame_count_) / hz_;
     ++frame_count_;
     HostFrame frame;

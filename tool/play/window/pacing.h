@@ -1,4 +1,4 @@
-// When the next picture is due: by the clock and not from picture to picture, so that nothing adds up.
+// The time of the next picture: by the clock and not from picture to picture, so that errors do not accumulate.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -8,10 +8,10 @@
 namespace ticktrue::play {
 
 inline constexpr double picture_s = 1.0 / 60;      // pictures are not shown faster
-inline constexpr double picture_s_max = 1.0 / 20;  // a longer one counts as this: slow motion, no growing debt of ticks
+inline constexpr double picture_s_max = 1.0 / 20;  // s; a longer frame counts as this: no unbounded backlog of ticks
 
-/// Moments a picture apart. A picture that is late does not move those after it; what is late by more than
-/// picture_s_max is not made up for.
+/// Picture times at a constant distance. A late picture does not delay the next ones; a delay of more than
+/// picture_s_max is dropped.
 class Pacer {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,4 @@
-// A window by SDL2: shows the pictures and gathers events. The only file that knows SDL.
+// A window with SDL2: shows pictures and collects events. The only file that includes SDL.
 // SPDX-License-Identifier: MIT
 #include <SDL2/SDL.h>
 

@@ -124,7 +124,7 @@ void pendulum(const char* name, Real start) {
 
 int main() {
   std::printf(
-      "// Numbers made by tool/study/generator/reference_numbers.cpp, which says what they are.\n"
+      "// Reference numbers, made by tool/study/generator/reference_numbers.cpp; see there.\n"
       "// SPDX-License-Identifier: MIT\n#pragma once\n\n// clang-format off\n\nnamespace ticktrue::verifier {\n\n"
       "// Angles of a double pendulum from hanging down, rad: upper, lower at 2 s / 20, 4 s / 20, ... 2 s.\n");
   pendulum("double_pendulum_90", pi / 2);

@@ -1,4 +1,4 @@
-// Stiff and extreme cases: pass or fail with the number behind it, beside what other engines are known to do.
+// Stiff and extreme cases: a number and a verdict for each, next to known results of other engines.
 // SPDX-License-Identifier: MIT
 //
 // Verified: the stated number of each case against its stated bound, and that every value stays finite. Not verified:
@@ -20,13 +20,13 @@
 
 namespace ticktrue::verifier {
 
-/// How the engine is set for a case.
+/// The settings of the engine for a case.
 struct StressMethod {
   std::string name;
   engine::SolverKind solver = engine::SolverKind::tgs_soft;
   engine::IntegratorKind integrator = engine::IntegratorKind::semi_implicit_euler;
   bool automatic = false;    // substeps
-  bool is_baseline = false;  // there to be compared with: its failures are expected
+  bool is_baseline = false;  // for comparison: its failures are expected
 };
 /// Default, automatic substeps, pgs, impulse.
 std::vector<StressMethod> contact_methods();

@@ -1,4 +1,4 @@
-// The parts that the list of stress cases is put together from.
+// The parts of the list of stress cases.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -25,10 +25,10 @@ StressValue run_case(
     const engine::Scene& scene, double seconds, const std::function<bool(const Bodies&)>& watch,
     const std::function<double(const engine::Engine&, const Bodies& start, const Bodies& end)>& finish);
 
-/// The largest way across and down of the moving bodies, over their bounds: 1 is just allowed.
+/// The largest displacement across and down of the moving bodies, relative to their bounds; 1 is the limit.
 double moved_share(const Bodies& start, const Bodies& end, double across_max, double down_max);
 
-/// As it stands in names and sentences: 0.01, 1000, 1e+06.
+/// The format in names and sentences: 0.01, 1000, 1e+06.
 std::string plain_number(double value);
 
 }  // namespace ticktrue::verifier

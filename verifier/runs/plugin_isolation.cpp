@@ -1,6 +1,6 @@
 // The child process in which plug-ins run, and the watch over it.
 // SPDX-License-Identifier: MIT
-#include "verifier/runs/plugin_guard.h"
+#include "verifier/runs/plugin_isolation.h"
 
 #include "verifier/runs/child_process.h"
 
@@ -15,8 +15,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "verifier/runs/completion.h"
 #include "verifier/runs/escaped.h"
-#include "verifier/runs/finished_mark.h"
 #endif
 
 #include <cstdlib>
@@ -96,9 +96,9 @@ std::string signal_text(int signal) {
   return name != nullptr ? std::string(name) : "signal " + std::to_string(signal);
 }
 
-// Of run_guarded, for the parts of its child.
-std::string guarded_names;
-std::uint64_t guarded_timeout_s = 0;
+// Of run_isolated, for the parts of its child.
+std::string isolated_names;
+std::uint64_t isolated_timeout_s = 0;
 std::FILE* output_of_tool = nullptr;
 
 /// A page that this process and the child it is about to make both see; null where there is no memory.
@@ -109,7 +109,7 @@ PluginWatch* make_watch() {
   return static_cast<PluginWatch*>(page);
 }
 
-/// Tells a call that takes too long from one that goes on.
+/// Measures how long the current call has been running.
 class CallClock {
  public:
   CallClock(const PluginWatch& page, pid_t child) : page_(page), child_(child) {}
@@ -123,10 +123,10 @@ class CallClock {
     }
     const bool is_busy = page_.call.load() != static_cast<std::uint32_t>(PluginCall::none);
     const bool is_over = page_.finished.load() != 0;
-    if (Clock::now() - since_ <= std::chrono::seconds(guarded_timeout_s)) return true;
+    if (Clock::now() - since_ <= std::chrono::seconds(isolated_timeout_s)) return true;
     if (is_busy || is_over) {
       text_ = "hangs " + (is_over ? std::string("while it was unloaded") : place_text(page_)) +
-              ": found no end after " + std::to_string(guarded_timeout_s) + " s (--plugin-timeout)";
+              ": found no end after " + std::to_string(isolated_timeout_s) + " s (--plugin-timeout)";
       return false;
     }
     if (!main_thread_has_ended(child_)) return true;  // the tool's own work may take any time
@@ -154,19 +154,19 @@ std::string fault_text(const ChildEnd& end, const PluginWatch& page) {
 }
 
 /// Waits for the child; kills it when one call takes too long.
-GuardedEnd wait_for(ChildProcess& child, const PluginWatch& page) {
+IsolatedEnd wait_for(ChildProcess& child, const PluginWatch& page) {
   CallClock clock(page, child.id());
   const ChildEnd end = child.wait(std::nullopt, [&] { return clock.goes_on(); });
-  GuardedEnd result;
+  IsolatedEnd result;
   result.escaped = end.escaped;
   if (end.how == ChildEnd::How::killed_by_signal && end.signal == end.stop_signal) {
     result.exit_code = exit_finding;
     result.stop_signal = end.stop_signal;
-    result.message = "plug-in " + guarded_names + ": stopped by " + signal_text(end.signal);
+    result.message = "plug-in " + isolated_names + ": stopped by " + signal_text(end.signal);
     return result;
   }
   const std::string fault = end.how == ChildEnd::How::stopped ? clock.text() : fault_text(end, page);
-  if (!fault.empty()) result.message = "plug-in " + guarded_names + ": " + fault;
+  if (!fault.empty()) result.message = "plug-in " + isolated_names + ": " + fault;
   result.exit_code = fault.empty() ? end.exit_status : exit_finding;
   return result;
 }
@@ -179,7 +179,7 @@ void separate_output(const ChildStream& plugin_output) {
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // so that the lines before a crash are seen
   // In a group of its own it may write to the terminal, and finds nothing to read there.
   for (const int signal : {SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
-  drop_finished_mark();
+  close_completion_pipe();
 }
 
 bool write_whole(int descriptor, ByteView bytes) {
@@ -192,25 +192,25 @@ bool write_whole(int descriptor, ByteView bytes) {
   return true;
 }
 
-/// In the child: does the part and hands over what it gives.
+/// In the child: runs the part and writes its result to the pipe.
 [[noreturn]] void do_part(const std::function<Bytes()>& part, const ChildStream& out) {
   const bool written = write_whole(out.write_end(), part());
   std::fflush(nullptr);
-  if (written) finish_guarded(exit_ok);
+  if (written) finish_isolated(exit_ok);
   _exit(written ? exit_ok : exit_usage);
 }
 
 }  // namespace
 
-bool can_guard_plugins() {
+bool can_isolate_plugins() {
   return true;
 }
 
-std::FILE* guarded_output() {
+std::FILE* isolated_output() {
   return output_of_tool;
 }
 
-void finish_guarded(int exit_code) {
+void finish_isolated(int exit_code) {
   if (watch == nullptr) return;
   watch->exit_code.store(exit_code);
   watch->finished.store(1);
@@ -224,10 +224,10 @@ void end_by_signal(int signal) {
   _exit(128 + signal);
 }
 
-std::optional<GuardedEnd> run_guarded(const std::string& plugin_names, std::uint64_t timeout_s) {
-  guarded_names = plugin_names;
-  guarded_timeout_s = timeout_s;
-  GuardedEnd refused;
+std::optional<IsolatedEnd> run_isolated(const std::string& plugin_names, std::uint64_t timeout_s) {
+  isolated_names = plugin_names;
+  isolated_timeout_s = timeout_s;
+  IsolatedEnd refused;
   refused.exit_code = exit_usage;
   PluginWatch* page = make_watch();
   if (page == nullptr) {
@@ -235,7 +235,7 @@ std::optional<GuardedEnd> run_guarded(const std::string& plugin_names, std::uint
     return refused;
   }
   ChildProcess process;
-  ChildStream& plugin_output = process.add_stream(plugin_output_size_max, ChildStream::Keep::first);
+  ChildStream& plugin_output = process.add_stream(plugin_output_size_max, ChildStream::Retain::first);
   plugin_output.relay = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
   std::fflush(nullptr);
   const ChildProcess::Side side = process.fork();
@@ -248,21 +248,21 @@ std::optional<GuardedEnd> run_guarded(const std::string& plugin_names, std::uint
     separate_output(plugin_output);
     return std::nullopt;
   }
-  GuardedEnd end = wait_for(process, *page);
+  IsolatedEnd end = wait_for(process, *page);
   end.dropped_output_size = plugin_output.dropped_size();
   return end;
 }
 
-GuardedPart run_part(const std::function<Bytes()>& part) {
+IsolatedPart run_part(const std::function<Bytes()>& part) {
   if (watch == nullptr) return {part(), ""};
-  GuardedPart done;
+  IsolatedPart done;
   PluginWatch* page = make_watch();
   if (page == nullptr) {
-    done.message = "plug-in " + guarded_names + ": no memory for its watch";
+    done.message = "plug-in " + isolated_names + ": no memory for its watch";
     return done;
   }
   ChildProcess process;
-  ChildStream& out = process.add_stream(part_result_size_max, ChildStream::Keep::first);
+  ChildStream& out = process.add_stream(part_result_size_max, ChildStream::Retain::first);
   std::fflush(nullptr);
   const ChildProcess::Side side = process.fork();
   if (side == ChildProcess::Side::child) {
@@ -270,9 +270,9 @@ GuardedPart run_part(const std::function<Bytes()>& part) {
     do_part(part, out);
   }
   if (side == ChildProcess::Side::failed) {
-    done.message = "plug-in " + guarded_names + ": the system gave no process for it: " + process.failure();
+    done.message = "plug-in " + isolated_names + ": the system gave no process for it: " + process.failure();
   } else {
-    const GuardedEnd end = wait_for(process, *page);
+    const IsolatedEnd end = wait_for(process, *page);
     if (end.stop_signal != 0) std::raise(end.stop_signal);
     const std::string text = out.text();
     done.result.assign(text.begin(), text.end());
@@ -284,28 +284,28 @@ GuardedPart run_part(const std::function<Bytes()>& part) {
 
 #else
 
-bool can_guard_plugins() {
+bool can_isolate_plugins() {
   return false;
 }
 
-std::FILE* guarded_output() {
+std::FILE* isolated_output() {
   return stdout;
 }
 
-void finish_guarded(int) {}
+void finish_isolated(int) {}
 
 void end_by_signal(int) {
   std::abort();
 }
 
-std::optional<GuardedEnd> run_guarded(const std::string&, std::uint64_t) {
-  GuardedEnd refused;
+std::optional<IsolatedEnd> run_isolated(const std::string&, std::uint64_t) {
+  IsolatedEnd refused;
   refused.exit_code = exit_usage;
   refused.message = "plug-ins: this system has no child processes";
   return refused;
 }
 
-GuardedPart run_part(const std::function<Bytes()>& part) {
+IsolatedPart run_part(const std::function<Bytes()>& part) {
   return {part(), ""};
 }
 

@@ -1,7 +1,7 @@
 // Records a trace's session again with one bit flipped on the way: as a build that computes differently would have.
 // SPDX-License-Identifier: MIT
 //
-// plant_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B
+// inject_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B
 // At the end of the tick, BIT of lane 0 of the velocity of the body in row BODY is flipped.
 #include <cstdio>
 #include <cstdlib>
@@ -22,14 +22,14 @@ using test::Fault;
 using test::FaultyEngine;
 
 int fail(const std::string& text) {
-  std::fprintf(stderr, "plant_fault: error: %s\n", text.c_str());
+  std::fprintf(stderr, "inject_fault: error: %s\n", text.c_str());
   return 2;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 7) return fail("usage: plant_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B");
+  if (argc != 7) return fail("usage: inject_fault IN.ttr OUT.ttr TICK BODY BIT root|cells|full:A..B");
   auto reader = replay::TraceReader::open(argv[1]);
   if (!reader) return fail(reader.error().message);
   const auto scene = verifier::scene_of(reader->setup());

@@ -1,6 +1,6 @@
-// One byte through a pipe.
+// Completion is reported as one byte through a pipe.
 // SPDX-License-Identifier: MIT
-#include "verifier/runs/finished_mark.h"
+#include "verifier/runs/completion.h"
 
 #include "verifier/runs/child_process.h"
 
@@ -19,41 +19,41 @@ namespace ticktrue::verifier {
 #ifdef TICKTRUE_HAS_FORK
 namespace {
 
-int finished_descriptor = -1;
+int completion_descriptor = -1;
 
 }  // namespace
 
-void take_finished_mark() {
-  const char* text = std::getenv(finished_mark_variable);
+void take_completion_pipe() {
+  const char* text = std::getenv(completion_variable);
   if (text == nullptr) return;
   int number = -1;
   const auto [end, code] = std::from_chars(text, text + std::strlen(text), number);
   struct stat found {};
   const bool is_pipe =
       code == std::errc{} && *end == '\0' && number > 2 && ::fstat(number, &found) == 0 && S_ISFIFO(found.st_mode);
-  ::unsetenv(finished_mark_variable);
+  ::unsetenv(completion_variable);
   if (!is_pipe) return;
-  finished_descriptor = number;
+  completion_descriptor = number;
   ::fcntl(number, F_SETFD, FD_CLOEXEC);
 }
 
-void drop_finished_mark() {
-  if (finished_descriptor >= 0) ::close(finished_descriptor);
-  finished_descriptor = -1;
+void close_completion_pipe() {
+  if (completion_descriptor >= 0) ::close(completion_descriptor);
+  completion_descriptor = -1;
 }
 
-void write_finished_mark() {
-  if (finished_descriptor < 0) return;
-  const auto written = ::write(finished_descriptor, "!", 1);
-  static_cast<void>(written);  // whoever asked is gone
-  drop_finished_mark();
+void report_completion() {
+  if (completion_descriptor < 0) return;
+  const auto written = ::write(completion_descriptor, "!", 1);
+  static_cast<void>(written);  // the reader has closed the pipe
+  close_completion_pipe();
 }
 
 #else
 
-void take_finished_mark() {}
-void drop_finished_mark() {}
-void write_finished_mark() {}
+void take_completion_pipe() {}
+void close_completion_pipe() {}
+void report_completion() {}
 
 #endif
 

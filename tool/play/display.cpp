@@ -1,6 +1,6 @@
-// Display, frames and files of both modes.
+// The display: window, frame times and files.
 // SPDX-License-Identifier: MIT
-#include "tool/play/stage.h"
+#include "tool/play/display.h"
 
 #include <fmt/format.h>
 
@@ -56,13 +56,13 @@ cli::Json frame_json(const engine::Engine& engine, const WorldPicture& picture, 
 
 }  // namespace
 
-Stage::Stage(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script)
+Display::Display(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script)
     : options_(options),
       host_(std::move(host)),
       scripted_(*host_, std::move(script), options.frame_count),
       canvas_(options.width, options.height) {}
 
-Result<std::unique_ptr<Stage>> Stage::open(const cli::PlayOptions& options) {
+Result<std::unique_ptr<Display>> Display::open(const cli::PlayOptions& options) {
   if (!options.screenshot.empty() && !ends_with(options.screenshot, ".png"))
     return Error{ErrorCode::usage, "--screenshot: found " + options.screenshot + ", expected a name that ends in .png",
                  ""};
@@ -89,15 +89,15 @@ Result<std::unique_ptr<Stage>> Stage::open(const cli::PlayOptions& options) {
                                            ? Result<std::unique_ptr<Host>>(no_display(options.hz))
                                            : open_window("ticktrue", WindowSize{options.width, options.height});
   if (!host) return host.error();
-  return std::unique_ptr<Stage>(new Stage(options, std::move(*host), std::move(script)));
+  return std::unique_ptr<Display>(new Display(options, std::move(*host), std::move(script)));
 }
 
-Canvas& Stage::begin_picture(const View& view) {
+Canvas& Display::begin_picture(const View& view) {
   if (canvas_.width() != view.width || canvas_.height() != view.height) canvas_.resize(view.width, view.height);
   return canvas_;
 }
 
-Result<HostFrame> Stage::show() {
+Result<HostFrame> Display::show() {
   const double drawn_s = std::chrono::duration<double>(Clock::now() - last_).count();
   Result<HostFrame> frame = scripted_.next(canvas_);
   const Clock::time_point now = Clock::now();
@@ -120,12 +120,12 @@ Result<HostFrame> Stage::show() {
   return frame;
 }
 
-bool Stage::is_late() const {
+bool Display::is_late() const {
   const bool is_over = std::chrono::duration<double>(Clock::now() - last_).count() > ticks_share * picture_s;
   return (is_over && !options_.headless) || cli::stop_requested();
 }
 
-Status Stage::write_files(const engine::Engine& engine, const WorldPicture& picture, const View& view) {
+Status Display::write_files(const engine::Engine& engine, const WorldPicture& picture, const View& view) {
   if (!options_.screenshot.empty()) {
     const Bytes png = png_of(canvas_);
     const std::string_view content(reinterpret_cast<const char*>(png.data()), png.size());
@@ -135,12 +135,12 @@ Status Stage::write_files(const engine::Engine& engine, const WorldPicture& pict
   return write_file(options_.dump, options_.force, frame_json(engine, picture, view, canvas_).dump(1) + "\n");
 }
 
-double Stage::frames_per_second() const {
+double Display::frames_per_second() const {
   const double seconds = std::chrono::duration<double>(last_ - first_).count();
   return seconds > 0 ? static_cast<double>(scripted_.frames_done() - 1) / seconds : 0;
 }
 
-cli::Json Stage::frames_json() const {
+cli::Json Display::frames_json() const {
   const auto spread = [](const verifier::TickTimes& times) {
     return cli::Json{{"median", 1e3 * times.median_s()}, {"p99", 1e3 * times.quantile_s(0.99)}};
   };
@@ -150,13 +150,13 @@ cli::Json Stage::frames_json() const {
           {"show_ms", spread(shown_)}};
 }
 
-std::string Stage::frames_text() const {
+std::string Display::frames_text() const {
   return fmt::format(
       "{} frames, {:.1f} a second; {:.2f} ms of work in each (median), {:.2f} ms in the slowest hundredth",
       scripted_.frames_done(), frames_per_second(), 1e3 * work_.median_s(), 1e3 * work_.quantile_s(0.99));
 }
 
-std::string Stage::pace_text() const {
+std::string Display::pace_text() const {
   if (options_.headless || recent_frame_s_ <= 0) return "";
   return fmt::format("{:.1f} a second, {:.1f} ms of work", 1 / recent_frame_s_, 1e3 * recent_work_s_);
 }

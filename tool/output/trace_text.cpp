@@ -1,6 +1,6 @@
-// Condition of a trace in words.
+// The condition of a trace as text.
 // SPDX-License-Identifier: MIT
-#include "tool/output/trace_words.h"
+#include "tool/output/trace_text.h"
 
 #include "verifier/report/exit_codes.h"
 

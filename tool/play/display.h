@@ -1,4 +1,4 @@
-// What both modes share: the canvas, the display, how long frames take, and the files made of the last picture.
+// The display of both modes: canvas, window, frame times, and the files written from the last picture.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -20,16 +20,16 @@
 
 namespace ticktrue::play {
 
-class Stage {
+class Display {
  public:
-  /// Opens the window, or none; reads the script. Errors: usage, io, invalid_input.
-  static Result<std::unique_ptr<Stage>> open(const cli::PlayOptions& options);
+  /// Opens the window, if there is one, and reads the script. Errors: usage, io, invalid_input.
+  static Result<std::unique_ptr<Display>> open(const cli::PlayOptions& options);
 
   /// The canvas, of the size of the view, to draw on.
   Canvas& begin_picture(const View& view);
-  /// Shows what was drawn; gives what happened since. Ctrl-C counts as closing the window. Errors: io.
+  /// Shows the picture; returns the events since the last call. Ctrl-C counts as closing the window. Errors: io.
   Result<HostFrame> show();
-  /// Whether the time of a frame is used up. Never without a display: there each frame does all of its work.
+  /// Whether the time budget of the frame is used up. Always false without a window.
   bool is_late() const;
 
   void set_title(const std::string& title) { host_->set_title(title); }
@@ -41,11 +41,11 @@ class Stage {
   /// Frames shown, per second from the first to the last; how long one takes to simulate, draw and show.
   cli::Json frames_json() const;
   std::string frames_text() const;
-  /// The same of the last second or so, for the picture; empty without a display, where nobody waits.
+  /// The same for about the last second, shown in the picture; empty without a window.
   std::string pace_text() const;
 
  private:
-  Stage(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script);
+  Display(const cli::PlayOptions& options, std::unique_ptr<Host> host, std::vector<Event> script);
   using Clock = Pacer::Clock;
   double frames_per_second() const;
 

@@ -1,6 +1,6 @@
-// Counting rows, and worlds that differ without them.
+// Counts choices, and worlds that differ without them.
 // SPDX-License-Identifier: MIT
-#include "tool/experiment/soak/row_effects.h"
+#include "tool/experiment/soak/choice_effects.h"
 
 #include <algorithm>
 #include <array>
@@ -23,37 +23,38 @@ bool only_base_has_rows(const BaseRun& base, const StateSchema& other) {
 
 }  // namespace
 
-std::vector<std::string> rows_to_measure(const WorldSource& source, const std::map<std::string, RowCoverage>& rows) {
-  const auto effect_of = [&](const std::string& row) {
-    const auto found = rows.find(row);
-    return found == rows.end() ? 0 : found->second.effect;
+std::vector<std::string> choices_to_measure(const WorldSource& source,
+                                            const std::map<std::string, ChoiceCoverage>& choices) {
+  const auto effect_of = [&](const std::string& choice) {
+    const auto found = choices.find(choice);
+    return found == choices.end() ? 0 : found->second.effect;
   };
   std::vector<std::string> wanted;
-  for (const std::string& row : source.rows)
-    if (effect_of(row) < effect_count_wanted && source.row_changes_bits(row)) wanted.push_back(row);
+  for (const std::string& choice : source.choices)
+    if (effect_of(choice) < effect_count_wanted && source.choice_changes_bits(choice)) wanted.push_back(choice);
   std::stable_sort(wanted.begin(), wanted.end(),
                    [&](const std::string& a, const std::string& b) { return effect_of(a) < effect_of(b); });
   return wanted;
 }
 
-void count_rows(const WorldSource& source, const WorldSource::World& world, std::uint64_t world_seed,
-                const BaseRun& base, const std::vector<std::string>& wanted, const EngineMaker& make,
-                SoakCounters& counts) {
-  const auto& rows = world.rows;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    counts.rows[rows[i]].active = 1;
-    for (std::size_t k = i + 1; k < rows.size(); ++k) ++counts.pairs[std::minmax(rows[i], rows[k])];
+void count_choices(const WorldSource& source, const WorldSource::World& world, std::uint64_t world_seed,
+                   const BaseRun& base, const std::vector<std::string>& wanted, const EngineMaker& make,
+                   SoakCounters& counts) {
+  const auto& choices = world.choices;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    counts.choices[choices[i]].active = 1;
+    for (std::size_t k = i + 1; k < choices.size(); ++k) ++counts.pairs[std::minmax(choices[i], choices[k])];
   }
   if (base.tick_count == 0) return;
   std::size_t measured = 0;
-  for (const std::string& row : wanted) {
+  for (const std::string& choice : wanted) {
     if (measured == measured_per_world) return;
-    if (std::find(rows.begin(), rows.end(), row) == rows.end()) continue;
-    const auto without = source.without(world_seed, row);
+    if (std::find(choices.begin(), choices.end(), choice) == choices.end()) continue;
+    const auto without = source.without(world_seed, choice);
     if (!without) continue;
     ++measured;
-    counts.rows[row].measured = 1;
-    counts.rows[row].effect = has_effect(base, *without, make) ? 1 : 0;
+    counts.choices[choice].measured = 1;
+    counts.choices[choice].effect = has_effect(base, *without, make) ? 1 : 0;
   }
 }
 

@@ -1,0 +1,28 @@
+// Which choices (rows of the tables of choices) a world uses, and whether its run differs without them.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tool/experiment/soak/soak.h"
+
+namespace ticktrue::verifier::soak {
+
+/// Choices with an effect in fewer than effect_count_wanted worlds, in ascending order of that count.
+std::vector<std::string> choices_to_measure(const WorldSource& source,
+                                            const std::map<std::string, ChoiceCoverage>& choices);
+
+/// Adds the choices of the world, and their pairs, to `counts`. Runs the world without each of the first few choices of
+/// `wanted` that it uses.
+void count_choices(const WorldSource& source, const WorldSource::World& world, std::uint64_t world_seed,
+                   const BaseRun& base, const std::vector<std::string>& wanted, const EngineMaker& make,
+                   SoakCounters& counts);
+
+/// Whether the run without a choice differs: in the hash of the state (if both have the same tables), in the bodies, or
+/// in tables with rows that only the base run has. The run ends at a difference, or at twice the estimated work of the
+/// base run.
+bool has_effect(const BaseRun& base, const SoakCase& without, const EngineMaker& make);
+
+}  // namespace ticktrue::verifier::soak
