@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Verified: banned names and headers, direction of includes, first lines, marks without an issue, files that no build
-// lists, links between documents. Not verified: what needs a parser (aliases, macros that hide a banned name, side
-// effects in call arguments): clang-tidy and the golden traces are there for that.
+// lists, links between documents, length of sentences. Not verified: what needs a parser (aliases, macros that hide a
+// banned name, side effects in call arguments): clang-tidy and the golden traces are there for that.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -546,27 +546,115 @@ TEST_CASE("every link between documents leads to a file", "[tidy][docs]") {
     }
 }
 
-/// Paths in backticks that look like files of this tree: with a folder that exists, or a name at the root.
-TEST_CASE("every file that ARCHITECTURE.md names is there", "[tidy][docs]") {
-  const fs::path root = TICKTRUE_SOURCE_DIR;
-  const std::string text = read_text(root / "ARCHITECTURE.md");
-  REQUIRE_FALSE(text.empty());
-  int count = 0;
-  for (std::size_t open = text.find('`'); open != std::string::npos;) {
-    const std::size_t close = text.find('`', open + 1);
-    if (close == std::string::npos) break;
-    const std::string name = text.substr(open + 1, close - open - 1);
+/// Paths in backticks that look like files of this tree: with a folder that exists.
+std::vector<std::string> paths_of(std::string_view markdown) {
+  std::vector<std::string> paths;
+  for (std::size_t open = markdown.find('`'); open != std::string_view::npos;) {
+    const std::size_t close = markdown.find('`', open + 1);
+    if (close == std::string_view::npos) break;
+    const std::string_view name = markdown.substr(open + 1, close - open - 1);
     const bool is_path =
-        contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string::npos &&
+        contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string_view::npos &&
         is_one_of(top_of(name),
                   "include,base,engine,replay,verifier,tool,capi,examples,tests,bench,traces,scenes,docs,cmake,.ci");
-    if (is_path) {
-      ++count;
-      if (!fs::exists(root / name)) FAIL_CHECK("ARCHITECTURE.md: error: names " << name << ", which is not there");
-    }
-    open = text.find('`', close + 1);
+    if (is_path) paths.emplace_back(name);
+    open = markdown.find('`', close + 1);
   }
-  CHECK(count > 10);
+  return paths;
+}
+
+TEST_CASE("every file that a document of the whole tree names is there", "[tidy][docs]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  for (const char* document : {"ARCHITECTURE.md", "CONTRIBUTING.md", "docs/determinism.md"}) {
+    const std::vector<std::string> paths = paths_of(read_text(root / document));
+    CAPTURE(document);
+    CHECK(paths.size() >= 5);
+    for (const std::string& path : paths)
+      if (!fs::exists(root / path)) FAIL_CHECK(document << ": error: names " << path << ", which is not there");
+  }
+}
+
+/// The text of a line of Markdown: a code span counts as a word, the target of a link as none.
+std::string words_of(std::string_view line) {
+  std::string text;
+  std::size_t at = 0;
+  while (at < line.size()) {
+    std::size_t end = at;
+    if (line[at] == '`') {
+      text += "code";
+      end = line.find('`', at + 1);
+    } else if (starts_with(line.substr(at), "](")) {
+      end = line.find(')', at);
+    } else {
+      text += line[at];
+    }
+    if (end == std::string_view::npos) break;
+    at = end + 1;
+  }
+  return text;
+}
+
+constexpr int words_max = 25;
+
+/// Sentences of more words than words_max, outside of code blocks. A list item and a cell of a table end a sentence.
+std::vector<std::string> long_sentences_of(std::string_view markdown) {
+  std::vector<std::string> found;
+  std::string sentence;
+  int count = 0;
+  const auto end_sentence = [&] {
+    if (count > words_max) found.push_back(sentence);
+    sentence.clear();
+    count = 0;
+  };
+  bool in_block = false;
+  for (const std::string& line : lines_of(markdown)) {
+    const std::string_view mark = std::string_view(line).substr(std::min(line.find_first_not_of(' '), line.size()));
+    const bool is_fence = starts_with(mark, "```");
+    const bool is_row = starts_with(mark, "|");
+    if (is_fence) in_block = !in_block;
+    if (mark.empty() || is_fence || is_row || starts_with(mark, "- ") || starts_with(mark, "#")) end_sentence();
+    if (is_fence || in_block) continue;
+    std::istringstream words(words_of(mark));
+    for (std::string word; words >> word;) {
+      if (is_row && word == "|") end_sentence();
+      if (std::none_of(word.begin(), word.end(), is_word)) continue;
+      sentence += (sentence.empty() ? "" : " ") + word;
+      ++count;
+      const std::size_t last = word.find_last_not_of("\"*)");
+      if (last != std::string::npos && std::string_view(".;?!").find(word[last]) != std::string_view::npos)
+        end_sentence();
+    }
+  }
+  end_sentence();
+  return found;
+}
+
+TEST_CASE("documents that are kept plain have sentences of at most 25 words", "[tidy][docs]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  std::vector<SourceFile> documents = files_below(root, "docs/measurements", {".md"});
+  for (const char* name :
+       {"README.md", "CONTRIBUTING.md", "docs/determinism.md", "docs/glossary.md", "docs/decisions/README.md"})
+    documents.push_back({name, read_text(root / name)});
+  for (const SourceFile& document : documents) {
+    CHECK_FALSE(document.text.empty());
+    for (const std::string& sentence : long_sentences_of(document.text))
+      FAIL_CHECK(document.path << ": error: more than " << words_max << " words, make two sentences: " << sentence);
+  }
+}
+
+TEST_CASE("README.md leads to every document, and the glossary has at most 15 words", "[tidy][docs]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  const std::vector<std::string> links = links_of(read_text(root / "README.md"));
+  for (const SourceFile& document : files_below(root, "docs", {".md"})) {
+    const std::string folder = fs::path(document.path).parent_path().generic_string();
+    if (folder != "docs" && fs::path(document.path).filename() != "README.md") continue;
+    CAPTURE(document.path);
+    CHECK(std::count(links.begin(), links.end(), document.path) >= 1);
+  }
+  int count = 0;
+  for (const std::string& line : lines_of(read_text(root / "docs/glossary.md"))) count += starts_with(line, "| **");
+  CHECK(count > 0);
+  CHECK(count <= 15);
 }
 
 TEST_CASE("every step of the ways in ARCHITECTURE.md is there", "[tidy][docs]") {
@@ -746,6 +834,21 @@ TEST_CASE("comments and literals are no code, digit separators are no literals",
 
 TEST_CASE("links are found outside code blocks", "[tidy][self]") {
   CHECK(links_of("see [a](b.md) and [c](d.md#e)\n```\n[x](y)\n```\n") == std::vector<std::string>{"b.md", "d.md#e"});
+}
+
+TEST_CASE("a sentence of 26 words fires, one of 25 does not", "[tidy][self]") {
+  std::string words;
+  for (int i = 1; i < words_max; ++i) words += "word ";
+  CHECK(long_sentences_of(words + "end.").empty());
+  CHECK(long_sentences_of(words + "`one code span`.").empty());
+  CHECK(long_sentences_of(words + "[end](a/b c.md).").empty());
+  CHECK(long_sentences_of(words + "end.\n" + words + "end.").empty());
+  CHECK(long_sentences_of("- " + words + "\n- " + words).empty());
+  CHECK(long_sentences_of("| " + words + " | " + words + " |").empty());
+  CHECK(long_sentences_of("```\n" + words + words + "\n```\n").empty());
+  CHECK(long_sentences_of(words + "\nnext end.").size() == 1);
+  CHECK(long_sentences_of("| short | " + words + "next end. |").size() == 1);
+  CHECK(long_sentences_of("(" + words + "next end.) Short.").size() == 1);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 // Verified: tick hashes of scenes with every solver, joint, shape and force, with chunks so small that each loop has
 // many, in other orders one after the other (that finds what depends on the order at once) and on 2, 4 and 8 threads
 // (that finds, with luck, what two threads write). Not verified: races that change no bit; -fsanitize=thread is run by
-// hand (docs/performance.md).
+// hand (docs/decisions/0016-chunks.md).
 #include "base/build_info.h"
 #include "base/parallel/chunk_order.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
