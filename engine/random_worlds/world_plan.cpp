@@ -4,8 +4,6 @@
 
 #include <span>
 
-#include "engine/scene/scene_fields.h"
-
 namespace ticktrue::engine {
 namespace {
 
@@ -53,7 +51,7 @@ void draw_choices(Draw& draw, WorldPlan& plan) {
 
 void draw_clock(Draw& draw, ClockSettings& clock) {
   clock.kind = draw_row(draw, clock_kinds, [](const auto& info) { return info.kind == ClockKind::fixed ? 50 : 17; });
-  const auto& fields = info_of(clock_fields, clock.kind);
+  const auto& fields = info_of(clock_kinds, clock.kind);
   const auto has = [&](ClockField field) { return !key_of(fields, field).empty(); };
   if (has(ClockField::ticks_per_frame_max)) clock.ticks_per_frame_max = draw.between(1, 8);
   if (has(ClockField::tolerance)) clock.tolerance = draw.power(-16, -8);
