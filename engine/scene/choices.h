@@ -114,18 +114,25 @@ enum class ShapeField : std::uint8_t { center, angle, half_size, vertices, radiu
 struct ShapeKindInfo : Choice<ShapeKind> {
   std::array<FieldKey<ShapeField>, 5> keys;  // in the order of the printer
   bool has_area = true;                      // false: a line, which has no mass
+  bool is_plain = false;                     // known to solvers that read no contacts, without rounding
 };
 inline constexpr FieldRange chain_length{2, limits::chain_vertex_count_max};
 inline constexpr std::array<ShapeKindInfo, 6> shape_kinds{{
     {{ShapeKind::circle, "circle", "centre and radius"},
-     {{{ShapeField::radius, "radius", true, ranges::size}, {ShapeField::center, "center"}}}},
+     {{{ShapeField::radius, "radius", true, ranges::size}, {ShapeField::center, "center"}}},
+     true,
+     true},
     {{ShapeKind::box, "box", "half extents, turned by an angle; may be rounded by a radius"},
      {{{ShapeField::half_size, "half_size", true},
        {ShapeField::center, "center"},
        {ShapeField::angle, "angle"},
-       {ShapeField::radius, "radius"}}}},
+       {ShapeField::radius, "radius"}}},
+     true,
+     true},
     {{ShapeKind::polygon, "polygon", "convex, 3..16 vertices; may be rounded by a radius"},
-     {{{ShapeField::vertices, "vertices", true}, {ShapeField::radius, "radius"}}}},
+     {{{ShapeField::vertices, "vertices", true}, {ShapeField::radius, "radius"}}},
+     true,
+     true},
     {{ShapeKind::capsule, "capsule", "two centres and a radius"},
      {{{ShapeField::vertices, "points", true}, {ShapeField::radius, "radius", true, ranges::size}}}},
     {{ShapeKind::segment, "segment", "a line between two points, of both sides; has no mass"},
@@ -224,6 +231,10 @@ constexpr bool rows_are_in_order(const Table& table) {
 }
 
 static_assert(rows_are_in_order(shape_kinds) && rows_are_in_order(force_kinds) && rows_are_in_order(clock_kinds));
+
+constexpr bool is_line(ShapeKind kind) {
+  return !info_of(shape_kinds, kind).has_area;
+}
 
 /// The row with this name, or null.
 template <typename Table>

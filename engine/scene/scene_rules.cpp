@@ -200,9 +200,9 @@ bool SceneRules::check_inputs() {
       return refuse("inputs", "set_motor is declared, but there is no motor to set: found no joint with one",
                     "give a joint a \"motor\"; its force_max may be 0");
   }
-  for (const InputKind kind : {InputKind::press, InputKind::drag, InputKind::release}) {
-    if (declares(scene_, kind) == scene_.pointer.has_value()) continue;
-    const std::string kind_name(info_of(input_kinds, kind).name);
+  for (const InputInfo& info : input_kinds) {
+    if (!info.is_of_pointer || declares(scene_, info.kind) == scene_.pointer.has_value()) continue;
+    const std::string kind_name(info.name);
     if (scene_.pointer)
       return refuse("inputs", "a pointer presses, drags and releases: found no " + kind_name,
                     "declare press, drag and release, or leave the pointer out");

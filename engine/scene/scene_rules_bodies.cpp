@@ -77,7 +77,7 @@ bool SceneRules::check_mass(const Body& body) {
 
 bool SceneRules::check_resulting_mass(const Body& body) {
   bool some_area = false;
-  for (const Shape& shape : body.shapes) some_area = some_area || info_of(shape_kinds, shape.kind).has_area;
+  for (const Shape& shape : body.shapes) some_area = some_area || !is_line(shape.kind);
   if (!some_area) {
     constexpr const char* hint =
         "segments and chains bring no mass: state \"mass\" and \"inertia\", or make the body static";

@@ -190,9 +190,7 @@ class Shrinker {
     try_change([](SoakCase& candidate) { candidate.scene.spawned_max.reset(); });
     try_change([](SoakCase& candidate) { candidate.scene.gravity = {}; });
     try_change([](SoakCase& candidate) {
-      const auto uses_pointer = [](InputKind kind) {
-        return kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
-      };
+      const auto uses_pointer = [](InputKind kind) { return info_of(engine::input_kinds, kind).is_of_pointer; };
       candidate.scene.pointer.reset();
       std::erase_if(candidate.scene.inputs, uses_pointer);
       std::erase_if(candidate.inputs, [&](const Input& input) { return uses_pointer(input.kind); });
