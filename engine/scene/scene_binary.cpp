@@ -105,7 +105,7 @@ class SceneWriter {
  private:
   template <typename Struct>
   void write_fields(const Struct& object) {
-    visit_fields([this](const auto&, const auto& value) { write(value); }, object);
+    visit_fields([&](const auto&, const auto& value) { write(value); }, object);
   }
   template <typename Struct>
   void write_own_fields(const Struct& object) {
@@ -241,7 +241,7 @@ class SceneReader {
   }
   template <typename Struct>
   void read_fields(Struct& object) {
-    visit_fields([this](const auto& field, auto& value) { read(value, field.range); }, object);
+    visit_fields([&](const auto& field, auto& value) { read(value, field.range); }, object);
   }
   template <typename Struct, typename Row>
   void read_own_fields(Struct& object, const Row& row) {

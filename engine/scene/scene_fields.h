@@ -1,5 +1,5 @@
-// The fields of a scene, one line each: JSON, binary form and rules follow from these lists and the types of the
-// fields. SPDX-License-Identifier: MIT
+// The fields of a scene, one line each: JSON, binary form and rules follow from the lines and the types of the fields.
+// SPDX-License-Identifier: MIT
 //
 // The order is that of the binary form and of JSON. A struct with a kind has two lists: fields of every kind, and own
 // fields, which only some kinds have. The rows of the kinds (choices.h, joint_kinds.h) say which ones, with their keys.

@@ -25,7 +25,7 @@ class Printer {
   std::string scene() {
     text_ = "{\n  \"name\": " + in_quotes(scene_.name) + ",\n  \"gravity\": ";
     put(scene_.gravity);
-    visit_fields([this](const FieldInfo& field, const auto& value) { add_line(field.name, value); }, scene_);
+    visit_fields([&](const FieldInfo& field, const auto& value) { add_line(field.name, value); }, scene_);
     return text_ + "\n}\n";
   }
 
@@ -115,14 +115,14 @@ class Printer {
   }
   template <typename Struct>
   void add_fields(const Struct& object) {
-    visit_fields([this](const FieldInfo& field, const auto& value) { add(field.name, value); }, object);
+    visit_fields([&](const FieldInfo& field, const auto& value) { add(field.name, value); }, object);
   }
   /// Those whose bits are not the default's (so that -0 is kept).
   template <typename Struct>
   void add_stated_fields(const Struct& object) {
     const Struct unset;
     visit_fields(
-        [this](const FieldInfo& field, const auto& value, const auto& default_value) {
+        [&](const FieldInfo& field, const auto& value, const auto& default_value) {
           if (!same_bits(value, default_value)) add(field.name, value);
         },
         object, unset);
