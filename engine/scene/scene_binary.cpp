@@ -16,7 +16,7 @@ namespace {
 // Version of this encoding alone. docs/engine_setup.md says what each byte means.
 constexpr std::uint16_t encoding_version = 2;
 
-// Which own fields of a kind are stored. Of joints: those up to `collide_connected` for every kind.
+// Whether a field that only some kinds have is stored. Joints of every kind store those up to `collide_connected`.
 bool is_stored(const Joint& joint, JointField field) {
   return field <= JointField::collide_connected || has_field(joint.kind, field);
 }
@@ -119,8 +119,8 @@ class SceneWriter {
   ByteWriter out_;
 };
 
-/// Bytes of an element of a list in which nothing is stated. Others are longer; a count that could not fit is refused
-/// before memory is reserved.
+/// Size of an element with every field unset, in bytes. A count that could not fit is refused before memory is
+/// reserved.
 template <typename Value>
 std::size_t size_min() {
   static const std::size_t size = [] {
@@ -131,7 +131,7 @@ std::size_t size_min() {
   return size;
 }
 
-/// Reads what SceneWriter writes. The first thing that is wrong is kept; after it, reads give zeros and lists end.
+/// Reads what SceneWriter writes. Stores the first error; after it, reads give zeros and lists end.
 class SceneReader {
  public:
   explicit SceneReader(ByteView bytes) : in_(bytes) {}

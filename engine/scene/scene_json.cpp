@@ -57,7 +57,7 @@ class SceneReader : public JsonReader {
 
   // ---- Fields ----
 
-  /// What a field holds is read by its type.
+  /// A field whose reading follows from its type.
   template <typename Info, typename Value>
   Field field(std::string_view key, const Info& info, Value& out, bool required) {
     if constexpr (is_index<Value>)
@@ -100,7 +100,7 @@ class SceneReader : public JsonReader {
       if (field.key == key) return &field;
     return nullptr;
   }
-  /// Notes that it was there.
+  /// Sets `has` where the field is present. Does nothing without a field.
   static void note(Field* field, bool& has) {
     if (field == nullptr) return;
     field->read = [&has, read = std::move(field->read)](const JsonValue& v, const JsonPath& p) {

@@ -45,7 +45,7 @@ class Printer {
   }
 
  private:
-  // ---- Lines of the scene; name and gravity come first, without this ----
+  // ---- Lines of the scene after name and gravity ----
 
   void begin_line(std::string_view name) { text_ += ",\n  " + in_quotes(name) + ": "; }
   void add_line(std::string_view, const std::string&) {}
@@ -117,7 +117,7 @@ class Printer {
   void add_fields(const Struct& object) {
     visit_fields([&](const FieldInfo& field, const auto& value) { add(field.name, value); }, object);
   }
-  /// Those whose bits are not the default's (so that -0 is kept).
+  /// Without the fields that have the bits of the default. A -0 is printed.
   template <typename Struct>
   void add_stated_fields(const Struct& object) {
     const Struct unset;
@@ -127,7 +127,7 @@ class Printer {
         },
         object, unset);
   }
-  /// Those of a row, in its order. `all`: not only what is required or stated.
+  /// The fields of a row, in its order. `all`: also those that have the default.
   template <typename Struct, typename Row>
   void add_own_fields(const Struct& object, const Row& row, bool all = false) {
     const Struct unset;
@@ -158,7 +158,7 @@ class Printer {
     if (body) add_body(name, *body);
   }
   template <typename Value>
-  void add_body(std::string_view, const Value&) {}  // is no index
+  void add_body(std::string_view, const Value&) {}  // never called: no index
 
   // ---- Values ----
 

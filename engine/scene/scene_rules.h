@@ -56,7 +56,7 @@ class SceneRules {
 
   // ---- Fields by their types ----
 
-  /// What rules of its own are for: true.
+  /// Types that check_value accepts as they are: flags, and structs that other functions check.
   template <typename Value>
   static constexpr bool is_checked_apart =
       std::is_same_v<Value, bool> || std::is_same_v<Value, Settings> || std::is_same_v<Value, AutoSubsteps> ||
@@ -96,7 +96,7 @@ class SceneRules {
                  object);
     return good;
   }
-  /// Of an object that is the value of `key`.
+  /// The same for an object that is the value of `key`.
   template <typename Struct>
   bool check_fields(const Struct& object, std::string_view key) {
     const std::size_t size = prefix_.size();
@@ -112,10 +112,10 @@ class SceneRules {
   }
   template <typename Value>
   static bool is_same(const Shape&, const Value& a, const Value& b) {
-    return a == b;  // the binary form stores no others
+    return a == b;  // neither form stores a field that the kind does not have
   }
-  /// Own fields: unset, where the row has none; else `check(field, key, value, range)` for each. The words before and
-  /// after the kind are for messages.
+  /// Refuses a field that the row does not have and that is set. Calls `check(field, key, value, range)` for each field
+  /// of the row. Messages put `before` and `after` around the name of the kind.
   template <typename Struct, typename Row, typename Check>
   bool check_own_fields(const Struct& object, const Row& row, const char* before, const char* after, Check check) {
     const Struct unset;
