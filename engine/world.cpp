@@ -27,6 +27,25 @@ Error input_error(const std::string& what, const std::string& hint = "") {
   return {ErrorCode::invalid_input, what, hint};
 }
 
+/// The inputs that were decoded last: step() takes those that accept() was asked for.
+class DecodedInputs {
+ public:
+  Status decode(const Scene& scene, ByteView bytes) {
+    if (is_valid_ && std::equal(bytes.begin(), bytes.end(), bytes_.begin(), bytes_.end())) return {};
+    const Status status = decode_inputs(scene, bytes, inputs_);
+    is_valid_ = status.has_value();
+    bytes_.assign(bytes.begin(), bytes.end());
+    return status;
+  }
+  /// Requires: decode succeeded.
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+ private:
+  std::vector<Input> inputs_;
+  Bytes bytes_;  // of inputs_
+  bool is_valid_ = false;
+};
+
 class World final : public Engine {
  public:
   World(const Scene& scene, const EngineOptions& options, std::unique_ptr<ChunkRunner> workers)
@@ -58,13 +77,12 @@ class World final : public Engine {
     if (!(input.dt >= limits::dt_min_s && input.dt <= limits::dt_max_s))
       return input_error("dt: found " + lane_text(ScalarType::f64, bits_of(input.dt)) + " s, expected 1e-09..1");
     if (state_.world.tick >= limits::tick_count_max) return input_error("tick: no more ticks are possible");
-    std::vector<Input> inputs;
-    if (const Status status = decode_inputs(model_.scene, input.inputs, inputs); !status) return status;
+    if (const Status status = decoded_.decode(model_.scene, input.inputs); !status) return status;
     // Bodies that this tick's inputs may still make count as issued; each press makes at most one.
     std::uint64_t issued = state_.world.next_id;
-    for (const Input& event : inputs) {
+    for (const Input& event : decoded_.inputs()) {
       const InputInfo& info = info_of(input_kinds, event.kind);
-      if (event.kind == InputKind::spawn || event.kind == InputKind::press) ++issued;
+      if (info.may_make_body) ++issued;
       if (issued >= no_reference) return input_error("id: no more bodies can be made");
       if (state_.bodies.size() + (issued - state_.world.next_id) > limits::body_count_max)
         return {{ErrorCode::limit, "bodies: more than " + std::to_string(limits::body_count_max),
@@ -88,8 +106,9 @@ class World final : public Engine {
 #ifdef TICKTRUE_POISON
     poison_all_but_caches();
 #endif
-    const Status decoded = decode_inputs(model_.scene, input.inputs, scratch_.inputs);
+    const Status decoded = decoded_.decode(model_.scene, input.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
+    scratch_.inputs = decoded_.inputs();
     scratch_.injected = std::exchange(injected_, std::nullopt);
     if (check_ != nullptr) begin_check(input);
     begin_tick(state_, scratch_, input);
@@ -151,18 +170,14 @@ class World final : public Engine {
   }
 
   std::string row_name(std::size_t table, std::size_t row) const override {
-    const std::string& name = schema_.tables[table].name;
-    if (name == "bodies" && row < state_.bodies.size()) return body_name(state_.bodies[row]);
-    if (name == "accelerations" && row < state_.bodies.size()) return body_name(state_.bodies[row]);
-    if (name == "contacts" && row < state_.contacts.size())
-      return body_name(state_.contacts[row].body_a) + " / " + body_name(state_.contacts[row].body_b);
-    if (name == "pointers" && row < state_.pointers.size())
-      return "player " + std::to_string(state_.pointers[row].player) + " / " + body_name(state_.pointers[row].body);
-    if (name == "joints" && row < state_.joints.size()) return joint_name(state_.joints[row].joint);
-    if (name == "touching" && row < state_.touching.size()) return touch_name(state_.touching[row]);
-    if (name == "sensors" && row < state_.sensors.size()) return touch_name(state_.sensors[row]);
-    if (name == "events" && row < state_.events.size()) return touch_name(state_.events[row].touch);
-    return "";
+    std::string name;
+    std::size_t index = 0;
+    for_each_table(state_, pipeline_.tables, [&](const char*, const auto& rows) {
+      if constexpr (requires { rows[row]; })
+        if (index == table && row < rows.size()) name = name_of(rows[row], row);
+      ++index;
+    });
+    return name;
   }
 
   std::string inputs_text(std::uint64_t tick, ByteView bytes) const override {
@@ -370,8 +385,27 @@ class World final : public Engine {
     const std::string& name = model_.scene.joints[joint].name;
     return name.empty() ? "joint#" + std::to_string(joint) : name;
   }
-  std::string touch_name(const TouchRow& row) const {
-    return body_name(row.body_a) + " / " + body_name(row.body_b);
+
+  // What a row of a table is called.
+  std::string name_of(const BodyRow& row, std::size_t) const {
+    return body_name(row);
+  }
+  std::string name_of(const AccelerationRow&, std::size_t row) const {
+    return body_name(state_.bodies[row]);
+  }
+  std::string name_of(const JointRow& row, std::size_t) const {
+    return joint_name(row.joint);
+  }
+  std::string name_of(const PointerRow& row, std::size_t) const {
+    return "player " + std::to_string(row.player) + " / " + body_name(row.body);
+  }
+  std::string name_of(const EventRow& row, std::size_t index) const {
+    return name_of(row.touch, index);
+  }
+  template <typename Row>
+  std::string name_of(const Row& row, std::size_t) const {
+    if constexpr (requires { row.child_a; }) return body_name(row.body_a) + " / " + body_name(row.body_b);
+    return "";
   }
 
   std::unique_ptr<ChunkRunner> workers_;
@@ -386,7 +420,8 @@ class World final : public Engine {
   std::optional<std::size_t> pair_count_max_;
   std::unique_ptr<ColdTick> check_;        // if every tick is to be done without cached structures, too
   std::optional<InjectedFault> injected_;  // for the next tick
-  Status last_step_;                       // an error: the state is that of no tick
+  mutable DecodedInputs decoded_;
+  Status last_step_;  // an error: the state is that of no tick
   StateView view_;
   std::vector<std::string> stage_names_;
 };

@@ -15,40 +15,34 @@ Vec2 to_vec2(Point p) {
   return {static_cast<Real>(p.x), static_cast<Real>(p.y)};
 }
 
-/// The thesis' inertia: boxes from half extents (four times too small), polygons without their mass and about the
-/// body's origin, also when static. Source: thesis figures 20, 21; kept as printed for the `impulse` solver.
-double thesis_inertia(const Body& body, double mass) {
-  double sum = 0;
-  for (const Shape& shape : body.shapes) {
-    switch (shape.kind) {
-      case ShapeKind::circle:
-        sum += 0.5 * shape.radius * shape.radius * mass;
-        break;
-      case ShapeKind::box:
-        sum += (shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y) / 12 * mass;
-        break;
-      case ShapeKind::polygon: {
-        const Result<std::vector<Point>> hull = build_hull(shape.vertices);
-        TICKTRUE_ASSERT(hull.has_value());
-        double area = 0, weight = 0;
-        for (std::size_t i = 0; i < hull->size(); ++i) {
-          const Point a = (*hull)[i];
-          const Point b = (*hull)[(i + 1) % hull->size()];
-          const double signed_cross = a.x * b.y - a.y * b.x;
-          const double size = signed_cross < 0 ? -signed_cross : signed_cross;
-          area += size * ((a.x * a.x + a.y * a.y) + (b.x * b.x + b.y * b.y) + (a.x * b.x + a.y * b.y));
-          weight += size;
-        }
-        sum += area / 6 / weight;
-        break;
-      }
-      case ShapeKind::capsule:
-      case ShapeKind::segment:
-      case ShapeKind::chain:
-        break;
-    }
+// The thesis' inertia: boxes from half extents (four times too small), polygons without their mass and about the
+// body's origin, also when static. Source: thesis figures 20, 21; kept as printed for the `impulse` solver.
+
+double thesis_circle(const Shape& shape, double mass) {
+  return 0.5 * shape.radius * shape.radius * mass;
+}
+
+double thesis_box(const Shape& shape, double mass) {
+  return (shape.half_size.x * shape.half_size.x + shape.half_size.y * shape.half_size.y) / 12 * mass;
+}
+
+double thesis_polygon(const Shape& shape, double) {
+  const Result<std::vector<Point>> hull = build_hull(shape.vertices);
+  TICKTRUE_ASSERT(hull.has_value());
+  double area = 0, weight = 0;
+  for (std::size_t i = 0; i < hull->size(); ++i) {
+    const Point a = (*hull)[i];
+    const Point b = (*hull)[(i + 1) % hull->size()];
+    const double signed_cross = a.x * b.y - a.y * b.x;
+    const double size = signed_cross < 0 ? -signed_cross : signed_cross;
+    area += size * ((a.x * a.x + a.y * a.y) + (b.x * b.x + b.y * b.y) + (a.x * b.x + a.y * b.y));
+    weight += size;
   }
-  return sum;
+  return area / 6 / weight;
+}
+
+double thesis_none(const Shape&, double) {
+  return 0;
 }
 
 Vec2 from(Point center, Point p) {
@@ -82,28 +76,52 @@ void add_hull(Model& model, ShapeModel& out, const std::vector<Point>& hull, Poi
   out.size = static_cast<Real>(2 * nearest);
 }
 
-void add_polygon(Model& model, ShapeModel& out, const Shape& shape, Point body_center) {
+void add_child(Model& model, ShapeModel out, const Shape& shape) {
+  if (shape.radius > 0) {
+    out.radius = static_cast<Real>(shape.radius);
+    out.bounding_radius = out.bounding_radius + out.radius;
+    out.size = out.size + 2 * out.radius;
+    out.rolling_resistance = static_cast<Real>(shape.material.rolling_resistance * shape.radius);
+  }
+  model.shapes.push_back(out);
+}
+
+// Each adds the children of a shape of its kind to model.shapes; `out` has what all kinds share.
+
+void add_circle(Model& model, ShapeModel out, const Shape& shape, Point body_center) {
+  out.family = ShapeFamily::circle;
+  out.center = from(body_center, shape.center);
+  add_child(model, out, shape);
+}
+
+void add_polygon(Model& model, ShapeModel out, const Shape& shape, Point body_center) {
   Shape unit = shape;
   unit.density = 1;
   unit.radius = 0;
   out.family = shape.radius > 0 ? ShapeFamily::round : ShapeFamily::polygon;
   add_hull(model, out, core_of(shape), shape_mass(unit).center, body_center);
+  add_child(model, out, shape);
 }
 
-void add_line(Model& model, ShapeModel& out, Point a, Point b, Point body_center) {
+void set_line(Model& model, ShapeModel& out, Point a, Point b, Point body_center) {
   out.family = ShapeFamily::round;
   add_hull(model, out, {a, b}, {(a.x + b.x) / 2, (a.y + b.y) / 2}, body_center);
   out.size = 0;
 }
 
+void add_line(Model& model, ShapeModel out, const Shape& shape, Point body_center) {
+  set_line(model, out, shape.vertices[0], shape.vertices[1], body_center);
+  add_child(model, out, shape);
+}
+
 /// One shape for each edge. The end of a chain that is no loop has no neighbour.
-void add_chain(Model& model, const ShapeModel& common, const Shape& shape, Point body_center) {
+void add_chain(Model& model, ShapeModel common, const Shape& shape, Point body_center) {
   const std::vector<Point>& points = shape.vertices;
   const std::size_t count = points.size();
   const std::size_t edge_count = shape.loop ? count : count - 1;
   for (std::size_t i = 0; i < edge_count; ++i) {
     ShapeModel edge = common;
-    add_line(model, edge, points[i], points[(i + 1) % count], body_center);
+    set_line(model, edge, points[i], points[(i + 1) % count], body_center);
     edge.family = ShapeFamily::chain_edge;
     edge.has_before = shape.loop || i > 0;
     edge.has_after = shape.loop || i + 2 < count;
@@ -113,7 +131,21 @@ void add_chain(Model& model, const ShapeModel& common, const Shape& shape, Point
   }
 }
 
-/// Adds the children of a shape to model.shapes.
+struct ShapeMaker {
+  ShapeKind kind;
+  void (*add)(Model& model, ShapeModel out, const Shape& shape, Point body_center);
+  double (*thesis_inertia)(const Shape& shape, double mass);
+};
+constexpr std::array<ShapeMaker, shape_kinds.size()> makers{{
+    {ShapeKind::circle, add_circle, thesis_circle},
+    {ShapeKind::box, add_polygon, thesis_box},
+    {ShapeKind::polygon, add_polygon, thesis_polygon},
+    {ShapeKind::capsule, add_line, thesis_none},
+    {ShapeKind::segment, add_line, thesis_none},
+    {ShapeKind::chain, add_chain, thesis_none},
+}};
+static_assert(rows_are_in_order(makers));
+
 void add_shape(Model& model, const Shape& shape, Point body_center) {
   ShapeModel out;
   out.friction = static_cast<Real>(shape.material.friction);
@@ -121,30 +153,13 @@ void add_shape(Model& model, const Shape& shape, Point body_center) {
   out.tangent_speed = static_cast<Real>(shape.material.tangent_speed);
   out.filter = shape.filter;
   out.is_sensor = shape.sensor;
-  switch (shape.kind) {
-    case ShapeKind::circle:
-      out.family = ShapeFamily::circle;
-      out.center = from(body_center, shape.center);
-      break;
-    case ShapeKind::box:
-    case ShapeKind::polygon:
-      add_polygon(model, out, shape, body_center);
-      break;
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
-      add_line(model, out, shape.vertices[0], shape.vertices[1], body_center);
-      break;
-    case ShapeKind::chain:
-      add_chain(model, out, shape, body_center);
-      return;
-  }
-  if (shape.radius > 0) {
-    out.radius = static_cast<Real>(shape.radius);
-    out.bounding_radius = out.bounding_radius + out.radius;
-    out.size = out.size + 2 * out.radius;
-    out.rolling_resistance = static_cast<Real>(shape.material.rolling_resistance * shape.radius);
-  }
-  model.shapes.push_back(out);
+  info_of(makers, shape.kind).add(model, out, shape, body_center);
+}
+
+double thesis_inertia(const Body& body, double mass) {
+  double sum = 0;
+  for (const Shape& shape : body.shapes) sum += info_of(makers, shape.kind).thesis_inertia(shape, mass);
+  return sum;
 }
 
 /// The shapes made so far, so that equal ones are shared. Found by a hash of the description.

@@ -33,15 +33,26 @@ Column optional_reference(const char* name, std::size_t offset, int target) {
 
 constexpr std::size_t body_table = 1;
 
+// Rows of a table, which may be a single one.
 template <typename Row>
-void load_rows(const TableSchema& table, const ImageTable& image, std::vector<Row>& rows) {
-  rows.resize(image.row_count);
-  decode_rows(table, image, reinterpret_cast<std::uint8_t*>(rows.data()));
+TableRows rows_of(const Row& row) {
+  return {reinterpret_cast<const std::uint8_t*>(&row), 1};
 }
-
 template <typename Row>
 TableRows rows_of(const std::vector<Row>& rows) {
   return {reinterpret_cast<const std::uint8_t*>(rows.data()), static_cast<std::uint32_t>(rows.size())};
+}
+template <typename Row>
+bool load_rows(const TableSchema& table, const ImageTable& image, Row& row) {
+  if (image.row_count != 1) return false;
+  decode_rows(table, image, reinterpret_cast<std::uint8_t*>(&row));
+  return true;
+}
+template <typename Row>
+bool load_rows(const TableSchema& table, const ImageTable& image, std::vector<Row>& rows) {
+  rows.resize(image.row_count);
+  decode_rows(table, image, reinterpret_cast<std::uint8_t*>(rows.data()));
+  return true;
 }
 
 /// Whether a table has one row for each body, in their order.
@@ -81,21 +92,83 @@ double child_max(const Model& model) {
   return static_cast<double>(count > limits::shape_count_per_body_max ? count : limits::shape_count_per_body_max) - 1;
 }
 
-TableSchema touch_table(const Model& model, const char* name, const char* const (&columns)[4]) {
+// The columns of each table; the type of its rows chooses.
+
+TableSchema schema_of(const Model&, const std::string& name, const WorldRow&) {
   return {name,
           {
-              whole(columns[0], ScalarType::u32, 1, offsetof(TouchRow, body_a), id_max, body_table),
-              whole(columns[1], ScalarType::u32, 1, offsetof(TouchRow, child_a), child_max(model)),
-              whole(columns[2], ScalarType::u32, 1, offsetof(TouchRow, body_b), id_max, body_table),
-              whole(columns[3], ScalarType::u32, 1, offsetof(TouchRow, child_b), child_max(model)),
+              whole("tick", ScalarType::u64, 1, offsetof(WorldRow, tick), static_cast<double>(limits::tick_count_max)),
+              {"time", ScalarType::f64, 1, offsetof(WorldRow, time), 0, infinity},
+              real("gravity", 2, offsetof(WorldRow, gravity)),
+              whole("next_id", ScalarType::u32, 1, offsetof(WorldRow, next_id), id_max),
+              whole("ignored_inputs", ScalarType::u32, 1, offsetof(WorldRow, ignored_inputs), no_reference),
           },
-          sizeof(TouchRow),
+          sizeof(WorldRow),
+          0};
+}
+
+TableSchema schema_of(const Model& model, const std::string& name, const std::vector<BodyRow>&) {
+  return {name,
+          {
+              whole("id", ScalarType::u32, 1, offsetof(BodyRow, id), id_max),
+              whole("source", ScalarType::u32, 1, offsetof(BodyRow, source),
+                    static_cast<double>(model.bodies.empty() ? 0 : model.bodies.size() - 1)),
+              real("position", 2, offsetof(BodyRow, position)),
+              real("rotation", 2, offsetof(BodyRow, rotation), -2, 2),
+              real("velocity", 2, offsetof(BodyRow, velocity)),
+              real("angular_velocity", 1, offsetof(BodyRow, angular_velocity)),
+          },
+          sizeof(BodyRow),
+          1};
+}
+
+TableSchema schema_of(const Model& model, const std::string& name, const std::vector<ContactRow>&) {
+  return {name,
+          {
+              whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
+              whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), child_max(model)),
+              whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
+              whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), child_max(model)),
+              whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
+              real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
+              real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
+          },
+          sizeof(ContactRow),
           4};
 }
 
-TableSchema event_table(const Model& model) {
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<PointerRow>&) {
+  return {name,
+          {
+              whole("player", ScalarType::u32, 1, offsetof(PointerRow, player), limits::player_count_max - 1),
+              whole("body", ScalarType::u32, 1, offsetof(PointerRow, body), id_max, body_table),
+              real("anchor", 2, offsetof(PointerRow, anchor)),
+              real("target", 2, offsetof(PointerRow, target)),
+              real("force", 2, offsetof(PointerRow, force)),
+          },
+          sizeof(PointerRow),
+          1};
+}
+
+TableSchema schema_of(const Model& model, const std::string& name, const std::vector<TouchRow>&) {
+  const bool of_sensors = name == "sensors";
+  return {
+      name,
+      {
+          whole(of_sensors ? "sensor" : "body_a", ScalarType::u32, 1, offsetof(TouchRow, body_a), id_max, body_table),
+          whole(of_sensors ? "sensor_child" : "child_a", ScalarType::u32, 1, offsetof(TouchRow, child_a),
+                child_max(model)),
+          whole(of_sensors ? "visitor" : "body_b", ScalarType::u32, 1, offsetof(TouchRow, body_b), id_max, body_table),
+          whole(of_sensors ? "visitor_child" : "child_b", ScalarType::u32, 1, offsetof(TouchRow, child_b),
+                child_max(model)),
+      },
+      sizeof(TouchRow),
+      4};
+}
+
+TableSchema schema_of(const Model& model, const std::string& name, const std::vector<EventRow>&) {
   constexpr std::size_t touch = offsetof(EventRow, touch);
-  return {"events",
+  return {name,
           {
               whole("kind", ScalarType::u32, 1, offsetof(EventRow, kind), event_kind_count - 1),
               whole("body_a", ScalarType::u32, 1, touch + offsetof(TouchRow, body_a), id_max),
@@ -105,6 +178,66 @@ TableSchema event_table(const Model& model) {
           },
           sizeof(EventRow),
           5};
+}
+
+TableSchema schema_of(const Model& model, const std::string& name, const std::vector<JointRow>&) {
+  return {name,
+          {
+              whole("joint", ScalarType::u32, 1, offsetof(JointRow, joint),
+                    static_cast<double>(model.joints.empty() ? 0 : model.joints.size() - 1)),
+              whole("kind", ScalarType::u32, 1, offsetof(JointRow, kind), joint_kinds.size() - 1.0),
+              optional_reference("body_a", offsetof(JointRow, body_a), body_table),
+              whole("body_b", ScalarType::u32, 1, offsetof(JointRow, body_b), id_max, body_table),
+              real("motor_speed", 1, offsetof(JointRow, motor_speed)),
+              real("motor_force_max", 1, offsetof(JointRow, motor_force_max), 0),
+              real("linear_force", 2, offsetof(JointRow, linear_force)),
+              real("torque", 1, offsetof(JointRow, torque)),
+              real("spring_force", 1, offsetof(JointRow, spring_force)),
+              real("lower_force", 1, offsetof(JointRow, lower_force), 0),
+              real("upper_force", 1, offsetof(JointRow, upper_force), 0),
+              real("motor_force", 1, offsetof(JointRow, motor_force)),
+          },
+          sizeof(JointRow),
+          1};
+}
+
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<SleepRow>&) {
+  return {name,
+          {
+              whole("body", ScalarType::u32, 1, offsetof(SleepRow, body), id_max, body_table),
+              whole("asleep", ScalarType::u32, 1, offsetof(SleepRow, asleep), 1),
+              real("calm", 1, offsetof(SleepRow, calm), 0),
+          },
+          sizeof(SleepRow),
+          1};
+}
+
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<SubstepRow>&) {
+  return {name,
+          {
+              whole("body", ScalarType::u32, 1, offsetof(SubstepRow, body), id_max, body_table),
+              {"count", ScalarType::u32, 1, offsetof(SubstepRow, count), 1, limits::substep_count_max},
+              whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, idle_ticks), limits::substep_count_max),
+          },
+          sizeof(SubstepRow),
+          1};
+}
+
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<AccelerationRow>&) {
+  return {name,
+          {
+              real("linear", 2, offsetof(AccelerationRow, linear)),
+              real("angular", 1, offsetof(AccelerationRow, angular)),
+          },
+          sizeof(AccelerationRow),
+          0};
+}
+
+TableSchema schema_of(const Model&, const std::string& name, const IntegratorRow&) {
+  return {name,
+          {whole("unconverged", ScalarType::u32, 1, offsetof(IntegratorRow, unconverged), no_reference)},
+          sizeof(IntegratorRow),
+          0};
 }
 
 /// Whether the bodies of a row, which exist, have the children it names.
@@ -134,111 +267,9 @@ std::size_t State::find_body(std::uint32_t id) const {
 
 StateSchema make_schema(const Model& model, StateTables tables) {
   StateSchema schema;
-  schema.tables.push_back(
-      {"world",
-       {
-           whole("tick", ScalarType::u64, 1, offsetof(WorldRow, tick), static_cast<double>(limits::tick_count_max)),
-           {"time", ScalarType::f64, 1, offsetof(WorldRow, time), 0, infinity},
-           real("gravity", 2, offsetof(WorldRow, gravity)),
-           whole("next_id", ScalarType::u32, 1, offsetof(WorldRow, next_id), id_max),
-           whole("ignored_inputs", ScalarType::u32, 1, offsetof(WorldRow, ignored_inputs), no_reference),
-       },
-       sizeof(WorldRow),
-       0});
-  schema.tables.push_back({"bodies",
-                           {
-                               whole("id", ScalarType::u32, 1, offsetof(BodyRow, id), id_max),
-                               whole("source", ScalarType::u32, 1, offsetof(BodyRow, source),
-                                     static_cast<double>(model.bodies.empty() ? 0 : model.bodies.size() - 1)),
-                               real("position", 2, offsetof(BodyRow, position)),
-                               real("rotation", 2, offsetof(BodyRow, rotation), -2, 2),
-                               real("velocity", 2, offsetof(BodyRow, velocity)),
-                               real("angular_velocity", 1, offsetof(BodyRow, angular_velocity)),
-                           },
-                           sizeof(BodyRow),
-                           1});
-  if (tables.contacts)
-    schema.tables.push_back({"contacts",
-                             {
-                                 whole("body_a", ScalarType::u32, 1, offsetof(ContactRow, body_a), id_max, body_table),
-                                 whole("child_a", ScalarType::u32, 1, offsetof(ContactRow, child_a), child_max(model)),
-                                 whole("body_b", ScalarType::u32, 1, offsetof(ContactRow, body_b), id_max, body_table),
-                                 whole("child_b", ScalarType::u32, 1, offsetof(ContactRow, child_b), child_max(model)),
-                                 whole("feature", ScalarType::u32, 2, offsetof(ContactRow, feature), no_feature),
-                                 real("normal_force", 2, offsetof(ContactRow, normal_force), 0),
-                                 real("tangent_force", 2, offsetof(ContactRow, tangent_force)),
-                             },
-                             sizeof(ContactRow),
-                             4});
-  if (tables.pointers)
-    schema.tables.push_back(
-        {"pointers",
-         {
-             whole("player", ScalarType::u32, 1, offsetof(PointerRow, player), limits::player_count_max - 1),
-             whole("body", ScalarType::u32, 1, offsetof(PointerRow, body), id_max, body_table),
-             real("anchor", 2, offsetof(PointerRow, anchor)),
-             real("target", 2, offsetof(PointerRow, target)),
-             real("force", 2, offsetof(PointerRow, force)),
-         },
-         sizeof(PointerRow),
-         1});
-  if (tables.touching)
-    schema.tables.push_back(touch_table(model, "touching", {"body_a", "child_a", "body_b", "child_b"}));
-  if (tables.sensors)
-    schema.tables.push_back(touch_table(model, "sensors", {"sensor", "sensor_child", "visitor", "visitor_child"}));
-  if (tables.events) schema.tables.push_back(event_table(model));
-  if (tables.joints)
-    schema.tables.push_back({"joints",
-                             {
-                                 whole("joint", ScalarType::u32, 1, offsetof(JointRow, joint),
-                                       static_cast<double>(model.joints.empty() ? 0 : model.joints.size() - 1)),
-                                 whole("kind", ScalarType::u32, 1, offsetof(JointRow, kind), joint_kinds.size() - 1.0),
-                                 optional_reference("body_a", offsetof(JointRow, body_a), body_table),
-                                 whole("body_b", ScalarType::u32, 1, offsetof(JointRow, body_b), id_max, body_table),
-                                 real("motor_speed", 1, offsetof(JointRow, motor_speed)),
-                                 real("motor_force_max", 1, offsetof(JointRow, motor_force_max), 0),
-                                 real("linear_force", 2, offsetof(JointRow, linear_force)),
-                                 real("torque", 1, offsetof(JointRow, torque)),
-                                 real("spring_force", 1, offsetof(JointRow, spring_force)),
-                                 real("lower_force", 1, offsetof(JointRow, lower_force), 0),
-                                 real("upper_force", 1, offsetof(JointRow, upper_force), 0),
-                                 real("motor_force", 1, offsetof(JointRow, motor_force)),
-                             },
-                             sizeof(JointRow),
-                             1});
-  if (tables.sleep)
-    schema.tables.push_back({"sleep",
-                             {
-                                 whole("body", ScalarType::u32, 1, offsetof(SleepRow, body), id_max, body_table),
-                                 whole("asleep", ScalarType::u32, 1, offsetof(SleepRow, asleep), 1),
-                                 real("calm", 1, offsetof(SleepRow, calm), 0),
-                             },
-                             sizeof(SleepRow),
-                             1});
-  if (tables.substeps)
-    schema.tables.push_back(
-        {"substeps",
-         {
-             whole("body", ScalarType::u32, 1, offsetof(SubstepRow, body), id_max, body_table),
-             {"count", ScalarType::u32, 1, offsetof(SubstepRow, count), 1, limits::substep_count_max},
-             whole("calm_ticks", ScalarType::u32, 1, offsetof(SubstepRow, idle_ticks), limits::substep_count_max),
-         },
-         sizeof(SubstepRow),
-         1});
-  if (tables.accelerations)
-    schema.tables.push_back({"accelerations",
-                             {
-                                 real("linear", 2, offsetof(AccelerationRow, linear)),
-                                 real("angular", 1, offsetof(AccelerationRow, angular)),
-                             },
-                             sizeof(AccelerationRow),
-                             0});
-  if (tables.integrator)
-    schema.tables.push_back(
-        {"integrator",
-         {whole("unconverged", ScalarType::u32, 1, offsetof(IntegratorRow, unconverged), no_reference)},
-         sizeof(IntegratorRow),
-         0});
+  const State unset;
+  for_each_table(unset, tables,
+                 [&](const char* name, const auto& rows) { schema.tables.push_back(schema_of(model, name, rows)); });
   const Status status = check_schema(schema);
   TICKTRUE_ASSERT(status.has_value());
   return schema;
@@ -246,57 +277,26 @@ StateSchema make_schema(const Model& model, StateTables tables) {
 
 void update_view(const State& state, StateTables tables, StateView& view) {
   view.tables.clear();
-  view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.world), 1});
-  view.tables.push_back(rows_of(state.bodies));
-  if (tables.contacts) view.tables.push_back(rows_of(state.contacts));
-  if (tables.pointers) view.tables.push_back(rows_of(state.pointers));
-  if (tables.touching) view.tables.push_back(rows_of(state.touching));
-  if (tables.sensors) view.tables.push_back(rows_of(state.sensors));
-  if (tables.events) view.tables.push_back(rows_of(state.events));
-  if (tables.joints) view.tables.push_back(rows_of(state.joints));
-  if (tables.sleep) view.tables.push_back(rows_of(state.sleep));
-  if (tables.substeps) view.tables.push_back(rows_of(state.substeps));
-  if (tables.accelerations) view.tables.push_back(rows_of(state.accelerations));
-  if (tables.integrator) view.tables.push_back({reinterpret_cast<const std::uint8_t*>(&state.integrator), 1});
+  for_each_table(state, tables, [&](const char*, const auto& rows) { view.tables.push_back(rows_of(rows)); });
 }
 
 Status load_state(const Model& model, const StateSchema& schema, StateTables tables, ByteView image, State& state) {
   const Result<std::vector<ImageTable>> parts = check_image(schema, image);
   if (!parts) return parts.error();
-  if ((*parts)[0].row_count != 1)
-    return image_error("table world: rows: found " + std::to_string((*parts)[0].row_count) + ", expected 1");
   State loaded;
+  Status status;
   std::size_t table = 0;
-  decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.world));
-  ++table;
-  load_rows(schema.tables[table], (*parts)[table], loaded.bodies);
-  ++table;
-  if (tables.contacts) {
-    load_rows(schema.tables[table], (*parts)[table], loaded.contacts);
+  for_each_table(loaded, tables, [&](const char* name, auto& rows) {
+    const ImageTable& part = (*parts)[table];
+    if (!load_rows(schema.tables[table], part, rows) && status)
+      status = image_error(std::string("table ") + name + ": rows: found " + std::to_string(part.row_count) +
+                           ", expected 1");
     ++table;
-  }
-  const auto load_next = [&](bool owned, auto& rows) {
-    if (!owned) return;
-    load_rows(schema.tables[table], (*parts)[table], rows);
-    ++table;
-  };
-  load_next(tables.pointers, loaded.pointers);
-  load_next(tables.touching, loaded.touching);
-  load_next(tables.sensors, loaded.sensors);
-  load_next(tables.events, loaded.events);
-  load_next(tables.joints, loaded.joints);
-  load_next(tables.sleep, loaded.sleep);
-  load_next(tables.substeps, loaded.substeps);
-  load_next(tables.accelerations, loaded.accelerations);
+  });
+  if (!status) return status;
   if (tables.accelerations && loaded.accelerations.size() != loaded.bodies.size())
     return image_error("table accelerations: rows: found " + std::to_string(loaded.accelerations.size()) +
                        ", expected one for each of the " + std::to_string(loaded.bodies.size()) + " bodies");
-  if (tables.integrator) {
-    if ((*parts)[table].row_count != 1)
-      return image_error("table integrator: rows: found " + std::to_string((*parts)[table].row_count) + ", expected 1");
-    decode_rows(schema.tables[table], (*parts)[table], reinterpret_cast<std::uint8_t*>(&loaded.integrator));
-    ++table;
-  }
 
   if (loaded.bodies.size() > limits::body_count_max) return image_error("table bodies: too many rows");
   if (!loaded.bodies.empty() && loaded.bodies.back().id >= loaded.world.next_id)

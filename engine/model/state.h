@@ -120,6 +120,8 @@ static_assert(sizeof(IntegratorRow) == 4);
 
 /// Which tables a pipeline owns.
 struct StateTables {
+  bool world = true;
+  bool bodies = true;
   bool contacts = false;
   bool pointers = false;
   bool touching = false;
@@ -153,6 +155,24 @@ struct State {
     if (!sleep.empty()) sleep[row].calm = 0;
   }
 };
+
+/// The list of tables, in the order of the schema: calls visit(name, rows) for each that is owned. `rows` is a vector
+/// of `state`, or the one row.
+template <typename StateType, typename Visit>
+void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
+  if (owned.world) visit("world", state.world);
+  if (owned.bodies) visit("bodies", state.bodies);
+  if (owned.contacts) visit("contacts", state.contacts);
+  if (owned.pointers) visit("pointers", state.pointers);
+  if (owned.touching) visit("touching", state.touching);
+  if (owned.sensors) visit("sensors", state.sensors);
+  if (owned.events) visit("events", state.events);
+  if (owned.joints) visit("joints", state.joints);
+  if (owned.sleep) visit("sleep", state.sleep);
+  if (owned.substeps) visit("substeps", state.substeps);
+  if (owned.accelerations) visit("accelerations", state.accelerations);
+  if (owned.integrator) visit("integrator", state.integrator);
+}
 
 /// Whether the model's integrator remembers accelerations.
 inline bool keeps_accelerations(const Model& model) {

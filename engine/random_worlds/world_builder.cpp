@@ -10,10 +10,6 @@
 namespace ticktrue::engine {
 namespace {
 
-bool is_line(ShapeKind kind) {
-  return kind == ShapeKind::segment || kind == ShapeKind::chain;
-}
-
 void widen(Point& lower, Point& upper, Point p) {
   lower = {p.x < lower.x ? p.x : lower.x, p.y < lower.y ? p.y : lower.y};
   upper = {p.x > upper.x ? p.x : upper.x, p.y > upper.y ? p.y : upper.y};
@@ -233,8 +229,7 @@ void WorldBuilder::add_terrain() {
 
 void WorldBuilder::add_prototypes() {
   bool spawns = false;
-  for (const InputKind kind : plan.inputs)
-    spawns = spawns || info_of(input_kinds, kind).has_prototype || kind == InputKind::press;
+  for (const InputKind kind : plan.inputs) spawns = spawns || info_of(input_kinds, kind).may_make_body;
   if (!spawns) return;
   const int count = draw.between(1, 3);
   for (int i = 0; i < count; ++i) {

@@ -93,9 +93,9 @@ class InputMaker {
 
   void declare() {
     bool has_pointer = false;
-    for (const InputKind kind : plan_.inputs) has_pointer = has_pointer || is_pointer(kind);
+    for (const InputKind kind : plan_.inputs) has_pointer = has_pointer || info_of(input_kinds, kind).is_of_pointer;
     for (const InputInfo& info : input_kinds) {
-      bool wanted = is_pointer(info.kind) && has_pointer;
+      bool wanted = info.is_of_pointer && has_pointer;
       for (const InputKind kind : plan_.inputs) wanted = wanted || kind == info.kind;
       if (info.has_joint && motors_.empty()) wanted = false;
       if (info.has_prototype && scene_.prototypes.empty()) wanted = false;
@@ -108,10 +108,6 @@ class InputMaker {
       for (const Body& prototype : scene_.prototypes) scene_.pointer->spawns.push_back(prototype.name);
   }
 
-  static bool is_pointer(InputKind kind) {
-    return kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
-  }
-
   /// Inputs around one of a kind, and what belongs to it: what moves stops, gravity comes back, pointers let go.
   void add_script(InputKind kind) {
     const auto ticks = static_cast<std::uint32_t>(plan_.tick_count);
@@ -121,7 +117,7 @@ class InputMaker {
     draw_context();
     if (kind == InputKind::remove && takes(InputKind::spawn) && plan_.has(WorldFeature::teleports) && draw_.chance(80))
       return teleport();
-    if (is_pointer(kind)) return use_pointer();
+    if (info_of(input_kinds, kind).is_of_pointer) return use_pointer();
     const Body& body = scene_.bodies[body_ % scene_.bodies.size()];
     if (kind == InputKind::set_velocity && body.type == BodyType::static_body) return;  // refused
     add(kind);

@@ -1,11 +1,10 @@
-// Joints and force elements of random worlds. Which fields a kind has is read from engine/scene/scene_fields.h.
+// Joints and force elements of random worlds. Which fields a kind has is read from the tables of kinds.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 #include "engine/math/trig.h"
 #include "engine/random_worlds/world_builder.h"
 #include "engine/scene/hull.h"
 #include "engine/scene/scene_binary.h"
-#include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {
@@ -224,7 +223,7 @@ void add_forces(Draw& draw, const WorldPlan& plan, Scene& scene) {
   const double least_mass = least_of(scene, &MassProperties::mass);
   const double least_inertia = least_of(scene, &MassProperties::inertia);
   for (const ForceKind kind : plan.forces) {
-    const auto has = [&](ForceField field) { return !key_of(info_of(force_fields, kind), field).empty(); };
+    const auto has = [&](ForceField field) { return !key_of(info_of(force_kinds, kind), field).empty(); };
     Force force;
     force.kind = kind;
     const std::uint32_t body = draw.any(dynamic);

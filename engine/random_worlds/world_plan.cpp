@@ -4,8 +4,6 @@
 
 #include <span>
 
-#include "engine/scene/scene_fields.h"
-
 namespace ticktrue::engine {
 namespace {
 
@@ -53,7 +51,7 @@ void draw_choices(Draw& draw, WorldPlan& plan) {
 
 void draw_clock(Draw& draw, ClockSettings& clock) {
   clock.kind = draw_row(draw, clock_kinds, [](const auto& info) { return info.kind == ClockKind::fixed ? 50 : 17; });
-  const auto& fields = info_of(clock_fields, clock.kind);
+  const auto& fields = info_of(clock_kinds, clock.kind);
   const auto has = [&](ClockField field) { return !key_of(fields, field).empty(); };
   if (has(ClockField::ticks_per_frame_max)) clock.ticks_per_frame_max = draw.between(1, 8);
   if (has(ClockField::tolerance)) clock.tolerance = draw.power(-16, -8);
@@ -110,10 +108,6 @@ void apply_features(Draw& draw, WorldPlan& plan) {
     plan.gravity = {draw.one_of({-10, -1, 0.5, 5, 10}), draw.half() ? 0 : plan.gravity.y};
 }
 
-bool is_solid(ShapeKind kind) {
-  return kind != ShapeKind::segment && kind != ShapeKind::chain;
-}
-
 void add_once(std::vector<InputKind>& inputs, InputKind wanted) {
   for (const InputKind kind : inputs)
     if (kind == wanted) return;
@@ -121,12 +115,10 @@ void add_once(std::vector<InputKind>& inputs, InputKind wanted) {
 }
 
 void draw_kinds(Draw& draw, WorldPlan& plan) {
-  const auto knows_shape = [&](ShapeKind kind) {
-    return !plan.is_plain() || kind == ShapeKind::circle || kind == ShapeKind::box || kind == ShapeKind::polygon;
-  };
+  const auto knows_shape = [&](ShapeKind kind) { return !plan.is_plain() || info_of(shape_kinds, kind).is_plain; };
   plan.shapes = draw_subset<ShapeKind>(draw, shape_kinds, 40, knows_shape);
   bool some_solid = false;
-  for (const ShapeKind kind : plan.shapes) some_solid = some_solid || is_solid(kind);
+  for (const ShapeKind kind : plan.shapes) some_solid = some_solid || !is_line(kind);
   if (!some_solid) plan.shapes.push_back(draw.half() ? ShapeKind::circle : ShapeKind::box);
   const auto any = [](auto) { return true; };
   // Later kinds of joints have draws of their own (add_joints): worlds without them stay what they were.
@@ -135,9 +127,8 @@ void draw_kinds(Draw& draw, WorldPlan& plan) {
   if (draw.chance(50)) plan.forces = draw_subset<ForceKind>(draw, force_kinds, 35, any);
   const auto takes_input = [&](InputKind kind) {
     const InputInfo& info = info_of(input_kinds, kind);
-    const bool is_pointer = kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
     return kind != InputKind::end && (!info.has_joint || !plan.joints.empty()) &&
-           (!is_pointer || plan.carries_constraints());
+           (!info.is_of_pointer || plan.carries_constraints());
   };
   plan.inputs = draw_subset<InputKind>(draw, input_kinds, 40, takes_input);
   if (!plan.joints.empty() && plan.has(WorldFeature::joint_motors) && draw.half())

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/pieces.h"
 #include "engine/random_worlds/world_builder.h"
-#include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
 namespace {

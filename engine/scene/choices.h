@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "engine/math/precision.h"
+#include "engine/scene/field_keys.h"
 
 namespace ticktrue::engine {
 
@@ -107,30 +108,113 @@ inline constexpr std::array<Choice<BodyType>, 3> body_types{{
     {BodyType::dynamic_body, "dynamic", "moves and is pushed"},
 }};
 
-inline constexpr std::array<Choice<ShapeKind>, 6> shape_kinds{{
-    {ShapeKind::circle, "circle", "centre and radius"},
-    {ShapeKind::box, "box", "half extents, turned by an angle; may be rounded by a radius"},
-    {ShapeKind::polygon, "polygon", "convex, 3..16 vertices; may be rounded by a radius"},
-    {ShapeKind::capsule, "capsule", "two centres and a radius"},
-    {ShapeKind::segment, "segment", "a line between two points, of both sides; has no mass"},
-    {ShapeKind::chain, "chain", "a line through points, of its right side; no bumps at its corners; has no mass"},
+/// Fields of Shape that not every kind has.
+enum class ShapeField : std::uint8_t { center, angle, half_size, vertices, radius, loop };
+
+struct ShapeKindInfo : Choice<ShapeKind> {
+  std::array<FieldKey<ShapeField>, 5> keys;  // in the order of the printer
+  bool has_area = true;                      // false: a line, which has no mass
+  bool is_plain = false;                     // known to solvers that read no contacts, without rounding
+};
+inline constexpr FieldRange chain_length{2, limits::chain_vertex_count_max};
+inline constexpr std::array<ShapeKindInfo, 6> shape_kinds{{
+    {{ShapeKind::circle, "circle", "centre and radius"},
+     {{{ShapeField::radius, "radius", true, ranges::size}, {ShapeField::center, "center"}}},
+     true,
+     true},
+    {{ShapeKind::box, "box", "half extents, turned by an angle; may be rounded by a radius"},
+     {{{ShapeField::half_size, "half_size", true},
+       {ShapeField::center, "center"},
+       {ShapeField::angle, "angle"},
+       {ShapeField::radius, "radius"}}},
+     true,
+     true},
+    {{ShapeKind::polygon, "polygon", "convex, 3..16 vertices; may be rounded by a radius"},
+     {{{ShapeField::vertices, "vertices", true}, {ShapeField::radius, "radius"}}},
+     true,
+     true},
+    {{ShapeKind::capsule, "capsule", "two centres and a radius"},
+     {{{ShapeField::vertices, "points", true}, {ShapeField::radius, "radius", true, ranges::size}}}},
+    {{ShapeKind::segment, "segment", "a line between two points, of both sides; has no mass"},
+     {{{ShapeField::vertices, "points", true}}},
+     false},
+    {{ShapeKind::chain, "chain", "a line through points, of its right side; no bumps at its corners; has no mass"},
+     {{{ShapeField::vertices, "points", true, chain_length}, {ShapeField::loop, "loop"}}},
+     false},
 }};
 
-inline constexpr std::array<Choice<ForceKind>, 6> force_kinds{{
-    {ForceKind::constant, "constant", "a constant force (world axes, at the centre of mass) and torque"},
-    {ForceKind::central, "central", "m k |r|^p towards a point of the world"},
-    {ForceKind::spring, "spring", "spring and damper between an anchor and another body's anchor or a point"},
-    {ForceKind::wind, "wind", "moves the air that drags refer to"},
-    {ForceKind::linear_drag, "linear_drag", "-c (v - wind), and a torque -c_r w"},
-    {ForceKind::quadratic_drag, "quadratic_drag", "-c |v - wind| (v - wind), and a torque -c_r |w| w"},
+/// Fields of Force; all but name and kind.
+enum class ForceField : std::uint8_t {
+  body,
+  other,
+  anchor,
+  point,
+  vector,
+  torque,
+  coefficient,
+  angular_coefficient,
+  exponent,
+  stiffness,
+  damping,
+  rest_length,
+};
+
+struct ForceKindInfo : Choice<ForceKind> {
+  std::array<FieldKey<ForceField>, 8> keys;  // in the order of the printer
+};
+inline constexpr FieldRange attraction{-stiffness_max, stiffness_max};
+inline constexpr std::array<ForceKindInfo, 6> force_kinds{{
+    {{ForceKind::constant, "constant", "a constant force (world axes, at the centre of mass) and torque"},
+     {{{ForceField::body, "body"}, {ForceField::vector, "force"}, {ForceField::torque, "torque"}}}},
+    {{ForceKind::central, "central", "m k |r|^p towards a point of the world"},
+     {{{ForceField::body, "body"},
+       {ForceField::point, "center"},
+       {ForceField::coefficient, "coefficient", true, attraction},
+       {ForceField::exponent, "exponent"}}}},
+    {{ForceKind::spring, "spring", "spring and damper between an anchor and another body's anchor or a point"},
+     {{{ForceField::body, "body", true},
+       {ForceField::other, "other"},
+       {ForceField::anchor, "anchor"},
+       {ForceField::point, "point"},
+       {ForceField::stiffness, "stiffness", true},
+       {ForceField::damping, "damping"},
+       {ForceField::rest_length, "rest_length"}}}},
+    {{ForceKind::wind, "wind", "moves the air that drags refer to"},
+     {{{ForceField::vector, "velocity", true, ranges::speed}}}},
+    {{ForceKind::linear_drag, "linear_drag", "-c (v - wind), and a torque -c_r w"},
+     {{{ForceField::body, "body"},
+       {ForceField::coefficient, "coefficient", true},
+       {ForceField::angular_coefficient, "angular_coefficient"}}}},
+    {{ForceKind::quadratic_drag, "quadratic_drag", "-c |v - wind| (v - wind), and a torque -c_r |w| w"},
+     {{{ForceField::body, "body"},
+       {ForceField::coefficient, "coefficient", true},
+       {ForceField::angular_coefficient, "angular_coefficient"}}}},
 }};
 
-inline constexpr std::array<Choice<ClockKind>, 4> clock_kinds{{
-    {ClockKind::fixed, "fixed", "ticks of dt; frame time that is left over is kept"},
-    {ClockKind::semi_fixed, "semi_fixed", "ticks of dt, at most so many a frame; time beyond is dropped and reported"},
-    {ClockKind::variable, "variable", "one tick per frame, as long as the frame"},
-    {ClockKind::adaptive, "adaptive", "as many ticks as keep the error of each below a tolerance"},
+/// Fields of ClockSettings; all but kind.
+enum class ClockField : std::uint8_t { ticks_per_frame_max, tolerance, dt_min, dt_max };
+
+struct ClockKindInfo : Choice<ClockKind> {
+  std::array<FieldKey<ClockField>, 4> keys;
+};
+inline constexpr std::array<ClockKindInfo, 4> clock_kinds{{
+    {{ClockKind::fixed, "fixed", "ticks of dt; frame time that is left over is kept"}, {}},
+    {{ClockKind::semi_fixed, "semi_fixed", "ticks of dt, at most so many a frame; time beyond is dropped and reported"},
+     {{{ClockField::ticks_per_frame_max, "ticks_per_frame_max"}}}},
+    {{ClockKind::variable, "variable", "one tick per frame, as long as the frame"}, {{{ClockField::dt_max, "dt_max"}}}},
+    {{ClockKind::adaptive, "adaptive", "as many ticks as keep the error of each below a tolerance"},
+     {{{ClockField::tolerance, "tolerance"}, {ClockField::dt_min, "dt_min"}, {ClockField::dt_max, "dt_max"}}}},
 }};
+
+/// The table of a choice that is a field of every scene or body.
+struct Tables {
+  static constexpr const auto& of(Precision) { return precisions; }
+  static constexpr const auto& of(SolverKind) { return solvers; }
+  static constexpr const auto& of(IntegratorKind) { return integrators; }
+  static constexpr const auto& of(BroadPhaseKind) { return broad_phases; }
+  static constexpr const auto& of(MixRule) { return mix_rules; }
+  static constexpr const auto& of(BodyType) { return body_types; }
+};
 
 /// The row of a table with this kind. Requires: the table has one (each table lists its whole enumeration).
 template <typename Table, typename Kind>
@@ -144,6 +228,12 @@ constexpr bool rows_are_in_order(const Table& table) {
   for (std::size_t i = 0; i < table.size(); ++i)
     if (static_cast<std::size_t>(table[i].kind) != i) return false;
   return true;
+}
+
+static_assert(rows_are_in_order(shape_kinds) && rows_are_in_order(force_kinds) && rows_are_in_order(clock_kinds));
+
+constexpr bool is_line(ShapeKind kind) {
+  return !info_of(shape_kinds, kind).has_area;
 }
 
 /// The row with this name, or null.

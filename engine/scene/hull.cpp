@@ -5,6 +5,7 @@
 // hull is the hull, a rectangle on each edge and a sector at each corner (Steiner, 1840).
 #include "engine/scene/hull.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -182,25 +183,76 @@ MassProperties at_density(const Moments& moments, double density) {
   return {density * moments.area, moments.center, density * moments.polar};
 }
 
+// ---- Core and mass by kind ----
+
+std::vector<Point> hull_of(const Shape& shape) {
+  Result<std::vector<Point>> hull = build_hull(shape.vertices);
+  TICKTRUE_ASSERT(hull.has_value());
+  return *std::move(hull);
+}
+
+MassProperties rounded_mass(const Shape& shape) {
+  return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
+}
+
+MassProperties circle_mass(const Shape& shape) {
+  const double mass = shape.density * pi * shape.radius * shape.radius;
+  return {mass, shape.center, mass * shape.radius * shape.radius / 2};
+}
+
+MassProperties box_mass(const Shape& shape) {
+  if (shape.radius > 0) {
+    MassProperties result = rounded_mass(shape);
+    result.center = shape.center;  // by symmetry, without rounding
+    return result;
+  }
+  const double mass = shape.density * 4 * shape.half_size.x * shape.half_size.y;
+  return {mass, shape.center, mass * dot(shape.half_size, shape.half_size) / 3};
+}
+
+MassProperties polygon_mass(const Shape& shape) {
+  return shape.radius > 0 ? rounded_mass(shape) : at_density(polygon_moments(core_of(shape)), shape.density);
+}
+
+MassProperties capsule_mass(const Shape& shape) {
+  MassProperties result = rounded_mass(shape);
+  result.center = {(shape.vertices[0].x + shape.vertices[1].x) / 2, (shape.vertices[0].y + shape.vertices[1].y) / 2};
+  return result;
+}
+
+MassProperties no_mass(const Shape&) {
+  return {};
+}
+std::vector<Point> center_of(const Shape& shape) {
+  return {shape.center};
+}
+std::vector<Point> vertices_of(const Shape& shape) {
+  return shape.vertices;
+}
+
+struct ShapeGeometry {
+  ShapeKind kind;
+  std::vector<Point> (*core)(const Shape& shape);
+  MassProperties (*mass)(const Shape& shape);
+};
+constexpr std::array<ShapeGeometry, shape_kinds.size()> geometries{{
+    {ShapeKind::circle, center_of, circle_mass},
+    {ShapeKind::box, box_corners, box_mass},
+    {ShapeKind::polygon, hull_of, polygon_mass},
+    {ShapeKind::capsule, vertices_of, capsule_mass},
+    {ShapeKind::segment, vertices_of, no_mass},
+    {ShapeKind::chain, vertices_of, no_mass},
+}};
+static_assert(rows_are_in_order(geometries));
+
 }  // namespace
 
 std::vector<Point> core_of(const Shape& shape) {
-  switch (shape.kind) {
-    case ShapeKind::circle:
-      return {shape.center};
-    case ShapeKind::box:
-      return box_corners(shape);
-    case ShapeKind::polygon: {
-      Result<std::vector<Point>> hull = build_hull(shape.vertices);
-      TICKTRUE_ASSERT(hull.has_value());
-      return *std::move(hull);
-    }
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
-    case ShapeKind::chain:
-      break;
-  }
-  return shape.vertices;
+  return info_of(geometries, shape.kind).core(shape);
+}
+
+MassProperties shape_mass(const Shape& shape) {
+  return info_of(geometries, shape.kind).mass(shape);
 }
 
 Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
@@ -261,39 +313,6 @@ Result<std::vector<Point>> build_hull(const std::vector<Point>& points) {
     corners.push_back(points[hull[k]]);
   }
   return corners;
-}
-
-MassProperties shape_mass(const Shape& shape) {
-  MassProperties result;
-  switch (shape.kind) {
-    case ShapeKind::circle:
-      result.mass = shape.density * pi * shape.radius * shape.radius;
-      result.center = shape.center;
-      result.inertia = result.mass * shape.radius * shape.radius / 2;
-      break;
-    case ShapeKind::box:
-      if (shape.radius > 0) {
-        result = at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
-        result.center = shape.center;  // by symmetry, without rounding
-        break;
-      }
-      result.mass = shape.density * 4 * shape.half_size.x * shape.half_size.y;
-      result.center = shape.center;
-      result.inertia = result.mass * dot(shape.half_size, shape.half_size) / 3;
-      break;
-    case ShapeKind::polygon:
-      if (shape.radius > 0) return at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
-      return at_density(polygon_moments(core_of(shape)), shape.density);
-    case ShapeKind::capsule:
-      result = at_density(rounded_moments(core_of(shape), shape.radius), shape.density);
-      result.center = {(shape.vertices[0].x + shape.vertices[1].x) / 2,
-                       (shape.vertices[0].y + shape.vertices[1].y) / 2};
-      break;
-    case ShapeKind::segment:
-    case ShapeKind::chain:
-      break;
-  }
-  return result;
 }
 
 MassProperties body_mass(const Body& body) {

@@ -29,78 +29,78 @@ enum class InputKind : std::uint8_t {
   set_motor,
 };
 
+using ValueNames = std::array<std::string_view, 6>;
+constexpr std::size_t stated_count(const ValueNames& names) {
+  std::size_t count = 0;
+  while (count < names.size() && !names[count].empty()) ++count;
+  return count;
+}
+
 struct InputInfo {
   InputKind kind;
   std::string_view name;
-  bool has_body;                                // `body` counts
-  bool has_prototype;                           // `prototype` counts
-  bool has_joint;                               // `joint` counts
-  std::uint8_t value_count;                     // how many of `values` count
-  std::array<std::string_view, 6> value_names;  // JSON keys, in order
   std::string_view summary;
+  ValueNames value_names{};    // JSON keys, in order
+  bool has_body = false;       // `body` counts
+  bool has_prototype = false;  // `prototype` counts
+  bool has_joint = false;      // `joint` counts
+  bool is_of_pointer = false;  // declared if and only if the scene has a pointer
+  bool may_make_body = false;
+  std::size_t value_count = stated_count(value_names);  // how many of `values` count
 };
 inline constexpr std::array<InputInfo, 12> input_kinds{{
-    {InputKind::spawn,
-     "spawn",
-     false,
-     true,
-     false,
-     6,
-     {"x", "y", "angle", "vx", "vy", "angular_velocity"},
-     "makes a body from a prototype: pose of its origin (m, rad), velocity (m/s, rad/s)"},
-    {InputKind::remove, "remove", true, false, false, 0, {}, "removes a body"},
-    {InputKind::impulse,
-     "impulse",
-     true,
-     false,
-     false,
-     4,
-     {"ix", "iy", "px", "py"},
-     "changes momentum by (ix, iy) N s, applied at (px, py) in the body's frame, from its centre of mass"},
-    {InputKind::force,
-     "force",
-     true,
-     false,
-     false,
-     4,
-     {"fx", "fy", "px", "py"},
-     "(fx, fy) N during this tick, applied at (px, py) in the body's frame, from its centre of mass"},
-    {InputKind::torque, "torque", true, false, false, 1, {"torque"}, "N m during this tick"},
-    {InputKind::set_velocity,
-     "set_velocity",
-     true,
-     false,
-     false,
-     3,
-     {"vx", "vy", "angular_velocity"},
-     "m/s of the centre of mass and rad/s"},
-    {InputKind::set_gravity, "set_gravity", false, false, false, 2, {"gx", "gy"}, "m/s^2, from this tick on"},
-    {InputKind::press,
-     "press",
-     false,
-     false,
-     false,
-     2,
-     {"x", "y"},
-     "the player's pointer goes down at (x, y) m: grabs the dynamic body there, or spawns on empty space"},
-    {InputKind::drag, "drag", false, false, false, 2, {"x", "y"}, "the pointer moves, held down"},
-    {InputKind::release, "release", false, false, false, 0, {}, "the pointer goes up"},
-    {InputKind::end,
-     "end",
-     false,
-     false,
-     false,
-     0,
-     {},
-     "the session ends before this tick; ends an input file, is part of no tick"},
-    {InputKind::set_motor,
-     "set_motor",
-     false,
-     false,
-     true,
-     2,
-     {"speed", "force_max"},
-     "a joint's motor: speed of B relative to A (m/s or rad/s) and its largest force (N or N m), from this tick on"},
+    {.kind = InputKind::spawn,
+     .name = "spawn",
+     .summary = "makes a body from a prototype: pose of its origin (m, rad), velocity (m/s, rad/s)",
+     .value_names = {"x", "y", "angle", "vx", "vy", "angular_velocity"},
+     .has_prototype = true,
+     .may_make_body = true},
+    {.kind = InputKind::remove, .name = "remove", .summary = "removes a body", .has_body = true},
+    {.kind = InputKind::impulse,
+     .name = "impulse",
+     .summary = "changes momentum by (ix, iy) N s, applied at (px, py) in the body's frame, from its centre of mass",
+     .value_names = {"ix", "iy", "px", "py"},
+     .has_body = true},
+    {.kind = InputKind::force,
+     .name = "force",
+     .summary = "(fx, fy) N during this tick, applied at (px, py) in the body's frame, from its centre of mass",
+     .value_names = {"fx", "fy", "px", "py"},
+     .has_body = true},
+    {.kind = InputKind::torque,
+     .name = "torque",
+     .summary = "N m during this tick",
+     .value_names = {"torque"},
+     .has_body = true},
+    {.kind = InputKind::set_velocity,
+     .name = "set_velocity",
+     .summary = "m/s of the centre of mass and rad/s",
+     .value_names = {"vx", "vy", "angular_velocity"},
+     .has_body = true},
+    {.kind = InputKind::set_gravity,
+     .name = "set_gravity",
+     .summary = "m/s^2, from this tick on",
+     .value_names = {"gx", "gy"}},
+    {.kind = InputKind::press,
+     .name = "press",
+     .summary = "the player's pointer goes down at (x, y) m: grabs the dynamic body there, or spawns on empty space",
+     .value_names = {"x", "y"},
+     .is_of_pointer = true,
+     .may_make_body = true},
+    {.kind = InputKind::drag,
+     .name = "drag",
+     .summary = "the pointer moves, held down",
+     .value_names = {"x", "y"},
+     .is_of_pointer = true},
+    {.kind = InputKind::release, .name = "release", .summary = "the pointer goes up", .is_of_pointer = true},
+    {.kind = InputKind::end,
+     .name = "end",
+     .summary = "the session ends before this tick; ends an input file, is part of no tick"},
+    {.kind = InputKind::set_motor,
+     .name = "set_motor",
+     .summary =
+         "a joint's motor: speed of B relative to A (m/s or rad/s) and its largest force (N or N m), from this tick on",
+     .value_names = {"speed", "force_max"},
+     .has_joint = true},
 }};
 
 /// One input event. Which fields count is said by its row in input_kinds; the others are zero.

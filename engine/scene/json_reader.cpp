@@ -59,9 +59,9 @@ bool JsonReader::wrong_type(const JsonPath& path, const JsonValue& value, const 
   return fail(path, "wrong type: found " + found_text(value) + ", expected " + expected);
 }
 
-bool JsonReader::out_of_range(const JsonPath& path, double found, double min, double max) {
-  return fail(path, "must be a whole number in range: found " + number_text(found) + ", expected " + number_text(min) +
-                        ".." + number_text(max));
+bool JsonReader::out_of_range(const JsonPath& path, double found, FieldRange range) {
+  return fail(path, "must be a whole number in range: found " + number_text(found) + ", expected " +
+                        number_text(range.min) + ".." + number_text(range.max));
 }
 
 bool JsonReader::object(const JsonValue& value, const JsonPath& path, const std::vector<Field>& fields) {
@@ -84,19 +84,19 @@ bool JsonReader::object(const JsonValue& value, const JsonPath& path, const std:
   return true;
 }
 
-bool JsonReader::number(const JsonValue& value, const JsonPath& path, double& out) {
+bool JsonReader::read(const JsonValue& value, const JsonPath& path, double& out) {
   if (value.type != JsonValue::Type::number) return wrong_type(path, value, "a number");
   out = value.number;
   return true;
 }
 
-bool JsonReader::flag(const JsonValue& value, const JsonPath& path, bool& out) {
+bool JsonReader::read(const JsonValue& value, const JsonPath& path, bool& out) {
   if (value.type != JsonValue::Type::boolean) return wrong_type(path, value, "true or false");
   out = value.flag;
   return true;
 }
 
-bool JsonReader::text(const JsonValue& value, const JsonPath& path, std::string& out) {
+bool JsonReader::read(const JsonValue& value, const JsonPath& path, std::string& out) {
   if (value.type != JsonValue::Type::text) return wrong_type(path, value, "a string");
   out = value.text;
   return true;
@@ -104,8 +104,7 @@ bool JsonReader::text(const JsonValue& value, const JsonPath& path, std::string&
 
 bool JsonReader::pair(const JsonValue& value, const JsonPath& path, const char* form, double& first, double& second) {
   if (value.type != JsonValue::Type::array || value.items.size() != 2) return wrong_type(path, value, form);
-  return number(value.items[0], JsonPath{&path, {}, 0}, first) &&
-         number(value.items[1], JsonPath{&path, {}, 1}, second);
+  return read(value.items[0], JsonPath{&path, {}, 0}, first) && read(value.items[1], JsonPath{&path, {}, 1}, second);
 }
 
 }  // namespace ticktrue::engine

@@ -52,24 +52,24 @@ class JsonReader {
   /// Reads every member of an object by the field of its key; refuses keys without one.
   bool object(const JsonValue& value, const JsonPath& path, const std::vector<Field>& fields);
 
-  bool number(const JsonValue& value, const JsonPath& path, double& out);
-  /// -2^53 <= min, max <= 2^53.
+  bool read(const JsonValue& value, const JsonPath& path, double& out);
+  bool read(const JsonValue& value, const JsonPath& path, bool& out);
+  bool read(const JsonValue& value, const JsonPath& path, std::string& out);
+  bool read(const JsonValue& value, const JsonPath& path, Point& out) {
+    return pair(value, path, "[x, y]", out.x, out.y);
+  }
+  /// Requires: -2^53 <= min, max <= 2^53.
   template <typename Whole>
-  bool whole(const JsonValue& value, const JsonPath& path, double min, double max, Whole& out) {
+  bool whole(const JsonValue& value, const JsonPath& path, FieldRange range, Whole& out) {
     if (value.type != JsonValue::Type::number) return wrong_type(path, value, "a whole number");
-    if (!(value.number >= min && value.number <= max) ||
+    if (!(value.number >= range.min && value.number <= range.max) ||
         static_cast<double>(static_cast<std::int64_t>(value.number)) != value.number)
-      return out_of_range(path, value.number, min, max);
+      return out_of_range(path, value.number, range);
     out = static_cast<Whole>(static_cast<std::int64_t>(value.number));
     return true;
   }
-  bool flag(const JsonValue& value, const JsonPath& path, bool& out);
-  bool text(const JsonValue& value, const JsonPath& path, std::string& out);
   /// [x, y] of any pair of doubles.
   bool pair(const JsonValue& value, const JsonPath& path, const char* form, double& first, double& second);
-  bool point(const JsonValue& value, const JsonPath& path, Point& out) {
-    return pair(value, path, "[x, y]", out.x, out.y);
-  }
   template <typename Table, typename Kind>
   bool choice(const JsonValue& value, const JsonPath& path, const Table& table, Kind& out) {
     if (value.type == JsonValue::Type::text) {
@@ -101,28 +101,14 @@ class JsonReader {
     return true;
   }
 
-  // Fields that are read straight into a variable.
-  Field number(std::string_view key, double& out, bool required = false) {
-    return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return number(v, p, out); }, required};
+  /// A field that is read straight into a number.
+  Field number(std::string_view key, double& out) {
+    return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return read(v, p, out); }};
   }
   template <typename Whole>
-  Field whole(std::string_view key, double min, double max, Whole& out, bool required = false) {
-    return {key, [this, min, max, &out](const JsonValue& v, const JsonPath& p) { return whole(v, p, min, max, out); },
+  Field whole(std::string_view key, FieldRange range, Whole& out, bool required = false) {
+    return {key, [this, range, &out](const JsonValue& v, const JsonPath& p) { return whole(v, p, range, out); },
             required};
-  }
-  Field flag(std::string_view key, bool& out) {
-    return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return flag(v, p, out); }};
-  }
-  Field text(std::string_view key, std::string& out) {
-    return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return text(v, p, out); }};
-  }
-  Field point(std::string_view key, Point& out, bool required = false) {
-    return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return point(v, p, out); }, required};
-  }
-  Field points(std::string_view key, std::vector<Point>& out) {
-    const auto read_one = [this](const JsonValue& v, const JsonPath& p, Point& one) { return point(v, p, one); };
-    return {key, [this, read_one, &out](const JsonValue& v, const JsonPath& p) { return list(v, p, out, read_one); },
-            true};
   }
   template <typename Table, typename Kind>
   Field choice(std::string_view key, const Table& table, Kind& out) {
@@ -130,7 +116,7 @@ class JsonReader {
   }
 
  private:
-  bool out_of_range(const JsonPath& path, double found, double min, double max);
+  bool out_of_range(const JsonPath& path, double found, FieldRange range);
 
   std::string place_;
   ErrorCode code_;

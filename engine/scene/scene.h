@@ -133,46 +133,6 @@ struct Joint {
   bool operator==(const Joint&) const = default;
 };
 
-/// Bounds of a number, or of both numbers of a point, which are symmetric.
-struct FieldRange {
-  double min = 0;
-  double max = 0;
-};
-inline constexpr double angle_max_rad = 1e6;  // sin_cos is exact to its last digits up to here
-inline constexpr double scene_force_max = limits::mass_max_kg * limits::speed_max;  // N, N m: as of inputs
-
-/// Calls visit(field, name, member, range) for each field of a joint, in the order of the binary form. Parser, printer,
-/// codec and rules go through this list; what they do to a field follows from its type.
-template <typename Visit>
-void for_each_joint_field(Visit visit) {
-  constexpr FieldRange anchor{-limits::size_max_m, limits::size_max_m};
-  constexpr FieldRange place{-limits::coordinate_max_m, limits::coordinate_max_m};
-  constexpr FieldRange angle{-angle_max_rad, angle_max_rad};
-  constexpr FieldRange size{0, limits::coordinate_max_m};
-  constexpr FieldRange force{0, scene_force_max};
-  constexpr FieldRange ratio{1e-3, 1e3};
-  constexpr FieldRange none;  // bounded by rules of their own
-  visit(JointField::body_a, "body_a", &Joint::body_a, none);
-  visit(JointField::body_b, "body_b", &Joint::body_b, none);
-  visit(JointField::anchor_a, "anchor_a", &Joint::anchor_a, anchor);
-  visit(JointField::anchor_b, "anchor_b", &Joint::anchor_b, anchor);
-  visit(JointField::axis, "axis", &Joint::axis, place);
-  visit(JointField::reference_angle, "reference_angle", &Joint::reference_angle, angle);
-  visit(JointField::length, "length", &Joint::length, size);
-  visit(JointField::limits, "limits", &Joint::limits, none);
-  visit(JointField::motor, "motor", &Joint::motor, none);
-  visit(JointField::spring, "spring", &Joint::spring, none);
-  visit(JointField::linear_spring, "linear_spring", &Joint::linear_spring, none);
-  visit(JointField::offset, "offset", &Joint::offset, place);
-  visit(JointField::angle_offset, "angle_offset", &Joint::angle_offset, angle);
-  visit(JointField::force_max, "force_max", &Joint::force_max, force);
-  visit(JointField::torque_max, "torque_max", &Joint::torque_max, force);
-  visit(JointField::collide_connected, "collide_connected", &Joint::collide_connected, none);
-  visit(JointField::ground_anchor_a, "ground_anchor_a", &Joint::ground_anchor_a, place);
-  visit(JointField::ground_anchor_b, "ground_anchor_b", &Joint::ground_anchor_b, place);
-  visit(JointField::ratio, "ratio", &Joint::ratio, ratio);
-}
-
 /// Calls visit(point) for each point of the world to which a joint is attached.
 template <typename Visit>
 void for_each_world_point(Joint& joint, Visit visit) {

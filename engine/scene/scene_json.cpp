@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "base/limits.h"
@@ -39,107 +40,121 @@ class SceneReader : public JsonReader {
 
   bool element(std::string_view list, std::size_t index, const JsonValue& value) {
     const JsonPath root, list_path{&root, list}, path{&list_path, {}, index};
-    if (list == "bodies") return body(value, path, scene_.bodies.emplace_back());
-    if (list == "prototypes") return body(value, path, scene_.prototypes.emplace_back());
-    if (list == "joints") return joint(value, path, scene_.joints.emplace_back());
-    return force(value, path, scene_.forces.emplace_back());
+    if (list == "bodies") return read(value, path, scene_.bodies.emplace_back());
+    if (list == "prototypes") return read(value, path, scene_.prototypes.emplace_back());
+    if (list == "joints") return read(value, path, scene_.joints.emplace_back());
+    return read(value, path, scene_.forces.emplace_back());
   }
 
   /// All but the elements of the lists.
-  bool rest(const JsonValue& value) { return scene(value, JsonPath{}, scene_) && resolve(); }
+  bool rest(const JsonValue& value) { return read(value, JsonPath{}, scene_) && resolve(); }
 
  private:
-  /// A field that notes that it was there.
-  static Field noted(bool& has, Field field) {
-    return {field.key, [&has, read = std::move(field.read)](const JsonValue& v, const JsonPath& p) {
-              return (has = true) && read(v, p);
-            }};
+  using JsonReader::read;
+  template <typename Value>
+  static constexpr bool is_index =
+      std::is_same_v<Value, std::uint32_t> || std::is_same_v<Value, std::optional<std::uint32_t>>;
+
+  // ---- Fields ----
+
+  /// A field whose reading follows from its type.
+  template <typename Info, typename Value>
+  Field field(std::string_view key, const Info& info, Value& out, bool required) {
+    if constexpr (is_index<Value>)
+      if (info.is_body) return body_field(key, out, required);
+    if constexpr (is_index<Value> || (std::is_integral_v<Value> && !std::is_same_v<Value, bool>))
+      return whole(key, info.range, out, required);
+    else if constexpr (std::is_enum_v<Value>)
+      return choice(key, Tables::of(out), out);
+    else
+      return {key, [this, &out](const JsonValue& v, const JsonPath& p) { return read(v, p, out); }, required};
+  }
+  template <typename Struct>
+  void add_fields(std::vector<Field>& fields, Struct& out) {
+    visit_fields(
+        [&](const FieldInfo& info, auto& value) {
+          if (!info.name.empty()) fields.push_back(field(info.name, info, value, info.required));
+        },
+        out);
+  }
+  template <typename Struct, typename Row>
+  void add_own_fields(std::vector<Field>& fields, Struct& out, const Row& row) {
+    for (const auto& entry : row.keys) {
+      if (entry.key.empty()) break;
+      visit_own_fields(
+          [&](const auto& info, auto& value) {
+            if (info.own == entry.field) fields.push_back(field(entry.key, info, value, entry.required));
+          },
+          out);
+    }
+  }
+  template <typename Struct>
+  std::vector<Field> fields_of(Struct& out) {
+    std::vector<Field> fields;
+    add_fields(fields, out);
+    return fields;
+  }
+
+  static Field* find(std::vector<Field>& fields, std::string_view key) {
+    for (Field& field : fields)
+      if (field.key == key) return &field;
+    return nullptr;
+  }
+  /// Sets `has` where the field is present. Does nothing without a field.
+  static void note(Field* field, bool& has) {
+    if (field == nullptr) return;
+    field->read = [&has, read = std::move(field->read)](const JsonValue& v, const JsonPath& p) {
+      return (has = true) && read(v, p);
+    };
+  }
+
+  // ---- Values of any type ----
+
+  template <typename Value>
+  bool read(const JsonValue& value, const JsonPath& path, std::optional<Value>& out) {
+    return read(value, path, out.emplace());
+  }
+  template <typename Value>
+  bool read(const JsonValue& value, const JsonPath& path, std::vector<Value>& out) {
+    return list(value, path, out,
+                [this](const JsonValue& v, const JsonPath& p, Value& element) { return read(v, p, element); });
+  }
+  template <typename Struct>
+  bool read(const JsonValue& value, const JsonPath& path, Struct& out) {
+    return object(value, path, fields_of(out));
+  }
+  bool read(const JsonValue& value, const JsonPath& path, InputKind& out) {
+    return choice(value, path, input_kinds, out);
   }
 
   // ---- Bodies ----
 
-  bool body(const JsonValue& value, const JsonPath& path, Body& out) {
+  bool read(const JsonValue& value, const JsonPath& path, Body& out) {
     ExplicitMass mass;
-    bool has_mass = false, has_inertia = false, has_center = false;
-    double inertia = 0;
-    Point center;
-    const auto shapes = [&](const JsonValue& v, const JsonPath& p) {
-      return list(v, p, out.shapes,
-                  [this](const JsonValue& sv, const JsonPath& sp, Shape& s) { return shape(sv, sp, s); });
-    };
-    if (!object(value, path,
-                {text("name", out.name),
-                 choice("type", body_types, out.type),
-                 point("position", out.position),
-                 number("angle", out.angle),
-                 point("velocity", out.velocity),
-                 number("angular_velocity", out.angular_velocity),
-                 number("linear_damping", out.linear_damping),
-                 number("angular_damping", out.angular_damping),
-                 number("gravity_scale", out.gravity_scale),
-                 flag("fixed_rotation", out.fixed_rotation),
-                 flag("bullet", out.bullet),
-                 flag("can_sleep", out.can_sleep),
-                 noted(has_mass, number("mass", mass.mass)),
-                 noted(has_inertia, number("inertia", inertia)),
-                 noted(has_center, point("center_of_mass", center)),
-                 {"shapes", shapes}}))
-      return false;
-    if (has_inertia) mass.inertia = inertia;
-    if (has_center) mass.center = center;
-    if (has_mass) {
-      out.mass = mass;
-      return true;
-    }
-    if (!has_inertia && !has_center) return true;
-    return fail(JsonPath{&path, has_inertia ? "inertia" : "center_of_mass"},
+    bool has_mass = false;
+    std::vector<Field> fields;
+    visit_fields(
+        [&](const FieldInfo& info, auto& field_value) {
+          if constexpr (std::is_same_v<decltype(field_value), std::optional<ExplicitMass>&>)
+            add_fields(fields, mass);
+          else
+            fields.push_back(field(info.name, info, field_value, info.required));
+        },
+        out);
+    note(find(fields, "mass"), has_mass);
+    if (!object(value, path, fields)) return false;
+    if (has_mass) out.mass = mass;
+    if (has_mass || (!mass.inertia && !mass.center)) return true;
+    return fail(JsonPath{&path, mass.inertia ? "inertia" : "center_of_mass"},
                 "needs a stated mass: found it without one", "add \"mass\", or let the shapes' densities decide");
   }
 
-  bool shape(const JsonValue& value, const JsonPath& path, Shape& out) {
+  bool read(const JsonValue& value, const JsonPath& path, Shape& out) {
     if (!kind_of(value, path, "type", shape_kinds, out.kind)) return false;
     std::vector<Field> fields{choice("type", shape_kinds, out.kind)};
-    switch (out.kind) {
-      case ShapeKind::circle:
-        fields.push_back(number("radius", out.radius, true));
-        fields.push_back(point("center", out.center));
-        break;
-      case ShapeKind::box:
-        fields.push_back(point("half_size", out.half_size, true));
-        fields.push_back(point("center", out.center));
-        fields.push_back(number("angle", out.angle));
-        fields.push_back(number("radius", out.radius));
-        break;
-      case ShapeKind::polygon:
-        fields.push_back(points("vertices", out.vertices));
-        fields.push_back(number("radius", out.radius));
-        break;
-      case ShapeKind::capsule:
-        fields.push_back(points("points", out.vertices));
-        fields.push_back(number("radius", out.radius, true));
-        break;
-      case ShapeKind::segment:
-        fields.push_back(points("points", out.vertices));
-        break;
-      case ShapeKind::chain:
-        fields.push_back(points("points", out.vertices));
-        fields.push_back(flag("loop", out.loop));
-        break;
-    }
-    fields.push_back(number("density", out.density));
-    fields.push_back(number("friction", out.material.friction));
-    fields.push_back(number("restitution", out.material.restitution));
-    fields.push_back(number("tangent_speed", out.material.tangent_speed));
-    fields.push_back(number("rolling_resistance", out.material.rolling_resistance));
-    fields.push_back({"filter", [&](const JsonValue& v, const JsonPath& p) { return filter(v, p, out.filter); }});
-    fields.push_back(flag("sensor", out.sensor));
+    add_own_fields(fields, out, info_of(shape_kinds, out.kind));
+    add_fields(fields, out);
     return object(value, path, fields);
-  }
-
-  bool filter(const JsonValue& value, const JsonPath& path, Filter& out) {
-    return object(value, path,
-                  {whole("category", 0, 0xffffffffu, out.category), whole("mask", 0, 0xffffffffu, out.mask),
-                   whole("group", -0x80000000LL, 0x7fffffff, out.group)});
   }
 
   // ---- Joints and forces ----
@@ -150,8 +165,6 @@ class SceneReader : public JsonReader {
     std::size_t index = 0;  // of the joint or force
     std::string_view key;
     std::string name;
-    std::uint32_t Joint::*joint_body = nullptr;
-    std::optional<std::uint32_t> Force::*force_body = nullptr;
   };
   /// An anchor in world coordinates, for both bodies of a joint.
   struct WorldAnchor {
@@ -159,33 +172,32 @@ class SceneReader : public JsonReader {
     Point point;
   };
 
-  /// An index into `index`, or a name into `name`.
-  bool reference(const JsonValue& value, const JsonPath& path, std::uint32_t& index, std::optional<std::string>& name) {
-    if (value.type == JsonValue::Type::number) return whole(value, path, 0, limits::body_count_max - 1, index);
-    if (value.type != JsonValue::Type::text) return wrong_type(path, value, "the index or the name of a body");
-    name = value.text;
-    return true;
+  /// An index or a name.
+  template <typename Index>
+  Field body_field(std::string_view key, Index& out, bool required) {
+    const auto read_body = [this, key, &out](const JsonValue& v, const JsonPath& p) {
+      if (v.type == JsonValue::Type::number) return whole(v, p, {0, limits::body_count_max - 1}, out);
+      if (v.type != JsonValue::Type::text) return wrong_type(p, v, "the index or the name of a body");
+      names_.push_back({p.parent->parent->key == "joints", p.parent->index, key, v.text});
+      return true;
+    };
+    return {key, read_body, required};
   }
 
-  bool joint(const JsonValue& value, const JsonPath& path, Joint& out) {
+  bool read(const JsonValue& value, const JsonPath& path, Joint& out) {
     if (!kind_of(value, path, "type", joint_kinds, out.kind)) return false;
     const JointKindInfo& row = info_of(joint_kinds, out.kind);
-    std::vector<Field> fields{choice("type", joint_kinds, out.kind), text("name", out.name)};
+    std::vector<Field> fields{choice("type", joint_kinds, out.kind)};
+    add_fields(fields, out);
+    add_own_fields(fields, out, row);
     bool has_anchor = false, has_anchor_a = false, has_anchor_b = false;
     Point anchor;
-    for (const auto& entry : row.keys) {
-      if (entry.key.empty()) break;
-      Field field;
-      for_each_joint_field([&](JointField of_list, const char*, auto member, const FieldRange&) {
-        if (of_list == entry.field) field = joint_field(entry.key, out, member);
-      });
-      if (entry.field == JointField::anchor_a) field = noted(has_anchor_a, std::move(field));
-      if (entry.field == JointField::anchor_b) field = noted(has_anchor_b, std::move(field));
-      field.required = entry.required;
-      fields.push_back(std::move(field));
+    note(find(fields, "anchor_a"), has_anchor_a);
+    note(find(fields, "anchor_b"), has_anchor_b);
+    if (has_field(out.kind, JointField::anchor_b) && row.traits.has_one_anchor) {
+      fields.push_back(field("anchor", FieldInfo{}, anchor, false));
+      note(&fields.back(), has_anchor);
     }
-    const bool one_point = has_field(out.kind, JointField::anchor_b) && row.traits.has_one_anchor;
-    if (one_point) fields.push_back(noted(has_anchor, point("anchor", anchor)));
     if (!object(value, path, fields)) return false;
     if (!has_anchor) return true;
     if (has_anchor_a || has_anchor_b)
@@ -197,99 +209,41 @@ class SceneReader : public JsonReader {
     return true;
   }
 
-  Field joint_body(std::string_view key, Joint& out, std::uint32_t Joint::*body) {
-    return {key, [this, key, &out, body](const JsonValue& v, const JsonPath& p) {
-              std::optional<std::string> name;
-              if (!reference(v, p, out.*body, name)) return false;
-              if (name) names_.push_back({true, p.parent->index, key, *name, body, nullptr});
-              return true;
-            }};
+  bool read(const JsonValue& value, const JsonPath& path, Range& out) {
+    return pair(value, path, "[lower, upper]", out.lower, out.upper);
   }
 
-  // By the type of the field.
-  Field joint_field(std::string_view key, Joint& out, std::uint32_t Joint::*body) { return joint_body(key, out, body); }
-  Field joint_field(std::string_view key, Joint& out, Point Joint::*value) { return point(key, out.*value); }
-  Field joint_field(std::string_view key, Joint& out, double Joint::*value) { return number(key, out.*value); }
-  Field joint_field(std::string_view key, Joint& out, bool Joint::*value) { return flag(key, out.*value); }
-  Field joint_field(std::string_view key, Joint& out, std::optional<Range> Joint::*value) {
-    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
-              Range& range = (out.*value).emplace();
-              return pair(v, p, "[lower, upper]", range.lower, range.upper);
-            }};
-  }
-  Field joint_field(std::string_view key, Joint& out, std::optional<JointMotor> Joint::*value) {
-    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
-              JointMotor& motor = (out.*value).emplace();
-              return object(v, p, {number("speed", motor.speed), number("force_max", motor.force_max, true)});
-            }};
-  }
-  Field joint_field(std::string_view key, Joint& out, std::optional<JointSpring> Joint::*value) {
-    return {key, [this, &out, value](const JsonValue& v, const JsonPath& p) {
-              return spring(v, p, (out.*value).emplace());
-            }};
-  }
-
-  bool spring(const JsonValue& value, const JsonPath& path, JointSpring& out) {
+  bool read(const JsonValue& value, const JsonPath& path, JointSpring& out) {
     bool relative = false;
-    if (!object(
-            value, path,
-            {noted(relative, number("hertz", out.hertz)), noted(relative, number("damping_ratio", out.damping_ratio)),
-             noted(out.absolute, number("stiffness", out.stiffness)),
-             noted(out.absolute, number("damping", out.damping))}))
-      return false;
+    std::vector<Field> fields;
+    visit_own_fields(
+        [&](const auto& info, double& number_of_form) {
+          fields.push_back(number(info.name, number_of_form));
+          note(&fields.back(), info.own ? out.absolute : relative);
+        },
+        out);
+    if (!object(value, path, fields)) return false;
     return relative != out.absolute ||
            fail(path, std::string("must be one of two forms: found ") + (relative ? "keys of both" : "no key") +
                           ", expected hertz and damping_ratio, or stiffness and damping");
   }
 
-  Field force_body(std::string_view key, Force& out, std::optional<std::uint32_t> Force::*body) {
-    return {key, [this, key, &out, body](const JsonValue& v, const JsonPath& p) {
-              std::optional<std::string> name;
-              if (!reference(v, p, (out.*body).emplace(), name)) return false;
-              if (name) names_.push_back({false, p.parent->index, key, *name, nullptr, body});
-              return true;
-            }};
-  }
-
-  bool force(const JsonValue& value, const JsonPath& path, Force& out) {
+  bool read(const JsonValue& value, const JsonPath& path, Force& out) {
     if (!kind_of(value, path, "type", force_kinds, out.kind)) return false;
-    std::vector<Field> fields{choice("type", force_kinds, out.kind), text("name", out.name)};
-    for (const auto& entry : info_of(force_fields, out.kind).keys) {
-      if (entry.key.empty()) break;
-      fields.push_back(force_field(entry.field, entry.key, out));
-      fields.back().required = entry.required;
-    }
+    std::vector<Field> fields{choice("type", force_kinds, out.kind)};
+    add_fields(fields, out);
+    add_own_fields(fields, out, info_of(force_kinds, out.kind));
     return object(value, path, fields);
   }
 
-  Field force_field(ForceField field, std::string_view key, Force& out) {
-    switch (field) {
-      case ForceField::body:
-        return force_body(key, out, &Force::body);
-      case ForceField::other:
-        return force_body(key, out, &Force::other);
-      case ForceField::anchor:
-        return point(key, out.anchor);
-      case ForceField::point:
-        return point(key, out.point);
-      case ForceField::vector:
-        return point(key, out.vector);
-      case ForceField::torque:
-        return number(key, out.torque);
-      case ForceField::coefficient:
-        return number(key, out.coefficient);
-      case ForceField::angular_coefficient:
-        return number(key, out.angular_coefficient);
-      case ForceField::exponent:
-        return number(key, out.exponent);
-      case ForceField::stiffness:
-        return number(key, out.stiffness);
-      case ForceField::damping:
-        return number(key, out.damping);
-      case ForceField::rest_length:
-        return number(key, out.rest_length);
-    }
-    return {};
+  template <typename Struct, typename Row>
+  static void set_body(Struct& object, const Row& row, std::string_view key, std::uint32_t body) {
+    visit_own_fields(
+        [&](const auto& info, auto& value) {
+          if constexpr (is_index<std::remove_reference_t<decltype(value)>>)
+            if (info.is_body && key_of(row, info.own) == key) value = body;
+        },
+        object);
   }
 
   bool resolve() {
@@ -300,10 +254,13 @@ class SceneReader : public JsonReader {
     for (const NamedBody& named : names_) {
       const auto found = bodies.find(named.name);
       if (found == bodies.end()) return unknown_body(named);
-      if (named.of_joint)
-        scene_.joints[named.index].*named.joint_body = found->second;
-      else
-        scene_.forces[named.index].*named.force_body = found->second;
+      if (named.of_joint) {
+        Joint& joint = scene_.joints[named.index];
+        set_body(joint, info_of(joint_kinds, joint.kind), named.key, found->second);
+      } else {
+        Force& force = scene_.forces[named.index];
+        set_body(force, info_of(force_kinds, force.kind), named.key, found->second);
+      }
     }
     for (const WorldAnchor& anchor : anchors_) {
       Joint& joint = scene_.joints[anchor.joint];
@@ -330,7 +287,7 @@ class SceneReader : public JsonReader {
 
   /// A number of seconds, or a quotient of two numbers as text.
   bool dt(const JsonValue& value, const JsonPath& path, double& out) {
-    if (value.type == JsonValue::Type::number) return number(value, path, out);
+    if (value.type == JsonValue::Type::number) return read(value, path, out);
     if (value.type != JsonValue::Type::text)
       return wrong_type(path, value, "a number of seconds or a quotient such as \"1/60\"");
     const std::size_t slash = value.text.find('/');
@@ -344,123 +301,57 @@ class SceneReader : public JsonReader {
   }
 
   bool substeps(const JsonValue& value, const JsonPath& path, Settings& out) {
-    if (value.type == JsonValue::Type::number) return whole(value, path, 1, limits::substep_count_max, out.substeps);
+    if (value.type == JsonValue::Type::number) return whole(value, path, ranges::substeps, out.substeps);
     const bool is_auto = value.type == JsonValue::Type::text && value.text == "auto";
     if (!is_auto && value.type != JsonValue::Type::object)
       return wrong_type(path, value, "a number, \"auto\" or {\"least\", \"target_error\", \"most\"}");
     AutoSubsteps& automatic = out.auto_substeps.emplace();
-    return is_auto || object(value, path,
-                             {whole("least", 1, limits::substep_count_max, out.substeps),
-                              number("target_error", automatic.target_error),
-                              whole("most", 1, limits::substep_count_max, automatic.substeps_max)});
+    std::vector<Field> fields{whole("least", ranges::substeps, out.substeps)};
+    add_fields(fields, automatic);
+    return is_auto || object(value, path, fields);
   }
 
-  bool sleep(const JsonValue& value, const JsonPath& path, Settings& out) {
+  bool read(const JsonValue& value, const JsonPath& path, std::optional<SleepSettings>& out) {
     if (value.type != JsonValue::Type::boolean && value.type != JsonValue::Type::object)
       return wrong_type(path, value, "true, false or {\"after\", \"speed_max\"}");
     if (value.type == JsonValue::Type::boolean && !value.flag) return true;
-    SleepSettings& sleep = out.sleep.emplace();
-    return value.type == JsonValue::Type::boolean ||
-           object(value, path, {number("after", sleep.after_s), number("speed_max", sleep.speed_max)});
+    SleepSettings& sleep = out.emplace();
+    return value.type == JsonValue::Type::boolean || read(value, path, sleep);
   }
 
-  bool clock_settings(const JsonValue& value, const JsonPath& path, ClockSettings& out) {
+  bool read(const JsonValue& value, const JsonPath& path, ClockSettings& out) {
     if (value.type != JsonValue::Type::object) return choice(value, path, clock_kinds, out.kind);
     if (!kind_of(value, path, "type", clock_kinds, out.kind)) return false;
     std::vector<Field> fields{choice("type", clock_kinds, out.kind)};
-    for (const auto& entry : info_of(clock_fields, out.kind).keys) {
-      if (entry.key.empty()) break;
-      fields.push_back(clock_field(entry.field, entry.key, out));
-    }
+    add_own_fields(fields, out, info_of(clock_kinds, out.kind));
     return object(value, path, fields);
   }
 
-  Field clock_field(ClockField field, std::string_view key, ClockSettings& out) {
-    switch (field) {
-      case ClockField::ticks_per_frame_max:
-        return whole(key, 1, limits::ticks_per_frame_max, out.ticks_per_frame_max);
-      case ClockField::tolerance:
-        return number(key, out.tolerance);
-      case ClockField::dt_min:
-        return number(key, out.dt_min);
-      case ClockField::dt_max:
-        return number(key, out.dt_max);
-    }
-    return {};
-  }
-
-  bool settings(const JsonValue& value, const JsonPath& path, Settings& out) {
+  bool read(const JsonValue& value, const JsonPath& path, Settings& out) {
     bool has_substeps = false;
-    const Field substeps_field{"substeps", [&](const JsonValue& v, const JsonPath& p) { return substeps(v, p, out); }};
-    if (!object(value, path,
-                {choice("precision", precisions, out.precision),
-                 {"dt", [&](const JsonValue& v, const JsonPath& p) { return dt(v, p, out.dt); }},
-                 noted(has_substeps, substeps_field),
-                 whole("iterations", 1, limits::iteration_count_max, out.iterations),
-                 choice("solver", solvers, out.solver),
-                 choice("integrator", integrators, out.integrator),
-                 choice("broad_phase", broad_phases, out.broad_phase),
-                 choice("friction_mix", mix_rules, out.friction_mix),
-                 choice("restitution_mix", mix_rules, out.restitution_mix),
-                 number("restitution_threshold", out.restitution_threshold),
-                 flag("locate_impacts", out.locate_impacts),
-                 flag("continuous", out.continuous),
-                 {"sleep", [&](const JsonValue& v, const JsonPath& p) { return sleep(v, p, out); }},
-                 flag("events", out.events),
-                 {"clock", [&](const JsonValue& v, const JsonPath& p) { return clock_settings(v, p, out.clock); }}}))
-      return false;
+    std::vector<Field> fields = fields_of(out);
+    find(fields, "dt")->read = [&](const JsonValue& v, const JsonPath& p) { return dt(v, p, out.dt); };
+    find(fields, "substeps")->read = [&](const JsonValue& v, const JsonPath& p) { return substeps(v, p, out); };
+    note(find(fields, "substeps"), has_substeps);
+    if (!object(value, path, fields)) return false;
     if (!has_substeps && !info_of(solvers, out.solver).substeps) out.substeps = 1;
     return true;
   }
 
-  bool bounds(const JsonValue& value, const JsonPath& path, Bounds& out) {
-    return object(value, path, {point("lower", out.lower, true), point("upper", out.upper, true)});
+  // Their elements were read before.
+  bool read(const JsonValue& value, const JsonPath& path, std::vector<Body>&) { return is_array(value, path); }
+  bool read(const JsonValue& value, const JsonPath& path, std::vector<Joint>&) { return is_array(value, path); }
+  bool read(const JsonValue& value, const JsonPath& path, std::vector<Force>&) { return is_array(value, path); }
+  bool is_array(const JsonValue& value, const JsonPath& path) {
+    return value.type == JsonValue::Type::array || wrong_type(path, value, "an array");
   }
 
-  bool pointer(const JsonValue& value, const JsonPath& path, PointerSettings& out) {
-    const auto spawns = [&](const JsonValue& v, const JsonPath& p) {
-      return list(v, p, out.spawns,
-                  [this](const JsonValue& nv, const JsonPath& np, std::string& name) { return text(nv, np, name); });
-    };
-    return object(
-        value, path,
-        {{"spawns", spawns},
-         number("hertz", out.hertz),
-         number("damping_ratio", out.damping_ratio),
-         number("force_max_per_kg", out.force_max_per_kg),
-         {"window", [&](const JsonValue& v, const JsonPath& p) { return bounds(v, p, out.window.emplace()); }}});
-  }
-
-  bool scene(const JsonValue& value, const JsonPath& path, Scene& out) {
-    const auto taken = [this](const JsonValue& v, const JsonPath& p) {
-      return v.type == JsonValue::Type::array || wrong_type(p, v, "an array");
-    };
-    const auto inputs = [&](const JsonValue& v, const JsonPath& p) {
-      return list(v, p, out.inputs, [this](const JsonValue& kv, const JsonPath& kp, InputKind& kind) {
-        return choice(kv, kp, input_kinds, kind);
-      });
-    };
-    const auto spawned_max = [&](const JsonValue& v, const JsonPath& p) {
-      std::uint32_t count = 0;
-      if (!whole(v, p, 1, limits::body_count_max, count)) return false;
-      out.spawned_max = count;
-      return true;
-    };
+  bool read(const JsonValue& value, const JsonPath& path, Scene& out) {
     std::string schema;  // for editors; says nothing about the world
-    return object(
-        value, path,
-        {text("$schema", schema),
-         text("name", out.name),
-         point("gravity", out.gravity),
-         {"settings", [&](const JsonValue& v, const JsonPath& p) { return settings(v, p, out.settings); }},
-         {"bodies", taken},
-         {"joints", taken},
-         {"forces", taken},
-         {"prototypes", taken},
-         {"inputs", inputs},
-         {"pointer", [&](const JsonValue& v, const JsonPath& p) { return pointer(v, p, out.pointer.emplace()); }},
-         {"bounds", [&](const JsonValue& v, const JsonPath& p) { return bounds(v, p, out.bounds.emplace()); }},
-         {"spawned_max", spawned_max}});
+    std::vector<Field> fields{field("$schema", FieldInfo{}, schema, false)};
+    add_fields(fields, out);
+    std::swap(*find(fields, "settings"), *find(fields, "gravity"));
+    return object(value, path, fields);
   }
 
   Scene& scene_;
@@ -476,10 +367,10 @@ class InputReader : public JsonReader {
     const JsonPath path;
     if (!kind_of(value, path, "kind", input_kinds, out.kind)) return false;
     const InputInfo& info = info_of(input_kinds, out.kind);
-    std::vector<Field> fields{whole("tick", 0, static_cast<double>(limits::tick_count_max - 1), out.tick, true),
-                              whole("player", 0, limits::player_count_max - 1, out.player),
+    std::vector<Field> fields{whole("tick", {0, static_cast<double>(limits::tick_count_max - 1)}, out.tick, true),
+                              whole("player", {0, limits::player_count_max - 1}, out.player),
                               choice("kind", input_kinds, out.kind)};
-    if (info.has_body) fields.push_back(whole("body", 0, 0xfffffffeu, out.body, true));
+    if (info.has_body) fields.push_back(whole("body", {0, 0xfffffffeu}, out.body, true));
     if (info.has_prototype)
       fields.push_back({"prototype",
                         [&](const JsonValue& v, const JsonPath& p) { return prototype(v, p, scene, out.prototype); },
@@ -493,7 +384,7 @@ class InputReader : public JsonReader {
 
  private:
   bool joint(const JsonValue& value, const JsonPath& path, const Scene& scene, std::uint32_t& out) {
-    if (value.type == JsonValue::Type::number) return whole(value, path, 0, limits::joint_count_max - 1, out);
+    if (value.type == JsonValue::Type::number) return whole(value, path, {0, limits::joint_count_max - 1}, out);
     if (value.type != JsonValue::Type::text) return wrong_type(path, value, "the index or the name of a joint");
     return named(value, path, scene.joints, "joint", out);
   }

@@ -1,6 +1,10 @@
 // Printing scenes and inputs as JSON.
 // SPDX-License-Identifier: MIT
-#include "base/bytes.h"
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
 #include "engine/json/json_tree.h"
 #include "engine/json/number_text.h"
 #include "engine/scene/scene_fields.h"
@@ -19,48 +23,9 @@ class Printer {
   explicit Printer(const Scene& scene) : scene_(scene) {}
 
   std::string scene() {
-    const Scene& scene = scene_;
-    const Settings& settings = scene.settings;
-    text_ = "{\n  \"name\": " + in_quotes(scene.name) + ",\n  \"gravity\": ";
-    point(scene.gravity);
-    text_ += ",\n  \"settings\": ";
-    open();
-    name("precision", info_of(precisions, settings.precision).name);
-    key("dt");
-    dt(settings.dt);
-    substeps(settings);
-    number("iterations", settings.iterations);
-    name("solver", info_of(solvers, settings.solver).name);
-    name("integrator", info_of(integrators, settings.integrator).name);
-    name("broad_phase", info_of(broad_phases, settings.broad_phase).name);
-    name("friction_mix", info_of(mix_rules, settings.friction_mix).name);
-    name("restitution_mix", info_of(mix_rules, settings.restitution_mix).name);
-    number("restitution_threshold", settings.restitution_threshold);
-    flag("locate_impacts", settings.locate_impacts);
-    flag("continuous", settings.continuous);
-    sleep(settings);
-    flag("events", settings.events);
-    clock_settings(settings.clock);
-    close();
-    elements("bodies", scene.bodies);
-    if (!scene.joints.empty()) elements("joints", scene.joints);
-    if (!scene.forces.empty()) elements("forces", scene.forces);
-    if (!scene.prototypes.empty()) elements("prototypes", scene.prototypes);
-    if (!scene.inputs.empty()) {
-      text_ += ",\n  \"inputs\": [";
-      for (std::size_t i = 0; i < scene.inputs.size(); ++i)
-        text_ += (i == 0 ? "" : ", ") + in_quotes(info_of(input_kinds, scene.inputs[i]).name);
-      text_ += "]";
-    }
-    if (scene.pointer) {
-      text_ += ",\n  \"pointer\": ";
-      pointer(*scene.pointer);
-    }
-    if (scene.bounds) {
-      text_ += ",\n  \"bounds\": ";
-      bounds(*scene.bounds);
-    }
-    if (scene.spawned_max) text_ += ",\n  \"spawned_max\": " + std::to_string(*scene.spawned_max);
+    text_ = "{\n  \"name\": " + in_quotes(scene_.name) + ",\n  \"gravity\": ";
+    put(scene_.gravity);
+    visit_fields([&](const FieldInfo& field, const auto& value) { add_line(field.name, value); }, scene_);
     return text_ + "\n}\n";
   }
 
@@ -80,6 +45,45 @@ class Printer {
   }
 
  private:
+  // ---- Lines of the scene after name and gravity ----
+
+  void begin_line(std::string_view name) { text_ += ",\n  " + in_quotes(name) + ": "; }
+  void add_line(std::string_view, const std::string&) {}
+  void add_line(std::string_view, const Point&) {}
+  void add_line(std::string_view name, const Settings& value) {
+    begin_line(name);
+    put(value);
+  }
+  void add_line(std::string_view name, const std::vector<InputKind>& kinds) {
+    if (kinds.empty()) return;
+    begin_line(name);
+    put(kinds);
+  }
+  void add_line(std::string_view name, const std::optional<std::uint32_t>& count) {
+    if (!count) return;
+    begin_line(name);
+    text_ += std::to_string(*count);
+  }
+  template <typename Struct>
+  void add_line(std::string_view name, const std::optional<Struct>& value) {
+    if (!value) return;
+    begin_line(name);
+    put(*value);
+  }
+  template <typename Element>
+  void add_line(std::string_view name, const std::vector<Element>& elements) {
+    if (elements.empty() && name != "bodies") return;
+    begin_line(name);
+    text_ += "[";
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      text_ += i == 0 ? "\n    " : ",\n    ";
+      put(elements[i]);
+    }
+    text_ += elements.empty() ? "]" : "\n  ]";
+  }
+
+  // ---- Fields of an object ----
+
   void open() {
     text_ += "{";
     is_first_ = true;
@@ -92,99 +96,53 @@ class Printer {
     text_ += (is_first_ ? "" : ", ") + in_quotes(name) + ": ";
     is_first_ = false;
   }
-  void name(std::string_view name_of_key, std::string_view value) {
-    key(name_of_key);
-    text_ += in_quotes(value);
+  template <typename Value>
+  void add(std::string_view name, const Value& value) {
+    key(name);
+    put(value);
   }
-  void number(std::string_view name_of_key, double value) {
-    key(name_of_key);
-    text_ += number_json(value);
+  template <typename Value>
+  void add(std::string_view name, const std::optional<Value>& value) {
+    if (value) add(name, *value);
   }
-  /// Left out where the value has the bits of the default (so that -0 is kept).
-  void number(std::string_view name_of_key, double value, double unset) {
-    if (bits_of(value) != bits_of(unset)) number(name_of_key, value);
+  void add(std::string_view, const std::optional<ExplicitMass>& mass) {
+    if (mass) add_fields(*mass);
   }
-  void flag(std::string_view name_of_key, bool value) {
-    key(name_of_key);
-    text_ += value ? "true" : "false";
+  void add(std::string_view, const std::optional<AutoSubsteps>&) {}  // `substeps` says it
+  void add(std::string_view name, const std::optional<SleepSettings>& sleep) {
+    key(name);
+    sleep ? put(*sleep) : put(false);
   }
-  void point(const Point& value) { text_ += "[" + number_json(value.x) + ", " + number_json(value.y) + "]"; }
-  void point(std::string_view name_of_key, const Point& value) {
-    key(name_of_key);
-    point(value);
+  template <typename Struct>
+  void add_fields(const Struct& object) {
+    visit_fields([&](const FieldInfo& field, const auto& value) { add(field.name, value); }, object);
   }
-  void point_unless_zero(std::string_view name_of_key, const Point& value) {
-    if (bits_of(value.x) != 0 || bits_of(value.y) != 0) point(name_of_key, value);
+  /// Without the fields that have the bits of the default. A -0 is printed.
+  template <typename Struct>
+  void add_stated_fields(const Struct& object) {
+    const Struct unset;
+    visit_fields(
+        [&](const FieldInfo& field, const auto& value, const auto& default_value) {
+          if (!same_bits(value, default_value)) add(field.name, value);
+        },
+        object, unset);
   }
-  void points(std::string_view name_of_key, const std::vector<Point>& values) {
-    key(name_of_key);
-    text_ += "[";
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (i > 0) text_ += ", ";
-      point(values[i]);
-    }
-    text_ += "]";
-  }
-  void dt(double value) {
-    for (int n = 1; n <= 1000; ++n) {
-      if (1.0 / n != value) continue;
-      text_ += "\"1/" + std::to_string(n) + "\"";
-      return;
-    }
-    text_ += number_json(value);
-  }
-
-  void substeps(const Settings& settings) {
-    if (!settings.auto_substeps) return number("substeps", settings.substeps);
-    key("substeps");
-    open();
-    number("least", settings.substeps);
-    number("target_error", settings.auto_substeps->target_error);
-    number("most", settings.auto_substeps->substeps_max);
-    close();
-  }
-
-  void sleep(const Settings& settings) {
-    if (!settings.sleep) return flag("sleep", false);
-    key("sleep");
-    open();
-    number("after", settings.sleep->after_s);
-    number("speed_max", settings.sleep->speed_max);
-    close();
-  }
-
-  void clock_settings(const ClockSettings& clock) {
-    key("clock");
-    open();
-    name("type", info_of(clock_kinds, clock.kind).name);
-    for (const auto& entry : info_of(clock_fields, clock.kind).keys) {
+  /// The fields of a row, in its order. `all`: also those that have the default.
+  template <typename Struct, typename Row>
+  void add_own_fields(const Struct& object, const Row& row, bool all = false) {
+    const Struct unset;
+    for (const auto& entry : row.keys) {
       if (entry.key.empty()) break;
-      switch (entry.field) {
-        case ClockField::ticks_per_frame_max:
-          number(entry.key, clock.ticks_per_frame_max);
-          break;
-        case ClockField::tolerance:
-          number(entry.key, clock.tolerance);
-          break;
-        case ClockField::dt_min:
-          number(entry.key, clock.dt_min);
-          break;
-        case ClockField::dt_max:
-          number(entry.key, clock.dt_max);
-          break;
-      }
+      visit_own_fields(
+          [&](const auto& field, const auto& value, const auto& default_value) {
+            if (field.own != entry.field) return;
+            if (field.is_body)
+              add_body(entry.key, value);
+            else if (all || entry.required || !same_bits(value, default_value))
+              add(entry.key, value);
+          },
+          object, unset);
     }
-    close();
-  }
-
-  template <typename Element>
-  void elements(std::string_view list, const std::vector<Element>& elements) {
-    text_ += ",\n  " + in_quotes(list) + ": [";
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-      text_ += i == 0 ? "\n    " : ",\n    ";
-      element(elements[i]);
-    }
-    text_ += elements.empty() ? "]" : "\n  ]";
   }
 
   template <typename Element>
@@ -192,217 +150,109 @@ class Printer {
     const bool has_name = index < elements.size() && !elements[index].name.empty();
     return has_name ? in_quotes(elements[index].name) : std::to_string(index);
   }
-  void reference(std::string_view name_of_key, std::uint32_t body) {
-    key(name_of_key);
+  void add_body(std::string_view name, std::uint32_t body) {
+    key(name);
     text_ += name_or_index(scene_.bodies, body);
   }
+  void add_body(std::string_view name, const std::optional<std::uint32_t>& body) {
+    if (body) add_body(name, *body);
+  }
+  template <typename Value>
+  void add_body(std::string_view, const Value&) {}  // never called: no index
 
-  void element(const Joint& joint) {
-    const Joint unset;
-    open();
-    name("type", info_of(joint_kinds, joint.kind).name);
-    if (!joint.name.empty()) name("name", joint.name);
-    for (const FieldKey<JointField>& entry : info_of(joint_kinds, joint.kind).keys) {
-      if (entry.key.empty()) break;
-      for_each_joint_field([&](JointField field, const char*, auto member, const FieldRange&) {
-        if (field == entry.field) joint_value(entry, joint.*member, unset.*member);
-      });
-    }
-    close();
-  }
+  // ---- Values ----
 
-  using JointKey = FieldKey<JointField>;
-  void joint_value(const JointKey& entry, std::uint32_t body, std::uint32_t) { reference(entry.key, body); }
-  void joint_value(const JointKey& entry, const Point& value, const Point&) {
-    entry.required ? point(entry.key, value) : point_unless_zero(entry.key, value);
-  }
-  void joint_value(const JointKey& entry, double value, double unset) {
-    entry.required ? number(entry.key, value) : number(entry.key, value, unset);
-  }
-  void joint_value(const JointKey& entry, bool value, bool) {
-    if (value) flag(entry.key, true);
-  }
-  void joint_value(const JointKey& entry, const std::optional<Range>& value, const std::optional<Range>&) {
-    if (value) point(entry.key, {value->lower, value->upper});
-  }
-  void joint_value(const JointKey& entry, const std::optional<JointMotor>& value, const std::optional<JointMotor>&) {
-    if (value) motor(entry.key, *value);
-  }
-  void joint_value(const JointKey& entry, const std::optional<JointSpring>& value, const std::optional<JointSpring>&) {
-    if (value) spring(entry.key, *value);
-  }
-
-  void motor(std::string_view name_of_key, const JointMotor& motor) {
-    key(name_of_key);
-    open();
-    number("speed", motor.speed);
-    number("force_max", motor.force_max);
-    close();
-  }
-
-  void spring(std::string_view name_of_key, const JointSpring& spring) {
-    key(name_of_key);
-    open();
-    number(spring.absolute ? "stiffness" : "hertz", spring.absolute ? spring.stiffness : spring.hertz);
-    number(spring.absolute ? "damping" : "damping_ratio", spring.absolute ? spring.damping : spring.damping_ratio);
-    close();
-  }
-
-  void element(const Force& force) {
-    const Force unset;
-    open();
-    name("type", info_of(force_kinds, force.kind).name);
-    if (!force.name.empty()) name("name", force.name);
-    for (const auto& [field, key_name, required] : info_of(force_fields, force.kind).keys) {
-      if (key_name.empty()) break;
-      const auto value = [&, key_name = key_name, required = required](double is, double default_value) {
-        required ? number(key_name, is) : number(key_name, is, default_value);
-      };
-      const auto vector = [&, key_name = key_name, required = required](const Point& is) {
-        required ? point(key_name, is) : point_unless_zero(key_name, is);
-      };
-      switch (field) {
-        case ForceField::body:
-          if (force.body) reference(key_name, *force.body);
-          break;
-        case ForceField::other:
-          if (force.other) reference(key_name, *force.other);
-          break;
-        case ForceField::anchor:
-          vector(force.anchor);
-          break;
-        case ForceField::point:
-          vector(force.point);
-          break;
-        case ForceField::vector:
-          vector(force.vector);
-          break;
-        case ForceField::torque:
-          value(force.torque, unset.torque);
-          break;
-        case ForceField::coefficient:
-          value(force.coefficient, unset.coefficient);
-          break;
-        case ForceField::angular_coefficient:
-          value(force.angular_coefficient, unset.angular_coefficient);
-          break;
-        case ForceField::exponent:
-          value(force.exponent, unset.exponent);
-          break;
-        case ForceField::stiffness:
-          value(force.stiffness, unset.stiffness);
-          break;
-        case ForceField::damping:
-          value(force.damping, unset.damping);
-          break;
-        case ForceField::rest_length:
-          value(force.rest_length, unset.rest_length);
-          break;
-      }
-    }
-    close();
-  }
-
-  void element(const Body& body) {
-    const Body unset;
-    open();
-    if (!body.name.empty()) name("name", body.name);
-    if (body.type != unset.type) name("type", info_of(body_types, body.type).name);
-    point_unless_zero("position", body.position);
-    number("angle", body.angle, unset.angle);
-    point_unless_zero("velocity", body.velocity);
-    number("angular_velocity", body.angular_velocity, unset.angular_velocity);
-    number("linear_damping", body.linear_damping, unset.linear_damping);
-    number("angular_damping", body.angular_damping, unset.angular_damping);
-    number("gravity_scale", body.gravity_scale, unset.gravity_scale);
-    if (body.fixed_rotation) flag("fixed_rotation", true);
-    if (body.bullet) flag("bullet", true);
-    if (!body.can_sleep) flag("can_sleep", false);
-    if (body.mass) {
-      number("mass", body.mass->mass);
-      if (body.mass->inertia) number("inertia", *body.mass->inertia);
-      if (body.mass->center) point("center_of_mass", *body.mass->center);
-    }
-    key("shapes");
+  void put(bool value) { text_ += value ? "true" : "false"; }
+  void put(int value) { text_ += number_json(value); }
+  void put(std::uint32_t value) { text_ += number_json(value); }
+  void put(double value) { text_ += number_json(value); }
+  void put(const std::string& value) { text_ += in_quotes(value); }
+  void put(InputKind kind) { text_ += in_quotes(info_of(input_kinds, kind).name); }
+  void put(const Point& value) { text_ += "[" + number_json(value.x) + ", " + number_json(value.y) + "]"; }
+  void put(const Range& value) { put(Point{value.lower, value.upper}); }
+  template <typename Value>
+  void put(const std::vector<Value>& values) {
     text_ += "[";
-    for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
       if (i > 0) text_ += ", ";
-      shape(body.shapes[i]);
+      put(values[i]);
     }
     text_ += "]";
-    close();
   }
-
-  void shape(const Shape& shape) {
-    const Shape unset;
-    open();
-    name("type", info_of(shape_kinds, shape.kind).name);
-    switch (shape.kind) {
-      case ShapeKind::circle:
-        number("radius", shape.radius);
-        point_unless_zero("center", shape.center);
-        break;
-      case ShapeKind::box:
-        point("half_size", shape.half_size);
-        point_unless_zero("center", shape.center);
-        number("angle", shape.angle, unset.angle);
-        break;
-      case ShapeKind::polygon:
-        points("vertices", shape.vertices);
-        break;
-      case ShapeKind::capsule:
-        points("points", shape.vertices);
-        number("radius", shape.radius);
-        break;
-      case ShapeKind::segment:
-        points("points", shape.vertices);
-        break;
-      case ShapeKind::chain:
-        points("points", shape.vertices);
-        if (shape.loop) flag("loop", true);
-        break;
+  /// A choice or a struct that is printed whole.
+  template <typename Value>
+  void put(const Value& value) {
+    if constexpr (std::is_enum_v<Value>) {
+      text_ += in_quotes(info_of(Tables::of(value), value).name);
+    } else {
+      open();
+      add_fields(value);
+      close();
     }
-    if (shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon) number("radius", shape.radius, unset.radius);
-    number("density", shape.density, unset.density);
-    number("friction", shape.material.friction, unset.material.friction);
-    number("restitution", shape.material.restitution, unset.material.restitution);
-    number("tangent_speed", shape.material.tangent_speed, unset.material.tangent_speed);
-    number("rolling_resistance", shape.material.rolling_resistance, unset.material.rolling_resistance);
-    if (shape.filter != unset.filter) filter(shape.filter);
-    if (shape.sensor) flag("sensor", true);
+  }
+  void put(const Settings& settings) {
+    open();
+    visit_fields(
+        [&](const FieldInfo& field, const auto& value) {
+          if (field.name == "dt")
+            add_dt(settings.dt);
+          else if (field.name == "substeps")
+            add_substeps(settings);
+          else
+            add(field.name, value);
+        },
+        settings);
+    close();
+  }
+  void put(const ClockSettings& clock) { put_of_kind(clock, info_of(clock_kinds, clock.kind), true); }
+  void put(const Joint& joint) { put_of_kind(joint, info_of(joint_kinds, joint.kind)); }
+  void put(const Force& force) { put_of_kind(force, info_of(force_kinds, force.kind)); }
+  template <typename Struct, typename Row>
+  void put_of_kind(const Struct& object, const Row& row, bool all = false) {
+    open();
+    add("type", std::string(row.name));
+    if constexpr (requires { object.name; }) add_stated_fields(object);
+    add_own_fields(object, row, all);
+    close();
+  }
+  void put(const Shape& shape) {
+    const ShapeKindInfo& row = info_of(shape_kinds, shape.kind);
+    open();
+    add("type", std::string(row.name));
+    add_own_fields(shape, row);
+    add_stated_fields(shape);
+    close();
+  }
+  void put(const Body& body) {
+    open();
+    add_stated_fields(body);
+    close();
+  }
+  void put(const JointSpring& spring) {
+    open();
+    visit_own_fields(
+        [&](const auto& field, double value) {
+          if (field.own == spring.absolute) add(field.name, value);
+        },
+        spring);
     close();
   }
 
-  void filter(const Filter& filter) {
-    key("filter");
-    open();
-    number("category", filter.category);
-    number("mask", filter.mask);
-    number("group", filter.group);
-    close();
-  }
-
-  void pointer(const PointerSettings& pointer) {
-    open();
-    key("spawns");
-    text_ += "[";
-    for (std::size_t i = 0; i < pointer.spawns.size(); ++i)
-      text_ += (i == 0 ? "" : ", ") + in_quotes(pointer.spawns[i]);
-    text_ += "]";
-    number("hertz", pointer.hertz);
-    number("damping_ratio", pointer.damping_ratio);
-    number("force_max_per_kg", pointer.force_max_per_kg);
-    if (pointer.window) {
-      key("window");
-      bounds(*pointer.window);
+  void add_dt(double value) {
+    key("dt");
+    for (int n = 1; n <= 1000; ++n) {
+      if (1.0 / n != value) continue;
+      text_ += "\"1/" + std::to_string(n) + "\"";
+      return;
     }
-    close();
+    put(value);
   }
-
-  void bounds(const Bounds& bounds) {
+  void add_substeps(const Settings& settings) {
+    if (!settings.auto_substeps) return add("substeps", settings.substeps);
+    key("substeps");
     open();
-    point("lower", bounds.lower);
-    point("upper", bounds.upper);
+    add("least", settings.substeps);
+    add_fields(*settings.auto_substeps);
     close();
   }
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/limits.h"
@@ -13,9 +15,6 @@
 #include "engine/scene/scene_fields.h"
 
 namespace ticktrue::engine {
-
-// Limits of the rules' own. All leave room in f32, whose numbers end at 1e-38 and 3e38.
-inline constexpr double coefficient_max = 1e9;  // friction, damping ratios, hertz, scales: more means "endless"
 
 bool declares(const Scene& scene, InputKind kind);
 
@@ -40,29 +39,109 @@ class SceneRules {
   bool fail(ErrorCode code, const std::string& key, const std::string& what, std::string hint = {});
   bool refuse(const std::string& key, const std::string& what, std::string hint = {});
   /// `index` >= 0: an element of the array `key`.
-  bool number(const char* key, double value, double min, double max, int index = -1, const char* hint = "");
-  bool point(const char* key, const Point& value, double max);
-  bool name(const char* key, const std::string& value);
-  bool box(const std::string& key, const Bounds& bounds);
+  bool number(std::string_view key, double value, FieldRange range, int index = -1, const char* hint = "");
+  bool point(std::string_view key, const Point& value, FieldRange range) {
+    return number(key, value.x, range, 0) && number(key, value.y, range, 1);
+  }
+  bool name(std::string_view key, const std::string& value);
   template <typename Table, typename Kind>
-  bool row(const char* key, const Table& table, Kind kind) {
-    return is_row(table, kind) || refuse(key, "unknown: found number " + std::to_string(static_cast<unsigned>(kind)) +
-                                                  ", expected " + choice_names(table));
+  bool row(std::string_view key, const Table& table, Kind kind) {
+    return is_row(table, kind) ||
+           refuse(std::string(key), "unknown: found number " + std::to_string(static_cast<unsigned>(kind)) +
+                                        ", expected " + choice_names(table));
   }
   using Names = std::map<std::string_view, std::size_t>;
   /// Among those of the list before it.
   bool unique(const std::string& text, Names& names);
+
+  // ---- Fields by their types ----
+
+  /// Types that check_value accepts as they are: flags, and structs that other functions check.
+  template <typename Value>
+  static constexpr bool is_checked_apart =
+      std::is_same_v<Value, bool> || std::is_same_v<Value, Settings> || std::is_same_v<Value, AutoSubsteps> ||
+      std::is_same_v<Value, ExplicitMass> || std::is_same_v<Value, PointerSettings> || std::is_same_v<Value, Range>;
+  template <typename Value>
+  bool check_value(std::string_view key, const Value& value, FieldRange range, const char* hint = "") {
+    if constexpr (std::is_enum_v<Value>)
+      return row(key, Tables::of(value), value);
+    else if constexpr (is_checked_apart<Value>)
+      return true;
+    else if constexpr (std::is_arithmetic_v<Value>)
+      return number(key, value, range, -1, hint);
+    else
+      return check_fields(value, key);
+  }
+  bool check_value(std::string_view key, const Point& value, FieldRange range, const char*) {
+    return point(key, value, range);
+  }
+  bool check_value(std::string_view key, const std::string& value, FieldRange, const char*) { return name(key, value); }
+  bool check_value(std::string_view key, const Bounds& value, FieldRange, const char*);
+  bool check_value(std::string_view key, const ClockSettings& value, FieldRange, const char*);
+  bool check_value(std::string_view key, const JointSpring& value, FieldRange, const char*);
+  template <typename Value>
+  bool check_value(std::string_view key, const std::optional<Value>& value, FieldRange range, const char* hint) {
+    return !value || check_value(key, *value, range, hint);
+  }
+  template <typename Value>
+  bool check_value(std::string_view, const std::vector<Value>&, FieldRange, const char*) {
+    return true;
+  }
+
+  template <typename Struct>
+  bool check_fields(const Struct& object) {
+    bool good = true;
+    visit_fields([&](const FieldInfo& field,
+                     const auto& value) { good = good && check_value(field.name, value, field.range, field.hint); },
+                 object);
+    return good;
+  }
+  /// The same for an object that is the value of `key`.
+  template <typename Struct>
+  bool check_fields(const Struct& object, std::string_view key) {
+    const std::size_t size = prefix_.size();
+    prefix_.append(key).append(".");
+    const bool good = check_fields(object);
+    prefix_.resize(size);
+    return good;
+  }
+
+  template <typename Struct, typename Value>
+  static bool is_same(const Struct&, const Value& a, const Value& b) {
+    return same_bits(a, b);
+  }
+  template <typename Value>
+  static bool is_same(const Shape&, const Value& a, const Value& b) {
+    return a == b;  // neither form stores a field that the kind does not have
+  }
+  /// Refuses a field that the row does not have and that is set. Calls `check(field, key, value, range)` for each field
+  /// of the row. Messages put `before` and `after` around the name of the kind.
+  template <typename Struct, typename Row, typename Check>
+  bool check_own_fields(const Struct& object, const Row& row, const char* before, const char* after, Check check) {
+    const Struct unset;
+    bool good = true;
+    visit_own_fields(
+        [&](const auto& field, const auto& value, const auto& default_value) {
+          if (good && key_of(row, field.own).empty() && !is_same(object, value, default_value))
+            good = refuse(std::string(field.name), before + std::string(row.name) + after + " has none: found one");
+        },
+        object, unset);
+    visit_own_fields(
+        [&](const auto& field, const auto& value) {
+          const std::string_view key = key_of(row, field.own);
+          good = good && (key.empty() || check(field, key, value, range_of(row, field.own, field.range)));
+        },
+        object);
+    return good;
+  }
 
   // ---- The scene as a whole, and what comes from outside (scene_rules.cpp) ----
 
   bool check_counts();
   bool check_settings();
   bool check_substeps();
-  bool check_sleep();
-  bool check_clock();
   bool check_inputs();
   bool check_pointer();
-  bool check_bounds();
 
   // ---- Bodies and prototypes (scene_rules_bodies.cpp) ----
 
@@ -80,25 +159,15 @@ class SceneRules {
 
   bool check_joints();
   bool check_joint(const Joint& joint);
-  /// Of any type of field. `key`: of the field in the joint's kind.
-  template <typename Value>
-  bool check_field(const Joint& joint, JointField field, const char* key, const Value& value, const FieldRange& range);
   bool check_body_index(const char* key, std::uint32_t index);
-  bool check_pair(const Joint& joint, bool has_a);
+  bool check_joint_bodies(const Joint& joint);
   bool check_axis(const Point& axis);
-  bool check_length(const Joint& joint, const FieldRange& range);
+  bool check_length(const Joint& joint, FieldRange range);
   bool check_limits(const Joint& joint);
-  bool check_motor(const JointMotor& motor);
-  bool check_spring(const std::string& key, const JointSpring& spring);
   bool check_forces();
   bool check_force(const Force& force);
   bool check_force_bodies(const Force& force);
   bool check_exponent(const Force& force);
-  /// That the kind has no such field, where it keeps the value that it has when unset.
-  template <typename Row, typename Field>
-  bool unused(const Row& fields, Field field, const char* key, bool is_unset, std::string_view kind) {
-    return !key_of(fields, field).empty() || is_unset || refuse(key, "a " + std::string(kind) + " has none: found one");
-  }
 
   // ---- Choices that do not go together (scene_rules_choices.cpp) ----
 
@@ -110,6 +179,7 @@ class SceneRules {
   const Scene& scene_;
   const std::string& source_;
   const char* list_ = nullptr;
+  std::string prefix_;  // of keys
   std::size_t item_index_ = 0;
   std::size_t shape_index_ = no_shape;
   Error error_{};

@@ -6,23 +6,6 @@
 namespace ticktrue::engine {
 namespace {
 
-constexpr double inertia_min = 1e-30;  // kg m^2
-constexpr double inertia_max = 1e30;   // kg m^2
-
-bool has_area(ShapeKind kind) {
-  switch (kind) {
-    case ShapeKind::circle:
-    case ShapeKind::box:
-    case ShapeKind::polygon:
-    case ShapeKind::capsule:
-      return true;
-    case ShapeKind::segment:
-    case ShapeKind::chain:
-      return false;
-  }
-  return false;
-}
-
 bool is_within(const Point& p, double max) {
   return p.x >= -max && p.x <= max && p.y >= -max && p.y <= max;
 }
@@ -54,16 +37,7 @@ bool SceneRules::check_prototype(const Body& body) {
 }
 
 bool SceneRules::check_body(const Body& body) {
-  if (!name("name", body.name)) return false;
-  if (!row("type", body_types, body.type)) return false;
-  if (!point("position", body.position, limits::coordinate_max_m) ||
-      !number("angle", body.angle, -angle_max_rad, angle_max_rad) ||
-      !point("velocity", body.velocity, limits::speed_max) ||
-      !number("angular_velocity", body.angular_velocity, -limits::speed_max, limits::speed_max) ||
-      !number("linear_damping", body.linear_damping, 0, coefficient_max) ||
-      !number("angular_damping", body.angular_damping, 0, coefficient_max) ||
-      !number("gravity_scale", body.gravity_scale, -coefficient_max, coefficient_max))
-    return false;
+  if (!check_fields(body)) return false;
   if (body.type == BodyType::static_body) {
     if (body.velocity != Point{})
       return refuse("velocity", "a static body never moves: found one", "make it kinematic");
@@ -98,14 +72,12 @@ bool SceneRules::check_mass(const Body& body) {
                   "only dynamic bodies have a mass: found " + number_text(body.mass->mass) + " kg of a " +
                       std::string(info_of(body_types, body.type).name) + " body",
                   "leave it out, or make the body dynamic");
-  if (!number("mass", body.mass->mass, limits::mass_min_kg, limits::mass_max_kg)) return false;
-  if (body.mass->inertia && !number("inertia", *body.mass->inertia, inertia_min, inertia_max)) return false;
-  return !body.mass->center || point("center_of_mass", *body.mass->center, limits::size_max_m);
+  return check_fields(*body.mass);
 }
 
 bool SceneRules::check_resulting_mass(const Body& body) {
   bool some_area = false;
-  for (const Shape& shape : body.shapes) some_area = some_area || has_area(shape.kind);
+  for (const Shape& shape : body.shapes) some_area = some_area || !is_line(shape.kind);
   if (!some_area) {
     constexpr const char* hint =
         "segments and chains bring no mass: state \"mass\" and \"inertia\", or make the body static";
@@ -120,47 +92,25 @@ bool SceneRules::check_resulting_mass(const Body& body) {
                   "mass of its shapes out of range: found " + number_text(mass.mass) + " kg, expected " +
                       number_text(limits::mass_min_kg) + ".." + number_text(limits::mass_max_kg),
                   "change density or size, or state the mass");
-  if (!body.fixed_rotation && !(mass.inertia >= inertia_min && mass.inertia <= inertia_max))
+  if (!body.fixed_rotation && !(mass.inertia >= ranges::inertia.min && mass.inertia <= ranges::inertia.max))
     return refuse("",
                   "inertia out of range: found " + number_text(mass.inertia) + " kg m^2, expected " +
-                      number_text(inertia_min) + ".." + number_text(inertia_max),
+                      number_text(ranges::inertia.min) + ".." + number_text(ranges::inertia.max),
                   "change density or size, state the inertia, or fix the rotation");
   return true;
 }
 
 bool SceneRules::check_shape(const Shape& shape) {
   if (!row("type", shape_kinds, shape.kind)) return false;
-  const std::string kind(info_of(shape_kinds, shape.kind).name);
-  const auto has_no = [&](const char* key, bool is_unset) {
-    return is_unset || refuse(key, "a " + kind + " has none: found one");
-  };
-  const bool is_circle = shape.kind == ShapeKind::circle;
-  const bool is_box = shape.kind == ShapeKind::box;
-  const bool is_polygon = shape.kind == ShapeKind::polygon;
-  const bool is_capsule = shape.kind == ShapeKind::capsule;
-  const bool is_chain = shape.kind == ShapeKind::chain;
-  if (!has_no("radius", is_circle || is_box || is_polygon || is_capsule || shape.radius == 0) ||
-      !has_no("half_size", is_box || shape.half_size == Point{}) || !has_no("angle", is_box || shape.angle == 0) ||
-      !has_no("center", is_circle || is_box || shape.center == Point{}) ||
-      !has_no("vertices", !(is_circle || is_box) || shape.vertices.empty()) || !has_no("loop", is_chain || !shape.loop))
-    return false;
-
-  const double radius_min = is_circle || is_capsule ? limits::size_min_m : 0;
-  if (!number("radius", shape.radius, radius_min, limits::size_max_m)) return false;
-  if (is_box && (!number("half_size", shape.half_size.x, limits::size_min_m, limits::size_max_m, 0) ||
-                 !number("half_size", shape.half_size.y, limits::size_min_m, limits::size_max_m, 1)))
-    return false;
-  if (!point("center", shape.center, limits::size_max_m) ||
-      !number("angle", shape.angle, -angle_max_rad, angle_max_rad))
-    return false;
-  if (is_polygon && !check_polygon(shape)) return false;
-  if (!is_circle && !is_box && !is_polygon && !check_points(shape)) return false;
-  return number("density", shape.density, limits::mass_min_kg, limits::mass_max_kg, -1,
-                "kg/m^2; a body that states its mass needs no density") &&
-         number("friction", shape.material.friction, 0, coefficient_max) &&
-         number("restitution", shape.material.restitution, 0, 1) &&
-         number("tangent_speed", shape.material.tangent_speed, -limits::speed_max, limits::speed_max) &&
-         number("rolling_resistance", shape.material.rolling_resistance, 0, coefficient_max);
+  const ShapeKindInfo& kind = info_of(shape_kinds, shape.kind);
+  const bool has_good_numbers = check_own_fields(
+      shape, kind, "a ", "", [this](const auto& field, std::string_view key, const auto& value, FieldRange range) {
+        return check_value(key, value, range, field.hint);
+      });
+  if (!has_good_numbers) return false;
+  if (shape.kind == ShapeKind::polygon && !check_polygon(shape)) return false;
+  if (key_of(kind, ShapeField::vertices) == "points" && !check_points(shape)) return false;
+  return check_fields(shape);
 }
 
 bool SceneRules::check_points(const Shape& shape) {
@@ -176,7 +126,7 @@ bool SceneRules::check_points(const Shape& shape) {
   for (std::size_t i = 0; i < count; ++i)
     if (const Point& p = shape.vertices[i]; !is_within(p, limits::size_max_m)) {
       const std::string key = "points[" + std::to_string(i) + "]";
-      return point(key.c_str(), p, limits::size_max_m);
+      return point(key, p, ranges::anchor);
     }
   const std::size_t edge_count = shape.loop ? count : count - 1;
   for (std::size_t i = 0; i < edge_count; ++i) {
@@ -195,7 +145,7 @@ bool SceneRules::check_points(const Shape& shape) {
 bool SceneRules::check_polygon(const Shape& shape) {
   for (std::size_t i = 0; i < shape.vertices.size() && i < limits::polygon_vertex_count_max; ++i) {
     const std::string key = "vertices[" + std::to_string(i) + "]";
-    if (!point(key.c_str(), shape.vertices[i], limits::size_max_m)) return false;
+    if (!point(key, shape.vertices[i], ranges::anchor)) return false;
   }
   const Result<std::vector<Point>> hull = build_hull(shape.vertices);
   if (!hull) return refuse("vertices", hull.error().message, hull.error().hint);

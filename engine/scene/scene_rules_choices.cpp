@@ -97,8 +97,8 @@ bool SceneRules::check_contact_needs(const SolverInfo& solver) {
       for (const Shape& shape : body.shapes) {
         if (shape.sensor) return cannot("settings.solver", "has no sensors: found one");
         if (!solver.solves_constraints) continue;
-        const bool is_plain = shape.kind == ShapeKind::circle ||
-                              ((shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon) && shape.radius == 0);
+        const bool is_plain =
+            info_of(shape_kinds, shape.kind).is_plain && (shape.kind == ShapeKind::circle || shape.radius == 0);
         if (!is_plain) return cannot("settings.solver", "knows circles and sharp polygons only: found another shape");
         if (shape.filter != Filter{}) return cannot("settings.solver", "tests every pair: found a filter");
         if (shape.material.tangent_speed != 0 || shape.material.rolling_resistance != 0)

@@ -8,7 +8,6 @@
 
 #include "base/limits.h"
 #include "engine/scene/input.h"
-#include "engine/scene/scene_fields.h"
 #include "tests/support/catch.h"
 #include "tests/support/engine_runs.h"
 #include "tests/support/joints.h"

@@ -8,7 +8,6 @@
 #include "base/random.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/clock/step_control.h"
-#include "engine/scene/scene_fields.h"
 #include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
@@ -357,7 +356,7 @@ std::vector<Session> property_sessions() {
     for (const auto& info : engine::force_kinds) {
       engine::Force force;
       force.kind = info.kind;
-      const auto& fields = info_of(engine::force_fields, info.kind);
+      const auto& fields = info_of(engine::force_kinds, info.kind);
       const auto has = [&fields](engine::ForceField field) { return !engine::key_of(fields, field).empty(); };
       if (has(engine::ForceField::vector)) force.vector = {0.5, 1};
       if (has(engine::ForceField::coefficient)) force.coefficient = 0.05;
@@ -389,7 +388,7 @@ std::vector<Session> property_sessions() {
     sessions.push_back({"nodding joints " + suffix, nodding, sparse_inputs(nodding, 14, 400, 31), {}});
     const engine::Scene heaps = merging_heaps(precision.kind);
     sessions.push_back({"merging heaps " + suffix, heaps, sparse_inputs(heaps, 15, 400, 17), {}});
-    for (const engine::Choice<engine::ClockKind>& clock : engine::clock_kinds) {
+    for (const engine::ClockKindInfo& clock : engine::clock_kinds) {
       Session timed{"playground clock " + std::string(clock.name) + " " + suffix, shapes, {}, {}};
       timed.scene.settings.clock.kind = clock.kind;
       if (clock.kind == engine::ClockKind::adaptive) timed.scene.settings.clock.tolerance = 1e-3;

@@ -38,30 +38,13 @@ inline Joint joint_of(JointKind kind, std::uint32_t body_a, std::uint32_t body_b
 
 /// Puts the fields that joints of its kind do not have back to what they are when unset.
 inline void drop_unused_fields(Joint& joint) {
-  using engine::JointField;
+  const auto& row = info_of(engine::joint_kinds, joint.kind);
   const Joint unset;
-  const auto& fields = info_of(engine::joint_kinds, joint.kind);
-  const auto drop = [&](JointField field, auto member) {
-    if (key_of(fields, field).empty()) joint.*member = unset.*member;
-  };
-  drop(JointField::body_a, &Joint::body_a);
-  drop(JointField::anchor_a, &Joint::anchor_a);
-  drop(JointField::anchor_b, &Joint::anchor_b);
-  drop(JointField::axis, &Joint::axis);
-  drop(JointField::reference_angle, &Joint::reference_angle);
-  drop(JointField::length, &Joint::length);
-  drop(JointField::limits, &Joint::limits);
-  drop(JointField::motor, &Joint::motor);
-  drop(JointField::spring, &Joint::spring);
-  drop(JointField::linear_spring, &Joint::linear_spring);
-  drop(JointField::offset, &Joint::offset);
-  drop(JointField::angle_offset, &Joint::angle_offset);
-  drop(JointField::force_max, &Joint::force_max);
-  drop(JointField::torque_max, &Joint::torque_max);
-  drop(JointField::collide_connected, &Joint::collide_connected);
-  drop(JointField::ground_anchor_a, &Joint::ground_anchor_a);
-  drop(JointField::ground_anchor_b, &Joint::ground_anchor_b);
-  drop(JointField::ratio, &Joint::ratio);
+  engine::visit_own_fields(
+      [&](const auto& field, auto& value, const auto& default_value) {
+        if (key_of(row, field.own).empty()) value = default_value;
+      },
+      joint, unset);
 }
 
 inline engine::JointSpring absolute_spring(double stiffness, double damping = 0) {

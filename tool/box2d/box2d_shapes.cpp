@@ -63,8 +63,7 @@ Status check_known(const Shape& shape, const Box2dOptions& options, const Box2dU
     return Error{ErrorCode::unsupported, fmt::format("{}: {}", place, what), {}};
   };
   if (shape.kind == ShapeKind::capsule && !options.capsules_as_octagons) return refuse("Box2D 2.4.1 has no capsules");
-  if (shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain)
-    if (shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
+  if (engine::is_line(shape.kind) && shape.radius > 0) return refuse("Box2D 2.4.1 rounds no lines");
   if (shape.material.rolling_resistance > 0) return refuse("Box2D 2.4.1 has no rolling resistance");
   const engine::Filter& filter = shape.filter;
   const std::uint32_t beyond = filter.mask >> 16;  // "all" and "all but some" have every bit

@@ -37,10 +37,6 @@ struct BoundedOutline {
   Point upper{-infinite, -infinite};
 };
 
-bool is_thin(const Shape& shape) {
-  return shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
-}
-
 // The outline of everything within the radius of a core: where it reaches farthest in each of many directions.
 std::vector<Point> rounded(const std::vector<Point>& core, double radius) {
   std::vector<Point> corners;
@@ -73,7 +69,8 @@ BoundedOutline bounded_outline_of(const Body& body, const std::vector<Point>& co
 std::vector<BoundedOutline> bounded_outlines_of(const Body& body, const Shape& shape, const CrosscheckLayout& layout) {
   if (shape.sensor) return {};
   const std::vector<Point> core = engine::core_of(shape);
-  if (!is_thin(shape)) return {bounded_outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
+  if (!engine::is_line(shape.kind))
+    return {bounded_outline_of(body, shape.radius > 0 ? rounded(core, shape.radius) : core, layout)};
   std::vector<BoundedOutline> edges;
   for (std::size_t i = 0; i + 1 < core.size(); ++i)
     edges.push_back(bounded_outline_of(body, {core[i], core[i + 1]}, layout));

@@ -69,7 +69,7 @@ Outline outline_of(const Shape& shape) {
   Outline outline;
   outline.points = engine::core_of(shape);
   outline.radius = shape.radius;
-  outline.is_line = shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
+  outline.is_line = engine::is_line(shape.kind);
   outline.is_closed = outline.is_line && shape.loop;
   outline.is_sensor = shape.sensor;
   return outline;

@@ -125,12 +125,8 @@ void draw_line(const Shape& shape, std::back_insert_iterator<std::string> out) {
   fmt::format_to(out, "{}\"/>", shape.loop ? "Z" : "");
 }
 
-bool is_line(const Shape& shape) {
-  return shape.kind == ShapeKind::segment || shape.kind == ShapeKind::chain;
-}
-
 void draw_shape(const Shape& shape, std::back_insert_iterator<std::string> out) {
-  if (is_line(shape)) return draw_line(shape, out);
+  if (engine::is_line(shape.kind)) return draw_line(shape, out);
   if (shape.kind != ShapeKind::circle && shape.radius > 0) return draw_rounded(shape, out);
   if (shape.kind == ShapeKind::circle) {
     // With a radius drawn in, so that turning is seen.

@@ -3,8 +3,12 @@
 #include "tool/experiment/shrink.h"
 
 #include <algorithm>
+#include <functional>
+#include <initializer_list>
+#include <string_view>
 #include <utility>
 
+#include "engine/scene/scene_fields.h"
 #include "tool/experiment/ddmin.h"
 
 namespace ticktrue::verifier::soak {
@@ -133,66 +137,39 @@ class Shrinker {
     if (candidate.scene == smallest_.scene && candidate.inputs == smallest_.inputs) return;
     take_if_fails(std::move(candidate));
   }
-  template <typename Change>
-  void try_settings(const Change& change) {
-    try_change([&](SoakCase& candidate) { change(candidate.scene.settings); });
-  }
-  template <typename Change>
-  void try_bodies(const Change& change) {
-    try_change([&](SoakCase& candidate) {
-      for (engine::Body& body : candidate.scene.bodies) change(body);
-      for (engine::Body& body : candidate.scene.prototypes) change(body);
+  /// Tries the default of one field after another. `each(candidate, change)` changes all objects of a case.
+  template <typename Struct, typename Each>
+  void try_defaults(const Each& each, std::initializer_list<std::string_view> others = {}) {
+    const Struct unset;
+    engine::Fields<Struct>::list([&](const engine::FieldInfo& field, auto member) {
+      if (std::find(others.begin(), others.end(), field.name) != others.end()) return;
+      const auto change = [&](Struct& object) { std::invoke(member, object) = std::invoke(member, unset); };
+      try_change([&](SoakCase& candidate) { each(candidate, change); });
     });
   }
 
   void set_defaults() {
-    set_default_settings();
-    set_default_scene();
-    try_bodies([](engine::Body& body) { body.linear_damping = body.angular_damping = 0; });
-    try_bodies([](engine::Body& body) { body.gravity_scale = 1; });
-    try_bodies([](engine::Body& body) { body.fixed_rotation = false; });
-    try_bodies([](engine::Body& body) { body.bullet = false; });
-    try_bodies([](engine::Body& body) { body.can_sleep = true; });
-    try_bodies([](engine::Body& body) { body.mass.reset(); });
-    try_bodies([](engine::Body& body) { body.angular_velocity = 0; });
-    const auto try_shapes = [this](const auto& change) {
-      try_bodies([&](engine::Body& body) {
+    const auto each_body = [](SoakCase& candidate, const auto& change) {
+      for (engine::Body& body : candidate.scene.bodies) change(body);
+      for (engine::Body& body : candidate.scene.prototypes) change(body);
+    };
+    const auto each_shape = [&](SoakCase& candidate, const auto& change) {
+      each_body(candidate, [&](engine::Body& body) {
         for (engine::Shape& shape : body.shapes) change(shape);
       });
     };
-    try_shapes([](engine::Shape& shape) { shape.material = {}; });
-    try_shapes([](engine::Shape& shape) { shape.filter = {}; });
-    try_shapes([](engine::Shape& shape) { shape.sensor = false; });
-    try_shapes([](engine::Shape& shape) { shape.density = 1; });
-  }
-  void set_default_settings() {
-    using engine::Settings;
-    const Settings usual;
-    try_settings([&](Settings& settings) { settings.auto_substeps.reset(); });
-    try_settings([&](Settings& settings) { settings.sleep.reset(); });
-    try_settings([&](Settings& settings) { settings.events = false; });
-    try_settings([&](Settings& settings) { settings.locate_impacts = false; });
-    try_settings([&](Settings& settings) { settings.continuous = true; });
-    try_settings([&](Settings& settings) { settings.clock = usual.clock; });
-    try_settings([&](Settings& settings) { settings.precision = usual.precision; });
-    try_settings([&](Settings& settings) { settings.solver = usual.solver; });
-    try_settings([&](Settings& settings) { settings.integrator = usual.integrator; });
-    try_settings([&](Settings& settings) { settings.broad_phase = usual.broad_phase; });
-    try_settings([&](Settings& settings) { settings.substeps = usual.substeps; });
-    try_settings([&](Settings& settings) { settings.iterations = usual.iterations; });
-    try_settings([&](Settings& settings) { settings.friction_mix = usual.friction_mix; });
-    try_settings([&](Settings& settings) { settings.restitution_mix = usual.restitution_mix; });
-    try_settings([&](Settings& settings) { settings.restitution_threshold = usual.restitution_threshold; });
-    try_settings([&](Settings& settings) { settings.dt = usual.dt; });
+    const auto settings = [](SoakCase& candidate, const auto& change) { change(candidate.scene.settings); };
+    try_defaults<engine::Settings>(settings);
+    set_default_scene();
+    try_defaults<engine::Body>(each_body, {"name", "type", "position", "angle", "velocity", "shapes"});
+    try_defaults<engine::Shape>(each_shape);
   }
   void set_default_scene() {
     try_change([](SoakCase& candidate) { candidate.scene.bounds.reset(); });
     try_change([](SoakCase& candidate) { candidate.scene.spawned_max.reset(); });
     try_change([](SoakCase& candidate) { candidate.scene.gravity = {}; });
     try_change([](SoakCase& candidate) {
-      const auto uses_pointer = [](InputKind kind) {
-        return kind == InputKind::press || kind == InputKind::drag || kind == InputKind::release;
-      };
+      const auto uses_pointer = [](InputKind kind) { return info_of(engine::input_kinds, kind).is_of_pointer; };
       candidate.scene.pointer.reset();
       std::erase_if(candidate.scene.inputs, uses_pointer);
       std::erase_if(candidate.inputs, [&](const Input& input) { return uses_pointer(input.kind); });

@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <type_traits>
 
 #include "base/plain_text.h"
+#include "engine/scene/scene_fields.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 
@@ -27,17 +29,18 @@ struct ChoiceText {
 };
 
 std::vector<ChoiceText> choices_of(const engine::Settings& settings) {
-  const auto row = [](std::string_view key, const auto& table, auto kind) {
+  std::vector<ChoiceText> choices;
+  const auto add = [&](std::string_view key, const auto& table, auto kind) {
     const auto& info = engine::info_of(table, kind);
-    return ChoiceText{key, info.name, info.summary, engine::choice_names(table)};
+    choices.push_back({key, info.name, info.summary, engine::choice_names(table)});
   };
-  return {row("precision", engine::precisions, settings.precision),
-          row("solver", engine::solvers, settings.solver),
-          row("integrator", engine::integrators, settings.integrator),
-          row("broad_phase", engine::broad_phases, settings.broad_phase),
-          row("friction_mix", engine::mix_rules, settings.friction_mix),
-          row("restitution_mix", engine::mix_rules, settings.restitution_mix),
-          row("clock", engine::clock_kinds, settings.clock.kind)};
+  engine::visit_fields(
+      [&](const engine::FieldInfo& field, auto value) {
+        if constexpr (std::is_enum_v<decltype(value)>) add(field.name, engine::Tables::of(value), value);
+      },
+      settings);
+  add("clock", engine::clock_kinds, settings.clock.kind);
+  return choices;
 }
 
 std::string type_text(const Column& column) {
