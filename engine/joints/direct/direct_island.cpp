@@ -63,6 +63,23 @@ void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, dou
   body.velocity[2] += g[2] * impulse / body.inertia;
 }
 
+/// Changes of states in a pass. Most substeps have none.
+constexpr int state_change_max = 3;
+
+double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  double sum = 0;
+  if (joint.body_a != no_direct_body) sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row);
+  if (joint.body_b != no_direct_body) sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row);
+  return sum;
+}
+
+DirectDrive& drive_of(DirectJoint& joint, std::size_t row) {
+  return joint.drives[row - joint.equations.rigid_count];
+}
+const DirectDrive& drive_of(const DirectJoint& joint, std::size_t row) {
+  return joint.drives[row - joint.equations.rigid_count];
+}
+
 /// What is taken back of a gap in a substep, m.
 double taken_back(double error, double h) {
   const double most = push_speed_max * h;
@@ -101,8 +118,30 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
   }
 }
 
-/// One pass towards the positions.
-void solve_positions(DirectIsland& island, double h) {
+/// The speed that a row before the move is off by. `then`: its error after the move.
+double residual_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row, double then, double h) {
+  const double soft = joint.compliances[row] * joint.impulses[row];
+  if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
+  if (!joint.laws[row].is_in_system) return 0;
+  const DirectDrive& drive = drive_of(joint, row);
+  if (!is_at_limit(drive)) return (row_speed(island, joint, row) - joint.laws[row].speed) + soft;
+  const double limit = drive.state == DriveState::at_lower ? drive.lower : drive.upper;
+  const double over = drive.start_error - limit;
+  const bool is_beyond = drive.state == DriveState::at_lower ? over < 0 : over > 0;
+  return (then - (is_beyond ? limit + target_of(island, over, h) : limit)) / h + soft;
+}
+
+/// One pass with the error after the move as the speeds tell, to first order.
+void pass_to_speeds(DirectIsland& island, double h) {
+  set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
+    const double then = joint.equations.errors[row] + h * row_speed(island, joint, row);
+    return residual_of(island, joint, row, then, h);
+  });
+  add_solution(island);
+}
+
+/// One pass with the error after the move.
+void pass_to_positions(DirectIsland& island, double h) {
   for (Triple& value : island.system.values) value = {};
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
@@ -110,10 +149,75 @@ void solve_positions(DirectIsland& island, double h) {
         equations_of(joint.shape, moved_pose_of(island, joint.body_a, h), moved_pose_of(island, joint.body_b, h));
     Triple& value = island.system.values[island.graph.joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row)
-      value[row] = -((then.errors[row] - target_of(island, joint.equations.errors[row], h)) / h +
-                     joint.compliances[row] * joint.impulses[row]);
+      value[row] = -residual_of(island, joint, row, then.errors[row], h);
   }
   add_solution(island);
+}
+
+/// Fills the system from equations and laws, and factors it.
+void factor_laws(DirectIsland& island) {
+  clear_system(island.graph, island.system);
+  for (std::uint32_t i = 0; i < island.bodies.size(); ++i)
+    set_body(island.graph, island.system, i, island.bodies[i].mass, island.bodies[i].inertia);
+  for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
+    DirectJoint& joint = island.joints[i];
+    const bool is_redundant = island.graph.nodes[island.graph.joint_nodes[i]].is_redundant;
+    Block of_a = joint.equations.gradient_a;
+    Block of_b = joint.equations.gradient_b;
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double k = row < joint.equations.row_count ? mobility(island, joint, row) : 0;
+      joint.compliances[row] = 1;
+      if (k > 0 && joint.laws[row].is_in_system) {
+        const double least = (is_redundant ? redundant_compliance_share : compliance_share) * k;
+        joint.compliances[row] = joint.laws[row].compliance > least ? joint.laws[row].compliance : least;
+        continue;
+      }
+      for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
+    }
+    set_joint(island.graph, island.system, i, joint.compliances);
+    std::uint32_t place = 0;
+    if (joint.body_a != no_direct_body) set_gradient(island.graph, island.system, i, place++, of_a);
+    if (joint.body_b != no_direct_body) set_gradient(island.graph, island.system, i, place, of_b);
+  }
+  factor(island.graph, island.system);
+}
+
+/// Calls body(joint, row, drive, mobility) for every row with a drive.
+template <typename Body>
+void for_drives(DirectIsland& island, const Body& body) {
+  for (DirectJoint& joint : island.joints)
+    for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
+      const double k = mobility(island, joint, row);
+      if (k > 0 && exists(drive_of(joint, row))) body(joint, row, drive_of(joint, row), k);
+    }
+}
+
+void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, double impulse) {
+  if (joint.body_a != no_direct_body)
+    apply_impulse(island.bodies[joint.body_a], joint.equations.gradient_a, row, impulse);
+  if (joint.body_b != no_direct_body)
+    apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
+}
+
+/// Runs a pass, and runs it again where a drive changes its state.
+template <typename Pass>
+void settle(DirectIsland& island, double h, const Pass& pass) {
+  pass(island, h);
+  for (int change = 0; island.has_drives && change < state_change_max; ++change) {
+    bool is_changed = false;
+    for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+      if (update_state(drive, k, joint.impulses[row], row_speed(island, joint, row), h)) is_changed = true;
+    });
+    if (!is_changed) return;
+    for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
+      joint.laws[row] = law_of(drive, k);
+      if (joint.laws[row].is_in_system) return;
+      apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
+      joint.impulses[row] = joint.laws[row].impulse;
+    });
+    factor_laws(island);
+    pass(island, h);
+  }
 }
 
 double largest_miss(const DirectIsland& island, double h) {
@@ -121,7 +225,7 @@ double largest_miss(const DirectIsland& island, double h) {
   for (const DirectJoint& joint : island.joints) {
     const JointEquations then =
         equations_of(joint.shape, moved_pose_of(island, joint.body_a, h), moved_pose_of(island, joint.body_b, h));
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) {
       const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
       if (!(miss <= most)) most = miss;
     }
@@ -149,12 +253,19 @@ void save_velocities(DirectIsland& island) {
   island.saved_velocities.clear();
   island.saved_impulses.clear();
   for (const DirectBody& body : island.bodies) island.saved_velocities.push_back(body.velocity);
-  for (const DirectJoint& joint : island.joints) island.saved_impulses.push_back(joint.impulses);
+  island.saved_drives.clear();
+  for (const DirectJoint& joint : island.joints) {
+    island.saved_impulses.push_back(joint.impulses);
+    island.saved_drives.push_back(joint.drives);
+  }
 }
 
 void restore_velocities(DirectIsland& island) {
   for (std::size_t i = 0; i < island.bodies.size(); ++i) island.bodies[i].velocity = island.saved_velocities[i];
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    island.joints[i].impulses = island.saved_impulses[i];
+    island.joints[i].drives = island.saved_drives[i];
+  }
 }
 
 }  // namespace
@@ -168,6 +279,7 @@ Pose moved(const DirectBody& body, double h) {
 
 void order_island(DirectIsland& island) {
   std::vector<GraphJoint> joints;
+  island.has_drives = false;
   for (const DirectJoint& joint : island.joints) {
     GraphJoint row;
     row.is_to_world = joint.body_a == no_direct_body || joint.body_b == no_direct_body;
@@ -175,44 +287,43 @@ void order_island(DirectIsland& island) {
       if (body != no_direct_body) row.bodies[row.body_count++] = body;
     row.row_count = equations_of(joint.shape, Pose{}, Pose{}).row_count;
     joints.push_back(row);
+    for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
   }
   island.graph = make_joint_graph(static_cast<std::uint32_t>(island.bodies.size()), joints);
 }
 
 void factor_island(DirectIsland& island) {
-  clear_system(island.graph, island.system);
-  for (std::uint32_t i = 0; i < island.bodies.size(); ++i)
-    set_body(island.graph, island.system, i, island.bodies[i].mass, island.bodies[i].inertia);
-  for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
-    DirectJoint& joint = island.joints[i];
+  for (DirectJoint& joint : island.joints) {
     joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
-    const bool is_redundant = island.graph.nodes[island.graph.joint_nodes[i]].is_redundant;
-    joint.compliances = {1, 1, 1};
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
-      double sum = 0;
-      if (joint.body_a != no_direct_body) sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row);
-      if (joint.body_b != no_direct_body) sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row);
-      if (sum > 0) joint.compliances[row] = (is_redundant ? redundant_compliance_share : compliance_share) * sum;
-    }
-    set_joint(island.graph, island.system, i, joint.compliances);
-    std::uint32_t place = 0;
-    if (joint.body_a != no_direct_body)
-      set_gradient(island.graph, island.system, i, place++, joint.equations.gradient_a);
-    if (joint.body_b != no_direct_body) set_gradient(island.graph, island.system, i, place, joint.equations.gradient_b);
+    joint.laws = {};
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) joint.laws[row].is_in_system = true;
   }
-  factor(island.graph, island.system);
+  for_drives(island, [](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
+    joint.laws[row] = law_after_move(drive, joint.impulses[row]);
+  });
+  factor_laws(island);
 }
 
-void begin_push(DirectIsland& island, double h) {
+void begin_substep(DirectIsland& island, double h) {
+  if (island.has_drives) {
+    for_drives(island, [&island](DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+      drive.start_error = joint.equations.errors[row];
+      drive.start_speed = row_speed(island, joint, row);
+      if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
+      joint.laws[row] = law_of(drive, k);
+      if (!joint.laws[row].is_in_system) joint.impulses[row] = joint.laws[row].impulse;
+    });
+    factor_laws(island);
+  }
   island.push.clear();
   island.push_share = 1;
   double most = 0;
   for (const DirectJoint& joint : island.joints)
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
       if (magnitude(joint.equations.errors[row]) > most) most = magnitude(joint.equations.errors[row]);
   if (most <= gap_of_rounding) return;
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
-    return taken_back(joint.equations.errors[row], h) / h;
+    return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
   });
   solve(island.graph, island.system);
   double asked = 0;
@@ -239,27 +350,18 @@ void warm_start_island(DirectIsland& island, double h) {
       joint.impulses[0] = turn.cos * x - turn.sin * y;
       joint.impulses[1] = turn.sin * x + turn.cos * y;
     }
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
-      const double impulse = joint.impulses[row];
-      if (joint.body_a != no_direct_body)
-        apply_impulse(island.bodies[joint.body_a], joint.equations.gradient_a, row, impulse);
-      if (joint.body_b != no_direct_body)
-        apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
-    }
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+      apply_row(island, joint, row, joint.impulses[row]);
   }
 }
 
 void solve_velocities(DirectIsland& island, double h) {
-  set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
-    return (row_speed(island, joint, row) + island.push_share * taken_back(joint.equations.errors[row], h) / h) +
-           joint.compliances[row] * joint.impulses[row];
-  });
-  add_solution(island);
+  settle(island, h, pass_to_speeds);
 }
 
 PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
   save_velocities(island);
-  for (int pass = 0; pass < pass_count; ++pass) solve_positions(island, h);
+  for (int pass = 0; pass < pass_count; ++pass) settle(island, h, pass_to_positions);
   if (!(largest_miss(island, h) <= miss_least)) {
     restore_velocities(island);
     return PositionOutcome::missed;
@@ -287,7 +389,9 @@ void end_push(DirectIsland& island) {
 
 void project_velocities(DirectIsland& island) {
   save_velocities(island);
-  set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) { return row_speed(island, joint, row); });
+  set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
+    return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
+  });
   add_solution(island);
   for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
 }

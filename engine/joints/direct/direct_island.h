@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/joints/direct/block_ldl.h"
+#include "engine/joints/direct/direct_drive.h"
 #include "engine/joints/direct/joint_equations.h"
 
 namespace ticktrue::engine {
@@ -32,12 +33,14 @@ struct DirectBody {
 };
 
 struct DirectJoint {
-  JointShape shape;  // not driven
+  JointShape shape;
   std::uint32_t body_a = no_direct_body;
   std::uint32_t body_b = no_direct_body;
-  Triple impulses{};         // of meet_positions: the first guess of the next substep
-  JointEquations equations;  // at the poses of the last factor_island
-  Triple compliances{};      // 1/kg or alike
+  std::array<DirectDrive, 2> drives;  // of the rows after the rigid ones
+  Triple impulses{};                  // before the move: the first guess of the next substep
+  JointEquations equations;           // at the poses of the last factor_island
+  std::array<RowLaw, 3> laws;
+  Triple compliances{};  // 1/kg or alike
 };
 
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
@@ -49,8 +52,10 @@ struct DirectIsland {
   BlockSystem system;
   std::vector<Triple> push;  // [body]; empty: none
   double push_share = 1;     // of what is to be taken back
+  bool has_drives = false;
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
+  std::vector<std::array<DirectDrive, 2>> saved_drives;
 };
 
 /// The body after a substep with its velocity.
@@ -58,14 +63,15 @@ Pose moved(const DirectBody& body, double h);
 
 /// Makes the graph. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
-/// Equations and matrix of the present poses.
+/// Equations and matrix of the present poses, for project_velocities.
 void factor_island(DirectIsland& island);
 
-/// Chooses the push of this substep. Requires: factored.
-void begin_push(DirectIsland& island, double h);
+/// Lets the drives act, and chooses the push of this substep. Requires: factored.
+void begin_substep(DirectIsland& island, double h);
 /// Applies the impulses of the last substep, turned with the bodies. The passes below add to them.
 void warm_start_island(DirectIsland& island, double h);
-/// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires: begin_push.
+/// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires:
+/// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
 /// Velocities whose move meets the positions. Requires: solve_velocities.
 PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count);

@@ -56,7 +56,7 @@ std::vector<GraphJoint> random_tree(Random& random, std::uint32_t count) {
 
 // ---- Systems ----
 
-struct Problem {
+struct LinearProblem {
   std::vector<double> masses;
   std::vector<double> inertias;
   std::vector<GraphJoint> joints;
@@ -65,8 +65,8 @@ struct Problem {
 };
 
 // Rows of pins and welds with random arms; masses from 1 to `ratio`.
-Problem problem_of(Random& random, std::uint32_t body_count, std::vector<GraphJoint> joints, double ratio) {
-  Problem problem;
+LinearProblem problem_of(Random& random, std::uint32_t body_count, std::vector<GraphJoint> joints, double ratio) {
+  LinearProblem problem;
   for (std::uint32_t body = 0; body < body_count; ++body) {
     problem.masses.push_back(std::exp(random.real(0, std::log(ratio))));
     problem.inertias.push_back(problem.masses.back() * random.real(0.1, 1));
@@ -87,13 +87,13 @@ Problem problem_of(Random& random, std::uint32_t body_count, std::vector<GraphJo
   return problem;
 }
 
-Triple compliances_of(const Problem& problem, std::size_t joint) {
+Triple compliances_of(const LinearProblem& problem, std::size_t joint) {
   Triple r{1, 1, 1};
   for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row) r[row] = problem.compliance;
   return r;
 }
 
-void fill(const Problem& problem, const JointGraph& graph, BlockSystem& system) {
+void fill(const LinearProblem& problem, const JointGraph& graph, BlockSystem& system) {
   clear_system(graph, system);
   for (std::uint32_t body = 0; body < problem.masses.size(); ++body)
     set_body(graph, system, body, problem.masses[body], problem.inertias[body]);
@@ -105,7 +105,7 @@ void fill(const Problem& problem, const JointGraph& graph, BlockSystem& system) 
 }
 
 // [M, G^T; G, -c], bodies first.
-std::vector<std::vector<double>> dense_of(const Problem& problem) {
+std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
   const std::size_t bodies = problem.masses.size();
   const std::size_t size = 3 * (bodies + problem.joints.size());
   std::vector<std::vector<double>> a(size, std::vector<double>(size, 0));
@@ -156,7 +156,7 @@ struct Errors {
   double row = 0;       // of G v - c p = r, of the largest r
 };
 
-Errors errors_of(const Problem& problem, Random& random) {
+Errors errors_of(const LinearProblem& problem, Random& random) {
   const std::size_t bodies = problem.masses.size();
   const JointGraph graph = make_joint_graph(static_cast<std::uint32_t>(bodies), problem.joints);
   BlockSystem system;
