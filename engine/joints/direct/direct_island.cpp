@@ -36,15 +36,24 @@ double double_energy(const DirectBody& body, const Triple& v) {
 
 double mobility(const DirectBody& body, const Block& gradient, std::size_t row) {
   const double* g = gradient.data() + 3 * row;
-  return (g[0] * g[0] + g[1] * g[1]) / body.mass + g[2] * g[2] / body.inertia;
+  return (g[0] * g[0] + g[1] * g[1]) * body.inv_mass + g[2] * g[2] * body.inv_inertia;
 }
 
 Pose pose_of(const DirectIsland& island, std::uint32_t body) {
   return body == no_direct_body ? Pose{} : island.bodies[body].pose;
 }
 
-Pose moved_pose_of(const DirectIsland& island, std::uint32_t body, double h) {
-  return body == no_direct_body ? Pose{} : moved(island.bodies[body], h);
+void find_moved_poses(DirectIsland& island, double h) {
+  island.moved_poses.clear();
+  for (const DirectBody& body : island.bodies) island.moved_poses.push_back(moved(body, h));
+}
+
+/// The joint's equations after the move. Requires: find_moved_poses.
+JointEquations moved_equations(const DirectIsland& island, const DirectJoint& joint) {
+  const auto pose = [&island](std::uint32_t body) {
+    return body == no_direct_body ? Pose{} : island.moved_poses[body];
+  };
+  return equations_of(joint.shape, pose(joint.body_a), pose(joint.body_b));
 }
 
 double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
@@ -58,9 +67,9 @@ double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size
 
 void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, double impulse) {
   const double* g = gradient.data() + 3 * row;
-  body.velocity[0] += g[0] * impulse / body.mass;
-  body.velocity[1] += g[1] * impulse / body.mass;
-  body.velocity[2] += g[2] * impulse / body.inertia;
+  body.velocity[0] += g[0] * impulse * body.inv_mass;
+  body.velocity[1] += g[1] * impulse * body.inv_mass;
+  body.velocity[2] += g[2] * impulse * body.inv_inertia;
 }
 
 /// Changes of states in a pass. Most substeps have none.
@@ -142,11 +151,11 @@ void pass_to_speeds(DirectIsland& island, double h) {
 
 /// One pass with the error after the move.
 void pass_to_positions(DirectIsland& island, double h) {
+  find_moved_poses(island, h);
   for (Triple& value : island.system.values) value = {};
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    const JointEquations then =
-        equations_of(joint.shape, moved_pose_of(island, joint.body_a, h), moved_pose_of(island, joint.body_b, h));
+    const JointEquations then = moved_equations(island, joint);
     Triple& value = island.system.values[island.graph.joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row)
       value[row] = -residual_of(island, joint, row, then.errors[row], h);
@@ -220,11 +229,11 @@ void settle(DirectIsland& island, double h, const Pass& pass) {
   }
 }
 
-double largest_miss(const DirectIsland& island, double h) {
+double largest_miss(DirectIsland& island, double h) {
+  find_moved_poses(island, h);
   double most = 0;
   for (const DirectJoint& joint : island.joints) {
-    const JointEquations then =
-        equations_of(joint.shape, moved_pose_of(island, joint.body_a, h), moved_pose_of(island, joint.body_b, h));
+    const JointEquations then = moved_equations(island, joint);
     for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) {
       const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
       if (!(miss <= most)) most = miss;
@@ -293,6 +302,10 @@ void order_island(DirectIsland& island) {
 }
 
 void factor_island(DirectIsland& island) {
+  for (DirectBody& body : island.bodies) {
+    body.inv_mass = 1 / body.mass;
+    body.inv_inertia = 1 / body.inertia;
+  }
   for (DirectJoint& joint : island.joints) {
     joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
     joint.laws = {};

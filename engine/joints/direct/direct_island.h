@@ -30,6 +30,8 @@ struct DirectBody {
   Triple velocity{};  // m/s, m/s, rad/s
   double mass = 1;
   double inertia = 1;
+  double inv_mass = 1;  // filled by factor_island
+  double inv_inertia = 1;
 };
 
 struct DirectJoint {
@@ -53,6 +55,7 @@ struct DirectIsland {
   std::vector<Triple> push;  // [body]; empty: none
   double push_share = 1;     // of what is to be taken back
   bool has_drives = false;
+  std::vector<Pose> moved_poses;  // [body] by the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
   std::vector<std::array<DirectDrive, 2>> saved_drives;
