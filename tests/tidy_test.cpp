@@ -244,7 +244,8 @@ struct Room {
 // Rooms of the engine that share the workspace of a tick (engine/model/tick_lists.h): they see each other.
 constexpr std::string_view core =
     "engine,engine/model,engine/broad_phase,engine/narrow_phase,engine/islands,engine/contacts,engine/joints,"
-    "engine/joints/batched,engine/impacts,engine/integrators,engine/solvers,engine/stages,engine/scene,engine/simd,"
+    "engine/joints/batched,engine/joints/direct,engine/impacts,engine/integrators,engine/solvers,engine/stages,engine/"
+    "scene,engine/simd,"
     "engine/math,base,base/state,base/parallel";
 constexpr std::string_view all_but_tests = "*";
 constexpr Room rooms[] = {
@@ -266,6 +267,7 @@ constexpr Room rooms[] = {
     {"engine/contacts", core},
     {"engine/joints", core},
     {"engine/joints/batched", core},
+    {"engine/joints/direct", core},
     {"engine/impacts", core},
     {"engine/integrators", core},
     {"engine/solvers", core},

@@ -7,6 +7,8 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
+constexpr std::uint32_t poisoned_index = 0xffffffff;
+
 void poison_batches(ContactBatches& batches) {
   poison_in_place(batches.batches);
   poison_in_place(batches.surfaces);
@@ -28,6 +30,7 @@ void poison(TickLists& tick) {
   tick.changes = {};
   tick.contact_pairs = {};
   tick.has_solver_sets = false;
+  tick.contact_generation = tick.shock_work_left = poisoned_index;
 }
 
 void poison(Scratch& scratch) {
@@ -53,6 +56,7 @@ void poison(Scratch& scratch) {
   poison_rows(scratch.impact_starts);
   poison_rows(scratch.impacts_of_bodies);
   scratch.moving_rows = {};
+  scratch.set_index = scratch.unconverged = poisoned_index;
   poison_rows(scratch.is_constrained);
   poison_rows(scratch.free_rows);
   poison_rows(scratch.shock_velocities);

@@ -1,0 +1,42 @@
+// The direct joint solver's factorisation: LDL^T of 3 x 3 blocks in doubles, in the order of a joint graph.
+// SPDX-License-Identifier: MIT
+// Source: Vanderbei, "Symmetric Quasidefinite Matrices", SIAM Journal on Optimization 5, 1995: [M, G^T; G, -c] with
+// positive M and c has this factorisation in every order, without pivoting.
+//
+// The operations follow from the graph alone. A row that is not in the system has a gradient of 0 and compliance 1.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/joints/direct/joint_graph.h"
+
+namespace ticktrue::engine {
+
+using Block = std::array<double, 9>;   // row by row
+using Triple = std::array<double, 3>;  // of a body: x, y, angle; of a joint: its rows
+
+/// [M, G^T; G, -c] (v, -p) = (f, r): v the changes of velocity and p the impulses of the joints, f impulses on bodies
+/// and r the changes that rows ask for.
+struct BlockSystem {
+  std::vector<Block> diagonal;  // [node]; factored: the inverse of the pivot
+  std::vector<Block> blocks;    // [block]; factored: L
+  std::vector<Triple> values;   // [node] the right-hand side; solved: the solution
+  std::vector<Block> column;    // of the node that is being eliminated
+};
+
+/// Makes all blocks and values 0.
+void clear_system(const JointGraph& graph, BlockSystem& system);
+void set_body(const JointGraph& graph, BlockSystem& system, std::uint32_t body, double mass, double inertia);
+/// Requires: compliances > 0.
+void set_joint(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, const Triple& compliances);
+/// `gradient`: rows of the joint, columns of the body with this place among the joint's bodies.
+void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t joint, std::uint32_t body_place,
+                  const Block& gradient);
+
+/// Requires: every body and joint is set.
+void factor(const JointGraph& graph, BlockSystem& system);
+/// Solves for system.values. Requires: factored.
+void solve(const JointGraph& graph, BlockSystem& system);
+
+}  // namespace ticktrue::engine

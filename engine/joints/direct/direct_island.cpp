@@ -1,0 +1,412 @@
+// The passes of the direct joint solver.
+// SPDX-License-Identifier: MIT
+// Source: as direct_island.h.
+#include "engine/joints/direct/direct_island.h"
+
+#include "engine/math/trig.h"
+
+namespace ticktrue::engine {
+namespace {
+
+/// Of the mobility of a row alone. Rows that follow from others get more: their impulses have no other bound.
+constexpr double compliance_share = 1e-10;
+constexpr double redundant_compliance_share = 1e-8;
+
+constexpr double push_rate = 0.2;         // of a gap in a substep
+constexpr double push_speed_max = 3;      // m/s, of a row
+constexpr double push_body_speed = 0.1;   // m/s: the push has at most the energy of all bodies at this speed
+constexpr double gap_of_rounding = 1e-6;  // m: taken back without that bound
+
+constexpr double miss_least = 1e-3;          // m
+constexpr double hard_energy_share = 0.1;    // of the kinetic energy
+constexpr double resting_body_speed = 0.05;  // m/s: energy that bodies at rest are taken to have
+
+double magnitude(double x) {
+  return x < 0 ? -x : x;
+}
+
+double row_product(const Block& gradient, std::size_t row, const Triple& v) {
+  return (gradient[3 * row] * v[0] + gradient[3 * row + 1] * v[1]) + gradient[3 * row + 2] * v[2];
+}
+
+/// Twice the kinetic energy, J.
+double double_energy(const DirectBody& body, const Triple& v) {
+  return body.mass * (v[0] * v[0] + v[1] * v[1]) + body.inertia * (v[2] * v[2]);
+}
+
+double mobility(const DirectBody& body, const Block& gradient, std::size_t row) {
+  const double* g = gradient.data() + 3 * row;
+  return (g[0] * g[0] + g[1] * g[1]) * body.inv_mass + g[2] * g[2] * body.inv_inertia;
+}
+
+Pose pose_of(const DirectIsland& island, std::uint32_t body) {
+  return body == no_direct_body ? Pose{} : island.bodies[body].pose;
+}
+
+void find_moved_poses(DirectIsland& island, double h) {
+  island.moved_poses.clear();
+  for (const DirectBody& body : island.bodies) island.moved_poses.push_back(moved(body, h));
+}
+
+/// The joint's equations after the move. Requires: find_moved_poses.
+JointEquations moved_equations(const DirectIsland& island, const DirectJoint& joint) {
+  const auto pose = [&island](std::uint32_t body) {
+    return body == no_direct_body ? Pose{} : island.moved_poses[body];
+  };
+  return equations_of(joint.shape, pose(joint.body_a), pose(joint.body_b));
+}
+
+double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  double speed = 0;
+  if (joint.body_a != no_direct_body)
+    speed += row_product(joint.equations.gradient_a, row, island.bodies[joint.body_a].velocity);
+  if (joint.body_b != no_direct_body)
+    speed += row_product(joint.equations.gradient_b, row, island.bodies[joint.body_b].velocity);
+  return speed;
+}
+
+void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, double impulse) {
+  const double* g = gradient.data() + 3 * row;
+  body.velocity[0] += g[0] * impulse * body.inv_mass;
+  body.velocity[1] += g[1] * impulse * body.inv_mass;
+  body.velocity[2] += g[2] * impulse * body.inv_inertia;
+}
+
+/// Changes of states in a pass. Most substeps have none.
+constexpr int state_change_max = 3;
+
+double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  double sum = 0;
+  if (joint.body_a != no_direct_body) sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row);
+  if (joint.body_b != no_direct_body) sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row);
+  return sum;
+}
+
+DirectDrive& drive_of(DirectJoint& joint, std::size_t row) {
+  return joint.drives[row - joint.equations.rigid_count];
+}
+const DirectDrive& drive_of(const DirectJoint& joint, std::size_t row) {
+  return joint.drives[row - joint.equations.rigid_count];
+}
+
+/// What is taken back of a gap in a substep, m.
+double taken_back(double error, double h) {
+  const double most = push_speed_max * h;
+  const double wanted = push_rate * error;
+  if (wanted > most) return most;
+  return wanted < -most ? -most : wanted;
+}
+
+/// What a row's error is to be after the substep.
+double target_of(const DirectIsland& island, double error, double h) {
+  return error - island.push_share * taken_back(error, h);
+}
+
+/// Solves for system.values and adds the solution to velocities and impulses.
+void add_solution(DirectIsland& island) {
+  solve(island.graph, island.system);
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
+    const Triple& change = island.system.values[island.graph.body_nodes[i]];
+    for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] += change[k];
+  }
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    const Triple& change = island.system.values[island.graph.joint_nodes[i]];
+    for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
+      island.joints[i].impulses[row] -= change[row];
+  }
+}
+
+/// Sets the right-hand side: residual(joint, row) is what a row's speed is off by.
+template <typename Residual>
+void set_residuals(DirectIsland& island, const Residual& residual) {
+  for (Triple& value : island.system.values) value = {};
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    const DirectJoint& joint = island.joints[i];
+    Triple& value = island.system.values[island.graph.joint_nodes[i]];
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row) value[row] = -residual(joint, row);
+  }
+}
+
+/// The speed that a row before the move is off by. `then`: its error after the move.
+double residual_of(const DirectIsland& island, const DirectJoint& joint, std::size_t row, double then, double h) {
+  const double soft = joint.compliances[row] * joint.impulses[row];
+  if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
+  if (!joint.laws[row].is_in_system) return 0;
+  const DirectDrive& drive = drive_of(joint, row);
+  if (!is_at_limit(drive)) return (row_speed(island, joint, row) - joint.laws[row].speed) + soft;
+  const double limit = drive.state == DriveState::at_lower ? drive.lower : drive.upper;
+  const double over = drive.start_error - limit;
+  const bool is_beyond = drive.state == DriveState::at_lower ? over < 0 : over > 0;
+  return (then - (is_beyond ? limit + target_of(island, over, h) : limit)) / h + soft;
+}
+
+/// One pass with the error after the move as the speeds tell, to first order.
+void pass_to_speeds(DirectIsland& island, double h) {
+  set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
+    const double then = joint.equations.errors[row] + h * row_speed(island, joint, row);
+    return residual_of(island, joint, row, then, h);
+  });
+  add_solution(island);
+}
+
+/// One pass with the error after the move.
+void pass_to_positions(DirectIsland& island, double h) {
+  find_moved_poses(island, h);
+  for (Triple& value : island.system.values) value = {};
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    const DirectJoint& joint = island.joints[i];
+    const JointEquations then = moved_equations(island, joint);
+    Triple& value = island.system.values[island.graph.joint_nodes[i]];
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+      value[row] = -residual_of(island, joint, row, then.errors[row], h);
+  }
+  add_solution(island);
+}
+
+/// Fills the system from equations and laws, and factors it.
+void factor_laws(DirectIsland& island) {
+  clear_system(island.graph, island.system);
+  for (std::uint32_t i = 0; i < island.bodies.size(); ++i)
+    set_body(island.graph, island.system, i, island.bodies[i].mass, island.bodies[i].inertia);
+  for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
+    DirectJoint& joint = island.joints[i];
+    const bool is_redundant = island.graph.nodes[island.graph.joint_nodes[i]].is_redundant;
+    Block of_a = joint.equations.gradient_a;
+    Block of_b = joint.equations.gradient_b;
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double k = row < joint.equations.row_count ? mobility(island, joint, row) : 0;
+      joint.compliances[row] = 1;
+      if (k > 0 && joint.laws[row].is_in_system) {
+        const double least = (is_redundant ? redundant_compliance_share : compliance_share) * k;
+        joint.compliances[row] = joint.laws[row].compliance > least ? joint.laws[row].compliance : least;
+        continue;
+      }
+      for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
+    }
+    set_joint(island.graph, island.system, i, joint.compliances);
+    std::uint32_t place = 0;
+    if (joint.body_a != no_direct_body) set_gradient(island.graph, island.system, i, place++, of_a);
+    if (joint.body_b != no_direct_body) set_gradient(island.graph, island.system, i, place, of_b);
+  }
+  factor(island.graph, island.system);
+}
+
+/// Calls body(joint, row, drive, mobility) for every row with a drive.
+template <typename Body>
+void for_drives(DirectIsland& island, const Body& body) {
+  for (DirectJoint& joint : island.joints)
+    for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
+      const double k = mobility(island, joint, row);
+      if (k > 0 && exists(drive_of(joint, row))) body(joint, row, drive_of(joint, row), k);
+    }
+}
+
+void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, double impulse) {
+  if (joint.body_a != no_direct_body)
+    apply_impulse(island.bodies[joint.body_a], joint.equations.gradient_a, row, impulse);
+  if (joint.body_b != no_direct_body)
+    apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
+}
+
+/// Runs a pass, and runs it again where a drive changes its state.
+template <typename Pass>
+void settle(DirectIsland& island, double h, const Pass& pass) {
+  pass(island, h);
+  for (int change = 0; island.has_drives && change < state_change_max; ++change) {
+    bool is_changed = false;
+    for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+      if (update_state(drive, k, joint.impulses[row], row_speed(island, joint, row), h)) is_changed = true;
+    });
+    if (!is_changed) return;
+    for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
+      joint.laws[row] = law_of(drive, k);
+      if (joint.laws[row].is_in_system) return;
+      apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
+      joint.impulses[row] = joint.laws[row].impulse;
+    });
+    factor_laws(island);
+    pass(island, h);
+  }
+}
+
+double largest_miss(DirectIsland& island, double h) {
+  find_moved_poses(island, h);
+  double most = 0;
+  for (const DirectJoint& joint : island.joints) {
+    const JointEquations then = moved_equations(island, joint);
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) {
+      const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
+      if (!(miss <= most)) most = miss;
+    }
+  }
+  return most;
+}
+
+/// Velocities and impulses: the saved ones and `share` of what was added since.
+void scale_changes(DirectIsland& island, double share) {
+  for (std::size_t i = 0; i < island.bodies.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double saved = island.saved_velocities[i][k];
+      double& now = island.bodies[i].velocity[k];
+      now = saved + share * (now - saved);
+    }
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double saved = island.saved_impulses[i][row];
+      double& now = island.joints[i].impulses[row];
+      now = saved + share * (now - saved);
+    }
+}
+
+void save_velocities(DirectIsland& island) {
+  island.saved_velocities.clear();
+  island.saved_impulses.clear();
+  for (const DirectBody& body : island.bodies) island.saved_velocities.push_back(body.velocity);
+  island.saved_drives.clear();
+  for (const DirectJoint& joint : island.joints) {
+    island.saved_impulses.push_back(joint.impulses);
+    island.saved_drives.push_back(joint.drives);
+  }
+}
+
+void restore_velocities(DirectIsland& island) {
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) island.bodies[i].velocity = island.saved_velocities[i];
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    island.joints[i].impulses = island.saved_impulses[i];
+    island.joints[i].drives = island.saved_drives[i];
+  }
+}
+
+}  // namespace
+
+Pose moved(const DirectBody& body, double h) {
+  const SinCos turn = sin_cos(h * body.velocity[2]);
+  return {{body.pose.position.x + h * body.velocity[0], body.pose.position.y + h * body.velocity[1]},
+          turn.cos * body.pose.c - turn.sin * body.pose.s,
+          turn.sin * body.pose.c + turn.cos * body.pose.s};
+}
+
+void order_island(DirectIsland& island) {
+  std::vector<GraphJoint> joints;
+  island.has_drives = false;
+  for (const DirectJoint& joint : island.joints) {
+    GraphJoint row;
+    row.is_to_world = joint.body_a == no_direct_body || joint.body_b == no_direct_body;
+    for (const std::uint32_t body : {joint.body_a, joint.body_b})
+      if (body != no_direct_body) row.bodies[row.body_count++] = body;
+    row.row_count = equations_of(joint.shape, Pose{}, Pose{}).row_count;
+    joints.push_back(row);
+    for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
+  }
+  island.graph = make_joint_graph(static_cast<std::uint32_t>(island.bodies.size()), joints);
+}
+
+void factor_island(DirectIsland& island) {
+  for (DirectBody& body : island.bodies) {
+    body.inv_mass = 1 / body.mass;
+    body.inv_inertia = 1 / body.inertia;
+  }
+  for (DirectJoint& joint : island.joints) {
+    joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
+    joint.laws = {};
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) joint.laws[row].is_in_system = true;
+  }
+  for_drives(island, [](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
+    joint.laws[row] = law_after_move(drive, joint.impulses[row]);
+  });
+  factor_laws(island);
+}
+
+void begin_substep(DirectIsland& island, double h) {
+  if (island.has_drives) {
+    for_drives(island, [&island](DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+      drive.start_error = joint.equations.errors[row];
+      drive.start_speed = row_speed(island, joint, row);
+      if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
+      joint.laws[row] = law_of(drive, k);
+      if (!joint.laws[row].is_in_system) joint.impulses[row] = joint.laws[row].impulse;
+    });
+    factor_laws(island);
+  }
+  island.push.clear();
+  island.push_share = 1;
+  double most = 0;
+  for (const DirectJoint& joint : island.joints)
+    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row)
+      if (magnitude(joint.equations.errors[row]) > most) most = magnitude(joint.equations.errors[row]);
+  if (most <= gap_of_rounding) return;
+  set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
+    return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
+  });
+  solve(island.graph, island.system);
+  double asked = 0;
+  double allowed = 0;
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
+    island.push.push_back(island.system.values[island.graph.body_nodes[i]]);
+    asked += double_energy(island.bodies[i], island.push[i]);
+    allowed += island.bodies[i].mass * (push_body_speed * push_body_speed);
+  }
+  if (asked > allowed) island.push_share = __builtin_sqrt(allowed / asked);
+  for (Triple& velocity : island.push)
+    for (double& component : velocity) component *= island.push_share;
+}
+
+void warm_start_island(DirectIsland& island, double h) {
+  for (DirectJoint& joint : island.joints) {
+    if (joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld) {
+      double spin = 0;
+      if (joint.body_a != no_direct_body) spin += 0.5 * island.bodies[joint.body_a].velocity[2];
+      if (joint.body_b != no_direct_body) spin += 0.5 * island.bodies[joint.body_b].velocity[2];
+      const SinCos turn = sin_cos(h * spin);
+      const double x = joint.impulses[0];
+      const double y = joint.impulses[1];
+      joint.impulses[0] = turn.cos * x - turn.sin * y;
+      joint.impulses[1] = turn.sin * x + turn.cos * y;
+    }
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+      apply_row(island, joint, row, joint.impulses[row]);
+  }
+}
+
+void solve_velocities(DirectIsland& island, double h) {
+  settle(island, h, pass_to_speeds);
+}
+
+PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
+  save_velocities(island);
+  for (int pass = 0; pass < pass_count; ++pass) settle(island, h, pass_to_positions);
+  if (!(largest_miss(island, h) <= miss_least)) {
+    restore_velocities(island);
+    return PositionOutcome::missed;
+  }
+  double asked = 0;
+  double had = 0;
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
+    const DirectBody& body = island.bodies[i];
+    const Triple& saved = island.saved_velocities[i];
+    asked +=
+        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
+    had += double_energy(body, saved) + body.mass * (resting_body_speed * resting_body_speed);
+  }
+  const double allowed = hard_energy_share * had;
+  if (!(asked > allowed)) return PositionOutcome::met;
+  scale_changes(island, __builtin_sqrt(allowed / asked));
+  return PositionOutcome::scaled;
+}
+
+void end_push(DirectIsland& island) {
+  for (std::size_t i = 0; i < island.push.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] -= island.push[i][k];
+  island.push.clear();
+}
+
+void project_velocities(DirectIsland& island) {
+  save_velocities(island);
+  set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
+    return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
+  });
+  add_solution(island);
+  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
+}
+
+}  // namespace ticktrue::engine

@@ -1,0 +1,168 @@
+// The rows of joints: points, angles, lines and ropes.
+// SPDX-License-Identifier: MIT
+// Source: as joint_equations.h.
+#include "engine/joints/direct/joint_equations.h"
+
+#include "base/assert.h"
+#include "engine/math/trig.h"
+
+namespace ticktrue::engine {
+namespace {
+
+Place operator+(Place a, Place b) {
+  return {a.x + b.x, a.y + b.y};
+}
+Place operator-(Place a, Place b) {
+  return {a.x - b.x, a.y - b.y};
+}
+Place operator*(double s, Place a) {
+  return {s * a.x, s * a.y};
+}
+double dot(Place a, Place b) {
+  return a.x * b.x + a.y * b.y;
+}
+double cross(Place a, Place b) {
+  return a.x * b.y - a.y * b.x;
+}
+Place left_turn(Place a) {
+  return {-a.y, a.x};
+}
+double length_of(Place a) {
+  return __builtin_sqrt(dot(a, a));
+}
+Place rotate(const Pose& pose, Place a) {
+  return {pose.c * a.x - pose.s * a.y, pose.s * a.x + pose.c * a.y};
+}
+
+/// Writes one row after the other.
+class Rows {
+ public:
+  Rows(const JointShape& shape, const Pose& a, const Pose& b)
+      : shape_(shape), a_(a), b_(b), arm_a_(rotate(a, shape.anchor_a)), arm_b_(rotate(b, shape.anchor_b)) {}
+
+  /// From A's anchor to B's. The positions first: far from the origin, their difference is exact.
+  Place gap() const { return (b_.position - a_.position) + (arm_b_ - arm_a_); }
+
+  void point() {
+    const Place d = gap();
+    add(d.x, {-1, 0}, arm_a_.y, {1, 0}, -arm_b_.y);
+    add(d.y, {0, -1}, -arm_a_.x, {0, 1}, arm_b_.x);
+  }
+  void angle() {
+    const double c = a_.c * b_.c + a_.s * b_.s;
+    const double s = a_.c * b_.s - a_.s * b_.c;
+    turn(arc_tangent(s * shape_.reference_c - c * shape_.reference_s, c * shape_.reference_c + s * shape_.reference_s));
+  }
+  void turn(double error) { add(error, {0, 0}, -1, {0, 0}, 1); }
+  /// Along an axis that turns with A.
+  void along(Place axis) {
+    const Place d = gap();
+    add(dot(axis, d), -1.0 * axis, -cross(arm_a_ + d, axis), axis, cross(arm_b_, axis));
+  }
+  void line() {
+    const Place d = gap();
+    const double length = length_of(d);
+    const Place axis = length > 0 ? Place{d.x / length, d.y / length} : Place{1, 0};
+    add(length - shape_.length, -1.0 * axis, -cross(arm_a_, axis), axis, cross(arm_b_, axis));
+  }
+  void rope() {
+    const Place side_a = (a_.position - shape_.ground_a) + arm_a_;
+    const Place side_b = (b_.position - shape_.ground_b) + arm_b_;
+    const Place axis_a = direction_of(side_a);
+    const Place axis_b = shape_.ratio * direction_of(side_b);
+    add((length_of(side_a) + shape_.ratio * length_of(side_b)) - shape_.length, axis_a, cross(arm_a_, axis_a), axis_b,
+        cross(arm_b_, axis_b));
+  }
+
+  void end_of_rigid() { equations_.rigid_count = equations_.row_count; }
+  const JointEquations& equations() const { return equations_; }
+  Place axis() const { return rotate(a_, shape_.axis); }
+
+ private:
+  static constexpr double side_share_least = 1.0 / 200;  // of the rope; shorter sides have no direction
+
+  Place direction_of(Place side) const {
+    const double length = length_of(side);
+    return length > side_share_least * shape_.length ? Place{side.x / length, side.y / length} : Place{0, 0};
+  }
+  void add(double error, Place of_a, double turn_of_a, Place of_b, double turn_of_b) {
+    const std::size_t row = equations_.row_count++;
+    equations_.errors[row] = error;
+    const Triple a{of_a.x, of_a.y, turn_of_a};
+    const Triple b{of_b.x, of_b.y, turn_of_b};
+    for (std::size_t i = 0; i < 3; ++i) {
+      equations_.gradient_a[3 * row + i] = a[i];
+      equations_.gradient_b[3 * row + i] = b[i];
+    }
+  }
+
+  const JointShape& shape_;
+  const Pose& a_;
+  const Pose& b_;
+  Place arm_a_;
+  Place arm_b_;
+  JointEquations equations_;
+};
+
+void revolute_rows(const JointShape& shape, Rows& rows) {
+  rows.point();
+  rows.end_of_rigid();
+  if (shape.is_driven) rows.angle();
+}
+void weld_rows(const JointShape&, Rows& rows) {
+  rows.point();
+  rows.angle();
+  rows.end_of_rigid();
+}
+void prismatic_rows(const JointShape& shape, Rows& rows) {
+  rows.along(left_turn(rows.axis()));
+  rows.angle();
+  rows.end_of_rigid();
+  if (shape.is_driven) rows.along(rows.axis());
+}
+void wheel_rows(const JointShape& shape, Rows& rows) {
+  rows.along(left_turn(rows.axis()));
+  rows.end_of_rigid();
+  if (shape.is_driven) rows.along(rows.axis());
+  if (shape.turns_driven) rows.turn(0);
+}
+void distance_rows(const JointShape& shape, Rows& rows) {
+  rows.line();
+  if (!shape.is_driven) rows.end_of_rigid();
+}
+void pulley_rows(const JointShape&, Rows& rows) {
+  rows.rope();
+  rows.end_of_rigid();
+}
+
+struct EquationsRow {
+  JointKind kind;
+  void (*write)(const JointShape& shape, Rows& rows);  // null: bounded forces alone
+};
+constexpr std::array<EquationsRow, joint_kinds.size()> joint_equations{{
+    {JointKind::revolute, revolute_rows},
+    {JointKind::prismatic, prismatic_rows},
+    {JointKind::distance, distance_rows},
+    {JointKind::weld, weld_rows},
+    {JointKind::wheel, wheel_rows},
+    {JointKind::motor, nullptr},
+    {JointKind::friction, nullptr},
+    {JointKind::target, nullptr},
+    {JointKind::pulley, pulley_rows},
+}};
+static_assert(rows_are_in_order(joint_equations));
+
+}  // namespace
+
+bool has_equations(JointKind kind) {
+  return info_of(joint_equations, kind).write != nullptr;
+}
+
+JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b) {
+  TICKTRUE_ASSERT(has_equations(shape.kind));
+  Rows rows(shape, a, b);
+  info_of(joint_equations, shape.kind).write(shape, rows);
+  return rows.equations();
+}
+
+}  // namespace ticktrue::engine

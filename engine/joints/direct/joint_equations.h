@@ -1,0 +1,64 @@
+// What a joint asks of the poses of its two bodies: the errors of its rows and their gradients, in doubles.
+// SPDX-License-Identifier: MIT
+// Source: Catto, "Modeling and Solving Constraints", GDC 2009; pulley: Box2D 2.4.1, b2_pulley_joint.cpp.
+//
+// Gradients are those of the errors themselves, with the angle of a body as its third coordinate: the solver meets the
+// positions at the end of a substep, so an anchor's gap turns with the body. Rigid rows come first.
+//
+// | kind      | rigid rows             | rows of the degree of freedom, where something acts on it |
+// |-----------|------------------------|------------------------------------------------------------|
+// | revolute  | x, y of the point      | angle                                                      |
+// | weld      | x, y of the point, angle |                                                          |
+// | prismatic | across the axis, angle | along the axis                                             |
+// | wheel     | across the axis        | along the axis; angle of the motor                         |
+// | distance  | length                 | the same row, if a spring, limits or a motor act on it     |
+// | pulley    | length of the rope     |                                                            |
+#pragma once
+
+#include "engine/joints/direct/block_ldl.h"
+#include "engine/scene/joint_kinds.h"
+
+namespace ticktrue::engine {
+
+struct Place {
+  double x = 0;
+  double y = 0;
+};
+
+/// Centre of mass, m; cosine and sine of the angle.
+struct Pose {
+  Place position;
+  double c = 1;
+  double s = 0;
+};
+
+struct JointShape {
+  JointKind kind = JointKind::revolute;
+  Place anchor_a;  // from A's centre of mass in its frame, m; of the world: a point of the world
+  Place anchor_b;
+  Place axis{1, 0};        // unit, in A's frame
+  double reference_c = 1;  // of B's angle relative to A's
+  double reference_s = 0;
+  double length = 0;  // m
+  Place ground_a;     // pulley: points of the world, m
+  Place ground_b;
+  double ratio = 1;
+  bool is_driven = false;     // a spring, limits or a motor act on the degree of freedom (wheel: along the axis)
+  bool turns_driven = false;  // wheel: a motor acts on the angle
+};
+
+struct JointEquations {
+  std::uint32_t rigid_count = 0;
+  std::uint32_t row_count = 0;
+  Triple errors{};     // m or rad; of the wheel's motor 0
+  Block gradient_a{};  // [row][x, y, angle]
+  Block gradient_b{};
+};
+
+/// Has equations here: kinds that hold bodies, not those that drive them with bounded forces.
+bool has_equations(JointKind kind);
+
+/// Requires: has_equations(shape.kind). Pose of the world: Pose{}.
+JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b);
+
+}  // namespace ticktrue::engine

@@ -1,0 +1,248 @@
+// The order in which the direct joint solver eliminates bodies and joints: least degree, ties by index.
+// SPDX-License-Identifier: MIT
+// Source: as joint_graph.h.
+#include "engine/joints/direct/joint_graph.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "base/assert.h"
+
+namespace ticktrue::engine {
+namespace {
+
+constexpr std::uint32_t no_node = 0xffffffff;
+constexpr std::int64_t common_degrees = 3;  // of bodies that move as one
+
+/// What is left of a set of bodies that eliminated joints tie together.
+struct Freedom {
+  std::int64_t degrees = 3;
+  std::uint32_t ties = 0;  // eliminated joints to the world, and to bodies that are not eliminated
+};
+
+/// Sets of bodies that eliminated joints tie together.
+class Components {
+ public:
+  explicit Components(std::uint32_t body_count) : parent_(body_count), freedom_(body_count) {
+    for (std::uint32_t body = 0; body < body_count; ++body) parent_[body] = body;
+  }
+
+  std::uint32_t find(std::uint32_t body) {
+    while (parent_[body] != body) {
+      parent_[body] = parent_[parent_[body]];
+      body = parent_[body];
+    }
+    return body;
+  }
+  /// False: they were one set.
+  bool unite(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a == b) return false;
+    if (b < a) std::swap(a, b);
+    parent_[b] = a;
+    freedom_[a].degrees += freedom_[b].degrees;
+    freedom_[a].ties += freedom_[b].ties;
+    return true;
+  }
+  Freedom& freedom(std::uint32_t body) { return freedom_[find(body)]; }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<Freedom> freedom_;  // [root]
+};
+
+/// Bodies are the nodes 0 .. body_count - 1, joints the nodes from body_count on.
+class Elimination {
+ public:
+  Elimination(std::uint32_t body_count, const std::vector<GraphJoint>& joints)
+      : body_count_(body_count),
+        joints_(joints),
+        components_(body_count),
+        tied_(body_count),
+        neighbours_(body_count + joints.size()),
+        is_done_(body_count + joints.size(), false) {
+    for (std::uint32_t joint = 0; joint < joints.size(); ++joint)
+      for (std::uint32_t i = 0; i < joints[joint].body_count; ++i) {
+        TICKTRUE_ASSERT(joints[joint].bodies[i] < body_count);
+        connect(joints[joint].bodies[i], body_count + joint);
+      }
+    for (std::uint32_t body = 0; body < body_count; ++body) candidates_.insert({degree(body), body});
+  }
+
+  JointGraph run() {
+    std::vector<std::vector<std::uint32_t>> patterns;
+    for (std::size_t left = neighbours_.size(); left > 0; --left) {
+      const auto [node, is_redundant] = choose();
+      order_.push_back(node);
+      graph_.nodes.push_back({is_joint(node), is_redundant, is_joint(node) ? node - body_count_ : node});
+      patterns.push_back(neighbours_[node]);
+      eliminate(node);
+    }
+    list_blocks(patterns);
+    list_targets();
+    place_gradients();
+    return std::move(graph_);
+  }
+
+ private:
+  bool is_joint(std::uint32_t node) const { return node >= body_count_; }
+  std::uint32_t degree(std::uint32_t node) const { return static_cast<std::uint32_t>(neighbours_[node].size()); }
+
+  /// False: they were connected.
+  bool connect_to(std::uint32_t from, std::uint32_t to) {
+    std::vector<std::uint32_t>& list = neighbours_[from];
+    const auto place = std::lower_bound(list.begin(), list.end(), to);
+    if (place != list.end() && *place == to) return false;
+    list.insert(place, to);
+    return true;
+  }
+  bool connect(std::uint32_t a, std::uint32_t b) {
+    const bool is_new = connect_to(a, b);
+    connect_to(b, a);
+    return is_new;
+  }
+
+  bool is_ready(std::uint32_t joint) {
+    const GraphJoint& row = joints_[joint];
+    std::int64_t degrees = 0;
+    bool is_held = row.is_to_world;
+    for (std::uint32_t i = 0; i < row.body_count; ++i) {
+      if (!is_done_[row.bodies[i]]) {
+        is_held = true;
+        continue;
+      }
+      const std::uint32_t root = components_.find(row.bodies[i]);
+      is_held = is_held || components_.freedom(root).ties > 0;
+      bool is_counted = false;
+      for (std::uint32_t k = 0; k < i; ++k)
+        is_counted = is_counted || (is_done_[row.bodies[k]] && components_.find(row.bodies[k]) == root);
+      if (!is_counted) degrees += components_.freedom(root).degrees;
+    }
+    return degrees >= row.row_count + (is_held ? 0 : common_degrees);
+  }
+
+  /// The next node, and whether it is a joint that never became ready.
+  std::pair<std::uint32_t, bool> choose() {
+    for (const auto& [node_degree, node] : candidates_)
+      if (!is_joint(node) || is_ready(node - body_count_)) return {node, false};
+    std::uint32_t joint = body_count_;
+    while (is_done_[joint]) ++joint;
+    return {joint, true};
+  }
+
+  void eliminate(std::uint32_t node) {
+    candidates_.erase({degree(node), node});
+    is_done_[node] = true;
+    if (is_joint(node))
+      tie(node - body_count_);
+    else
+      for (const std::uint32_t other : tied_[node]) {
+        --components_.freedom(other).ties;
+        components_.unite(node, other);
+      }
+    const std::vector<std::uint32_t> around = neighbours_[node];
+    for (const std::uint32_t neighbour : around) {
+      candidates_.erase({degree(neighbour), neighbour});
+      std::vector<std::uint32_t>& list = neighbours_[neighbour];
+      list.erase(std::lower_bound(list.begin(), list.end(), node));
+    }
+    for (std::size_t i = 0; i < around.size(); ++i)
+      for (std::size_t k = i + 1; k < around.size(); ++k) graph_.fill_count += connect(around[i], around[k]) ? 1u : 0u;
+    for (const std::uint32_t neighbour : around) candidates_.insert({degree(neighbour), neighbour});
+  }
+
+  /// Unites the sets of a joint's eliminated bodies, now and, for the other bodies, as soon as they are eliminated.
+  void tie(std::uint32_t joint) {
+    const GraphJoint& row = joints_[joint];
+    std::uint32_t first = no_node;
+    for (std::uint32_t i = 0; i < row.body_count; ++i) {
+      const std::uint32_t body = row.bodies[i];
+      if (!is_done_[body]) continue;
+      if (first == no_node) first = body;
+      components_.unite(first, body);
+    }
+    if (first == no_node) return;
+    Freedom& freedom = components_.freedom(first);
+    freedom.degrees -= row.row_count;
+    freedom.ties += row.is_to_world ? 1u : 0u;
+    for (std::uint32_t i = 0; i < row.body_count; ++i) {
+      if (is_done_[row.bodies[i]]) continue;
+      tied_[row.bodies[i]].push_back(first);
+      ++freedom.ties;
+    }
+  }
+
+  void list_blocks(const std::vector<std::vector<std::uint32_t>>& patterns) {
+    std::vector<std::uint32_t> place(neighbours_.size());
+    for (std::uint32_t i = 0; i < order_.size(); ++i) place[order_[i]] = i;
+    graph_.body_nodes.assign(place.begin(), place.begin() + body_count_);
+    graph_.joint_nodes.assign(place.begin() + body_count_, place.end());
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      std::set<std::uint32_t> rows;
+      for (const std::uint32_t node : patterns[i]) rows.insert(place[node]);
+      graph_.nodes[i].first_block = static_cast<std::uint32_t>(graph_.block_rows.size());
+      graph_.nodes[i].block_count = static_cast<std::uint32_t>(rows.size());
+      graph_.block_rows.insert(graph_.block_rows.end(), rows.begin(), rows.end());
+    }
+  }
+
+  /// The block of these rows and columns, both nodes. Requires: they are coupled, column < row.
+  std::uint32_t block_of(std::uint32_t row, std::uint32_t column) const {
+    const GraphNode& node = graph_.nodes[column];
+    const auto begin = graph_.block_rows.begin() + node.first_block;
+    const auto found = std::lower_bound(begin, begin + node.block_count, row);
+    TICKTRUE_ASSERT(found != begin + node.block_count && *found == row);
+    return static_cast<std::uint32_t>(found - graph_.block_rows.begin());
+  }
+
+  void list_targets() {
+    for (GraphNode& node : graph_.nodes) {
+      node.first_target = static_cast<std::uint32_t>(graph_.targets.size());
+      const std::uint32_t end = node.first_block + node.block_count;
+      for (std::uint32_t i = node.first_block; i < end; ++i)
+        for (std::uint32_t k = i + 1; k < end; ++k)
+          graph_.targets.push_back(block_of(graph_.block_rows[k], graph_.block_rows[i]));
+    }
+  }
+
+  void place_gradients() {
+    graph_.gradients.resize(joints_.size());
+    for (std::size_t joint = 0; joint < joints_.size(); ++joint)
+      for (std::uint32_t i = 0; i < joints_[joint].body_count; ++i) {
+        const std::uint32_t body_node = graph_.body_nodes[joints_[joint].bodies[i]];
+        const std::uint32_t joint_node = graph_.joint_nodes[joint];
+        const bool is_transposed = joint_node < body_node;
+        const std::uint32_t block = is_transposed ? block_of(body_node, joint_node) : block_of(joint_node, body_node);
+        graph_.gradients[joint][i] = {block, is_transposed};
+      }
+  }
+
+  std::uint32_t body_count_;
+  const std::vector<GraphJoint>& joints_;
+  Components components_;
+  std::vector<std::vector<std::uint32_t>> tied_;                  // [body] eliminated bodies behind eliminated joints
+  std::vector<std::vector<std::uint32_t>> neighbours_;            // [node] those not eliminated, ascending
+  std::vector<bool> is_done_;                                     // [node]
+  std::set<std::pair<std::uint32_t, std::uint32_t>> candidates_;  // degree, node; joints with an eliminated neighbour
+  std::vector<std::uint32_t> order_;
+  JointGraph graph_;
+};
+
+}  // namespace
+
+std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints) {
+  Components components(body_count);
+  std::uint32_t loop_count = 0;
+  for (const GraphJoint& joint : joints)
+    for (std::uint32_t i = 1; i < joint.body_count; ++i)
+      loop_count += components.unite(joint.bodies[0], joint.bodies[i]) ? 0u : 1u;
+  return loop_count;
+}
+
+JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints) {
+  return Elimination(body_count, joints).run();
+}
+
+}  // namespace ticktrue::engine

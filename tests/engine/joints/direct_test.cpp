@@ -1,0 +1,278 @@
+// The factorisation of the direct joint solver: order, fill, and solutions against a dense solve with pivoting.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "base/random.h"
+#include "engine/joints/direct/block_ldl.h"
+#include "engine/joints/direct/joint_graph.h"
+#include "tests/support/catch.h"
+
+using namespace ticktrue;
+using namespace ticktrue::engine;
+
+namespace {
+
+// ---- Graphs ----
+
+GraphJoint joint_between(std::uint32_t a, std::uint32_t b, std::uint32_t rows = 2) {
+  return {{a, b}, 2, rows};
+}
+GraphJoint joint_to_world(std::uint32_t body, std::uint32_t rows = 2) {
+  return {{body}, 1, rows, true};
+}
+
+std::vector<GraphJoint> chain_of(std::uint32_t count) {
+  std::vector<GraphJoint> joints = {joint_to_world(0)};
+  for (std::uint32_t body = 1; body < count; ++body) joints.push_back(joint_between(body - 1, body));
+  return joints;
+}
+
+std::vector<GraphJoint> hub_with(std::uint32_t rods) {
+  std::vector<GraphJoint> joints;
+  for (std::uint32_t rod = 1; rod <= rods; ++rod) joints.push_back(joint_between(0, rod));
+  return joints;
+}
+
+std::vector<GraphJoint> net_of(std::uint32_t side, std::uint32_t rows) {
+  std::vector<GraphJoint> joints;
+  for (std::uint32_t body = 0; body < side * side; ++body) {
+    if (body % side > 0) joints.push_back(joint_between(body - 1, body, rows));
+    if (body >= side) joints.push_back(joint_between(body - side, body, rows));
+  }
+  return joints;
+}
+
+std::vector<GraphJoint> random_tree(Random& random, std::uint32_t count) {
+  std::vector<GraphJoint> joints;
+  for (std::uint32_t body = 1; body < count; ++body) {
+    const auto parent = static_cast<std::uint32_t>(random.below(body));
+    joints.push_back(joint_between(parent, body, static_cast<std::uint32_t>(1 + random.below(3))));
+  }
+  return joints;
+}
+
+// ---- Systems ----
+
+struct LinearProblem {
+  std::vector<double> masses;
+  std::vector<double> inertias;
+  std::vector<GraphJoint> joints;
+  std::vector<std::array<Block, joint_body_max>> gradients;  // [joint][place]
+  double compliance = 1e-10;
+};
+
+// Rows of pins and welds with random arms; masses from 1 to `ratio`.
+LinearProblem problem_of(Random& random, std::uint32_t body_count, std::vector<GraphJoint> joints, double ratio) {
+  LinearProblem problem;
+  for (std::uint32_t body = 0; body < body_count; ++body) {
+    problem.masses.push_back(std::exp(random.real(0, std::log(ratio))));
+    problem.inertias.push_back(problem.masses.back() * random.real(0.1, 1));
+  }
+  for (const GraphJoint& joint : joints) {
+    std::array<Block, joint_body_max> gradients{};
+    for (std::uint32_t i = 0; i < joint.body_count; ++i) {
+      const double sign = i == 0 ? -1 : 1;
+      const double x = random.real(-1, 1);
+      const double y = random.real(-1, 1);
+      gradients[i] = {sign, 0, -sign * y, 0, sign, sign * x, 0, 0, sign};
+      for (std::size_t row = joint.row_count; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column) gradients[i][3 * row + column] = 0;
+    }
+    problem.gradients.push_back(gradients);
+  }
+  problem.joints = std::move(joints);
+  return problem;
+}
+
+Triple compliances_of(const LinearProblem& problem, std::size_t joint) {
+  Triple r{1, 1, 1};
+  for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row) r[row] = problem.compliance;
+  return r;
+}
+
+void fill(const LinearProblem& problem, const JointGraph& graph, BlockSystem& system) {
+  clear_system(graph, system);
+  for (std::uint32_t body = 0; body < problem.masses.size(); ++body)
+    set_body(graph, system, body, problem.masses[body], problem.inertias[body]);
+  for (std::uint32_t joint = 0; joint < problem.joints.size(); ++joint) {
+    set_joint(graph, system, joint, compliances_of(problem, joint));
+    for (std::uint32_t i = 0; i < problem.joints[joint].body_count; ++i)
+      set_gradient(graph, system, joint, i, problem.gradients[joint][i]);
+  }
+}
+
+// [M, G^T; G, -c], bodies first.
+std::vector<std::vector<double>> dense_of(const LinearProblem& problem) {
+  const std::size_t bodies = problem.masses.size();
+  const std::size_t size = 3 * (bodies + problem.joints.size());
+  std::vector<std::vector<double>> a(size, std::vector<double>(size, 0));
+  for (std::size_t body = 0; body < bodies; ++body) {
+    a[3 * body][3 * body] = a[3 * body + 1][3 * body + 1] = problem.masses[body];
+    a[3 * body + 2][3 * body + 2] = problem.inertias[body];
+  }
+  for (std::size_t joint = 0; joint < problem.joints.size(); ++joint) {
+    const std::size_t first = 3 * (bodies + joint);
+    const Triple compliances = compliances_of(problem, joint);
+    for (std::size_t row = 0; row < 3; ++row) a[first + row][first + row] = -compliances[row];
+    for (std::uint32_t i = 0; i < problem.joints[joint].body_count; ++i)
+      for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column) {
+          const double value = problem.gradients[joint][i][3 * row + column];
+          a[first + row][3 * problem.joints[joint].bodies[i] + column] = value;
+          a[3 * problem.joints[joint].bodies[i] + column][first + row] = value;
+        }
+  }
+  return a;
+}
+
+// Gauss with pivoting.
+std::vector<double> dense_solution(std::vector<std::vector<double>> a, std::vector<double> b) {
+  const std::size_t size = b.size();
+  for (std::size_t at = 0; at < size; ++at) {
+    std::size_t best = at;
+    for (std::size_t row = at + 1; row < size; ++row)
+      if (std::fabs(a[row][at]) > std::fabs(a[best][at])) best = row;
+    std::swap(a[at], a[best]);
+    std::swap(b[at], b[best]);
+    for (std::size_t row = at + 1; row < size; ++row) {
+      const double factor = a[row][at] / a[at][at];
+      if (factor == 0) continue;
+      for (std::size_t column = at; column < size; ++column) a[row][column] -= factor * a[at][column];
+      b[row] -= factor * b[at];
+    }
+  }
+  for (std::size_t at = size; at-- > 0;) {
+    for (std::size_t column = at + 1; column < size; ++column) b[at] -= a[at][column] * b[column];
+    b[at] /= a[at][at];
+  }
+  return b;
+}
+
+struct Errors {
+  double velocity = 0;  // against the dense solution, of the largest velocity
+  double row = 0;       // of G v - c p = r, of the largest r
+};
+
+Errors errors_of(const LinearProblem& problem, Random& random) {
+  const std::size_t bodies = problem.masses.size();
+  const JointGraph graph = make_joint_graph(static_cast<std::uint32_t>(bodies), problem.joints);
+  BlockSystem system;
+  fill(problem, graph, system);
+  std::vector<double> b(3 * (bodies + problem.joints.size()), 0);
+  for (std::size_t joint = 0; joint < problem.joints.size(); ++joint)
+    for (std::uint32_t row = 0; row < problem.joints[joint].row_count; ++row)
+      b[3 * (bodies + joint) + row] = random.real(-1, 1);
+  const auto node_of = [&](std::size_t block) {
+    return block < bodies ? graph.body_nodes[block] : graph.joint_nodes[block - bodies];
+  };
+  for (std::size_t i = 0; i < b.size(); ++i) system.values[node_of(i / 3)][i % 3] = b[i];
+  factor(graph, system);
+  solve(graph, system);
+  const std::vector<std::vector<double>> a = dense_of(problem);
+  const std::vector<double> x = dense_solution(a, b);
+  Errors errors;
+  double largest = 0;
+  for (std::size_t i = 0; i < 3 * bodies; ++i) {
+    largest = std::max(largest, std::fabs(x[i]));
+    errors.velocity = std::max(errors.velocity, std::fabs(system.values[node_of(i / 3)][i % 3] - x[i]));
+  }
+  errors.velocity /= largest;
+  for (std::size_t i = 3 * bodies; i < b.size(); ++i) {
+    double sum = -b[i];
+    for (std::size_t k = 0; k < b.size(); ++k) sum += a[i][k] * system.values[node_of(k / 3)][k % 3];
+    errors.row = std::max(errors.row, std::fabs(sum));
+  }
+  return errors;
+}
+
+std::size_t redundant_count(const JointGraph& graph) {
+  return static_cast<std::size_t>(
+      std::count_if(graph.nodes.begin(), graph.nodes.end(), [](const GraphNode& node) { return node.is_redundant; }));
+}
+
+std::vector<std::uint32_t> indices_of(const JointGraph& graph, bool joints) {
+  std::vector<std::uint32_t> indices;
+  for (const GraphNode& node : graph.nodes)
+    if (node.is_joint == joints) indices.push_back(node.index);
+  return indices;
+}
+
+}  // namespace
+
+TEST_CASE("trees are eliminated from their leaves without fill", "[engine][joints][direct]") {
+  const JointGraph chain = make_joint_graph(5, chain_of(5));
+  REQUIRE(chain.fill_count == 0);
+  REQUIRE(indices_of(chain, false) == std::vector<std::uint32_t>{4, 3, 2, 1, 0});
+  REQUIRE(indices_of(chain, true) == std::vector<std::uint32_t>{4, 3, 2, 1, 0});
+  const JointGraph hub = make_joint_graph(101, hub_with(100));
+  REQUIRE(hub.fill_count == 0);
+  REQUIRE(hub.nodes.size() == 201);
+  REQUIRE(hub.body_nodes[0] >= 198);
+  Random random(1);
+  for (int i = 0; i < 50; ++i) {
+    const auto count = static_cast<std::uint32_t>(2 + random.below(80));
+    const JointGraph tree = make_joint_graph(count, random_tree(random, count));
+    REQUIRE(tree.fill_count == 0);
+    REQUIRE(redundant_count(tree) == 0);
+    REQUIRE(tree.block_rows.size() == 2 * (count - 1));
+    for (const GraphNode& node : tree.nodes) REQUIRE(node.block_count <= 1);
+  }
+}
+
+TEST_CASE("loops are counted, and each adds little", "[engine][joints][direct]") {
+  REQUIRE(count_loops(5, chain_of(5)) == 0);
+  REQUIRE(count_loops(9, net_of(3, 2)) == 4);
+  std::vector<GraphJoint> two_pegs = chain_of(20);
+  two_pegs.push_back(joint_to_world(19));
+  REQUIRE(count_loops(20, two_pegs) == 0);
+  REQUIRE(make_joint_graph(20, two_pegs).fill_count <= 2);
+  std::vector<GraphJoint> ring = chain_of(30);
+  ring.push_back(joint_between(0, 29));
+  REQUIRE(count_loops(30, ring) == 1);
+  const JointGraph graph = make_joint_graph(30, ring);
+  REQUIRE(redundant_count(graph) == 0);
+  for (const GraphNode& node : graph.nodes) REQUIRE(node.block_count <= 2);
+}
+
+TEST_CASE("joints beyond the degrees of freedom are told", "[engine][joints][direct]") {
+  REQUIRE(redundant_count(make_joint_graph(9, net_of(3, 2))) == 0);
+  REQUIRE(redundant_count(make_joint_graph(9, net_of(3, 3))) == 4);
+  REQUIRE(redundant_count(make_joint_graph(2, {joint_between(0, 1, 3), joint_between(0, 1, 3)})) == 1);
+}
+
+TEST_CASE("block elimination agrees with a dense solve", "[engine][joints][direct]") {
+  Random random(2);
+  for (const double ratio : {1.0, 100.0, 1e6})
+    for (int i = 0; i < 20; ++i) {
+      const auto count = static_cast<std::uint32_t>(2 + random.below(40));
+      INFO("ratio " << ratio << ", " << count << " bodies");
+      const Errors errors = errors_of(problem_of(random, count, random_tree(random, count), ratio), random);
+      REQUIRE(errors.velocity < 1e-9);
+      REQUIRE(errors.row < 1e-9);
+    }
+  for (const std::uint32_t side : {2u, 3u}) {
+    const Errors errors = errors_of(problem_of(random, side * side, net_of(side, 2), 10), random);
+    INFO(side);
+    REQUIRE(errors.velocity < 1e-8);
+    REQUIRE(errors.row < 1e-8);
+  }
+  std::vector<GraphJoint> ring = chain_of(30);
+  ring.push_back(joint_between(0, 29));
+  ring.push_back(joint_to_world(15));
+  const Errors errors = errors_of(problem_of(random, 30, ring, 10), random);
+  REQUIRE(errors.velocity < 1e-8);
+  REQUIRE(errors.row < 1e-8);
+}
+
+TEST_CASE("a joint of four bodies fits the elimination", "[engine][joints][direct]") {
+  Random random(3);
+  const std::vector<GraphJoint> gear = {joint_between(0, 1), joint_between(2, 3), {{0, 1, 2, 3}, 4, 1}};
+  REQUIRE(count_loops(4, gear) == 2);
+  REQUIRE(redundant_count(make_joint_graph(4, gear)) == 0);
+  const Errors errors = errors_of(problem_of(random, 4, gear, 10), random);
+  REQUIRE(errors.velocity < 1e-9);
+  REQUIRE(errors.row < 1e-9);
+}
