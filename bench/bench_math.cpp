@@ -1,0 +1,139 @@
+// Time of the functions of ticktrue/math.h beside the C library's, in turn over the same arguments.
+// SPDX-License-Identifier: MIT
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tests/math/functions.h"
+
+namespace {
+
+constexpr std::size_t argument_count = 4096;
+
+template <class Real>
+struct Arguments {
+  std::vector<Real> x, y;
+};
+
+template <class Real>
+Arguments<Real> arguments_of(const char* name) {
+  Arguments<Real> arguments;
+  ticktrue_random random = ticktrue_random_seeded(5, 0);
+  for (const MathFunction& function : math_functions)
+    if (function.name == std::string(name))
+      for (std::size_t i = 0; i < argument_count; ++i) {
+        arguments.x.push_back(static_cast<Real>(next_f64(&random, function.low, function.high, 0)));
+        arguments.y.push_back(static_cast<Real>(next_f64(&random, function.low_y, function.high_y, 0)));
+      }
+  return arguments;
+}
+
+/// Nanoseconds a call.
+template <class Real, class Function>
+double time_of(const Arguments<Real>& arguments, Function function) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < argument_count; ++i) {
+    Real result = function(arguments.x[i], arguments.y[i]);
+    benchmark::DoNotOptimize(result);
+  }
+  const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
+  return time.count() / static_cast<double>(argument_count);
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+template <class Real>
+using Function = Real (*)(Real x, Real y);
+
+template <class Real, Function<Real> ours, Function<Real> theirs>
+void compare(benchmark::State& bench, const char* name) {
+  const Arguments<Real> arguments = arguments_of<Real>(name);
+  std::vector<double> our_times, their_times, ratios;
+  for (auto _ : bench) {
+    our_times.push_back(time_of(arguments, [](Real x, Real y) { return ours(x, y); }));
+    their_times.push_back(time_of(arguments, [](Real x, Real y) { return theirs(x, y); }));
+    ratios.push_back(our_times.back() / their_times.back());
+  }
+  bench.counters["ours_ns"] = median(our_times);
+  bench.counters["libm_ns"] = median(their_times);
+  bench.counters["ratio"] = median(ratios);
+}
+
+#define ONE(name)                   \
+  template <class Real>             \
+  Real our_##name(Real x, Real) {   \
+    return ticktrue::math::name(x); \
+  }                                 \
+  template <class Real>             \
+  Real their_##name(Real x, Real) { \
+    return std::name(x);            \
+  }
+#define TWO(name)                      \
+  template <class Real>                \
+  Real our_##name(Real x, Real y) {    \
+    return ticktrue::math::name(x, y); \
+  }                                    \
+  template <class Real>                \
+  Real their_##name(Real x, Real y) {  \
+    return std::name(x, y);            \
+  }
+ONE(sin)
+ONE(cos)
+ONE(tan)
+ONE(asin)
+ONE(acos)
+ONE(atan)
+ONE(exp)
+ONE(log)
+ONE(sqrt)
+ONE(floor)
+ONE(round)
+TWO(atan2)
+TWO(pow)
+TWO(hypot)
+TWO(fmod)
+TWO(remainder)
+
+template <Function<double> our_f64, Function<double> their_f64, Function<float> our_f32, Function<float> their_f32>
+void add(const char* name) {
+  const std::string text = name;
+  benchmark::RegisterBenchmark((text + "_f64").c_str(), compare<double, our_f64, their_f64>, name)->Iterations(2000);
+  benchmark::RegisterBenchmark((text + "_f32").c_str(), compare<float, our_f32, their_f32>, name)->Iterations(2000);
+}
+#define ADD(name) add<our_##name<double>, their_##name<double>, our_##name<float>, their_##name<float>>(#name)
+
+void add_all() {
+  ADD(sin);
+  ADD(cos);
+  ADD(tan);
+  ADD(asin);
+  ADD(acos);
+  ADD(atan);
+  ADD(atan2);
+  ADD(exp);
+  ADD(log);
+  ADD(pow);
+  ADD(sqrt);
+  ADD(hypot);
+  ADD(fmod);
+  ADD(remainder);
+  ADD(floor);
+  ADD(round);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  add_all();
+  benchmark::Initialize(&count, words);
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
