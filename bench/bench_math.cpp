@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/math/functions.h"
+#include "include/ticktrue/math.h"
 
 namespace {
 
@@ -20,16 +20,18 @@ struct Arguments {
   std::vector<Real> x, y;
 };
 
+struct Range {
+  double low, high;
+};
+
 template <class Real>
-Arguments<Real> arguments_of(const char* name) {
+Arguments<Real> arguments_in(Range x, Range y) {
   Arguments<Real> arguments;
-  ticktrue_random random = ticktrue_random_seeded(5, 0);
-  for (const MathFunction& function : math_functions)
-    if (function.name == std::string(name))
-      for (std::size_t i = 0; i < argument_count; ++i) {
-        arguments.x.push_back(static_cast<Real>(next_f64(&random, function.low, function.high, 0)));
-        arguments.y.push_back(static_cast<Real>(next_f64(&random, function.low_y, function.high_y, 0)));
-      }
+  ticktrue::math::Random random(5);
+  for (std::size_t i = 0; i < argument_count; ++i) {
+    arguments.x.push_back(static_cast<Real>(x.low + (x.high - x.low) * random.unit_double()));
+    arguments.y.push_back(static_cast<Real>(y.low + (y.high - y.low) * random.unit_double()));
+  }
   return arguments;
 }
 
@@ -54,8 +56,8 @@ template <class Real>
 using Function = Real (*)(Real x, Real y);
 
 template <class Real, Function<Real> ours, Function<Real> theirs>
-void compare(benchmark::State& bench, const char* name) {
-  const Arguments<Real> arguments = arguments_of<Real>(name);
+void compare(benchmark::State& bench, Range x, Range y) {
+  const Arguments<Real> arguments = arguments_in<Real>(x, y);
   std::vector<double> our_times, their_times, ratios;
   for (auto _ : bench) {
     our_times.push_back(time_of(arguments, [](Real x, Real y) { return ours(x, y); }));
@@ -103,30 +105,30 @@ TWO(fmod)
 TWO(remainder)
 
 template <Function<double> our_f64, Function<double> their_f64, Function<float> our_f32, Function<float> their_f32>
-void add(const char* name) {
-  const std::string text = name;
-  benchmark::RegisterBenchmark((text + "_f64").c_str(), compare<double, our_f64, their_f64>, name)->Iterations(2000);
-  benchmark::RegisterBenchmark((text + "_f32").c_str(), compare<float, our_f32, their_f32>, name)->Iterations(2000);
+void add(const std::string& name, Range x, Range y = {0, 0}) {
+  benchmark::RegisterBenchmark((name + "_f64").c_str(), compare<double, our_f64, their_f64>, x, y)->Iterations(2000);
+  benchmark::RegisterBenchmark((name + "_f32").c_str(), compare<float, our_f32, their_f32>, x, y)->Iterations(2000);
 }
-#define ADD(name) add<our_##name<double>, their_##name<double>, our_##name<float>, their_##name<float>>(#name)
+#define ADD(name, ...) \
+  add<our_##name<double>, their_##name<double>, our_##name<float>, their_##name<float>>(#name, __VA_ARGS__)
 
 void add_all() {
-  ADD(sin);
-  ADD(cos);
-  ADD(tan);
-  ADD(asin);
-  ADD(acos);
-  ADD(atan);
-  ADD(atan2);
-  ADD(exp);
-  ADD(log);
-  ADD(pow);
-  ADD(sqrt);
-  ADD(hypot);
-  ADD(fmod);
-  ADD(remainder);
-  ADD(floor);
-  ADD(round);
+  ADD(sin, {-100, 100});
+  ADD(cos, {-100, 100});
+  ADD(tan, {-100, 100});
+  ADD(asin, {-1, 1});
+  ADD(acos, {-1, 1});
+  ADD(atan, {-10, 10});
+  ADD(atan2, {-10, 10}, {-10, 10});
+  ADD(exp, {-80, 80});
+  ADD(log, {0, 10});
+  ADD(pow, {0, 10}, {-20, 20});
+  ADD(sqrt, {0, 100});
+  ADD(hypot, {-10, 10}, {-10, 10});
+  ADD(fmod, {-1000, 1000}, {0, 10});
+  ADD(remainder, {-1000, 1000}, {0, 10});
+  ADD(floor, {-100, 100});
+  ADD(round, {-100, 100});
 }
 
 }  // namespace

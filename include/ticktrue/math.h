@@ -232,11 +232,11 @@ static inline double ticktrue_ceil(double x) {
   double rounded = ticktrue_rint(x);
   return rounded < x ? ttm_with_sign_of(rounded + 1.0, x) : rounded;
 }
-// To the nearest integer, ties away from zero.
+// To the nearest integer, ties away from zero. The largest double below 1/2 rounds up 0.5 and nothing below it.
 static inline double ticktrue_round(double x) {
-  double whole = ticktrue_trunc(x);
-  if (ttm_abs(x - whole) >= 0.5) whole = ttm_with_sign_of(ttm_abs(whole) + 1.0, x);
-  return whole;
+  double magnitude = ttm_abs(x);
+  if (!(magnitude < 4503599627370496.0)) return x != x ? ttm_nan() : x;
+  return ttm_with_sign_of(ticktrue_trunc(magnitude + 0.49999999999999994), x);
 }
 static inline float ttm_to_f32(double x) {
   return x != x ? ttm_nan_f32() : (float)x;
@@ -261,10 +261,15 @@ static inline float ticktrue_ceilf(float x) {
   return rounded < x ? ticktrue_copysignf(rounded + 1.0f, x) : rounded;
 }
 static inline float ticktrue_truncf(float x) {
-  return ttm_to_f32(ticktrue_trunc((double)x));
+  float magnitude = ticktrue_fabsf(x);
+  if (!(magnitude < 8388608.0f)) return x != x ? ttm_nan_f32() : x;
+  float rounded = (magnitude + 8388608.0f) - 8388608.0f;
+  return ticktrue_copysignf(rounded > magnitude ? rounded - 1.0f : rounded, x);
 }
 static inline float ticktrue_roundf(float x) {
-  return ttm_to_f32(ticktrue_round((double)x));
+  float magnitude = ticktrue_fabsf(x);
+  if (!(magnitude < 8388608.0f)) return x != x ? ttm_nan_f32() : x;
+  return ticktrue_copysignf(ticktrue_truncf(magnitude + 0.49999997f), x);
 }
 
 // The instruction, also at -O0, where a built-in calls the library. Requires: x >= 0.
@@ -329,17 +334,20 @@ static inline double ttm_fmod(double x, double y, unsigned* last_bit) {
   else
     b_exponent = 1;
   int left = a_exponent - b_exponent;
-  uint64_t quotient = a / b;
-  a %= b;
-  while (left > 0) {
+  uint64_t quotient;
+  do {
     int shift = left < 11 ? left : 11;
     a <<= shift;
     quotient = a / b;
-    a %= b;
+    a -= quotient * b;
     left -= shift;
-  }
+  } while (left > 0);
   *last_bit = (unsigned)(quotient & 1u);
   if (a == 0) return ttm_with_sign_of(0.0, x);
+  if (b_exponent > 52) {  // a 2^(b_exponent - 1075), exact
+    double unit = ttm_from_bits((uint64_t)(b_exponent - 52) << 52);
+    return ttm_with_sign_of(ttm_mul((double)(int64_t)a, unit), x);
+  }
   while (a < 0x0010000000000000u && b_exponent > 1) {
     a <<= 1;
     --b_exponent;
