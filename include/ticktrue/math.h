@@ -152,6 +152,10 @@ static inline double ttm_with_sign_of(double magnitude, double sign) {
 static inline double ttm_negate_if(double x, unsigned negate) {
   return ttm_from_bits(ttm_bits(x) ^ ((uint64_t)(negate & 1u) << 63));
 }
+// a if all bits of `which` are set, b if none is.
+static inline double ttm_select(uint64_t which, double a, double b) {
+  return ttm_from_bits((ttm_bits(a) & which) | (ttm_bits(b) & ~which));
+}
 static inline float ttm_negate_if_f32(float x, unsigned negate) {
   return ttm_from_bits_f32(ttm_bits_f32(x) ^ ((negate & 1u) << 31));
 }
@@ -599,31 +603,31 @@ static inline ttm_angle ttm_reduce_f32(double x) {
   angle.quadrant = (unsigned)integer;
   return angle;
 }
-static inline double ttm_sin_kernel_f32(double t) {
+static const double ttm_sin_cos_table[8] = {
+    -0.16666666641608416, 0.0083333293836972966,  -0.00019839334107972148, 2.718304384484871e-06,    // sine
+    0.041666666622790151, -0.0013888883750139628, 2.4799519138962085e-05,  -2.7210165233921279e-07,  // cosine
+};
+// sin(t + quadrant pi/2), without a branch: which quadrant comes next is hard to predict.
+static inline double ttm_sin_f32(double t, unsigned quadrant) {
+  const double* c = ttm_sin_cos_table + 4 * (quadrant & 1u);
+  uint64_t is_cosine = 0u - (uint64_t)(quadrant & 1u);
   double z = ttm_mul(t, t), z2 = ttm_mul(z, z);
-  return t + ttm_mul(ttm_mul(t, z), (-0.16666666641608416 + ttm_mul(0.0083333293836972966, z)) +
-                                        ttm_mul(z2, -0.00019839334107972148 + ttm_mul(2.718304384484871e-06, z)));
-}
-static inline double ttm_cos_kernel_f32(double t) {
-  double z = ttm_mul(t, t), z2 = ttm_mul(z, z);
-  return (1.0 - ttm_mul(0.5, z)) +
-         ttm_mul(z2, (0.041666666622790151 + ttm_mul(-0.0013888883750139628, z)) +
-                         ttm_mul(z2, 2.4799519138962085e-05 + ttm_mul(-2.7210165233921279e-07, z)));
+  double p = (c[0] + ttm_mul(c[1], z)) + ttm_mul(z2, c[2] + ttm_mul(c[3], z));
+  double head = ttm_select(is_cosine, 1.0 - ttm_mul(0.5, z), t), factor = ttm_select(is_cosine, z2, ttm_mul(t, z));
+  return ttm_negate_if(head + ttm_mul(factor, p), quadrant >> 1);
 }
 static inline float ticktrue_sinf(float x) {
   uint32_t magnitude = ttm_bits_f32(x) & 0x7fffffffu;
   if (magnitude < 0x38800000u) return x;  // 2^-14
   if (magnitude >= 0x7f800000u) return ttm_nan_f32();
   ttm_angle angle = ttm_reduce_f32((double)x);
-  double result = (angle.quadrant & 1u) ? ttm_cos_kernel_f32(angle.hi) : ttm_sin_kernel_f32(angle.hi);
-  return (float)ttm_negate_if(result, angle.quadrant >> 1);
+  return (float)ttm_sin_f32(angle.hi, angle.quadrant);
 }
 static inline float ticktrue_cosf(float x) {
   uint32_t magnitude = ttm_bits_f32(x) & 0x7fffffffu;
   if (magnitude >= 0x7f800000u) return ttm_nan_f32();
   ttm_angle angle = ttm_reduce_f32((double)x);
-  double result = (angle.quadrant & 1u) ? ttm_sin_kernel_f32(angle.hi) : ttm_cos_kernel_f32(angle.hi);
-  return (float)ttm_negate_if(result, (angle.quadrant + 1u) >> 1);
+  return (float)ttm_sin_f32(angle.hi, angle.quadrant + 1u);
 }
 static inline void ticktrue_sincosf(float x, float* sine, float* cosine) {
   uint32_t magnitude = ttm_bits_f32(x) & 0x7fffffffu;
@@ -632,17 +636,15 @@ static inline void ticktrue_sincosf(float x, float* sine, float* cosine) {
     return;
   }
   ttm_angle angle = ttm_reduce_f32((double)x);
-  double s = ttm_sin_kernel_f32(angle.hi), c = ttm_cos_kernel_f32(angle.hi);
-  *sine = magnitude < 0x38800000u ? x : (float)ttm_negate_if((angle.quadrant & 1u) ? c : s, angle.quadrant >> 1);
-  *cosine = (float)ttm_negate_if((angle.quadrant & 1u) ? s : c, (angle.quadrant + 1u) >> 1);
+  *sine = magnitude < 0x38800000u ? x : (float)ttm_sin_f32(angle.hi, angle.quadrant);
+  *cosine = (float)ttm_sin_f32(angle.hi, angle.quadrant + 1u);
 }
 static inline float ticktrue_tanf(float x) {
   uint32_t magnitude = ttm_bits_f32(x) & 0x7fffffffu;
   if (magnitude < 0x38800000u) return x;
   if (magnitude >= 0x7f800000u) return ttm_nan_f32();
   ttm_angle angle = ttm_reduce_f32((double)x);
-  double s = ttm_sin_kernel_f32(angle.hi), c = ttm_cos_kernel_f32(angle.hi);
-  return (float)ttm_negate_if((angle.quadrant & 1u) ? c / s : s / c, angle.quadrant);
+  return (float)(ttm_sin_f32(angle.hi, angle.quadrant) / ttm_sin_f32(angle.hi, angle.quadrant + 1u));
 }
 
 // --- exponential ----------------------------------------------------------------------------------------------------
