@@ -274,6 +274,7 @@ constexpr Room rooms[] = {
     {"engine/stages", core},
     {"replay", "base,base/state"},
     {"include", ""},
+    {"include/ticktrue", ""},
     {"verifier/report", "base,base/state,replay"},
     {"verifier/locate", "base,base/state,replay,verifier/report"},
     {"verifier/verify", "base,base/state,base/parallel,replay,verifier/report,verifier/locate"},

@@ -61,6 +61,22 @@ if command -v pkg-config >/dev/null 2>&1; then
   expect 0 "" ./header
 fi
 
+# --- a swarm with ticktrue/math.h: recorded by one build, verified by others ------------------------------------------
+printf '#include <ticktrue/math.h>\nint main() { return ticktrue::math::sin(0.0f) < 0; }\n' >math.cpp
+expect 0 "" c++ -std=c++14 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror -I"$prefix/include" math.cpp -o math
+expect 0 "recorded  swarm.ttr  600 ticks" ./swarm --record swarm.ttr
+expect 0 "match  swarm.ttr  600 of 600 ticks compared" ./swarm --verify swarm.ttr
+compile_swarm() {
+  cc -std=c11 "$@" -I"$prefix/include" ../examples/swarm.c "$library" -Wl,-rpath,"$(dirname "$library")" -o swarm_other
+}
+for flags in -O0 '-O3 -march=native -ffp-contract=fast' '-O2 -flto'; do
+  # shellcheck disable=SC2086 # flags are words
+  cc $flags -fsyntax-only header.c -I"$prefix/include" 2>/dev/null || continue # flags that this compiler does not know
+  # shellcheck disable=SC2086
+  compile_swarm $flags 2>"$out" || { cat "$out"; complain "swarm: $flags: build"; continue; }
+  expect 0 "match  swarm.ttr  600 of 600 ticks compared" ./swarm_other --verify swarm.ttr
+done
+
 # --- the loop of docs/any_simulation.md ------------------------------------------------------------------------------
 block() { awk -v want="$1" '/^```c$/ { n++; on = n == want; next } /^```/ { on = 0 } on' "$source/docs/any_simulation.md"; }
 {
@@ -109,10 +125,10 @@ done <printed
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback swarm libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c swarm.c plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -270,7 +286,7 @@ FAULTS
 # --- traces as CTest tests -------------------------------------------------------------------------------------------
 cd .. || exit 2
 configure >"$out" 2>&1 || { cat "$out"; complain "examples: configuration with traces"; }
-expect 0 "100% tests passed, 0 tests failed out of 4" ctest --test-dir build
+expect 0 "100% tests passed, 0 tests failed out of 5" ctest --test-dir build
 expect 8 "0% tests passed" env TICKTRUE_EXAMPLE_FAULT=drift ctest --test-dir build -R pendulum
 
 [ "$failures" = 0 ] || exit 1
