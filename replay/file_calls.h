@@ -1,4 +1,4 @@
-// The operating system's calls on files, one spelling for every system. Of replay/ alone.
+// The operating system's calls on files, one spelling for every system. Of replay/ and of the store of verdicts alone.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -279,6 +279,7 @@ constexpr Room rooms[] = {
     {"verifier/compare", "base,base/state,replay,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
     {"verifier/corpus", "base,replay"},
+    {"verifier/store", "base,replay,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
     {"capi", "base,base/state,replay,include,verifier/report,verifier/locate,verifier/verify"},
     {"tool", "tool/cli"},
@@ -334,7 +335,8 @@ bool is_below_tool(std::string_view room) {
       room,
       "base,base/state,base/parallel,replay,include,engine,engine/math,engine/simd,engine/json,engine/scene,"
       "engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,verifier/locate,"
-      "verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,verifier/plugins");
+      "verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,verifier/store,"
+      "verifier/plugins");
 }
 
 bool may_include(std::string_view from, std::string_view to) {
