@@ -97,7 +97,7 @@ Result<std::vector<MappedLibrary>> mapped_libraries() {
   return libraries;
 #else
   return Error{ErrorCode::unsupported, "this system does not say which libraries a process has mapped",
-               "verify without a store: `ticktrue verify DIR`"};
+               "use the command verify, which needs no store"};
 #endif
 }
 

@@ -33,7 +33,6 @@ namespace fs = std::filesystem;
 constexpr const char* marker_name = "ticktrue-store";
 constexpr std::string_view marker_text = "ticktrue store 1\n";
 constexpr auto temporary_age_max = std::chrono::hours(48);  // of files whose process is gone
-constexpr std::size_t host_name_size_max = 255;
 
 ByteView view_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -47,6 +46,7 @@ std::string host_name() {
 #if defined(_WIN32) || defined(__EMSCRIPTEN__)
   return "host";
 #else
+  constexpr std::size_t host_name_size_max = 255;
   std::array<char, host_name_size_max + 1> name{};
   if (::gethostname(name.data(), host_name_size_max) != 0) return "host";
   std::string text;
@@ -151,7 +151,7 @@ Status StoreFolder::prepare(Use use) const {
     if (!exists(marker_name)) {
       if (use == Use::reading || !is_being_made(path_))
         return Error{use == Use::reading ? ErrorCode::io : ErrorCode::usage, path_ + expected + marker_name,
-                     "`ticktrue corpus verify DIR --cache STORE` makes one where there is no folder, or an empty one"};
+                     "the option --cache makes a store where there is no folder, or an empty one"};
     } else {
       const Result<std::optional<Bytes>> marker = read(marker_name, marker_text.size());
       if (!marker) return marker.error();
