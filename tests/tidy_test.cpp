@@ -289,6 +289,7 @@ constexpr Room rooms[] = {
     {"tool/drawing", "below"},
     {"tool/box2d", "below"},
     {"tool/session", "below,tool/output"},
+    {"tool/corpus", "below,tool/session"},
     {"tool/report_page", "below,tool/drawing,tool/session"},
     {"tool/crosscheck", "below,tool/box2d"},
     {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
@@ -300,9 +301,10 @@ constexpr Room rooms[] = {
     {"tool/play/window", "below,tool/play/picture"},
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
-    {"tool/cli/session", "below,tool/cli,tool/output,tool/session,tool/drawing,tool/import,tool/play,tool/report_page"},
+    {"tool/cli/session",
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
-    {"tool/cli/upkeep", "below,tool/cli,tool/output,tool/session,tool/environment,tool/experiment/soak"},
+    {"tool/cli/upkeep", "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak"},
     {"bench", all_but_tests},
 };
 
