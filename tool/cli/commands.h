@@ -36,6 +36,7 @@ void add_crosscheck(CLI::App& app, CliContext& context);
 void add_describe(CLI::App& app, CliContext& context);
 void add_scenes(CLI::App& app, CliContext& context);
 void add_golden(CLI::App& app, CliContext& context);
+void add_corpus(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_soak(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
@@ -45,7 +46,7 @@ void add_env(CLI::App& app, CliContext& context);
 /// failed. Errors: io.
 Status write_failure_page(std::span<const verifier::Report> reports, const std::string& path, bool allow_truncated);
 
-// shared by commands that verify
+// shared by verify and corpus
 std::vector<std::string> verify_mode_names();
 /// The mode of such a name.
 verifier::VerifyMode verify_mode_of(std::string_view name);
