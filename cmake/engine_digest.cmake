@@ -1,10 +1,11 @@
 # What a verdict of this build depends on: sources after preprocessing, flags and compiler of each unit, as a digest.
 # Comments, line numbers, names of folders and the commit do not count.
 #
-# ticktrue_engine_digest(OUT): a source file that defines the digest, made by the build. `units` are parts of output names
-# in compile_commands.json. A unit is preprocessed again when a file that it reads is newer than its digest: after a change
-# of one source this takes as long as preprocessing that source. Without Ninja, a POSIX shell's tools or a native build
-# there is no digest, and `ticktrue corpus` says so.
+# ticktrue_engine_digest(OUT TARGET...): OUT becomes a source file that defines the digest of all units of the targets.
+# TARGET:FILE means one unit of a target. A unit is preprocessed again after its object was made again, if time or size of a
+# file that it reads has changed. Where a file is newer than the object, somebody edited it while the build ran: that build
+# gets a digest of its own. Without Ninja, a POSIX shell's tools or a native build there is no digest, and
+# `ticktrue corpus` says so.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   function(ticktrue_engine_digest out)
     set(folder ${CMAKE_BINARY_DIR}/engine_digest)
@@ -17,11 +18,15 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
       foreach(unit ${ARGN})
         string(MAKE_C_IDENTIFIER "${unit}" name)
         set(part ${folder}/${name}.txt)
+        string(REGEX REPLACE ":.*" "" target "${unit}")
+        string(REPLACE ":" ".dir/" objects "${unit}")
+        if(objects STREQUAL target)
+          string(APPEND objects ".dir/")
+        endif()
         add_custom_command(OUTPUT ${part}
-          COMMAND ${CMAKE_COMMAND} -D UNIT=${unit} -D PART=${part} -D BUILD=${CMAKE_BINARY_DIR} -D CXX=${CMAKE_CXX_COMPILER}
+          COMMAND ${CMAKE_COMMAND} -D UNIT=${objects} -D PART=${part} -D BUILD=${CMAKE_BINARY_DIR} -D CXX=${CMAKE_CXX_COMPILER}
             -D SED=${TICKTRUE_SED} -D SHA256SUM=${TICKTRUE_SHA256SUM} -P ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake
-          DEPENDS ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake ${CMAKE_BINARY_DIR}/compile_commands.json
-          DEPFILE ${part}.d
+          DEPENDS ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake $<TARGET_OBJECTS:${target}>
           COMMENT "Digest of ${unit}"
           VERBATIM)
         list(APPEND parts ${part})
@@ -72,22 +77,31 @@ const char* const engine_units =
   return()
 endif()
 
-# Whether a file that the unit reads is newer than its digest.
-function(is_older result stamp depfile)
-  set(${result} TRUE PARENT_SCOPE)
-  if(NOT EXISTS ${stamp} OR NOT EXISTS ${depfile})
+# Times and sizes of the files that a unit reads, as one hash; and whether one of them is newer than its object.
+function(look_at_files fingerprint is_edited depfile object)
+  set(${fingerprint} "" PARENT_SCOPE)
+  set(${is_edited} FALSE PARENT_SCOPE)
+  if(NOT EXISTS ${depfile})
     return()
   endif()
   file(READ ${depfile} text)
   string(REGEX REPLACE "^[^:]*:" "" text "${text}")
   string(REGEX REPLACE "[\\\\\n]" " " text "${text}")
   separate_arguments(files UNIX_COMMAND "${text}")
+  set(seen "")
   foreach(file ${files})
-    if("${file}" IS_NEWER_THAN "${stamp}")
+    if(NOT EXISTS "${file}")
       return()
     endif()
+    file(TIMESTAMP "${file}" time "%s.%f" UTC)
+    file(SIZE "${file}" size)
+    string(APPEND seen "${file} ${time} ${size}\n")
+    if("${file}" IS_NEWER_THAN "${object}")
+      set(${is_edited} TRUE PARENT_SCOPE)
+    endif()
   endforeach()
-  set(${result} FALSE PARENT_SCOPE)
+  string(SHA256 hash "${seen}")
+  set(${fingerprint} ${hash} PARENT_SCOPE)
 endfunction()
 
 # One line of compile_commands.json is the command of a unit, with the escapes of JSON.
@@ -100,8 +114,8 @@ execute_process(COMMAND ${CXX} --version OUTPUT_VARIABLE compiler)
 execute_process(COMMAND ${CXX} -dumpmachine OUTPUT_VARIABLE machine)
 string(REGEX MATCH "^[^\n]*" compiler "${compiler}")
 string(STRIP "${machine}" machine)
+string(TIMESTAMP now "%s.%f" UTC)
 set(lines)
-set(depfiles)
 foreach(command ${commands})
   string(REGEX REPLACE "^ *\"command\": \"(.*)\",?$" "\\1" command "${command}")
   string(REPLACE "\\\"" "\"" command "${command}")
@@ -118,6 +132,7 @@ foreach(command ${commands})
     endif()
     if(skip GREATER 0)
       set(skip 0)
+      set(object "${BUILD}/${word}")
       continue()
     endif()
     if(NOT is_call OR word STREQUAL "-c" OR word MATCHES "^-DTICKTRUE_COMMIT=")
@@ -137,20 +152,22 @@ foreach(command ${commands})
     message(FATAL_ERROR "engine digest: ${UNIT}: cannot read the command: ${command}")
   endif()
   if("${flags}" MATCHES "-fprofile-(instr-)?use")
-    string(TIMESTAMP now UTC)  # profiles are not looked at: each build is another one
-    list(APPEND flags "${now}")
+    list(APPEND flags "${now}")  # profiles are not looked at: each build is another one
   endif()
   string(SHA256 flags_hash "${flags} ${compiler} ${machine}")
   string(MD5 name "${source}")
   set(stamp ${PART}.${name})
-  is_older(redo ${stamp} ${stamp}.d)
-  set(line "")
-  if(NOT redo)
-    file(READ ${stamp} line)
+  look_at_files(files is_edited ${stamp}.d "${object}")
+  set(known "")
+  if(EXISTS ${stamp})
+    file(READ ${stamp} known)
   endif()
-  if(NOT line MATCHES "^[0-9a-f]* ${flags_hash}$")
+  set(line "")
+  if(files AND known MATCHES "^${files} ([0-9a-f]+ ${flags_hash})$")
+    set(line "${CMAKE_MATCH_1}")
+  else()
     execute_process(
-      COMMAND ${call} -w -E -P -D__LINE__=0 -D__FILE__="" -MD -MF ${stamp}.d -MT ${PART}
+      COMMAND ${call} -w -E -P -D__LINE__=0 -D__FILE__="" -MD -MF ${stamp}.d -MT part
       COMMAND ${SED} -e "s/[[:space:]]*$//" -e "/^$/d"
       COMMAND ${SHA256SUM}
       WORKING_DIRECTORY ${BUILD} OUTPUT_VARIABLE sum ERROR_VARIABLE errors RESULTS_VARIABLE codes)
@@ -159,16 +176,14 @@ foreach(command ${commands})
     endif()
     string(REGEX MATCH "^[0-9a-f]+" sum "${sum}")
     set(line "${sum} ${flags_hash}")
-    file(WRITE ${stamp} "${line}")
+    look_at_files(files is_edited ${stamp}.d "${object}")
+    file(WRITE ${stamp} "${files} ${line}")
+  endif()
+  if(is_edited OR NOT files)
+    string(APPEND line " edited while the build ran, ${now}")
   endif()
   list(APPEND lines "${line}")
-  list(APPEND depfiles ${stamp}.d)
 endforeach()
 list(SORT lines)
 list(JOIN lines "\n" text)
 write_changed(${PART} "${text}\n")
-file(WRITE ${PART}.d "")
-foreach(depfile ${depfiles})
-  file(READ ${depfile} text)
-  file(APPEND ${PART}.d "${text}")
-endforeach()

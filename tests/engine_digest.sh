@@ -11,6 +11,7 @@ work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 status=0
 
+keeps_objects=
 # digest FOLDER [FLAG...]: of the two units in FOLDER
 digest() {
   folder=$1
@@ -26,6 +27,8 @@ digest() {
     done
     echo ']'
   } >"$folder/compile_commands.json"
+  mkdir -p "$folder/x/part.dir"
+  [ -n "$keeps_objects" ] || touch "$folder/x/part.dir/one.cpp.o" "$folder/x/part.dir/two.cpp.o"
   "$cmake" -D UNIT=part.dir/ -D PART="$folder/part.txt" -D BUILD="$folder" -D CXX="$cxx" -D SED="$sed" -D SHA256SUM="$sha" \
     -P "$script" >&2 || echo failed
   cat "$folder/part.txt"
@@ -70,7 +73,16 @@ printf '#pragma once\ninline int twice(int x) { return 2 * x; }\n' | change "$a/
 check = "$(digest "$a")" "$first" "the header of before: the same"
 printf 'int two() { return 3; }\n' | change "$a/two.cpp"
 check != "$(digest "$a")" "$first" "a source: another"
+printf 'int two() { return 4; }\n' | change "$a/two.cpp"
+touch -d '2020-01-01' "$a/two.cpp"
+check != "$(digest "$a")" "$first" "a source with an older time: another"
 printf 'int two() { return 2; }\n' | change "$a/two.cpp"
+check = "$(digest "$a")" "$first" "the source of before: the same"
+printf 'int two() { return 2; }\n' | change "$a/two.cpp"
+keeps_objects=yes
+check != "$(digest "$a" | grep -c 'edited while the build ran')" 0 "a source that is newer than its object: a digest of its own"
+keeps_objects=
+check = "$(digest "$a")" "$first" "and after the object was made again: the same"
 printf '#error no\n' >>"$a/two.cpp"
 check != "$(digest "$a" 2>/dev/null | grep -c failed)" 0 "a unit that cannot be preprocessed: refused"
 exit $status
