@@ -91,13 +91,16 @@ class CorpusRun {
     for (const std::size_t i : open)
       units_[i].report = refused_report(files_[i], files_[i] + ": not verified: the command was stopped before",
                                         "start it again: what is done stays done");
-    return finish();
+    // A store that cannot keep its index is slower, no more.
+    if (const Status saved = index_.save(); !saved && !units_.empty())
+      units_.front().warnings.push_back(saved.error().message);
+    return std::move(units_);
   }
 
   Result<std::vector<CorpusUnit>> look_up() {
     const Status status = run_jobs(files_.size(), options_.thread_count, [&](std::size_t i) { look_up_unit(i); });
     if (!status) return status.error();
-    return finish();
+    return std::move(units_);
   }
 
  private:
@@ -110,13 +113,6 @@ class CorpusRun {
   };
 
   bool stops() const { return options_.stops && options_.stops(); }
-
-  Result<std::vector<CorpusUnit>> finish() {
-    // A store that cannot keep its index is slower, no more.
-    if (const Status saved = index_.save(); !saved && !units_.empty())
-      units_.front().warnings.push_back(saved.error().message);
-    return std::move(units_);
-  }
 
   /// Else the last thread works on the largest while the others have nothing left.
   std::vector<std::size_t> largest_first() const {
