@@ -8,9 +8,10 @@
 
 namespace ticktrue::verifier {
 
-/// The fields in the order of their structs: of use between two processes of one build, and to nobody else.
+/// The fields in the order of their structs: of use between processes of one build, or of builds with one digest
+/// (verifier/store), and to nobody else.
 Bytes encode_report(Report report);
-/// Errors: corrupt.
+/// Any bytes are read or refused. Errors: corrupt.
 Result<Report> decode_report(ByteView bytes);
 
 }  // namespace ticktrue::verifier

@@ -93,7 +93,7 @@ Status StatIndex::save() {
   const std::lock_guard<std::mutex> guard(lock_);
   if (!has_changed_) return {};
   ByteWriter out;
-  out.bytes({reinterpret_cast<const std::uint8_t*>(index_head.data()), index_head.size()});
+  for (const char c : index_head) out.u8(static_cast<std::uint8_t>(c));
   for (const auto& [file, row] : rows_) {
     out.text(file);
     for (const std::uint64_t value :

@@ -1,68 +1,20 @@
-// The file of a verdict: head, payload, checksum.
+// Looking up, adding, setting aside.
 // SPDX-License-Identifier: MIT
 #include "verifier/store/verdict_store.h"
 
-#include <algorithm>
-#include <cstring>
-#include <string_view>
 #include <utility>
 
 #include "base/build_info.h"
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "verifier/report/report_transfer.h"
+#include "verifier/store/verdict_entry.h"
 
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::string_view head = "ticktrue verdict 1\n";
-constexpr std::size_t checksum_size = 8;
 constexpr std::size_t entry_size_max = 4u << 20;  // a report lists 64 lanes and the inputs of a tick
-constexpr std::size_t key_size = 32;
-constexpr int add_attempts_max = 8;  // between them others may move a damaged file
-
-enum class EntryKind : std::uint8_t { verdict = 1, conflict = 2 };
-
-struct Entry {
-  EntryKind kind = EntryKind::verdict;
-  std::string key;
-  std::string by;  // build and process, for people
-  Bytes content;   // of verdict: encode_report; of conflict: text
-};
-
-Bytes encode_entry(const Entry& entry) {
-  ByteWriter out;
-  out.bytes({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()});
-  out.u8(static_cast<std::uint8_t>(entry.kind));
-  out.text(entry.key);
-  out.text(entry.by);
-  out.u64(entry.content.size());
-  out.bytes(entry.content);
-  out.u64(hash64(out.view()));
-  return out.take();
-}
-
-/// Nothing: the bytes are not what was written.
-std::optional<Entry> decode_entry(ByteView bytes) {
-  if (bytes.size() < head.size() + checksum_size) return std::nullopt;
-  const ByteView covered = bytes.first(bytes.size() - checksum_size);
-  ByteReader checksum(bytes.last(checksum_size));
-  if (checksum.u64() != hash64(covered)) return std::nullopt;
-  if (std::memcmp(covered.data(), head.data(), head.size()) != 0) return std::nullopt;
-  ByteReader in(covered.subspan(head.size()));
-  Entry entry;
-  const std::uint8_t kind = in.u8();
-  if (kind != static_cast<std::uint8_t>(EntryKind::verdict) && kind != static_cast<std::uint8_t>(EntryKind::conflict))
-    return std::nullopt;
-  entry.kind = static_cast<EntryKind>(kind);
-  entry.key = in.text(key_size);
-  entry.by = in.text(in.remaining());
-  const std::uint64_t size = in.u64();
-  if (!in.ok() || size != in.remaining()) return std::nullopt;
-  const ByteView content = in.bytes(static_cast<std::size_t>(size));
-  entry.content.assign(content.begin(), content.end());
-  return in.ok() ? std::optional<Entry>(std::move(entry)) : std::nullopt;
-}
+constexpr int add_attempts_max = 8;               // between them others may move a damaged file
 
 /// A report whose lists are too long for an entry keeps what is_same_verdict looks at.
 Bytes encode_bounded(Report report) {
@@ -139,11 +91,11 @@ Result<FoundVerdict> VerdictStore::read_entry(const std::string& key, Bytes* rea
   }
   FoundVerdict found;
   if (!*bytes) return found;
-  const std::optional<Entry> entry = decode_entry(**bytes);
+  const std::optional<VerdictEntry> entry = decode_entry(**bytes);
   if (!entry) return set_aside(key, "its bytes are not what was written");
   if (entry->key != key) return set_aside(key, "it is the verdict of " + entry->key);
   found.file = folder_.path_of(name);
-  if (entry->kind == EntryKind::conflict) {
+  if (entry->kind == VerdictEntry::Kind::conflict) {
     found.kind = FoundVerdict::Kind::conflict;
     found.what.assign(entry->content.begin(), entry->content.end());
     return found;
@@ -165,8 +117,8 @@ Result<FoundVerdict> VerdictStore::set_aside(const std::string& key, const std::
   // Between the reading and the move another process may have put a whole file in its place.
   const Result<std::optional<Bytes>> moved = folder_.read(*aside, entry_size_max);
   if (moved && *moved) {
-    const std::optional<Entry> entry = decode_entry(**moved);
-    if (entry && entry->key == key && (entry->kind == EntryKind::conflict || decode_report(entry->content))) {
+    const std::optional<VerdictEntry> entry = decode_entry(**moved);
+    if (entry && entry->key == key && (entry->kind == VerdictEntry::Kind::conflict || decode_report(entry->content))) {
       folder_.put_back(*aside, name);
       return found;
     }
@@ -178,7 +130,7 @@ Result<FoundVerdict> VerdictStore::set_aside(const std::string& key, const std::
 }
 
 Result<FoundVerdict> VerdictStore::add(const std::string& key, const Report& report) const {
-  Entry entry;
+  VerdictEntry entry;
   entry.key = key;
   entry.by = writer_words(folder_);
   entry.content = encode_bounded(report);
@@ -207,8 +159,8 @@ Result<FoundVerdict> VerdictStore::add_conflict(const std::string& key, const Si
     if (const auto kept = folder_.publish(name, side->entry); !kept) return kept.error();
     what += folder_.path_of(name) + " says " + verdict_words(side->report) + (side == &there ? ", " : "");
   }
-  Entry entry;
-  entry.kind = EntryKind::conflict;
+  VerdictEntry entry;
+  entry.kind = VerdictEntry::Kind::conflict;
   entry.key = key;
   entry.by = writer_words(folder_);
   entry.content.assign(what.begin(), what.end());
