@@ -247,6 +247,32 @@ TEST_CASE("store: threads that store one verdict at once leave one, and conflict
   CHECK(count_files(files.path_of("damaged")) == 0);
 }
 
+TEST_CASE("store: the first publisher of a name creates the file, others change nothing",
+          "[verifier][store][analytic]") {
+  const TemporaryFolder folder;
+  const StoreFolder first = open_store(folder), second = open_store(folder);
+  CHECK(first.owner() != second.owner());
+  const Bytes one(10, 1), two(20, 2);
+  const auto publish = [](const StoreFolder& files, const Bytes& bytes) {
+    const Result<StoreFolder::Publish> published = files.publish("ab/name", bytes);
+    REQUIRE(published);
+    return *published;
+  };
+  CHECK(publish(first, one) == StoreFolder::Publish::created);
+  CHECK(publish(second, two) == StoreFolder::Publish::exists);
+  CHECK(publish(first, one) == StoreFolder::Publish::exists);
+  CHECK(read_file(first.path_of("ab/name")) == one);
+  REQUIRE(second.replace("ab/name", two));
+  CHECK(read_file(first.path_of("ab/name")) == two);
+  const Result<std::string> aside = first.set_aside("ab/name");
+  REQUIRE(aside);
+  CHECK_FALSE(first.exists("ab/name"));
+  first.put_back(*aside, "ab/name");
+  CHECK(read_file(first.path_of("ab/name")) == two);
+  CHECK_FALSE(first.exists(*aside));
+  CHECK(count_files(first.path_of("tmp")) == 0);
+}
+
 TEST_CASE("store: only an empty folder becomes a store, and a missing one is not read", "[verifier][store][analytic]") {
   const TemporaryFolder folder;
   const auto open = [&](const std::string& name, StoreFolder::Use use) {
