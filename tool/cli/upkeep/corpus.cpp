@@ -76,13 +76,41 @@ std::vector<Report> reports_of(const std::vector<CorpusUnit>& units) {
   return reports;
 }
 
-void print_corpus(const std::vector<CorpusUnit>& units) {
-  for (const CorpusUnit& unit : units) {
-    if (unit.report.verdict == verifier::Verdict::error)
-      print_error(Error{ErrorCode::io, unit.report.reason, unit.report.hint});
-    else if (unit.report.verdict != verifier::Verdict::match)
-      print(verifier::report_text(unit.report));
+/// Messages of one kind: a full disk or a missing store has one for each of thousands of traces.
+class BoundedMessages {
+ public:
+  bool may_print() { return ++count_ <= shown_max; }
+  void finish(const std::string& what) const {
+    if (count_ > shown_max) print_note("and " + std::to_string(count_ - shown_max) + " more " + what);
   }
+
+ private:
+  static constexpr std::size_t shown_max = 20;
+  std::size_t count_ = 0;
+};
+
+void print_messages(const std::vector<CorpusUnit>& units) {
+  BoundedMessages warnings, problems;
+  for (const CorpusUnit& unit : units) {
+    for (const std::string& warning : unit.warnings)
+      if (warnings.may_print()) print_warning(warning);
+    for (const Error& problem : unit.problems)
+      if (problems.may_print()) print_error(problem);
+  }
+  warnings.finish("warnings");
+  problems.finish("verdicts that could not be stored");
+}
+
+void print_corpus(const std::vector<CorpusUnit>& units) {
+  BoundedMessages errors;
+  for (const CorpusUnit& unit : units) {
+    if (unit.report.verdict == verifier::Verdict::error) {
+      if (errors.may_print()) print_error(Error{ErrorCode::io, unit.report.reason, unit.report.hint});
+    } else if (unit.report.verdict != verifier::Verdict::match) {
+      print(verifier::report_text(unit.report));
+    }
+  }
+  errors.finish("traces without a verdict");
   std::string text = std::to_string(units.size()) + " traces:";
   const char* separator = " ";
   for (const verifier::VerdictInfo& info : verifier::verdicts) {
@@ -175,10 +203,7 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
   bar.finish();
   if (!units) return fail_usage(units.error());
 
-  for (const CorpusUnit& unit : *units) {
-    for (const std::string& warning : unit.warnings) print_warning(warning);
-    for (const Error& problem : unit.problems) print_error(problem);
-  }
+  print_messages(*units);
   if (command.json)
     print_corpus_json(*units, command, *build);
   else
