@@ -3,6 +3,8 @@
 // Source: Black et al., "UMAC: Fast and Secure Message Authentication", 1999 (NH, for the sums of products).
 #include "base/row_kernels.h"
 
+#include "base/assert.h"
+
 #ifndef TICKTRUE_ISA
 #define TICKTRUE_ISA baseline
 #endif
@@ -131,9 +133,24 @@ std::uint64_t hash(const std::uint8_t* bytes, std::size_t size, std::uint64_t se
   return XXH3_64bits_withSeed(bytes, size, seed);
 }
 
+void start128(void* state, std::size_t state_size) {
+  TICKTRUE_ASSERT(state_size >= sizeof(XXH3_state_t));
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state));
+}
+
+void add128(void* state, const std::uint8_t* bytes, std::size_t size) {
+  XXH3_128bits_update(static_cast<XXH3_state_t*>(state), bytes, size);
+}
+
+void value128(const void* state, std::uint64_t* high, std::uint64_t* low) {
+  const XXH128_hash_t found = XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state));
+  *high = found.high64;
+  *low = found.low64;
+}
+
 }  // namespace
 
 extern const RowKernels row_kernels;
-const RowKernels row_kernels{hash, sum_products, any_match};
+const RowKernels row_kernels{hash, sum_products, any_match, start128, add128, value128};
 
 }  // namespace ticktrue::TICKTRUE_ISA

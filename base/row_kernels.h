@@ -20,6 +20,11 @@ struct RowKernels {
   /// Whether (word & mask) == want for any word of any row. Requires: at least four words.
   bool (*any_match)(const std::uint8_t* rows, std::size_t word_count, std::size_t row_count, const std::uint32_t* mask,
                     const std::uint32_t* want);
+
+  /// XXH3-128 in parts. `state` is aligned to 64 bytes; start128 asserts that `state_size` suffices.
+  void (*start128)(void* state, std::size_t state_size);
+  void (*add128)(void* state, const std::uint8_t* bytes, std::size_t size);
+  void (*value128)(const void* state, std::uint64_t* high, std::uint64_t* low);
 };
 
 /// Those of each instruction set that this build has and this machine runs, the widest last.

@@ -1,4 +1,4 @@
-// Portable wrappers of the operating system's file calls. Used by replay/ only.
+// Portable wrappers of the operating system's file calls. Used by replay/ and the store of verdicts.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -282,6 +282,7 @@ constexpr Room rooms[] = {
     {"verifier/compare", "base,base/state,replay,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
     {"verifier/corpus", "base,replay"},
+    {"verifier/store", "base,replay,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
     {"capi", "base,base/state,replay,include,verifier/report,verifier/locate,verifier/verify"},
     {"tool", "tool/cli"},
@@ -291,6 +292,7 @@ constexpr Room rooms[] = {
     {"tool/drawing", "below"},
     {"tool/box2d", "below"},
     {"tool/session", "below,tool/output"},
+    {"tool/corpus", "below,tool/session"},
     {"tool/report_page", "below,tool/drawing,tool/session"},
     {"tool/crosscheck", "below,tool/box2d"},
     {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
@@ -302,9 +304,10 @@ constexpr Room rooms[] = {
     {"tool/play/window", "below,tool/play/picture"},
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
-    {"tool/cli/session", "below,tool/cli,tool/output,tool/session,tool/drawing,tool/import,tool/play,tool/report_page"},
+    {"tool/cli/session",
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
-    {"tool/cli/upkeep", "below,tool/cli,tool/output,tool/session,tool/environment,tool/experiment/soak"},
+    {"tool/cli/upkeep", "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak"},
     {"bench", all_but_tests},
 };
 
@@ -337,7 +340,8 @@ bool is_below_tool(std::string_view room) {
       room,
       "base,base/state,base/parallel,replay,include,engine,engine/math,engine/simd,engine/json,engine/scene,"
       "engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,verifier/locate,"
-      "verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,verifier/plugins");
+      "verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,verifier/store,"
+      "verifier/plugins");
 }
 
 bool may_include(std::string_view from, std::string_view to) {

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 
+#include <algorithm>
+
+#include "base/hash128.h"
 #include "tests/support/catch.h"
 
 namespace ticktrue {
@@ -37,6 +40,31 @@ TEST_CASE("the hash of short, medium and long inputs does not change", "[base][h
   for (const auto& c : cases) {
     CAPTURE(c.size, c.seed);
     CHECK(hex64(hash64(ByteView(bytes).first(c.size), c.seed)) == hex64(c.expected));
+  }
+}
+
+TEST_CASE("the hash of 128 bits gives what xxh128sum gives, in one piece and in parts", "[base][hash][golden]") {
+  Bytes bytes;
+  for (int i = 0; i < 5000; ++i) bytes.push_back(static_cast<std::uint8_t>(i * 31 + (i >> 8)));
+  const struct {
+    std::size_t size;
+    std::string expected;
+  } cases[] = {
+      {0, "99aa06d3014798d86001c324468d497f"},    {1, "a6cd5e9392000f6ac44bdff4074eecdb"},
+      {3, "4af3603b5bd30dfe3698b80191e625f9"},    {4, "11527735d62fce43eecdfa5a3b083ba8"},
+      {8, "791e22cdc30880ba073a25812fe4f600"},    {9, "22775b5e55c2ace94557529981ebbef0"},
+      {16, "8d0b1cd2088b9620843f49fff931d541"},   {17, "340f6f9202ad1131a378e80882221151"},
+      {128, "9ac3a2d505dc8bbaffb5b9abed8b314d"},  {129, "4f3f783d604d0184c83022477e6bf25a"},
+      {240, "550b8ce07c44bc98c018ce69a32b5a7c"},  {241, "8e7e1f2fe4156df918773c512b008a63"},
+      {1024, "ea65234127f4dd7b5a1893edffa2577c"}, {5000, "47aa050a1d2c0b8cc0dd97972a4d2de3"},
+  };
+  for (const auto& c : cases) {
+    CAPTURE(c.size);
+    const ByteView whole = ByteView(bytes).first(c.size);
+    CHECK(hex128(hash128(whole)) == c.expected);
+    Hash128Stream parts;
+    for (std::size_t at = 0; at < c.size; at += 7) parts.add(whole.subspan(at, std::min<std::size_t>(7, c.size - at)));
+    CHECK(hex128(parts.value()) == c.expected);
   }
 }
 

@@ -241,6 +241,9 @@ TEST_CASE("traces are verified in parts, in parallel, on shards and against othe
 TEST_CASE("golden traces are recorded, checked and told apart", "[cli][golden][equivalence]") {
   run_cases("golden.case");
 }
+TEST_CASE("a corpus is verified once, by any number of workers", "[cli][corpus][equivalence]") {
+  run_cases("corpus.case");
+}
 TEST_CASE("live inputs are recorded as they arrive", "[cli][live][equivalence]") {
   run_cases("live.case");
 }

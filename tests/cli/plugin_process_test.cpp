@@ -27,13 +27,14 @@ struct RudeRun {
   TemporaryFolder folder;
   std::string trace = folder.file("x.ttr");
   std::string child = folder.file("child");
+  std::string plugin = TICKTRUE_RUDE_PLUGIN;
 
   ChildResult run(const std::string& act, const std::vector<std::string>& words) const {
     ChildCommand command;
     command.argv = {TICKTRUE_TOOL};
     command.argv.insert(command.argv.end(), words.begin(), words.end());
-    for (const char* word : {"--plugin", TICKTRUE_RUDE_PLUGIN, "--plugin-timeout", "2"})
-      command.argv.emplace_back(word);
+    for (const std::string& word : {std::string("--plugin"), plugin, std::string("--plugin-timeout"), std::string("2")})
+      command.argv.push_back(word);
     command.environment = {{"RUDE_PLUGIN", act}, {"RUDE_PLUGIN_CHILD", child}};
     command.limits.time_s = 60;
     return verifier::run_child(command);
@@ -177,6 +178,37 @@ TEST_CASE("processes that a plug-in forks are ended with the command, those that
       contains(left.message, "left running, outside of the process group of the command: process " + rude.child_id()));
   ::kill(static_cast<pid_t>(std::stol(rude.child_id())), SIGKILL);
 #endif
+}
+
+TEST_CASE("a verdict by a plug-in is stored, its crash is not, and another library verifies anew",
+          "[cli][plugin_process][corpus][analytic]") {
+  namespace fs = std::filesystem;
+  RudeRun rude;
+  REQUIRE(rude.record("").end.exit_status == 0);
+  const std::vector<std::string> verify{"corpus", "verify", rude.trace, "--cache", rude.folder.file("store")};
+  const ChildResult crashed = rude.run("step:crash", verify);
+  CAPTURE(crashed.output, crashed.message);
+  SKIP_UNLESS(!contains(crashed.message, "found no digest of the engine"), "this build has no digest of the engine");
+  CHECK(crashed.end.exit_status == 1);
+  CHECK(contains(crashed.output, "1 traces: 1 diverged; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 1 cached, 0 verified"));
+
+  fs::create_directory(rude.folder.file("other"));
+  const std::string moved = rude.folder.file("other/" + fs::path(rude.plugin).filename().string());
+  fs::copy_file(rude.plugin, moved);
+  rude.plugin = moved;
+  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 1 cached, 0 verified"));
+  Bytes bytes = read_file(moved);
+  bytes.push_back(0);  // behind all that is loaded
+  write_file(moved, bytes);
+  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 0 cached, 1 verified"));
+
+  std::vector<std::string> claiming = verify;
+  claiming.emplace_back("--claim");
+  const ChildResult refused = rude.run("", claiming);
+  CHECK(refused.end.exit_status == 2);
+  CHECK(contains(refused.message, "--claim: found --plugin, expected none"));
 }
 
 TEST_CASE("a signal that stops the tool stops the plug-in and what it forked", "[cli][plugin_process][analytic]") {

@@ -138,7 +138,7 @@ class Collector {
   /// `ticktrue ...` and `./dev ...` within a text. One or two names alone are a command's name.
   void read_text(std::size_t index, const std::string& line) {
     static const std::regex span(R"(`((?:ticktrue|\./dev) [^`]*)`)");
-    static const std::regex name(R"(ticktrue [a-z]+( (mouse|rube|check|update))?)");
+    static const std::regex name(R"(ticktrue [a-z]+( (mouse|rube|check|update|verify|report))?)");
     for (std::sregex_iterator it(line.begin(), line.end(), span), end; it != end; ++it) {
       const std::string text = (*it)[1];
       add(index, How::parse, std::regex_match(text, name) ? text + " --help" : with_values(text));

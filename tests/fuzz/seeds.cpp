@@ -18,6 +18,8 @@
 #include "tests/fuzz/worlds.h"
 #include "tests/support/toy_simulation.h"
 #include "tool/session/input_source.h"
+#include "verifier/report/report_transfer.h"
+#include "verifier/store/verdict_entry.h"
 
 namespace {
 
@@ -187,6 +189,33 @@ void seed_sessions() {
   }
 }
 
+/// Entries of a store of verdicts, and the reports in them alone.
+void seed_verdicts() {
+  verifier::Report report;
+  report.verdict = verifier::Verdict::match;
+  report.ticks_recorded = 600;
+  report.notes = {"a note"};
+  report.recorded_build = {{"version", "1"}};
+  for (const bool is_match : {true, false}) {
+    if (!is_match) {
+      report.verdict = verifier::Verdict::diverged;
+      report.divergence.emplace();
+      report.divergence->tables = {{"bodies", {"position"}}};
+      report.divergence->rows.resize(2);
+      for (verifier::LaneReport& row : report.divergence->rows) row.type = ScalarType::f32;
+      report.divergence->candidates.resize(1);
+      report.divergence->spread.resize(1);
+      report.non_finite.emplace();
+      report.end.emplace();
+    }
+    verifier::VerdictEntry entry;
+    entry.key = std::string(32, 'a');
+    entry.content = verifier::encode_report(report);
+    seed("verdict", verifier::encode_entry(entry));
+    seed("verdict", entry.content);
+  }
+}
+
 void seed_stored() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
     if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
@@ -203,6 +232,7 @@ int main(int argument_count, char** arguments) {
   seed_scenes();
   seed_states();
   seed_sessions();
+  seed_verdicts();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;

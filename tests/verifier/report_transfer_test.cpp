@@ -98,4 +98,18 @@ TEST_CASE("a report that is cut or longer is refused", "[verifier][report][corru
 }
 
 }  // namespace
+TEST_CASE("a number that is no verdict is refused", "[verifier][report][corruption]") {
+  Bytes bytes = verifier::encode_report(Report{});
+  constexpr std::size_t verdict_at = 16;  // behind four empty texts
+  bytes[verdict_at] = static_cast<std::uint8_t>(verifier::Verdict::error);
+  REQUIRE(verifier::decode_report(bytes));
+  CHECK(verifier::decode_report(bytes)->verdict == verifier::Verdict::error);
+  ++bytes[verdict_at];
+  CHECK_FALSE(verifier::decode_report(bytes));
+  bytes[verdict_at] = 0;
+  REQUIRE(verifier::decode_report(bytes));
+  bytes[verdict_at + 1] = 1;  // 256
+  CHECK_FALSE(verifier::decode_report(bytes));
+}
+
 }  // namespace ticktrue::test

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "tool/output/cli.h"
 #include "tool/session/session.h"
 #include "verifier/report/report.h"
+#include "verifier/verify/verify.h"
 
 namespace ticktrue::cli {
 
@@ -32,6 +36,7 @@ void add_crosscheck(CLI::App& app, CliContext& context);
 void add_describe(CLI::App& app, CliContext& context);
 void add_scenes(CLI::App& app, CliContext& context);
 void add_golden(CLI::App& app, CliContext& context);
+void add_corpus(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_soak(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
@@ -40,6 +45,11 @@ void add_env(CLI::App& app, CliContext& context);
 /// Writes the page of the worst report, over an older file; the others that failed are listed in it. Nothing where none
 /// failed. Errors: io.
 Status write_failure_page(std::span<const verifier::Report> reports, const std::string& path, bool allow_truncated);
+
+// shared by verify and corpus
+std::vector<std::string> verify_mode_names();
+/// The mode of such a name.
+verifier::VerifyMode verify_mode_of(std::string_view name);
 
 // shared by record and golden
 /// The --detail of a recording. Errors: usage.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 
 #include "replay/trace.h"
@@ -19,5 +20,9 @@ nlohmann::ordered_json non_finite_json(const NonFinite& found);
 nlohmann::ordered_json end_json(const TraceEnd& end);
 /// JSON Lines as an array of strings, one a line.
 nlohmann::ordered_json input_lines_json(const std::string& lines);
+/// All of a report.
+nlohmann::ordered_json report_row_json(const Report& report);
+/// `passed`, `failed`, `expected` and `not_applicable`.
+void add_counts(nlohmann::ordered_json& object, std::span<const Report> reports, bool allow_truncated);
 
 }  // namespace ticktrue::verifier

@@ -157,7 +157,9 @@ Json against_json(const OtherBuild& other) {
           {"build", facts_json(other.facts)}};
 }
 
-Json row_json(const Report& report) {
+}  // namespace
+
+Json report_row_json(const Report& report) {
   Json object;
   object["file"] = report.file;
   object["verdict"] = verdict_info(report.verdict).name;
@@ -188,41 +190,34 @@ Json row_json(const Report& report) {
   return object;
 }
 
-struct Counts {
+void add_counts(Json& object, std::span<const Report> reports, bool allow_truncated) {
   std::uint64_t passed = 0, failed = 0, expected = 0, not_applicable = 0;
-};
-
-Counts count(std::span<const Report> reports, bool allow_truncated) {
-  Counts counts;
   for (const Report& report : reports) {
     if (report.verdict == Verdict::match)
-      ++counts.passed;
+      ++passed;
     else if (report.exit_code(allow_truncated) == exit_ok)
-      ++counts.expected;
+      ++expected;
     else if (report.verdict == Verdict::not_comparable)
-      ++counts.not_applicable;
+      ++not_applicable;
     else
-      ++counts.failed;
+      ++failed;
   }
-  return counts;
+  object["passed"] = passed;
+  object["failed"] = failed;
+  object["expected"] = expected;
+  object["not_applicable"] = not_applicable;
 }
-
-}  // namespace
 
 std::string report_json(std::span<const Report> reports, bool allow_truncated) {
   Json object = {{"schema", "ticktrue.verify/1"}};
   if (reports.size() == 1) {
-    const Json row = row_json(reports[0]);
+    const Json row = report_row_json(reports[0]);
     for (const auto& [name, value] : row.items()) object[name] = value;
   }
-  const Counts counts = count(reports, allow_truncated);
-  object["passed"] = counts.passed;
-  object["failed"] = counts.failed;
-  object["expected"] = counts.expected;
-  object["not_applicable"] = counts.not_applicable;
+  add_counts(object, reports, allow_truncated);
   if (reports.size() != 1) {
     Json rows = Json::array();
-    for (const Report& report : reports) rows.push_back(row_json(report));
+    for (const Report& report : reports) rows.push_back(report_row_json(report));
     object["rows"] = std::move(rows);
   }
   return plain_text(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

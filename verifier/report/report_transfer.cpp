@@ -114,6 +114,20 @@ constexpr bool is_list<std::vector<T>> = true;
 template <typename T>
 concept Number = std::integral<T> || std::is_enum_v<T>;
 
+// The values of the enumerations that a report holds.
+constexpr bool is_known(Verdict value) {
+  return value <= Verdict::error;
+}
+constexpr bool is_known(ScalarType value) {
+  return value >= ScalarType::u8 && value <= ScalarType::f64;
+}
+constexpr bool is_known(replay::EndReason value) {
+  return value >= replay::EndReason::complete && value <= replay::EndReason::recovered;
+}
+constexpr bool is_known(replay::TraceCondition value) {
+  return value <= replay::TraceCondition::damaged;
+}
+
 template <typename T>
 void Writer::put(T& value) {
   if constexpr (Number<T>) {
@@ -135,7 +149,11 @@ void Writer::put(T& value) {
 
 template <typename T>
 void Reader::get(T& value) {
-  if constexpr (Number<T>) {
+  if constexpr (std::is_enum_v<T>) {
+    const std::uint64_t number = in_.u64();
+    value = static_cast<T>(number);
+    if (number != static_cast<std::uint64_t>(value) || !is_known(value)) in_.fail();
+  } else if constexpr (Number<T>) {
     value = static_cast<T>(in_.u64());
   } else if constexpr (std::is_same_v<T, double>) {
     value = in_.f64();

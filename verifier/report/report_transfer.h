@@ -8,9 +8,10 @@
 
 namespace ticktrue::verifier {
 
-/// The fields in the order of their structs. The encoding is only for two processes of the same build.
+/// The fields in the order of their structs. The encoding is only for processes of the same build, or of builds with
+/// one digest (verifier/store).
 Bytes encode_report(Report report);
-/// Errors: corrupt.
+/// Any bytes are read or refused. Errors: corrupt.
 Result<Report> decode_report(ByteView bytes);
 
 }  // namespace ticktrue::verifier

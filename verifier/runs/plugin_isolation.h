@@ -67,7 +67,7 @@ void finish_isolated(int exit_code);
 /// The result of a part of the work, or the reason why its process ended.
 struct IsolatedPart {
   Bytes result;
-  std::string message;  // as in GuardedEnd; empty: `result` is there
+  std::string message;  // as in IsolatedEnd; empty: `result` is there
 };
 
 /// Inside run_isolated: runs `part` in a separate process, so that a crash or a hang ends only that part. Elsewhere

@@ -15,6 +15,7 @@
 #include "base/limits.h"
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
+#include "tool/corpus/verify_trace.h"
 #include "tool/output/progress.h"
 #include "tool/output/trace_text.h"
 #include "tool/session/scene_source.h"
@@ -25,9 +26,7 @@
 #include "verifier/plugins/plugin.h"
 #include "verifier/report/report.h"
 #include "verifier/report/report_ci.h"
-#include "verifier/report/report_transfer.h"
 #include "verifier/runs/data_file.h"
-#include "verifier/runs/plugin_isolation.h"
 #include "verifier/runs/shared_count.h"
 
 namespace ticktrue::cli {
@@ -57,12 +56,6 @@ struct VerifyCommand {
   std::optional<std::uint64_t> tick_count;
 };
 
-std::vector<std::string> mode_names() {
-  std::vector<std::string> names;
-  for (const verifier::VerifyModeInfo& info : verifier::verify_modes) names.emplace_back(info.name);
-  return names;
-}
-
 std::string mode_help() {
   std::string text = "What to prove.";
   for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
@@ -72,8 +65,7 @@ std::string mode_help() {
 
 verifier::VerifyOptions walk_options(const VerifyCommand& command) {
   verifier::VerifyOptions options;
-  for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
-    if (info.name == command.mode) options.mode = info.mode;
+  options.mode = verify_mode_of(command.mode);
   options.from = command.from.value_or(0);
   options.to = command.to;
   options.to_end = command.to_end;
@@ -83,45 +75,32 @@ verifier::VerifyOptions walk_options(const VerifyCommand& command) {
 using ProgressCall = std::function<void(std::uint64_t ticks_done, std::uint64_t tick_count)>;
 
 /// `compared` (may be null) counts the ticks as they are compared: what a process that ends by a crash leaves behind.
-Report verify_trace(const std::string& file, const VerifyCommand& command, unsigned thread_count,
-                    const ProgressCall& progress, verifier::SharedCount* compared) {
+Report verify_file(const std::string& file, const VerifyCommand& command, unsigned thread_count,
+                   const ProgressCall& progress, verifier::SharedCount* compared) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(file);
   if (!reader) return verifier::open_error_report(file, reader.error());
-  const std::optional<std::uint64_t> tick_count = reader->tick_count_hint();
   if (command.from)
-    if (const Status known = check_tick(file + ": --from", *command.from, tick_count); !known)
+    if (const Status known = check_tick(file + ": --from", *command.from, reader->tick_count_hint()); !known)
       return verifier::open_error_report(file, known.error());
-  verifier::VerifyOptions options = walk_options(command);
-  options.simulation = verifier::find_simulation(reader->setup().simulation);
-  if (options.simulation != nullptr) options.tool = verifier::tool_command(options.simulation->name);
-  const bool on_threads = options.simulation == nullptr || verifier::runs_on_threads(*options.simulation);
-  options.thread_count = on_threads ? thread_count : 1;
-  options.in_segments = on_threads && command.jobs != 1;
-  SimulationInfo on_several;
-  if (command.thread_count > 1 && options.simulation != nullptr && options.simulation->make_on_threads) {
-    on_several = *options.simulation;
-    on_several.make = [&info = *options.simulation, &command](ByteView setup) {
-      return info.make_on_threads(setup, static_cast<unsigned>(command.thread_count));
-    };
-    options.simulation = &on_several;
-  }
-  options.search_single_bit = true;
-  options.reopen = [&file]() -> std::unique_ptr<verifier::TraceSource> {
-    auto again = replay::TraceReader::open(file);
-    if (!again) return nullptr;
-    return std::make_unique<verifier::OwnedReaderSource>(std::move(*again));
-  };
-  if (progress) options.progress = [&](std::uint64_t ticks_done) { progress(ticks_done, tick_count.value_or(0)); };
-  if (compared != nullptr) options.on_compared = [compared](double time_s) { compared->add_tick(time_s); };
-  Report report = verifier::verify(*reader, options);
-  if (options.simulation == nullptr && report.hint.empty())
-    report.hint = "this build has " + verifier::simulation_names() +
-                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
-  if (!command.other_build.empty() && options.simulation != nullptr) {
+  const verifier::VerifyOptions options = walk_options(command);
+  verifier::TraceVerification how;
+  how.mode = options.mode;
+  how.from = options.from;
+  how.to = options.to;
+  how.to_end = options.to_end;
+  how.in_segments = command.jobs != 1;
+  how.thread_count = thread_count;
+  how.engine_threads = static_cast<unsigned>(command.thread_count);
+  how.compared = compared;
+  how.progress = progress;
+  Report report = verifier::verify_trace(*reader, file, how);
+  const SimulationInfo* simulation = verifier::simulation_of(*reader);
+  if (!command.other_build.empty() && simulation != nullptr) {
     verifier::AgainstOptions against;
     against.binary = command.other_build;
     against.timeout_s = static_cast<double>(command.timeout_s);
-    against.simulation = options.simulation;
+    const SimulationInfo on_threads = verifier::on_engine_threads(*simulation, how.engine_threads);
+    against.simulation = &on_threads;
     report = verifier::compare_builds(*reader, std::move(report), against);
   }
   return report;
@@ -166,7 +145,7 @@ Report verify_word(const std::string& word, const VerifyCommand& command, unsign
   const auto start = std::chrono::steady_clock::now();
   Report report = command.mode == "twice" && is_scene(word)
                       ? verify_scene(word, command, progress)
-                      : verify_trace(word, command, thread_count, progress, compared);
+                      : verify_file(word, command, thread_count, progress, compared);
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
     report.hint.clear();
@@ -175,53 +154,14 @@ Report verify_word(const std::string& word, const VerifyCommand& command, unsign
   return report;
 }
 
-/// Whether the trace is run by a plug-in.
-bool needs_plugin(const std::string& file) {
-  if (verifier::plugin_simulations().empty()) return false;
-  const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
-  const SimulationInfo* info = reader ? verifier::find_simulation(reader->setup().simulation) : nullptr;
-  return info != nullptr && !verifier::runs_on_threads(*info);
-}
-
-/// A fault of a plug-in is a finding for one file; the other files are still verified.
-Report plugin_report(const std::string& file, const std::string& mode, const std::string& what,
-                     const verifier::SharedCount& compared) {
-  Report report;
-  report.file = file;
-  report.mode = mode;
-  report.verdict = Verdict::diverged;
-  report.reason = what;
-  report.ticks_compared = compared.ticks();
-  report.time_s = compared.time_s();
-  if (const auto reader = replay::TraceReader::open(file)) {
-    report.title = reader->setup().title;
-    report.simulation = reader->setup().simulation;
-    report.ticks_recorded = reader->tick_count_hint();
-    report.recorded_build = reader->facts();
-  }
-  return report;
-}
-
 /// In a process of its own.
 Report verify_by_plugin(const std::string& file, const VerifyCommand& command) {
-  verifier::SharedCount compared;
-  const verifier::IsolatedPart done = verifier::run_part([&] {
+  const auto work = [&](verifier::SharedCount& compared) {
     Progress bar("verify " + file, 0);
-    try {
-      const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
-      return verifier::encode_report(verify_word(file, command, 1, show, &compared));
-    } catch (const verifier::PluginFailure& failure) {
-      return verifier::encode_report(plugin_report(file, command.mode, failure.what(), compared));
-    }
-  });
-  if (!done.message.empty()) {
-    Report report = plugin_report(file, command.mode, done.message, compared);
-    report.hint =
-        "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
-    return report;
-  }
-  Result<Report> report = verifier::decode_report(done.result);
-  return report ? std::move(*report) : plugin_report(file, command.mode, report.error().message, compared);
+    const ProgressCall show = [&](std::uint64_t ticks, std::uint64_t total) { bar.update(ticks, total); };
+    return verify_word(file, command, 1, show, &compared);
+  };
+  return verifier::verify_by_plugin(file, command.mode, work).report;
 }
 
 void print_report(const Report& report, const VerifyCommand& command) {
@@ -259,7 +199,7 @@ Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, co
   const Status status = run_jobs(files.size(), at_once, [&](std::size_t job) {
     const std::size_t i = order[job].second;
     std::optional<Progress> bar;
-    const bool by_plugin = needs_plugin(files[i]);
+    const bool by_plugin = verifier::needs_plugin(files[i]);
     if (one_by_one && !by_plugin) bar.emplace("verify " + files[i], 0);
     const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
     Report report =
@@ -373,6 +313,18 @@ int run_verify(const VerifyCommand& command) {
 
 }  // namespace
 
+std::vector<std::string> verify_mode_names() {
+  std::vector<std::string> names;
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes) names.emplace_back(info.name);
+  return names;
+}
+
+verifier::VerifyMode verify_mode_of(std::string_view name) {
+  for (const verifier::VerifyModeInfo& info : verifier::verify_modes)
+    if (info.name == name) return info.mode;
+  return verifier::VerifyMode::replay;
+}
+
 void add_verify(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<VerifyCommand>();
   CLI::App* command =
@@ -381,7 +333,9 @@ void add_verify(CLI::App& app, CliContext& context) {
       ->add_option("FILE", options->files,
                    "Traces, or directories: then every *.ttr in them; with --mode twice scenes too")
       ->required();
-  command->add_option("--mode", options->mode, mode_help())->check(CLI::IsMember(mode_names()))->capture_default_str();
+  command->add_option("--mode", options->mode, mode_help())
+      ->check(CLI::IsMember(verify_mode_names()))
+      ->capture_default_str();
   add_number(*command, "--from", options->from,
              "First tick to compare; the run begins at the last checkpoint before it");
   add_number(*command, "--to", options->to, "Last tick to compare; the trace is not read beyond it");

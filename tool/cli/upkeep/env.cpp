@@ -4,12 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <optional>
 
 #include "base/build_info.h"
 #include "base/hash.h"
+#include "base/hash128.h"
 #include "engine/engine.h"
 #include "replay/trace.h"
 #include "tool/cli/commands.h"
+#include "tool/corpus/engine_digest.h"
 #include "tool/environment/arithmetic_probe.h"
 #include "tool/environment/float_environment.h"
 #include "tool/output/json_output.h"
@@ -43,6 +46,8 @@ Json env_json(const verifier::FloatEnvironment& floats, const std::vector<verifi
   object["threads"] = build.has_threads;
   object["trace_format"] = replay::format_version;
   object["physics_version"] = engine::physics_version;
+  const std::optional<Hash128> digest = verifier::engine_digest();
+  object["engine_digest"] = digest ? Json(hex128(*digest)) : Json(nullptr);
   object["cpu"] = machine.cpu;
   object["instruction_set"] = machine.instruction_set;
   object["kernels"] = engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name;

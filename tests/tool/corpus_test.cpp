@@ -1,0 +1,254 @@
+// Corpora: what is verified, what is taken from the store, and that no damage, conflict or dead worker makes a match.
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/replay/toy_traces.h"
+#include "tests/support/catch.h"
+#include "tests/support/text.h"
+#include "tool/corpus/corpus_run.h"
+#include "tool/corpus/engine_digest.h"
+#include "verifier/store/claims.h"
+
+namespace ticktrue::test {
+namespace {
+
+namespace fs = std::filesystem;
+using verifier::CorpusOptions;
+using verifier::CorpusUnit;
+using verifier::StoreFolder;
+using verifier::UnitSource;
+using verifier::Verdict;
+using verifier::VerdictStore;
+using Units = std::vector<CorpusUnit>;
+
+bool can_store() {
+  return verifier::build_subject(verifier::VerifyMode::replay).has_value();
+}
+
+/// A folder with a few of the golden traces, and a store beside them.
+class Corpus {
+ public:
+  Corpus() {
+    fs::create_directory(folder_.file("traces"));
+    for (const char* name : {"projectile_f32", "projectile_f64", "slide_f32", "unsettled_f32", "verlet_f64"}) {
+      const std::string file = std::string(name) + ".ttr";
+      fs::copy_file(fs::path(TICKTRUE_SOURCE_DIR) / "traces" / file, folder_.file("traces/" + file));
+      files_.push_back(folder_.file("traces/" + file));
+    }
+  }
+  const std::vector<std::string>& files() const { return files_; }
+  std::string store_path() const { return folder_.file("store"); }
+  StoreFolder open(StoreFolder::Use use = StoreFolder::Use::writing) const {
+    Result<StoreFolder> folder = StoreFolder::open(store_path(), use, false);
+    REQUIRE(folder);
+    return *std::move(folder);
+  }
+  Units verify(const CorpusOptions& options = {}) const {
+    const StoreFolder folder = open();
+    return taken(verifier::verify_corpus(files_, folder_.file("traces"), VerdictStore(folder), options));
+  }
+  Units look_up() const {
+    const StoreFolder folder = open(StoreFolder::Use::reading);
+    return taken(verifier::look_up_corpus(files_, folder_.file("traces"), VerdictStore(folder), {}));
+  }
+  std::string entry_of(const CorpusUnit& unit) const { return open().path_of(verifier::spread_name(unit.key)); }
+
+ private:
+  static Units taken(Result<Units> units) {
+    REQUIRE(units);
+    return *std::move(units);
+  }
+  TemporaryFolder folder_;
+  std::vector<std::string> files_;
+};
+
+std::size_t count(const Units& units, UnitSource source) {
+  return static_cast<std::size_t>(
+      std::count_if(units.begin(), units.end(), [&](const CorpusUnit& unit) { return unit.source == source; }));
+}
+
+std::size_t count(const Units& units, Verdict verdict) {
+  return static_cast<std::size_t>(std::count_if(
+      units.begin(), units.end(), [&](const CorpusUnit& unit) { return unit.report.verdict == verdict; }));
+}
+
+/// Changes a byte in the middle and leaves size and time of modification as they were.
+void change_byte(const std::string& path) {
+  const fs::file_time_type time = fs::last_write_time(path);
+  Bytes bytes = read_file(path);
+  bytes[bytes.size() / 2] ^= 1;
+  write_file(path, bytes);
+  fs::last_write_time(path, time);
+}
+
+}  // namespace
+
+TEST_CASE("corpus: the second run verifies nothing, and its reports are those of the first",
+          "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const Units first = corpus.verify();
+  CHECK(count(first, UnitSource::verified) == first.size());
+  CHECK(count(first, Verdict::match) == first.size());
+  const Units second = corpus.verify();
+  CHECK(count(second, UnitSource::cached) == second.size());
+  CHECK(verifier::corpus_exit_code(second, false) == verifier::exit_ok);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    CHECK(second[i].key == first[i].key);
+    CHECK(second[i].report.file == corpus.files()[i]);
+    CHECK(verifier::is_same_verdict(first[i].report, second[i].report));
+  }
+  CorpusOptions other_mode;
+  other_mode.mode = verifier::VerifyMode::twice;
+  CHECK(count(corpus.verify(other_mode), UnitSource::verified) == first.size());
+}
+
+TEST_CASE("corpus: bytes changed under a kept time are verified anew", "[verifier][corpus][corruption]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const Units first = corpus.verify();
+  change_byte(corpus.files()[1]);
+  const Units second = corpus.verify();
+  CHECK(second[1].source == UnitSource::verified);
+  CHECK(second[1].report.verdict == Verdict::damaged);
+  CHECK(count(second, UnitSource::cached) == first.size() - 1);
+  CHECK(verifier::corpus_exit_code(second, false) == verifier::exit_damaged);
+}
+
+TEST_CASE("corpus: a verdict that is no match is never taken from the store", "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  fs::resize_file(corpus.files()[2], fs::file_size(corpus.files()[2]) - 100);
+  for (int run = 0; run < 3; ++run) {
+    const Units units = corpus.verify();
+    CHECK(units[2].source == UnitSource::verified);
+    CHECK(units[2].report.verdict == Verdict::incomplete);
+    CHECK(count(units, UnitSource::cached) == (run == 0 ? 0 : units.size() - 1));
+    CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_incomplete);
+    CHECK(verifier::corpus_exit_code(units, true) == verifier::exit_ok);
+  }
+}
+
+TEST_CASE("corpus: a red verdict of the store that a run does not confirm is a conflict, not a match",
+          "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const Units first = corpus.verify();
+  const StoreFolder folder = corpus.open();
+  fs::remove(corpus.entry_of(first[0]));
+  verifier::Report red = first[0].report;
+  red.verdict = Verdict::diverged;
+  REQUIRE(VerdictStore(folder).add(first[0].key, red));
+  for (int run = 0; run < 2; ++run) {
+    const Units units = corpus.verify();
+    CHECK(units[0].report.verdict == Verdict::not_reproducible);
+    CHECK(contains(units[0].report.reason, "two verdicts for the same bytes, engine and options"));
+    CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_not_reproducible);
+    CHECK(count(units, UnitSource::cached) == units.size() - (run == 0 ? 1 : 0));
+  }
+  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_not_reproducible);
+}
+
+TEST_CASE("corpus: a sample of everything runs everything, and finds a verdict that was forged",
+          "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const Units first = corpus.verify();
+  CorpusOptions all;
+  all.recheck = 1;
+  Units units = corpus.verify(all);
+  CHECK(count(units, UnitSource::rechecked) == units.size());
+  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_ok);
+  verifier::Report forged = first[3].report;
+  forged.root_hash ^= 1;
+  fs::remove(corpus.entry_of(first[3]));
+  const StoreFolder folder = corpus.open();
+  REQUIRE(VerdictStore(folder).add(first[3].key, forged));
+  units = corpus.verify(all);
+  CHECK(units[3].report.verdict == Verdict::not_reproducible);
+}
+
+TEST_CASE("corpus: a damaged verdict is told and verified again", "[verifier][corpus][corruption]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const Units first = corpus.verify();
+  change_byte(corpus.entry_of(first[4]));
+  const Units found = corpus.look_up();
+  CHECK(found[4].source == UnitSource::missing);
+  CHECK(found[4].warnings.size() == 1);
+  CHECK(verifier::corpus_exit_code(found, false) == verifier::exit_usage);
+  change_byte(corpus.entry_of(first[3]));
+  const Units units = corpus.verify();
+  CHECK(units[3].warnings.size() == 1);
+  CHECK(count(units, UnitSource::verified) == 2);
+  CHECK(count(units, Verdict::match) == units.size());
+  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
+}
+
+TEST_CASE("corpus: the report fails where a trace has no verdict or cannot be read", "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  corpus.open();
+  const Units nothing = corpus.look_up();
+  CHECK(count(nothing, UnitSource::missing) == nothing.size());
+  CHECK(verifier::corpus_exit_code(nothing, false) == verifier::exit_usage);
+  corpus.verify();
+  CHECK(verifier::corpus_exit_code(corpus.look_up(), false) == verifier::exit_ok);
+  fs::remove(corpus.files()[0]);
+  const Units gone = corpus.look_up();
+  CHECK(gone[0].report.verdict == Verdict::error);
+  CHECK(verifier::corpus_exit_code(gone, false) == verifier::exit_usage);
+}
+
+TEST_CASE("corpus: workers that claim do each trace once, and one that died is replaced",
+          "[verifier][corpus][determinism]") {
+  SKIP_UNLESS(can_store() && verifier::can_claim(), "this build has no digest of the engine, or no claims");
+  const Corpus corpus;
+  CorpusOptions options;
+  options.claims = true;
+  options.lease_s = 1;
+  // A worker that has a trace and gives no sign of life.
+  const Units keys = [&] {
+    corpus.open();
+    return corpus.look_up();
+  }();
+  const StoreFolder dead_folder = corpus.open();
+  verifier::Claims dead(dead_folder, options.lease_s);
+  REQUIRE(dead.try_claim(keys[1].key));
+
+  std::vector<Units> found(3);
+  std::vector<std::thread> workers;
+  for (Units& units : found) workers.emplace_back([&corpus, &options, &units] { units = corpus.verify(options); });
+  for (std::thread& worker : workers) worker.join();
+  for (std::size_t i = 0; i < corpus.files().size(); ++i) {
+    int verified_count = 0;
+    for (const Units& units : found) {
+      CHECK(units[i].report.verdict == Verdict::match);
+      verified_count += units[i].source == UnitSource::verified ? 1 : 0;
+    }
+    CHECK(verified_count == 1);
+  }
+}
+
+TEST_CASE("corpus: a stopped run leaves the rest for the next one", "[verifier][corpus][analytic]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  CorpusOptions options;
+  std::size_t done_count = 0;
+  options.progress = [&](std::size_t done) { done_count = done; };
+  options.stops = [&] { return done_count == 2; };
+  const Units stopped = corpus.verify(options);
+  CHECK(count(stopped, UnitSource::verified) == 2);
+  CHECK(verifier::corpus_exit_code(stopped, false) == verifier::exit_usage);
+  const Units rest = corpus.verify();
+  CHECK(count(rest, UnitSource::cached) == 2);
+  CHECK(count(rest, UnitSource::verified) == rest.size() - 2);
+}
+
+}  // namespace ticktrue::test

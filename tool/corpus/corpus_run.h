@@ -1,0 +1,70 @@
+// Verifies a list of traces against a store of verdicts: only what the store does not know is run.
+// SPDX-License-Identifier: MIT
+//
+// Verified: a verdict is taken from the store only if it is a match of the same bytes, engine, libraries and options.
+// Any other verdict is found again by a run. Not verified: that the machine computes today as it did when the verdict
+// was made; `recheck` runs a sample again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tool/corpus/verify_trace.h"
+#include "verifier/store/verdict_store.h"
+
+namespace ticktrue::verifier {
+
+/// All of a verdict's subject but the trace.
+struct BuildSubject {
+  Hash128 engine;
+  Hash128 libraries;
+  std::string options;
+};
+/// Errors: unsupported (a build or a system that cannot tell what it is made of); io.
+Result<BuildSubject> build_subject(VerifyMode mode);
+
+enum class UnitSource : std::uint8_t {
+  cached,        // from the store
+  verified,      // by this run
+  rechecked,     // in the store, and verified once more by this run
+  other_worker,  // verified by another worker while this one ran
+  missing        // there is no verdict
+};
+inline constexpr std::array<std::string_view, 5> unit_source_names{"cached", "verified", "rechecked", "other_worker",
+                                                                   "missing"};
+
+struct CorpusUnit {
+  std::string key;  // empty: the trace could not be read
+  UnitSource source = UnitSource::missing;
+  Report report;
+  std::vector<Error> problems;        // with the store: the verdict stands, but others will not find it
+  std::vector<std::string> warnings;  // damaged files of the store
+};
+
+struct CorpusOptions {
+  VerifyMode mode = VerifyMode::replay;
+  unsigned thread_count = 1;
+  bool claims = false;
+  double lease_s = 60;
+  double recheck = 0;                              // share of the cached verdicts, 0..1
+  std::function<bool()> stops;                     // asked before each unit; may be empty
+  std::function<void(std::size_t done)> progress;  // one thread at a time; may be empty
+};
+
+/// One unit for each file, in their order. `traces`: what the stat index is named by.
+/// Errors: unsupported, io.
+Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& files, const std::string& traces,
+                                              const VerdictStore& store, const CorpusOptions& options);
+
+/// What the store knows of the files; nothing is run. A file without a verdict is an error of its report.
+Result<std::vector<CorpusUnit>> look_up_corpus(const std::vector<std::string>& files, const std::string& traces,
+                                               const VerdictStore& store, const CorpusOptions& options);
+
+/// The worst of the reports, and 2 where the store had a problem.
+int corpus_exit_code(const std::vector<CorpusUnit>& units, bool allow_truncated);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,18 @@
+// What this build is made of, as far as a verdict depends on it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "base/hash128.h"
+
+namespace ticktrue::verifier {
+
+/// A line for each unit: hash of its preprocessed text, hash of its flags and compiler. Empty where the build could not
+/// tell. Made by cmake/engine_digest.cmake.
+extern const char* const engine_units;
+
+/// XXH3-128 of these lines. It stays the same when comments, names of folders or the commit change.
+std::optional<Hash128> engine_digest();
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,107 @@
+// Choice of the simulation, its threads and its segments; plug-ins in processes of their own.
+// SPDX-License-Identifier: MIT
+#include "tool/corpus/verify_trace.h"
+
+#include <memory>
+#include <utility>
+
+#include "tool/session/simulations.h"
+#include "verifier/plugins/plugin.h"
+#include "verifier/report/report_transfer.h"
+#include "verifier/runs/plugin_isolation.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+Report plugin_report(const std::string& file, std::string_view mode, const std::string& what,
+                     const SharedCount& compared) {
+  Report report;
+  report.file = file;
+  report.mode = mode;
+  report.verdict = Verdict::diverged;
+  report.reason = what;
+  report.ticks_compared = compared.ticks();
+  report.time_s = compared.time_s();
+  if (const auto reader = replay::TraceReader::open(file)) {
+    report.title = reader->setup().title;
+    report.simulation = reader->setup().simulation;
+    report.ticks_recorded = reader->tick_count_hint();
+    report.recorded_build = reader->facts();
+  }
+  return report;
+}
+
+}  // namespace
+
+const SimulationInfo* simulation_of(const replay::TraceReader& reader) {
+  return find_simulation(reader.setup().simulation);
+}
+
+SimulationInfo on_engine_threads(const SimulationInfo& info, unsigned thread_count) {
+  SimulationInfo changed = info;
+  if (thread_count > 1 && info.make_on_threads)
+    changed.make = [make = info.make_on_threads, thread_count](ByteView setup) { return make(setup, thread_count); };
+  return changed;
+}
+
+Report verify_trace(replay::TraceReader& reader, const std::string& file, const TraceVerification& how) {
+  VerifyOptions options;
+  options.mode = how.mode;
+  options.from = how.from;
+  options.to = how.to;
+  options.to_end = how.to_end;
+  options.simulation = simulation_of(reader);
+  if (options.simulation != nullptr) options.tool = tool_command(options.simulation->name);
+  const bool on_threads = options.simulation == nullptr || runs_on_threads(*options.simulation);
+  options.thread_count = on_threads ? how.thread_count : 1;
+  options.in_segments = on_threads && how.in_segments;
+  SimulationInfo simulation;
+  if (options.simulation != nullptr) {
+    simulation = on_engine_threads(*options.simulation, how.engine_threads);
+    options.simulation = &simulation;
+  }
+  options.search_single_bit = true;
+  options.reopen = [&file]() -> std::unique_ptr<TraceSource> {
+    auto again = replay::TraceReader::open(file);
+    if (!again) return nullptr;
+    return std::make_unique<OwnedReaderSource>(std::move(*again));
+  };
+  const std::uint64_t tick_count = reader.tick_count_hint().value_or(0);
+  if (how.progress) options.progress = [&](std::uint64_t ticks_done) { how.progress(ticks_done, tick_count); };
+  if (how.compared != nullptr) options.on_compared = [&how](double time_s) { how.compared->add_tick(time_s); };
+  Report report = verify(reader, options);
+  if (options.simulation == nullptr && report.hint.empty())
+    report.hint = "this build has " + simulation_names() +
+                  "; a plug-in brings another: --plugin LIB.so; a program that owns its loop verifies itself";
+  return report;
+}
+
+bool needs_plugin(const std::string& file) {
+  if (plugin_simulations().empty()) return false;
+  const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
+  const SimulationInfo* info = reader ? simulation_of(*reader) : nullptr;
+  return info != nullptr && !runs_on_threads(*info);
+}
+
+PluginVerification verify_by_plugin(const std::string& file, std::string_view mode,
+                                    const std::function<Report(SharedCount& compared)>& work) {
+  SharedCount compared;
+  const IsolatedPart done = run_part([&] {
+    try {
+      return encode_report(work(compared));
+    } catch (const PluginFailure& failure) {
+      return encode_report(plugin_report(file, mode, failure.what(), compared));
+    }
+  });
+  if (!done.message.empty()) {
+    Report report = plugin_report(file, mode, done.message, compared);
+    report.hint =
+        "run the same under a debugger: the file is verified in a child process (gdb: set follow-fork-mode child)";
+    return {std::move(report), false};
+  }
+  Result<Report> report = decode_report(done.result);
+  if (!report) return {plugin_report(file, mode, report.error().message, compared), false};
+  return {std::move(*report), true};
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,69 @@
+// A folder that many processes on many machines write to at once: whole files, each published under a new name.
+// SPDX-License-Identifier: MIT
+//
+// What is asked of the file system, on NFS (version 3 and later) as well:
+//   link(2)    is atomic on the server and fails where the name exists. A repeated request can report that failure for
+//              its own success: then the temporary file has two links, and the call counts as done.
+//   rename(2)  is atomic on the server: a reader of the name sees the old file or the new one.
+//   close(2)   hands what was written to the server, and open(2) asks the server for the present file. Nothing is
+//              published before it was closed, and nothing is read that was opened earlier.
+// No lock is asked for (flock, fcntl), and no clock.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+
+namespace ticktrue::verifier {
+
+class StoreFolder {
+ public:
+  enum class Use { reading, writing };
+  /// With `writing` the folder is made where there is none, or where it is empty. With `syncs`, a file is on the disk
+  /// before it has its name. Errors: io; usage (a folder that holds other files); unsupported (no hard links).
+  static Result<StoreFolder> open(const std::string& path, Use use, bool syncs);
+
+  /// The same folder and owner, for files that need not outlive a loss of power.
+  StoreFolder unsynced() const;
+
+  /// A name of this folder as a path.
+  std::string path_of(const std::string& name) const { return path_ + "/" + name; }
+  const std::string& path() const { return path_; }
+  /// Host, process and a random number: nobody else has it.
+  const std::string& owner() const { return owner_; }
+
+  enum class Publish { created, exists };
+  /// Makes a file of this name, unless there is one. Errors: io.
+  Result<Publish> publish(const std::string& name, ByteView bytes) const;
+  /// Makes a file of this name, in place of one that is there. Errors: io.
+  Status replace(const std::string& name, ByteView bytes) const;
+
+  /// The bytes; nothing where there is no such file. Errors: io; limit (larger than `size_max`).
+  Result<std::optional<Bytes>> read(const std::string& name, std::size_t size_max) const;
+  /// Moves a file out of the way, to damaged/, and gives its new name. Empty: another process moved it. Errors: io.
+  Result<std::string> set_aside(const std::string& name) const;
+  /// Moves back what set_aside moved; where the old name is taken by now, it stays.
+  void put_back(const std::string& aside, const std::string& name) const;
+  void remove(const std::string& name) const;
+  bool exists(const std::string& name) const;
+
+ private:
+  StoreFolder(std::string path, bool syncs);
+  Status prepare(Use use) const;
+  void remove_old_temporaries() const;
+  std::string temporary_name() const;
+  Status write_temporary(const std::string& path, ByteView bytes) const;
+
+  std::string path_;
+  bool syncs_;
+  std::string owner_;
+};
+
+/// "ab/cdef..." for "abcdef...": no folder holds more than a 256th of the files.
+std::string spread_name(const std::string& name);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,26 @@
+// The file of a verdict: head, kind, key, writer, content, checksum.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/bytes.h"
+
+namespace ticktrue::verifier {
+
+struct VerdictEntry {
+  enum class Kind : std::uint8_t { verdict = 1, conflict = 2 };
+  Kind kind = Kind::verdict;
+  std::string key;
+  std::string by;  // build and process, for people
+  Bytes content;   // of verdict: encode_report; of conflict: text
+};
+
+Bytes encode_entry(const VerdictEntry& entry);
+
+/// Nothing: the bytes are not what was written.
+std::optional<VerdictEntry> decode_entry(ByteView bytes);
+
+}  // namespace ticktrue::verifier
