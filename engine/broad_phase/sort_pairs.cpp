@@ -44,14 +44,14 @@ void pick(ProxyRange firsts, std::span<const Pair> from, std::vector<Pair>& to) 
   to.resize(count);
 }
 
-constexpr std::size_t sample_count = 512;
+constexpr std::size_t pair_sample_count = 512;
 constexpr std::uint32_t bin_count = 256;
 
 /// Ends of ranges of `first` that hold about as many pairs each, by a sample.
 void split(std::span<const Pair> pairs, std::uint32_t proxy_count, std::span<std::uint32_t> ends) {
   const std::uint32_t bin_size = proxy_count / bin_count + 1;
   std::array<std::uint32_t, bin_count> bins{};
-  const std::size_t step = pairs.size() / sample_count + 1;
+  const std::size_t step = pairs.size() / pair_sample_count + 1;
   std::size_t sampled = 0;
   for (std::size_t i = 0; i < pairs.size(); i += step, ++sampled) ++bins[pairs[i].first / bin_size];
   std::size_t below = 0;
