@@ -11,7 +11,7 @@
 #include "base/parallel/parallel.h"
 #include "base/result.h"
 #include "base/state/simulation.h"
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/scene/scene.h"
 #include "engine/simd/instruction_set.h"
 

@@ -241,12 +241,12 @@ struct Room {
   std::string_view folder;
   std::string_view may_include;  // comma-separated rooms; "core", "engine_face", ... stand for lists below
 };
-// Rooms of the engine that share the workspace of a tick (engine/model/tick_lists.h): they see each other.
+// Rooms of the engine that share the workspace of the solver (engine/model/scratch.h) see each other.
 constexpr std::string_view core =
     "engine,engine/model,engine/broad_phase,engine/narrow_phase,engine/islands,engine/contacts,engine/joints,"
-    "engine/joints/batched,engine/joints/direct,engine/impacts,engine/integrators,engine/solvers,engine/stages,engine/"
-    "scene,engine/simd,"
-    "engine/math,base,base/state,base/parallel";
+    "engine/joints/batched,engine/joints/direct,engine/impacts,engine/integrators,engine/solvers,engine/stages,"
+    "engine/scene,engine/simd,engine/math,base,base/state,base/parallel";
+constexpr std::string_view before_islands = "base,base/parallel,engine/math,engine/simd,engine/scene,engine/model";
 constexpr std::string_view all_but_tests = "*";
 constexpr Room rooms[] = {
     {"base", ""},
@@ -261,17 +261,18 @@ constexpr Room rooms[] = {
     {"engine/clock", "base,engine,engine/math,engine/scene"},
     {"engine", core},
     {"engine/model", core},
-    {"engine/broad_phase", core},
-    {"engine/narrow_phase", core},
+    {"engine/broad_phase", before_islands},
+    {"engine/narrow_phase", "base,base/parallel,engine/math,engine/simd,engine/scene,engine/model,engine/contacts"},
     {"engine/islands", core},
     {"engine/contacts", core},
     {"engine/joints", core},
     {"engine/joints/batched", core},
-    {"engine/joints/direct", core},
-    {"engine/impacts", core},
+    {"engine/joints/direct", "base,engine/math,engine/scene"},
+    {"engine/impacts",
+     "base,base/parallel,engine/math,engine/simd,engine/scene,engine/model,engine/narrow_phase,engine/joints"},
     {"engine/integrators", core},
     {"engine/solvers", core},
-    {"engine/stages", core},
+    {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
     {"replay", "base,base/state"},
     {"include", ""},
     {"include/ticktrue", ""},

@@ -4,7 +4,6 @@
 
 #include "engine/broad_phase/aabb_tree.h"
 #include "engine/model/motion_bounds.h"
-#include "engine/narrow_phase/narrow_phase.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -65,19 +64,6 @@ Real swept_displacement_of_row(const Model& model, const State& state, const Mot
 }
 
 }  // namespace
-
-Box box_around_hull(const Model& model, const BodyRow& body, const ShapeModel& shape, Real gravity_displacement,
-                    Real swept) {
-  const Vec2* vertices = &model.vertices[shape.first_vertex];
-  Vec2 lower = rotate(body.rotation, vertices[0]);
-  Vec2 upper = lower;
-  for (std::uint32_t i = 1; i < shape.vertex_count; ++i) {
-    const Vec2 v = rotate(body.rotation, vertices[i]);
-    lower = {smaller(lower.x, v.x), smaller(lower.y, v.y)};
-    upper = {larger(upper.x, v.x), larger(upper.y, v.y)};
-  }
-  return box_between(body, shape, lower, upper, gravity_displacement, swept);
-}
 
 void make_proxies(const Model& model, const State& state, TickLists& tick, BroadPhaseWork& work, Real dt) {
   tick.changes = {};

@@ -7,6 +7,7 @@
 
 #include "engine/broad_phase/sorting.h"
 #include "engine/math/vec2.h"
+#include "engine/model/enclosures.h"
 #include "engine/model/poison.h"
 #include "engine/model/proxies.h"
 
@@ -51,12 +52,6 @@ struct CellEntry {
   std::int32_t x;
   std::int32_t y;
   std::uint32_t proxy;
-};
-
-/// Where a proxy is in this tick.
-struct Circle {
-  Vec2 center;  // world, m
-  Real radius;  // with margin, m
 };
 
 /// What a broad phase works in during a tick.

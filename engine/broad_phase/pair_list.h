@@ -14,7 +14,7 @@
 #include "engine/broad_phase/box_tree.h"
 #include "engine/broad_phase/broad_phase_work.h"
 #include "engine/broad_phase/proxy_boxes.h"
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/model/model.h"
 #include "engine/model/tick_lists.h"
 

@@ -7,7 +7,7 @@
 
 #include "base/parallel/parallel.h"
 #include "engine/broad_phase/broad_phase_work.h"
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/model/model.h"
 #include "engine/model/motion_bounds.h"
 #include "engine/model/state.h"

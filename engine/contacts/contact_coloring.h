@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/contacts/contact_lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <tuple>
 
-#include "engine/broad_phase/broad_phase.h"
 #include "engine/joints/joint_model.h"
+#include "engine/model/enclosures.h"
 #include "engine/model/motion_bounds.h"
 #include "engine/narrow_phase/distance.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/parallel/parallel.h"
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/model/body_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -6,7 +6,7 @@
 #include "engine/contacts/contact_batch.h"
 #include "engine/islands/islands.h"
 #include "engine/joints/joint.h"
-#include "engine/narrow_phase/narrow_phase.h"
+#include "engine/model/margins.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
 

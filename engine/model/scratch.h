@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "engine/caches.h"
 #include "engine/contacts/contact_batch.h"
 #include "engine/contacts/solver_kernels.h"
 #include "engine/impacts/impulse_rows.h"
@@ -17,6 +16,7 @@
 #include "engine/joints/joint_plan.h"
 #include "engine/joints/mouse_joint.h"
 #include "engine/model/body_rows.h"
+#include "engine/model/caches.h"
 #include "engine/model/state.h"
 #include "engine/model/tick_lists.h"
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "engine/caches.h"
 #include "engine/math/real.h"
+#include "engine/model/caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

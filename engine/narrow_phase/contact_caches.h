@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/caches.h"
+#include "engine/model/caches.h"
 #include "engine/model/contact_pairs.h"
 #include "engine/model/poison.h"
 #include "engine/model/state.h"

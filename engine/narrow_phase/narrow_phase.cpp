@@ -8,7 +8,7 @@
 #include <cstring>
 #include <new>
 
-#include "engine/broad_phase/broad_phase.h"
+#include "engine/model/enclosures.h"
 #include "engine/narrow_phase/box_pairs.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/narrow_phase/speculative.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "engine/broad_phase/broad_phase.h"
+#include "engine/model/proxies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
