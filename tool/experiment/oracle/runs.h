@@ -11,7 +11,7 @@
 
 #include "base/bytes.h"
 #include "base/state/state_view.h"
-#include "engine/model/caches.h"
+#include "engine/engine.h"
 #include "tool/experiment/oracle/checks.h"
 #include "tool/experiment/soak_case.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/model/caches.h"
+#include "engine/engine.h"
 #include "tool/experiment/oracle/checks.h"
 #include "tool/experiment/oracle/physics_checks.h"
 #include "tool/experiment/oracle/runs.h"
