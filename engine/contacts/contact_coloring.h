@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/model/caches.h"
 #include "engine/contacts/contact_lanes.h"
+#include "engine/model/caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

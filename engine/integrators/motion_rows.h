@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/parallel/parallel.h"
-#include "engine/model/caches.h"
 #include "engine/model/body_rows.h"
+#include "engine/model/caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model/caches.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
+#include "engine/model/caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -3,11 +3,11 @@
 //
 // usage: digest [COUNT] [FUNCTION]    COUNT arguments, 100000 if not given
 // It is C and C++. Link libxxhash, or define XXH_INLINE_ALL.
+#include "tests/math/digest.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <xxhash.h>
-
-#include "tests/math/digest.h"
 
 int main(int count, char** words) {
   uint32_t argument_count = count > 1 ? (uint32_t)strtoul(words[1], NULL, 10) : 100000u;
