@@ -27,7 +27,7 @@ Error input_error(const std::string& what, const std::string& hint = "") {
   return {ErrorCode::invalid_input, what, hint};
 }
 
-/// The inputs that were decoded last: step() takes those that accept() was asked for.
+/// The inputs of the coming tick: step() takes those that accept() has decoded, and leaves none.
 class DecodedInputs {
  public:
   Status decode(const Scene& scene, ByteView bytes) {
@@ -39,6 +39,11 @@ class DecodedInputs {
   }
   /// Requires: decode succeeded.
   const std::vector<Input>& inputs() const { return inputs_; }
+  /// Moves the inputs to `to`. Requires: decode succeeded.
+  void take(std::vector<Input>& to) {
+    is_valid_ = false;
+    to.swap(inputs_);
+  }
 
  private:
   std::vector<Input> inputs_;
@@ -108,7 +113,7 @@ class World final : public Engine {
 #endif
     const Status decoded = decoded_.decode(model_.scene, input.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
-    scratch_.inputs = decoded_.inputs();
+    decoded_.take(scratch_.inputs);
     scratch_.injected = std::exchange(injected_, std::nullopt);
     if (check_ != nullptr) begin_check(input);
     begin_tick(state_, scratch_, input);

@@ -128,7 +128,7 @@ void prepare_constant_accelerations(const Model& model, const State& state, Scra
   }
 }
 
-void total_accelerations(const Model& model, const State& state, Scratch& scratch) {
+void total_accelerations(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max) {
   for (Twist& acceleration : scratch.accelerations) acceleration = {};
   for (const std::uint32_t row : scratch.moving_rows) {
     const BodyModel& constants = model.bodies[state.bodies[row].source];
@@ -139,7 +139,7 @@ void total_accelerations(const Model& model, const State& state, Scratch& scratc
                                   constant.angular - constants.angular_damping * body.angular_velocity};
   }
   if (model.position_forces != nullptr) model.position_forces(model, state, scratch);
-  add_velocity_forces(model, state, scratch);
+  add_velocity_forces(model, state, scratch, drag_rate_max);
 }
 
 void save_start(const State& state, Scratch& scratch) {

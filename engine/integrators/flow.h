@@ -26,7 +26,8 @@ void integrate_freely(Scratch& scratch, Real h, int substeps);
 void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch);
 
 /// All accelerations of dynamic bodies, damping included, at the present poses and velocities: scratch.accelerations.
-void total_accelerations(const Model& model, const State& state, Scratch& scratch);
+/// drag_rate_max: as in add_velocity_forces.
+void total_accelerations(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max);
 
 /// Saves the present records in scratch.stages, as the start of the substep.
 void save_start(const State& state, Scratch& scratch);

@@ -252,15 +252,17 @@ void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
   }
 }
 
-void add_velocity_forces(const Model& model, const State& state, Scratch& scratch) {
+void add_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max) {
   if (!model.has_velocity_forces) return;
   for (const std::uint32_t row : scratch.moving_rows) {
     const BodyForces& forces = model.body_forces[state.bodies[row].source];
     const MovingBody& body = scratch.bodies[row];
     const Vec2 through_air = body.velocity - model.wind;
     Twist& acceleration = scratch.accelerations[row];
-    acceleration.linear = acceleration.linear - (forces.quadratic_drag * length(through_air)) * through_air;
-    acceleration.angular -= (forces.angular_quadratic_drag * absolute(body.angular_velocity)) * body.angular_velocity;
+    const Real rate = smaller(forces.quadratic_drag * length(through_air), drag_rate_max);
+    const Real angular_rate = smaller(forces.angular_quadratic_drag * absolute(body.angular_velocity), drag_rate_max);
+    acceleration.linear = acceleration.linear - rate * through_air;
+    acceleration.angular -= angular_rate * body.angular_velocity;
   }
   for (const SpringRow& spring : scratch.springs) {
     if (!(spring.damping > 0)) continue;

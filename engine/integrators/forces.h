@@ -19,7 +19,8 @@ void add_forces(Model& model);
 void prepare_forces(const Model& model, const State& state, Scratch& scratch);
 
 /// Adds the accelerations of quadratic drags and dampers at the velocities of scratch.bodies to scratch.accelerations.
-void add_velocity_forces(const Model& model, const State& state, Scratch& scratch);
+/// A drag takes away at most `drag_rate_max` of a velocity, 1/s: what explicit schemes need to stay stable.
+void add_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max);
 
 enum class FlowOrder : std::uint8_t { forward, backward };
 

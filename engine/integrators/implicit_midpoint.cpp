@@ -9,6 +9,8 @@
 // attraction that weakens with distance). This only slows the iteration. The linear equations are solved by conjugate
 // gradients to 1e-3. The iteration ends when positions change by less than 64 epsilon of their size, after 60
 // iterations at the latest; the substep is then counted as unconverged.
+#include <limits>
+
 #include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/model/bodies.h"
@@ -190,7 +192,7 @@ Real size_of_system(const Model& model, const State& state, const Scratch& scrat
 /// One Newton iteration. Returns the largest change of a position relative to the tolerance.
 Real newton_iteration(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
   move_to_middle(scratch, h);
-  total_accelerations(model, state, scratch);
+  total_accelerations(model, state, scratch, std::numeric_limits<Real>::max());
   scratch.newton[residual].assign(scratch.newton[residual].size(), Twist{});
   for (const std::uint32_t row : scratch.moving_rows) {
     const MovingBody& body = scratch.bodies[row];

@@ -25,7 +25,7 @@ void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real) {
 void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
   save_start(state, scratch);
   for (const RungeKuttaStage& stage : rk4_stages) {
-    total_accelerations(model, state, scratch);
+    total_accelerations(model, state, scratch, 1 / h);
     for (const std::uint32_t row : scratch.moving_rows) {
       MovingBody& body = scratch.bodies[row];
       StageRow& sums = scratch.stages[row];

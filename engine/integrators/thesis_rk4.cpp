@@ -33,7 +33,7 @@ void begin_thesis_rk4(const Model& model, const State& state, Scratch& scratch, 
 }
 
 void predict_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
-  total_accelerations(model, state, scratch);
+  total_accelerations(model, state, scratch, 1 / h);
   scratch.velocity_offsets.resize(state.bodies.size());
   scratch.predicted.resize(state.bodies.size());
   for (const std::uint32_t row : scratch.moving_rows) {

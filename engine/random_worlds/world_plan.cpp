@@ -196,6 +196,18 @@ void fit_automatic_substeps(Draw& draw, WorldPlan& plan) {
   if (plan.body_count > 60) plan.joints.clear();
 }
 
+/// Islands are solved in blocks (engine/contacts/contact_blocks.h) only where nothing but contacts acts between bodies.
+void draw_contacts_alone(Draw& draw, WorldPlan& plan) {
+  if (!plan.solver().substeps || !plan.carries_constraints() || !draw.chance(15)) return;
+  for (const WorldFeature feature :
+       {WorldFeature::restitution, WorldFeature::kinematic_movers, WorldFeature::locate_impacts})
+    plan.features[static_cast<std::size_t>(feature)] = false;
+  plan.settings.locate_impacts = false;
+  plan.joints.clear();
+  plan.forces.clear();
+  std::erase_if(plan.inputs, [](InputKind kind) { return info_of(input_kinds, kind).is_of_pointer; });
+}
+
 }  // namespace
 
 double Draw::power(int low, int high) {
@@ -213,6 +225,7 @@ WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options) {
   draw_kinds(draw, plan);
   plan.body_count = draw_body_count(draw, options.body_count_max);
   draw_quiet(draw, plan);
+  draw_contacts_alone(draw, plan);
   fit_automatic_substeps(draw, plan);
   // An impact of the largest body tests the pairs of all others again.
   if (plan.has(WorldFeature::size_ratio) && plan.body_count > 60) plan.settings.locate_impacts = false;

@@ -18,14 +18,18 @@ import time
 
 # Files whose structures outlive a tick, or that put constraints into batches.
 CACHE_FILES = """
-engine/broad_phase/aabb_tree.cpp engine/broad_phase/box_tree.cpp engine/broad_phase/neighbour_cells.cpp
-engine/broad_phase/sort_pairs.cpp engine/broad_phase/pair_listing.h engine/broad_phase/box_tree.h
-engine/narrow_phase/narrow_phase.cpp engine/narrow_phase/box_pairs.cpp engine/narrow_phase/box_pairs.h
-engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp engine/contacts/contact_coloring.cpp
-engine/contacts/contact_filling.cpp engine/islands/solver_sets.cpp engine/joints/batched/driven_revolute_batch.cpp
-engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/batched/level_schedule.cpp
+engine/broad_phase/aabb_tree.cpp engine/broad_phase/aabb_tree.h engine/broad_phase/box_tree.cpp
+engine/broad_phase/box_tree.h engine/broad_phase/neighbour_cells.cpp engine/broad_phase/pair_list.cpp
+engine/broad_phase/pair_list.h engine/broad_phase/pair_listing.h engine/broad_phase/proxy_boxes.cpp
+engine/broad_phase/proxy_boxes.h engine/broad_phase/sort_pairs.cpp engine/narrow_phase/narrow_phase.cpp
+engine/narrow_phase/contact_caches.h engine/narrow_phase/pair_block.h engine/narrow_phase/box_pairs.cpp
+engine/narrow_phase/box_pairs.h engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp
+engine/contacts/contact_coloring.cpp engine/contacts/contact_coloring.h engine/contacts/contact_filling.cpp
+engine/islands/solver_sets.cpp engine/joints/joint_order.cpp engine/joints/joint_plan.cpp
+engine/joints/batched/driven_revolute_batch.cpp engine/joints/batched/level_schedule.cpp
 engine/joints/batched/revolute_batch.cpp engine/joints/batched/wavefront.cpp engine/model/bodies.cpp
-engine/integrators/flow.cpp engine/model/motion_bounds.h engine/model/scratch.cpp
+engine/model/bodies.h engine/integrators/flow.cpp engine/integrators/motion_rows.h engine/model/motion_bounds.cpp
+engine/model/motion_bounds.h engine/model/margins.h engine/model/scratch.cpp
 """.split()
 
 REPLACEMENTS = {

@@ -139,10 +139,11 @@ Json failures_json(const SoakCounters& counters) {
 std::string soak_text(const SoakOptions& options, const SoakReport& report, const KnownComparison& known) {
   const SoakCounters& counters = report.counters;
   const bool is_clean = counters.failures.empty() && known.rose.empty();
-  std::string text = fmt::format("{}  soak --seed {}  {} worlds, {} found\n", is_clean ? "match" : "FOUND",
-                                 options.seed, counters.world_count, counters.failures.size());
-  text += failures_text(counters);
-  for (const std::string& line : known.rose) text += "  physics, more than is known  " + line + "\n";
+  std::string verdict = fmt::format("{}  soak --seed {}  {} worlds, {} found\n", is_clean ? "match" : "FOUND",
+                                    options.seed, counters.world_count, counters.failures.size()) +
+                        failures_text(counters);
+  for (const std::string& line : known.rose) verdict += "  physics, more than is known  " + line + "\n";
+  std::string text = verdict;
   for (const std::string& line : known.fell) text += "  physics, less than is known  " + line + "\n";
   if (options.known_world_count > 0)
     text += fmt::format("  physics of the first {} worlds: {}\n", options.known_world_count,
@@ -155,6 +156,7 @@ std::string soak_text(const SoakOptions& options, const SoakReport& report, cons
   text += checks_text(counters) + caches_text(counters) + choices_text(options, counters);
   text += fmt::format("  time    {:.1f} s for {} worlds, {:.2f} worlds/s\n", report.seconds, report.new_worlds,
                       worlds_per_second(report));
+  if (!is_clean) text += verdict;  // again: many lines are between, and a log may show its end alone
   return text;
 }
 
