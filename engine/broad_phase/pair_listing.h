@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 
+#include "engine/broad_phase/broad_phase_work.h"
 #include "engine/model/tick_lists.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
