@@ -15,7 +15,7 @@ complain() {
 }
 
 mkdir -p "$prefix/include" "$prefix/lib" "$work/outer"
-for entry in CLI nlohmann fmt xxhash.h catch2 zstd.h; do
+for entry in CLI nlohmann fmt stb xxhash.h catch2 zstd.h; do
   [ -e "/usr/include/$entry" ] || exit 77
   cp -r "/usr/include/$entry" "$prefix/include/$entry"
 done
@@ -28,7 +28,7 @@ OUTER
 cmake -S "$work/outer" -B "$work/build" -G Ninja "-DCMAKE_PREFIX_PATH=$prefix" -DTICKTRUE_BUILD_TESTS=ON \
   -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$work/log" 2>&1 || { cat "$work/log"; complain "configuration"; }
 
-for entry in CLI nlohmann fmt xxhash.h catch2; do
+for entry in CLI nlohmann fmt stb xxhash.h catch2; do
   found=$(find "$work/build" -path "*header_farm/$entry" -exec readlink {} \;)
   [ "$found" = "$prefix/include/$entry" ] || complain "$entry: found ${found:-nothing}, expected $prefix/include/$entry"
 done

@@ -62,6 +62,11 @@ class Browser:
 
     def open(self, path):
         self.call('POST', '/url', {'url': 'file://' + path})
+        for _ in range(500):  # poses are unpacked behind the load
+            if self.run('return document.body.dataset.ready') == 'yes':
+                return
+            time.sleep(0.01)
+        check(False, path + ' was not ready after 5 s')
 
     def run(self, script, *arguments):
         return self.call('POST', '/execute/sync', {'script': script, 'args': list(arguments)})

@@ -156,6 +156,33 @@ TEST_CASE("report page: text and JSON are escaped", "[verifier][report_html][ana
   CHECK(Json::parse(safe) == Json::array({"</script>", "<!--", "a&b"}));
 }
 
+/// [body][frame in which the body exists], as tool/report_page/frame_coding.h says.
+std::vector<std::vector<verifier::GridPose>> decode_frames(const verifier::CodedFrames& coded,
+                                                           const std::vector<std::uint64_t>& ticks_done) {
+  ByteReader in(coded.numbers);
+  std::vector<std::vector<verifier::GridPose>> poses;
+  for (const std::vector<verifier::BodyFrames>& parts : coded.presence) {
+    std::vector<double> ticks;
+    for (const verifier::BodyFrames& part : parts)
+      for (std::uint32_t i = 0; i < part.count; ++i) ticks.push_back(static_cast<double>(ticks_done[part.first + i]));
+    auto& of_body = poses.emplace_back(ticks.size());
+    for (const auto lane : {&verifier::GridPose::x, &verifier::GridPose::y, &verifier::GridPose::angle})
+      for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const auto value = [&](std::size_t back) { return static_cast<double>(of_body[i - back].*lane); };
+        double predicted = i == 0 ? 0 : value(1);
+        if (i > 1)
+          predicted +=
+              std::floor((value(1) - value(2)) * (ticks[i] - ticks[i - 1]) / (ticks[i - 1] - ticks[i - 2]) + 0.5);
+        predicted = std::max(-536870912.0, std::min(predicted, 536870912.0));
+        const auto number = static_cast<std::int64_t>(in.varint());
+        const std::int64_t rest = number % 2 == 0 ? number / 2 : -(number + 1) / 2;
+        of_body[i].*lane = static_cast<std::int32_t>(static_cast<std::int64_t>(predicted) + rest);
+      }
+  }
+  CHECK(in.at_end());
+  return poses;
+}
+
 TEST_CASE("report page: frames come back from their codes as they were on the grid",
           "[verifier][report_html][equivalence]") {
   const verifier::PoseGrid grid{1.0 / 1024, 4096};
@@ -186,7 +213,7 @@ TEST_CASE("report page: frames come back from their codes as they were on the gr
   CHECK(coded.presence[1].size() == 3);
   std::vector<std::uint64_t> ticks;
   for (const Frame& frame : frames) ticks.push_back(frame.ticks_done);
-  const auto decoded = verifier::decode_frames(coded, ticks);
+  const auto decoded = decode_frames(coded, ticks);
   REQUIRE(decoded.size() == body_count);
   std::vector<std::size_t> at(body_count, 0);
   bool same = true;

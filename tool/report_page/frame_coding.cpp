@@ -1,4 +1,4 @@
-// Rounding, prediction and Rice codes.
+// Rounding and prediction.
 // SPDX-License-Identifier: MIT
 #include "tool/report_page/frame_coding.h"
 
@@ -11,95 +11,13 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t block_length = 32;
-constexpr std::uint32_t quotient_max = 24;  // from here on the whole number is written
 constexpr std::int32_t grid_max = 1 << 28;  // further out bodies are drawn at this number
 constexpr double prediction_max = 1 << 29;
 
-/// Bits one by one, the highest of a byte first.
-class BitWriter {
- public:
-  void put(std::uint32_t value, unsigned bit_count) {
-    for (unsigned i = bit_count; i-- > 0;) {
-      if (used_ == 0) bytes_.push_back(0);
-      bytes_.back() = static_cast<std::uint8_t>(bytes_.back() | ((value >> i & 1u) << (7 - used_)));
-      used_ = (used_ + 1) % 8;
-    }
-  }
-  Bytes take() { return std::move(bytes_); }
-
- private:
-  Bytes bytes_;
-  unsigned used_ = 0;  // bits of the last byte
-};
-
-class BitReader {
- public:
-  explicit BitReader(ByteView bytes) : bytes_(bytes) {}
-  std::uint32_t take(unsigned bit_count) {
-    std::uint32_t value = 0;
-    for (unsigned i = 0; i < bit_count; ++i, ++at_) {
-      const std::uint8_t byte = at_ / 8 < bytes_.size() ? bytes_[at_ / 8] : std::uint8_t{0};
-      value = value << 1 | (byte >> (7 - at_ % 8) & 1u);
-    }
-    return value;
-  }
-
- private:
-  ByteView bytes_;
-  std::size_t at_ = 0;  // bit
-};
-
+/// 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
 std::uint32_t without_sign(std::int32_t value) {
   return static_cast<std::uint32_t>(value) << 1 ^ (value < 0 ? 0xffffffffu : 0u);
 }
-std::int32_t with_sign(std::uint32_t value) {
-  return static_cast<std::int32_t>(value >> 1 ^ ((value & 1u) != 0 ? 0xffffffffu : 0u));
-}
-
-std::uint64_t rice_size(std::span<const std::uint32_t> block, unsigned k) {
-  std::uint64_t size = 0;
-  for (const std::uint32_t value : block) {
-    const std::uint32_t quotient = value >> k;
-    size += quotient < quotient_max ? quotient + 1 + k : quotient_max + 32;
-  }
-  return size;
-}
-
-void put_block(std::span<const std::uint32_t> block, BitWriter& out) {
-  if (std::all_of(block.begin(), block.end(), [](std::uint32_t value) { return value == 0; })) {
-    out.put(0, 1);
-    return;
-  }
-  unsigned best = 0;
-  for (unsigned k = 1; k < 31; ++k)
-    if (rice_size(block, k) < rice_size(block, best)) best = k;
-  out.put(1, 1);
-  out.put(best, 5);
-  for (const std::uint32_t value : block) {
-    const std::uint32_t quotient = value >> best;
-    if (quotient < quotient_max) {
-      out.put((1u << quotient) - 1, quotient);
-      out.put(0, 1);
-      out.put(value & ((1u << best) - 1), best);
-    } else {
-      out.put((1u << quotient_max) - 1, quotient_max);
-      out.put(value, 32);
-    }
-  }
-}
-
-void take_block(BitReader& in, std::span<std::uint32_t> block) {
-  std::fill(block.begin(), block.end(), 0u);
-  if (in.take(1) == 0) return;
-  const unsigned k = in.take(5);
-  for (std::uint32_t& value : block) {
-    std::uint32_t quotient = 0;
-    while (quotient < quotient_max && in.take(1) == 1) ++quotient;
-    value = quotient < quotient_max ? quotient << k | in.take(k) : in.take(32);
-  }
-}
-
 /// The predicted next value of a lane. page_base.js computes the same: double arithmetic that is exact except for the
 /// division.
 class Predictor {
@@ -182,43 +100,17 @@ CodedFrames code_frames(const std::vector<Frame>& frames, std::size_t body_count
         rows.push_back({f, 1});
       poses[pose.body].emplace_back(frames[f].ticks_done, to_grid(pose, grid));
     }
-  BitWriter out;
-  std::vector<std::uint32_t> rest;
+  ByteWriter out;
   for (const auto& of_body : poses)
     for (const auto lane : grid_lanes) {
       Predictor predictor;
-      rest.clear();
       for (const auto& [tick, pose] : of_body) {
-        rest.push_back(without_sign(pose.*lane - predictor.next(tick)));
+        out.varint(without_sign(pose.*lane - predictor.next(tick)));
         predictor.process(tick, pose.*lane);
       }
-      for (std::size_t i = 0; i < rest.size(); i += block_length)
-        put_block(std::span(rest).subspan(i, std::min(block_length, rest.size() - i)), out);
     }
-  coded.bits = out.take();
+  coded.numbers = out.take();
   return coded;
-}
-
-std::vector<std::vector<GridPose>> decode_frames(const CodedFrames& coded, std::span<const std::uint64_t> ticks_done) {
-  std::vector<std::vector<GridPose>> poses;
-  BitReader in(coded.bits);
-  for (const std::vector<BodyFrames>& rows : coded.presence) {
-    std::vector<std::uint64_t> ticks;
-    for (const BodyFrames& part : rows)
-      for (std::uint32_t i = 0; i < part.count; ++i) ticks.push_back(ticks_done[part.first + i]);
-    std::vector<GridPose>& of_body = poses.emplace_back(ticks.size());
-    std::vector<std::uint32_t> rest(ticks.size());
-    for (const auto lane : grid_lanes) {
-      Predictor predictor;
-      for (std::size_t i = 0; i < rest.size(); i += block_length)
-        take_block(in, std::span(rest).subspan(i, std::min(block_length, rest.size() - i)));
-      for (std::size_t i = 0; i < ticks.size(); ++i) {
-        of_body[i].*lane = predictor.next(ticks[i]) + with_sign(rest[i]);
-        predictor.process(ticks[i], of_body[i].*lane);
-      }
-    }
-  }
-  return poses;
 }
 
 std::string base64(ByteView bytes) {

@@ -1,19 +1,16 @@
-// Compresses poses: rounding to a grid, prediction from the two previous frames, Rice codes of the residuals.
+// Makes poses small numbers: rounding to a grid, prediction from the two previous frames.
 // SPDX-License-Identifier: MIT
 //
-// Source: Rice, "Some Practical Universal Noiseless Coding Techniques", 1979.
-// page_base.js decodes this format: change both together.
+// page_base.js decodes this format: change both together. Packed by zlib the numbers of four golden traces take 0.7 to
+// 1.35 of the bytes of Rice codes, which an earlier version had: at most 3 % of a page.
 //
 // For each body, then for each of x, y and angle: the values at the frames in which the body is there, whole numbers of
 // the grid. A value is predicted to move on as it did between the two frames before, in proportion to their ticks. The
-// differences from that come in blocks of 32: a bit 0 if all are 0; else a bit 1, five bits k, and each difference as a
-// number without sign (0, -1, 1, -2, ... become 0, 1, 2, 3, ...): its high bits as so many bits 1 and a bit 0, then its
-// k low bits. From 24 bits 1 on there is no bit 0, and the whole number follows in 32 bits. The first bit of a byte is
-// its highest.
+// difference from that becomes a number without sign (0, -1, 1, -2, ... become 0, 1, 2, 3, ...) of 7 bits a byte, low
+// bits first, the top bit set on all but the last.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "base/bytes.h"
@@ -38,7 +35,7 @@ struct BodyFrames {
 
 struct CodedFrames {
   std::vector<std::vector<BodyFrames>> presence;  // [body]
-  Bytes bits;
+  Bytes numbers;
 };
 
 /// `body_count`: number of bodies that the poses refer to.
@@ -49,9 +46,6 @@ struct GridPose {
   std::int32_t x = 0, y = 0, angle = 0;
 };
 GridPose to_grid(const Pose& pose, const PoseGrid& grid);
-
-/// Decodes poses: [body][frame in which the body exists]. For tests; missing bits count as zeros.
-std::vector<std::vector<GridPose>> decode_frames(const CodedFrames& coded, std::span<const std::uint64_t> ticks_done);
 
 std::string base64(ByteView bytes);
 

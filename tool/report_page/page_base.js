@@ -3,7 +3,9 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.verify;
 const film = data.film;
-const playback = film ? film.playback : null;
+const canUnpack = typeof DecompressionStream !== 'undefined';
+if (film && film.playback && !canUnpack) film.no_poses = 'This browser cannot unpack the poses: it is older than 2023.';
+const playback = film && canUnpack ? film.playback : null;
 
 // --- small things -------------------------------------------------------------------------------------------------
 
@@ -45,6 +47,11 @@ function bytesOf(text) {
   for (let i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
   return bytes;
 }
+/** The bytes of a zlib stream. */
+async function inflated(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
 function floatsOf(text) {
   const bytes = bytesOf(text);
   const view = new DataView(bytes.buffer);
@@ -70,32 +77,20 @@ function lastIndexBelow(sorted, value) {
 
 // --- frames -------------------------------------------------------------------------------------------------------
 
-/** Reads the codes of tool/report_page/frame_coding.h. */
-class Bits {
+/** Reads the numbers of tool/report_page/frame_coding.h. */
+class Numbers {
   constructor(bytes) {
     this.bytes = bytes;
     this.at = 0;
   }
-  bit() {
-    const bit = (this.bytes[this.at >> 3] >> (7 - (this.at & 7))) & 1;
-    ++this.at;
-    return bit;
-  }
-  number(bitCount) {
+  next() {
     let value = 0;
-    for (let i = 0; i < bitCount; ++i) value = value * 2 + this.bit();
-    return value;
-  }
-  block(out, begin, end) {
-    out.fill(0, begin, end);
-    if (this.bit() === 0) return;
-    const k = this.number(5);
-    for (let i = begin; i < end; ++i) {
-      let quotient = 0;
-      while (quotient < 24 && this.bit() === 1) ++quotient;
-      const code = quotient < 24 ? quotient * 2 ** k + this.number(k) : this.number(32);
-      out[i] = code % 2 === 0 ? code / 2 : -(code + 1) / 2;
+    for (let scale = 1; this.at < this.bytes.length; scale *= 128) {
+      const byte = this.bytes[this.at++];
+      value += (byte & 127) * scale;
+      if (byte < 128) break;
     }
+    return value % 2 === 0 ? value / 2 : -(value + 1) / 2;
   }
 }
 
@@ -111,7 +106,7 @@ function predict(ticks, values, i) {
 
 /** Bodies over frames; poses in metres and radians. */
 class Track {
-  constructor(coded, grid) {
+  constructor(coded, grid, numbers) {
     this.ticks = coded.ticks;
     this.ids = coded.ids;
     this.names = coded.names;
@@ -120,18 +115,16 @@ class Track {
     this.lanes = [];
     this.length = grid.length;
     this.turn = (2 * Math.PI) / grid.angle_count;
-    const bits = new Bits(bytesOf(coded.bits));
-    for (const parts of coded.presence) this.lanes.push(this.decodeBody(bits, parts));
+    for (const parts of coded.presence) this.lanes.push(this.decodeBody(numbers, parts));
   }
-  decodeBody(bits, parts) {
+  decodeBody(numbers, parts) {
     const ticks = [];
     for (let p = 0; p < parts.length; p += 2)
       for (let i = 0; i < parts[p + 1]; ++i) ticks.push(this.ticks[parts[p] + i]);
     const lanes = [];
     for (let lane = 0; lane < 3; ++lane) {
       const values = new Int32Array(ticks.length);
-      for (let i = 0; i < ticks.length; i += 32) bits.block(values, i, Math.min(i + 32, ticks.length));
-      for (let i = 0; i < ticks.length; ++i) values[i] += predict(ticks, values, i);
+      for (let i = 0; i < ticks.length; ++i) values[i] = numbers.next() + predict(ticks, values, i);
       lanes.push(values);
     }
     return lanes;
@@ -163,8 +156,9 @@ class Track {
   }
 }
 
-const track = playback ? new Track(playback.bodies, playback.grid) : null;
-const ghosts = playback && playback.ghosts ? new Track(playback.ghosts, playback.grid) : null;
+const trackOf = async (coded) => new Track(coded, playback.grid, new Numbers(await inflated(bytesOf(coded.numbers))));
+const track = playback ? await trackOf(playback.bodies) : null;
+const ghosts = playback && playback.ghosts ? await trackOf(playback.ghosts) : null;
 const times = playback ? doublesOf(playback.times) : null;
 const tickCount = film ? film.tick_count : 0;
 const focus = data.focus;  // ticks done

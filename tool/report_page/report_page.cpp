@@ -13,6 +13,7 @@
 #include "base/build_info.h"
 #include "base/plain_text.h"
 #include "replay/trace_reader.h"
+#include "tool/output/compression.h"
 #include "tool/report_page/animation.h"
 #include "tool/report_page/frame_coding.h"
 #include "tool/report_page/page_parts.h"
@@ -221,8 +222,9 @@ Json frames_json(const std::vector<Frame>& frames, const Animation& animation, c
     names.push_back(body.name);
     shapes.push_back(figures.index_of(animation.figures[body.figure]));
   }
-  return {{"ticks", std::move(ticks)},   {"ids", std::move(ids)},           {"names", std::move(names)},
-          {"figure", std::move(shapes)}, {"presence", std::move(presence)}, {"bits", base64(coded.bits)}};
+  return {{"ticks", std::move(ticks)},       {"ids", std::move(ids)},
+          {"names", std::move(names)},       {"figure", std::move(shapes)},
+          {"presence", std::move(presence)}, {"numbers", base64(zlib_of(coded.numbers))}};
 }
 
 Json sums_json(const Animation& animation) {
