@@ -2,45 +2,9 @@
 // SPDX-License-Identifier: MIT
 #include "engine/scene/json_reader.h"
 
-#include "base/limits.h"
 #include "engine/json/number_text.h"
 
 namespace ticktrue::engine {
-namespace {
-
-/// Insertions, deletions and replacements that turn one word into the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      std::size_t best = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      if (above + 1 < best) best = above + 1;
-      if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
-      row[j] = best;
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
-
-}  // namespace
-
-std::string suggestion(std::string_view word, const std::vector<std::string_view>& known) {
-  if (word.size() > limits::name_size_max) return {};
-  std::string_view best;
-  std::size_t best_distance = word.size() / 3 + 2;
-  for (const std::string_view candidate : known) {
-    const std::size_t distance = edit_distance(word, candidate);
-    if (distance >= best_distance || distance >= candidate.size()) continue;
-    best_distance = distance;
-    best = candidate;
-  }
-  return best.empty() ? std::string() : "did you mean " + std::string(best) + "?";
-}
 
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;

@@ -10,6 +10,7 @@
 
 #include "base/result.h"
 #include "engine/json/json_tree.h"
+#include "engine/json/nearest_name.h"
 #include "engine/scene/choices.h"
 #include "engine/scene/scene.h"
 
@@ -27,9 +28,6 @@ struct JsonPath {
     return prefix.empty() ? std::string(key) : prefix + "." + std::string(key);
   }
 };
-
-/// "did you mean x?", or nothing where no known word is near.
-std::string suggestion(std::string_view word, const std::vector<std::string_view>& known);
 
 /// "a, b or c".
 std::string listed(const std::vector<std::string_view>& words);

@@ -14,6 +14,7 @@
 #include "base/limits.h"
 #include "base/plain_text.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/json/nearest_name.h"
 #include "engine/scene/scene_json.h"
 #include "verifier/runs/data_file.h"
 
@@ -42,24 +43,6 @@ void print_message(const char* kind, std::string_view text) {
   if (data_output != nullptr)
     std::fflush(data_output);  // on a terminal, data printed before the message stands before it
   std::fprintf(stderr, "ticktrue: %s: %s\n", kind, plain_line(text).c_str());
-}
-
-/// Letters to insert, remove, replace or exchange with a neighbour to get from `a` to `b`.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) {
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        cost[i][j] = i + j;
-        continue;
-      }
-      const std::size_t replaced = cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-      cost[i][j] = std::min({replaced, cost[i - 1][j] + 1, cost[i][j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
-    }
-  }
-  return cost[a.size()][b.size()];
 }
 
 std::optional<std::uint64_t> parse_number(std::string_view text) {
@@ -178,18 +161,7 @@ Result<std::string> read_text_file(const std::string& path, std::size_t size_max
 }
 
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
-  if (typed.empty() || typed.size() > limits::name_size_max) return "";
-  std::string nearest;
-  std::size_t nearest_distance = std::max<std::size_t>(2, typed.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    const bool begins = candidate.compare(0, typed.size(), typed) == 0;
-    const std::size_t distance = begins ? 1 : edit_distance(typed, candidate);
-    if (distance < nearest_distance && distance < candidate.size()) {
-      nearest = candidate;
-      nearest_distance = distance;
-    }
-  }
-  return nearest;
+  return std::string(engine::nearest_name(typed, {candidates.begin(), candidates.end()}));
 }
 
 Result<engine::Scene> load_scene_argument(const std::string& text) {

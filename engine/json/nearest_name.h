@@ -1,0 +1,17 @@
+// The known name that somebody most likely meant.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ticktrue::engine {
+
+/// The candidate nearest to the typed text (few edits, or its beginning); empty if none is near.
+std::string_view nearest_name(std::string_view typed, const std::vector<std::string_view>& candidates);
+
+/// "did you mean x?", or nothing where no candidate is near.
+std::string suggestion(std::string_view typed, const std::vector<std::string_view>& candidates);
+
+}  // namespace ticktrue::engine
