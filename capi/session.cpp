@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/limits.h"
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
 namespace ticktrue::capi {

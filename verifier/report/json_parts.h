@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {

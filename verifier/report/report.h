@@ -13,7 +13,7 @@
 #include "base/result.h"
 #include "base/state/non_finite.h"
 #include "base/state/state_view.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "verifier/report/exit_codes.h"
 
 namespace ticktrue::verifier {
