@@ -42,6 +42,7 @@ Session::Session(const ticktrue_options& options) {
     fail(status.error());
     return;
   }
+  set_facts();
   if (!comparing_) return;
   if (!comparing_->check_identity(identity_)) stop(TICKTRUE_FAILED);
 }
@@ -58,7 +59,9 @@ Status Session::check_options(const ticktrue_options& options) {
   if (identity_.name.compare(0, 9, "ticktrue.") == 0)
     return usage("options: name: found " + identity_.name + ", expected one that does not begin with ticktrue.");
   identity_.version = options.version;
-  identity_.build = std::string(text_of(options.build));
+  facts_ = ProgramFacts(std::string(text_of(options.build)));
+  if (options.caller_facts != nullptr)
+    if (const Status status = facts_.add("", options.caller_facts); !status) return status;
   if ((options.flags & ~known_flags) != 0)
     return usage("options: flags: found " + number(options.flags) + ", expected those of this header",
                  "the library may be older than the header");
@@ -140,6 +143,21 @@ bool Session::can_call(const char* what) {
 
 ByteView Session::setup() const {
   return comparing_ ? ByteView(comparing_->setup().setup) : ByteView(setup_);
+}
+
+void Session::set_facts() {
+  if (recording_) recording_->set_facts(facts_.all());
+  if (comparing_) comparing_->set_facts(facts_.all());
+}
+
+int Session::build_facts(const char* unit, const char* facts) {
+  if (!can_call("build_facts")) return status_;
+  if (phase_ != Phase::registering)
+    return wrong_order("build_facts: found facts after the first tick", "give them before the first tick");
+  if (const Status status = check_name("build_facts: unit", text_of(unit)); !status) return fail(status.error());
+  if (const Status status = facts_.add(text_of(unit), facts); !status) return fail(status.error());
+  set_facts();
+  return TICKTRUE_OK;
 }
 
 int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,

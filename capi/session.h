@@ -13,6 +13,7 @@
 #include "base/result.h"
 #include "base/state/gathered_state.h"
 #include "capi/comparing.h"
+#include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/tick.h"
 #include "include/ticktrue.h"
@@ -32,6 +33,7 @@ class Session {
   std::uint64_t tick() const { return tick_; }
   ByteView setup() const;
 
+  int build_facts(const char* unit, const char* facts);
   int column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes, std::uint32_t rows,
              std::size_t stride);
   int key(const char* table, std::uint32_t columns);
@@ -71,6 +73,7 @@ class Session {
   };
 
   Status check_options(const ticktrue_options& options);
+  void set_facts();
   int stop(int status);
   int wrong_order(const std::string& what, const std::string& hint);
   bool can_call(const char* what);
@@ -84,6 +87,7 @@ class Session {
   int finish_recording();
 
   Identity identity_;
+  ProgramFacts facts_;
   std::string path_;
   std::uint32_t flags_ = 0;
   std::uint32_t rollback_max_ = 0;

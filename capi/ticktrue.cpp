@@ -133,6 +133,9 @@ const void* ticktrue_setup(ticktrue_session* session, size_t* size) {
   return setup.empty() ? nullptr : setup.data();
 }
 
+int ticktrue_build_facts(ticktrue_session* session, const char* unit, const char* facts) {
+  return without_exceptions(session, [&](Session& s) { return s.build_facts(unit, facts); });
+}
 int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data, int type,
                     uint32_t lanes, uint32_t rows, size_t stride) {
   return without_exceptions(session,

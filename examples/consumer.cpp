@@ -47,6 +47,7 @@ int run(int argc, char** argv, double fault) {
   options.struct_size = sizeof options;
   options.name = "consumer-example";
   options.detail = TICKTRUE_DETAIL_FULL;
+  options.caller_facts = TICKTRUE_CALLER_FACTS;
   ticktrue_session* session = ticktrue_open_arguments(&options, argc, argv);
   World world(20);
   world.show(session);

@@ -764,7 +764,8 @@ TEST_CASE("the layout of the structs is the one that programs were built with", 
   CHECK(offsetof(ticktrue_options, setup) == 40);
   CHECK(offsetof(ticktrue_options, dt) == 72);
   CHECK(offsetof(ticktrue_options, rollback_max) == 100);
-  CHECK(sizeof(ticktrue_options) == 104);
+  CHECK(offsetof(ticktrue_options, caller_facts) == 104);
+  CHECK(sizeof(ticktrue_options) == 112);
   CHECK(offsetof(ticktrue_host, column) == 16);
   CHECK(sizeof(ticktrue_host) == 48);
   CHECK(offsetof(ticktrue_plugin, name) == 16);

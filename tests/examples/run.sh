@@ -159,6 +159,8 @@ expect 3 "\`ticktrue recover\` makes a complete trace of it" ./lockstep --verify
 expect 0 "recovered" "$tool" recover cut.ttr -o saved.ttr
 expect 0 "match  saved.ttr" ./lockstep --verify saved.ttr
 expect 1 "1 ulp" ./lockstep --verify lockstep.ttr --bug order
+expect 1 "  program recorded " ./lockstep --verify lockstep.ttr --bug order
+expect 0 "fused no" "$tool" show lockstep.ttr
 expect 2 "--bug: found odrer, expected order, clock" ./lockstep --verify lockstep.ttr --bug odrer
 expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
 expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
