@@ -11,7 +11,7 @@
 #include "base/state/gathered_state.h"
 #include "capi/tick.h"
 
-#if defined(__ELF__) && __has_include(<link.h>)
+#if defined(__linux__) && defined(__ELF__)
 #include <link.h>
 #define TICKTRUE_HAS_PROGRAM_NOTES
 #endif

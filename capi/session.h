@@ -36,6 +36,10 @@ class Session {
   int build_facts(const char* unit, const char* facts);
   int column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes, std::uint32_t rows,
              std::size_t stride);
+  /// `table_number` becomes that of the table.
+  int table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
+            std::uint32_t& table_number);
+  int rows(std::uint32_t table, const void* base, std::uint32_t rows);
   int key(const char* table, std::uint32_t columns);
   int reference(const char* table, const char* column, const char* target);
   int row_names(const char* table, ticktrue_namer call, void* user);

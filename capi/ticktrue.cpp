@@ -141,6 +141,16 @@ int ticktrue_column(ticktrue_session* session, const char* table, const char* na
   return without_exceptions(session,
                             [&](Session& s) { return s.column(table, name, data, type, lanes, rows, stride); });
 }
+uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride, const ticktrue_member* members,
+                        uint32_t member_count) {
+  std::uint32_t number = 0;
+  const int status =
+      without_exceptions(session, [&](Session& s) { return s.table(name, stride, members, member_count, number); });
+  return status == TICKTRUE_OK ? number : TICKTRUE_NO_TABLE;
+}
+int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows) {
+  return without_exceptions(session, [&](Session& s) { return s.rows(table, base, rows); });
+}
 int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns) {
   return without_exceptions(session, [&](Session& s) { return s.key(table, columns); });
 }

@@ -120,6 +120,32 @@ TICKTRUE_API int ticktrue_build_facts(ticktrue_session* session, const char* uni
 TICKTRUE_API int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data,
                                  int type, uint32_t lanes, uint32_t rows, size_t stride);
 
+/* A column of a table of structs: a member of the struct. TICKTRUE_MEMBER(Ball, position, TICKTRUE_F64) is such a
+   member: an array gives a lane for each value, and `position.x` is a member, too. */
+typedef struct ticktrue_member {
+  const char* name;
+  int32_t type;
+  uint32_t lanes; /* 0: as many as fill `size` */
+  size_t offset;  /* bytes from the begin of the struct */
+  size_t size;    /* bytes; 0: not told */
+} ticktrue_member;
+#ifdef __cplusplus
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(row::member) }
+#else
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(((row*)0)->member) }
+#endif
+#define TICKTRUE_NO_TABLE 0xffffffffu
+
+/* Registers a table whose rows are structs of `stride` bytes: all its columns at once, without rows yet. Returns its
+   number (TICKTRUE_NO_TABLE if it is refused, 0 without a session). */
+TICKTRUE_API uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride,
+                                     const ticktrue_member* members, uint32_t member_count);
+/* Says where its rows lie: `rows` structs from `base` on. Again whenever base or rows have changed. No name is looked
+   up. */
+TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows);
+
 /* The first `columns` columns of the table are its key (unsigned integers; rows ascend): rows are compared by key, so
    that one that is missing is told as such. A table without key is compared by position. */
 TICKTRUE_API int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns);

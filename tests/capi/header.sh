@@ -20,6 +20,14 @@ cat >unit.c <<'UNIT'
 #include "ticktrue.h"
 const char* facts_of_unit(void);
 const char* facts_of_unit(void) { return TICKTRUE_CALLER_FACTS; }
+#if !defined(__cplusplus) || __cplusplus >= 201103L
+typedef struct Place { float x, y; } Place;
+typedef struct Unit { Place place; double position[2]; unsigned char kind; } Unit;
+extern const ticktrue_member unit_members[4];
+const ticktrue_member unit_members[4] = {
+    TICKTRUE_MEMBER(Unit, place.y, TICKTRUE_F32), TICKTRUE_MEMBER(Unit, position, TICKTRUE_F64),
+    TICKTRUE_MEMBER(Unit, position[1], TICKTRUE_F64), TICKTRUE_MEMBER(Unit, kind, TICKTRUE_U8)};
+#endif
 UNIT
 cat >program.c <<'PROGRAM'
 #include "ticktrue.h"

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "capi/program_facts.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +12,7 @@
 #include "base/build_info.h"
 #include "include/ticktrue.h"
 #include "replay/trace_reader.h"
+#include "tests/capi/trace_path.h"
 #include "tests/support/catch.h"
 #include "tests/support/text.h"
 #include "verifier/compare/diff.h"
@@ -25,26 +24,6 @@ namespace {
 using capi::program_build_id;
 using replay::BuildFacts;
 using verifier::FactDifference;
-
-/// The path of a trace in a folder of its own.
-class TracePath {
- public:
-  TracePath() {
-    static int count = 0;
-    folder_ = std::filesystem::temp_directory_path() /
-              ("ticktrue_facts_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-    std::filesystem::create_directories(folder_);
-  }
-  TracePath(const TracePath&) = delete;
-  ~TracePath() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::string operator()(const std::string& name) const { return (folder_ / name).string(); }
-
- private:
-  std::filesystem::path folder_;
-};
 
 struct Run {
   int exit_code = 0;
