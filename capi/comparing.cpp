@@ -67,7 +67,6 @@ void Comparing::not_comparable(const std::string& reason, const std::string& hin
 }
 
 bool Comparing::check_identity(const Identity& identity) {
-  build_ = identity.build;
   if (setup().simulation != identity.name) {
     not_comparable("simulation: recorded with " + setup().simulation + ", this program is " + identity.name,
                    "verify it with the program that recorded it");
@@ -220,7 +219,6 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   if (const auto place = find_non_finite(*done.state))
     report_.notes.push_back("the state here is not finite: " + place_text(*done.state->schema, *place, row_name));
   note_addresses(divergence);
-  if (!build_.empty()) report_.notes.push_back("this program's build: " + build_);
   const std::string tick = std::to_string(done.tick);
   if (divergence.rows.empty())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +

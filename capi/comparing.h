@@ -32,6 +32,8 @@ class Comparing {
 
   const replay::TraceSetup& setup() const { return reader_.setup(); }
 
+  /// What is known of the build of this program.
+  void set_facts(replay::BuildFacts facts) { report_.here_build = std::move(facts); }
   /// Whether the program is the one that recorded. False: the report says what differs.
   bool check_identity(const Identity& identity);
   /// Compares columns, stages and the initial state. False: the report says what differs.
@@ -64,7 +66,6 @@ class Comparing {
   replay::TraceReader reader_;
   verifier::TickComparer comparer_;
   verifier::Report report_;
-  std::string build_;                                  // of the program, as it says
   std::optional<verifier::StoredCheckpoint> initial_;  // the recorded initial state, once it was read
   std::deque<RecordedTick> ahead_;                     // read and not yet compared
   bool at_end_ = false;

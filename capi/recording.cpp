@@ -4,19 +4,10 @@
 
 #include <cstdio>
 
-#include "base/build_info.h"
 #include "base/hash.h"
 
 namespace ticktrue::capi {
 namespace {
-
-replay::BuildFacts facts_of(const Identity& identity) {
-  const BuildInfo& library = build_info();
-  replay::BuildFacts facts{{"version", library.version}, {"commit", library.commit}, {"target", library.target}};
-  if (!identity.build.empty()) facts.emplace_back("build", identity.build);
-  if (const std::string floats = float_deviation(); !floats.empty()) facts.emplace_back("floats", floats);
-  return facts;
-}
 
 std::string reason_name(replay::EndReason reason) {
   for (const replay::EndReasonInfo& info : replay::end_reasons)
@@ -58,7 +49,7 @@ Status Recording::start(const StateView& state, const std::vector<std::string>& 
   setup.stages = stages;
   setup.setup = options_.setup;
   Result<replay::TraceWriter> writer =
-      replay::TraceWriter::create(options_.path, setup, facts_of(options_.identity), options_.writer);
+      replay::TraceWriter::create(options_.path, setup, options_.facts, options_.writer);
   if (!writer) return writer.error();
   writer_.emplace(std::move(*writer));
   first_root_ = root_ = root_hash(state);

@@ -23,6 +23,7 @@ struct RecordingOptions {
   std::uint32_t checkpoint_interval = 0;
   Bytes setup;
   replay::WriterOptions writer;
+  replay::BuildFacts facts;
 };
 
 class Recording {
@@ -30,6 +31,8 @@ class Recording {
   explicit Recording(RecordingOptions options) : options_(std::move(options)) {}
 
   const RecordingOptions& options() const { return options_; }
+  /// Requires: !is_started().
+  void set_facts(replay::BuildFacts facts) { options_.facts = std::move(facts); }
   /// Whether the state and the hashes after each stage of this tick are stored.
   bool wants_stages(std::uint64_t tick) const;
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/limits.h"
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
 namespace ticktrue::capi {
@@ -31,6 +31,10 @@ std::string number(std::uint64_t value) {
   return std::to_string(value);
 }
 
+ScalarType scalar_type(int type) {
+  return static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+}
+
 bool is_dt(double dt) {
   return std::isfinite(dt) && dt >= 0;
 }
@@ -42,6 +46,7 @@ Session::Session(const ticktrue_options& options) {
     fail(status.error());
     return;
   }
+  set_facts();
   if (!comparing_) return;
   if (!comparing_->check_identity(identity_)) stop(TICKTRUE_FAILED);
 }
@@ -58,7 +63,9 @@ Status Session::check_options(const ticktrue_options& options) {
   if (identity_.name.compare(0, 9, "ticktrue.") == 0)
     return usage("options: name: found " + identity_.name + ", expected one that does not begin with ticktrue.");
   identity_.version = options.version;
-  identity_.build = std::string(text_of(options.build));
+  facts_ = ProgramFacts(std::string(text_of(options.build)));
+  if (options.caller_facts != nullptr)
+    if (const Status status = facts_.add("", options.caller_facts); !status) return status;
   if ((options.flags & ~known_flags) != 0)
     return usage("options: flags: found " + number(options.flags) + ", expected those of this header",
                  "the library may be older than the header");
@@ -142,16 +149,69 @@ ByteView Session::setup() const {
   return comparing_ ? ByteView(comparing_->setup().setup) : ByteView(setup_);
 }
 
+void Session::set_facts() {
+  if (recording_) recording_->set_facts(facts_.all());
+  if (comparing_) comparing_->set_facts(facts_.all());
+}
+
+int Session::build_facts(const char* unit, const char* facts) {
+  if (!can_call("build_facts")) return status_;
+  if (phase_ != Phase::registering)
+    return wrong_order("build_facts: found facts after the first tick", "give them before the first tick");
+  if (const Status status = check_name("build_facts: unit", text_of(unit)); !status) return fail(status.error());
+  if (const Status status = facts_.add(text_of(unit), facts); !status) return fail(status.error());
+  set_facts();
+  return TICKTRUE_OK;
+}
+
 int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,
                     std::uint32_t rows, std::size_t stride) {
   if (!can_call("column")) return status_;
   ColumnSource source;
   source.data = data;
-  source.type = static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+  source.type = scalar_type(type);
   source.lane_count = lanes;
   source.row_count = rows;
   source.stride = stride;
   const Status status = state_.column(text_of(table), text_of(name), source);
+  return status ? TICKTRUE_OK : fail(status.error());
+}
+
+int Session::table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
+                   std::uint32_t& table_number) {
+  if (!can_call("table")) return status_;
+  if (const Status status = check_name("table", text_of(name)); !status) return fail(status.error());
+  const std::string place = "table " + std::string(text_of(name)) + ": ";
+  if (members == nullptr || member_count == 0 || member_count > limits::column_count_max)
+    return fail(usage(place + "members: found " + (members == nullptr ? "null" : number(member_count)) +
+                          ", expected 1.." + number(limits::column_count_max),
+                      "each member of the struct that is compared is one of them"));
+  std::vector<RowMember> row(member_count);
+  for (std::uint32_t i = 0; i < member_count; ++i) {
+    const ticktrue_member& member = members[i];
+    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset};
+    if (const Status status = check_name(place + "column", row[i].name); !status) return fail(status.error());
+    const ScalarInfo* scalar = scalar_info(row[i].type);
+    if (scalar == nullptr || member.size == 0) continue;
+    if (member.lanes == 0 && member.size % scalar->size == 0)
+      row[i].lane_count = static_cast<std::uint32_t>(std::min<std::size_t>(member.size / scalar->size, UINT32_MAX));
+    else if (member.lanes == 0 || member.size != std::size_t{scalar->size} * member.lanes)
+      return fail(usage(place + "column " + std::string(row[i].name) + ": bytes in the struct: found " +
+                            number(member.size) + ", expected " +
+                            (member.lanes == 0 ? "a multiple of " + number(scalar->size)
+                                               : number(std::size_t{scalar->size} * member.lanes)) +
+                            " (" + std::string(scalar->name) + ")",
+                        "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double"));
+  }
+  const Result<std::size_t> made = state_.table(text_of(name), stride, row);
+  if (!made) return fail(made.error());
+  table_number = static_cast<std::uint32_t>(*made);
+  return TICKTRUE_OK;
+}
+
+int Session::rows(std::uint32_t table, const void* base, std::uint32_t rows) {
+  if (!can_call("rows")) return status_;
+  const Status status = state_.rows(table, base, rows);
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
@@ -169,7 +229,7 @@ int Session::reference(const char* table, const char* column, const char* target
 
 int Session::row_names(const char* table, ticktrue_namer call, void* user) {
   if (!can_call("row_names")) return status_;
-  if (!state_.schema().find_table(text_of(table)))
+  if (!state_.find_table(text_of(table)))
     return fail(usage("row_names: table " + std::string(text_of(table)) + ": found none of this name",
                       "register its columns first"));
   namers_[std::string(text_of(table))] = {call, user};

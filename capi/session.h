@@ -13,6 +13,7 @@
 #include "base/result.h"
 #include "base/state/gathered_state.h"
 #include "capi/comparing.h"
+#include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/tick.h"
 #include "include/ticktrue.h"
@@ -32,8 +33,13 @@ class Session {
   std::uint64_t tick() const { return tick_; }
   ByteView setup() const;
 
+  int build_facts(const char* unit, const char* facts);
   int column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes, std::uint32_t rows,
              std::size_t stride);
+  /// `table_number` becomes that of the table.
+  int table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
+            std::uint32_t& table_number);
+  int rows(std::uint32_t table, const void* base, std::uint32_t rows);
   int key(const char* table, std::uint32_t columns);
   int reference(const char* table, const char* column, const char* target);
   int row_names(const char* table, ticktrue_namer call, void* user);
@@ -71,6 +77,7 @@ class Session {
   };
 
   Status check_options(const ticktrue_options& options);
+  void set_facts();
   int stop(int status);
   int wrong_order(const std::string& what, const std::string& hint);
   bool can_call(const char* what);
@@ -84,6 +91,7 @@ class Session {
   int finish_recording();
 
   Identity identity_;
+  ProgramFacts facts_;
   std::string path_;
   std::uint32_t flags_ = 0;
   std::uint32_t rollback_max_ = 0;

@@ -26,7 +26,6 @@ struct DoneTick {
 struct Identity {
   std::string name;
   std::uint32_t version = 0;
-  std::string build;
 };
 
 /// How the calling thread's floats deviate from IEEE 754's defaults, as text; empty if they do not.

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: MIT
 #include "include/ticktrue.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <string>
@@ -53,6 +55,19 @@ int without_exceptions(ticktrue_session* handle, Call&& call) {
   }
 }
 
+/// What the headers of all versions give as struct_size, in ascending order.
+constexpr std::size_t option_sizes[] = {
+    offsetof(ticktrue_options, caller_facts),  // version 1
+    sizeof(ticktrue_options),                  // version 2
+};
+
+std::string option_sizes_text() {
+  std::string text;
+  for (std::size_t i = 0; i < std::size(option_sizes); ++i)
+    text += (i > 0 ? ", " : "") + std::to_string(option_sizes[i]) + " (version " + std::to_string(i + 1) + ")";
+  return text;
+}
+
 /// Copies the options into the struct of this library. Fields that an older program lacks are zero.
 bool read_options(const ticktrue_options* given, ticktrue_options& options, std::string& error) {
   options = {};
@@ -60,16 +75,19 @@ bool read_options(const ticktrue_options* given, ticktrue_options& options, std:
     error = "options: found null";
     return false;
   }
-  constexpr std::size_t size_min = offsetof(ticktrue_options, rollback_max) + sizeof(std::uint32_t);
   constexpr std::size_t size_max = 4096;
-  if (given->struct_size < size_min || given->struct_size > size_max) {
-    error = "options: struct_size: found " + std::to_string(given->struct_size) +
-            ", expected sizeof(ticktrue_options), " + std::to_string(sizeof(ticktrue_options));
+  const std::size_t size = given->struct_size;
+  // Between two versions a field would be cut; behind the last one a newer header may have more.
+  const bool is_known = std::find(std::begin(option_sizes), std::end(option_sizes), size) != std::end(option_sizes);
+  if (!is_known && (size < sizeof options || size > size_max)) {
+    error = "options: struct_size: found " + std::to_string(size) +
+            ", expected sizeof(ticktrue_options): " + option_sizes_text() + " or more";
     return false;
   }
-  std::memcpy(&options, given, given->struct_size < sizeof options ? given->struct_size : sizeof options);
+  std::memcpy(&options, given, std::min(size, sizeof options));
+  options.struct_size = sizeof options;
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  for (std::size_t i = sizeof options; i < given->struct_size; ++i)
+  for (std::size_t i = sizeof options; i < size; ++i)
     if (bytes[i] != 0) {
       error = "options: found a setting that this library (" + ticktrue::build_info().version +
               ") does not know: it is older than the program's header";
@@ -133,10 +151,23 @@ const void* ticktrue_setup(ticktrue_session* session, size_t* size) {
   return setup.empty() ? nullptr : setup.data();
 }
 
+int ticktrue_build_facts(ticktrue_session* session, const char* unit, const char* facts) {
+  return without_exceptions(session, [&](Session& s) { return s.build_facts(unit, facts); });
+}
 int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data, int type,
                     uint32_t lanes, uint32_t rows, size_t stride) {
   return without_exceptions(session,
                             [&](Session& s) { return s.column(table, name, data, type, lanes, rows, stride); });
+}
+uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride, const ticktrue_member* members,
+                        uint32_t member_count) {
+  std::uint32_t number = 0;
+  const int status =
+      without_exceptions(session, [&](Session& s) { return s.table(name, stride, members, member_count, number); });
+  return status == TICKTRUE_OK ? number : TICKTRUE_NO_TABLE;
+}
+int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows) {
+  return without_exceptions(session, [&](Session& s) { return s.rows(table, base, rows); });
 }
 int ticktrue_key(ticktrue_session* session, const char* table, uint32_t columns) {
   return without_exceptions(session, [&](Session& s) { return s.key(table, columns); });

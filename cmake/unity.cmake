@@ -6,6 +6,7 @@ if(TICKTRUE_UNITY)
   # misses one.
   foreach(source
       verifier/report/exit_codes.cpp
+      verifier/report/fact_differences.cpp
       verifier/report/machine.cpp
       verifier/report/report.cpp
       verifier/report/report_ci.cpp

@@ -19,6 +19,7 @@ struct Particle {
 struct World {
   std::map<std::string, std::unique_ptr<Particle>> particles;
   std::vector<Particle> rows;
+  uint32_t table = 0;
 
   explicit World(int count) {
     for (int i = 0; i < count; ++i) {
@@ -33,12 +34,15 @@ struct World {
       particle->position += particle->velocity * dt;
     }
   }
+  void register_table(ticktrue_session* session) {
+    const ticktrue_member members[] = {TICKTRUE_MEMBER(Particle, position, TICKTRUE_F64),
+                                       TICKTRUE_MEMBER(Particle, velocity, TICKTRUE_F64)};
+    table = ticktrue_table(session, "particles", sizeof(Particle), members, 2);
+  }
   void show(ticktrue_session* session) {
     rows.clear();
     for (const auto& [name, particle] : particles) rows.push_back(*particle);
-    const auto count = static_cast<uint32_t>(rows.size());
-    ticktrue_column(session, "particles", "position", &rows.data()->position, TICKTRUE_F64, 1, count, sizeof(Particle));
-    ticktrue_column(session, "particles", "velocity", &rows.data()->velocity, TICKTRUE_F64, 1, count, sizeof(Particle));
+    ticktrue_rows(session, table, rows.data(), static_cast<uint32_t>(rows.size()));
   }
 };
 
@@ -47,8 +51,10 @@ int run(int argc, char** argv, double fault) {
   options.struct_size = sizeof options;
   options.name = "consumer-example";
   options.detail = TICKTRUE_DETAIL_FULL;
+  options.caller_facts = TICKTRUE_CALLER_FACTS;
   ticktrue_session* session = ticktrue_open_arguments(&options, argc, argv);
   World world(20);
+  world.register_table(session);
   world.show(session);
   for (int tick = 0; tick < 120; ++tick) {
     double wind = tick % 50 < 25 ? 1.5 : -0.5;

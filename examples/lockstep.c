@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
   options.struct_size = sizeof options;                                        /* t: */
   options.name = "lockstep-example";                                           /* t: */
   options.version = 1;                                                         /* t: */
+  options.caller_facts = TICKTRUE_CALLER_FACTS; /* told in reports */          /* t: */
   options.setup = &seed;                                                       /* t: */
   options.setup_size = sizeof seed;                                            /* t: */
   options.detail = TICKTRUE_DETAIL_FULL; /* a small game: values in reports */ /* t: */

@@ -10,6 +10,8 @@
 // - Text is UTF-8. Pointers handed out stay valid until the next call with that session.
 #pragma once
 
+#include <float.h>
+#include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -20,17 +22,21 @@
 #define TICKTRUE_API
 #endif
 #define TICKTRUE_PLUGIN_API __declspec(dllexport)
-#else
+#elif defined(__GNUC__) || defined(__clang__)
 #define TICKTRUE_API __attribute__((visibility("default")))
 #define TICKTRUE_PLUGIN_API __attribute__((visibility("default")))
+#else
+#define TICKTRUE_API
+#define TICKTRUE_PLUGIN_API
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added; what was there stays. */
-#define TICKTRUE_API_VERSION 1u
+/* The version of this interface. It rises when something is added; what was there stays.
+   2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows. */
+#define TICKTRUE_API_VERSION 2u
 
 /* What calls return. */
 enum {
@@ -91,6 +97,8 @@ typedef struct ticktrue_options {
   uint64_t full_last;           /* 0: all from full_first on */
   uint32_t checkpoint_interval; /* record: ticks between full states; 0: 600 */
   uint32_t rollback_max;        /* ticks that may wait for ticktrue_confirm; 0: the program never rolls back */
+  /* Since version 2 of this interface. */
+  const char* caller_facts; /* how the program is compiled: TICKTRUE_CALLER_FACTS; null: not known */
 } ticktrue_options;
 
 /* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
@@ -103,11 +111,41 @@ TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* o
 /* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
 TICKTRUE_API const void* ticktrue_setup(ticktrue_session* session, size_t* size);
 
+/* Facts about the build of a further unit, before the first tick: of a physics library, or of a file with flags of its
+   own. `unit` is its name in reports; `facts` is what TICKTRUE_CALLER_FACTS gives there, or any lines "name=value". */
+TICKTRUE_API int ticktrue_build_facts(ticktrue_session* session, const char* unit, const char* facts);
+
 /* Registers a column of a table: the values of row r begin at `data` + r * `stride` bytes; `lanes` of them lie side by
    side (2 for x and y). Stride 0: packed. Register all before the first tick, and again whenever data, rows or stride
    have changed. The memory is read in begin_tick (the first) and end_tick. */
 TICKTRUE_API int ticktrue_column(ticktrue_session* session, const char* table, const char* name, const void* data,
                                  int type, uint32_t lanes, uint32_t rows, size_t stride);
+
+/* A column of a table of structs: a member of the struct. TICKTRUE_MEMBER(Ball, position, TICKTRUE_F64) is such a
+   member: an array gives a lane for each value, and `position.x` is a member, too. */
+typedef struct ticktrue_member {
+  const char* name;
+  int32_t type;
+  uint32_t lanes; /* 0: as many as fill `size` */
+  size_t offset;  /* bytes from the begin of the struct */
+  size_t size;    /* bytes; 0: not told */
+} ticktrue_member;
+#ifdef __cplusplus
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(row::member) }
+#else
+#define TICKTRUE_MEMBER(row, member, type) \
+  { #member, (type), 0, offsetof(row, member), sizeof(((row*)0)->member) }
+#endif
+#define TICKTRUE_NO_TABLE 0xffffffffu
+
+/* Registers a table whose rows are structs of `stride` bytes: all its columns at once, without rows yet. Returns its
+   number (TICKTRUE_NO_TABLE if it is refused, 0 without a session). */
+TICKTRUE_API uint32_t ticktrue_table(ticktrue_session* session, const char* name, size_t stride,
+                                     const ticktrue_member* members, uint32_t member_count);
+/* Says where its rows lie: `rows` structs from `base` on. Again whenever base or rows have changed. No name is looked
+   up. */
+TICKTRUE_API int ticktrue_rows(ticktrue_session* session, uint32_t table, const void* base, uint32_t rows);
 
 /* The first `columns` columns of the table are its key (unsigned integers; rows ascend): rows are compared by key, so
    that one that is missing is told as such. A table without key is compared by position. */
@@ -215,6 +253,250 @@ typedef struct ticktrue_plugin {
    It is told the tool's TICKTRUE_API_VERSION and returns null if that is too old for it. */
 typedef const ticktrue_plugin* (*ticktrue_plugin_entry_function)(uint32_t api_version);
 TICKTRUE_PLUGIN_API const ticktrue_plugin* ticktrue_plugin_entry(uint32_t api_version);
+
+/* ---- facts about the build of the program ------------------------------------------------------------------------ */
+
+/* How the unit that includes this header is compiled: for caller_facts of the options, and for ticktrue_build_facts.
+   One "name=value" a line. The compiler's flags are among them where TICKTRUE_UNIT_FLAGS is defined as a string. */
+#define TICKTRUE_CALLER_FACTS (ticktrue_unit_facts())
+
+#define TICKTRUE_TEXT_OF(x) #x
+#define TICKTRUE_TEXT(x) TICKTRUE_TEXT_OF(x)
+#define TICKTRUE_TEXT3(a, b, c) TICKTRUE_TEXT(a) "." TICKTRUE_TEXT(b) "." TICKTRUE_TEXT(c)
+
+#if defined(__INTEL_LLVM_COMPILER)
+#define TICKTRUE_FACT_COMPILER "intel " TICKTRUE_TEXT(__INTEL_LLVM_COMPILER)
+#elif defined(__INTEL_COMPILER)
+#define TICKTRUE_FACT_COMPILER "intel classic " TICKTRUE_TEXT(__INTEL_COMPILER)
+#elif defined(__apple_build_version__)
+#define TICKTRUE_FACT_COMPILER "apple clang " TICKTRUE_TEXT3(__clang_major__, __clang_minor__, __clang_patchlevel__)
+#elif defined(__clang__)
+#define TICKTRUE_FACT_COMPILER "clang " TICKTRUE_TEXT3(__clang_major__, __clang_minor__, __clang_patchlevel__)
+#elif defined(__GNUC__)
+#define TICKTRUE_FACT_COMPILER "gcc " TICKTRUE_TEXT3(__GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__)
+#elif defined(_MSC_VER)
+#define TICKTRUE_FACT_COMPILER "msvc " TICKTRUE_TEXT(_MSC_FULL_VER)
+#else
+#define TICKTRUE_FACT_COMPILER "not known"
+#endif
+
+#if defined(_MSVC_LANG)
+#define TICKTRUE_FACT_CXX _MSVC_LANG
+#elif defined(__cplusplus)
+#define TICKTRUE_FACT_CXX __cplusplus
+#else
+#define TICKTRUE_FACT_CXX 0
+#endif
+#if TICKTRUE_FACT_CXX > 202002L
+#define TICKTRUE_FACT_LANGUAGE "c++23"
+#elif TICKTRUE_FACT_CXX > 201703L
+#define TICKTRUE_FACT_LANGUAGE "c++20"
+#elif TICKTRUE_FACT_CXX > 201402L
+#define TICKTRUE_FACT_LANGUAGE "c++17"
+#elif TICKTRUE_FACT_CXX > 201103L
+#define TICKTRUE_FACT_LANGUAGE "c++14"
+#elif TICKTRUE_FACT_CXX > 199711L
+#define TICKTRUE_FACT_LANGUAGE "c++11"
+#elif TICKTRUE_FACT_CXX > 0
+#define TICKTRUE_FACT_LANGUAGE "c++98"
+#elif !defined(__STDC_VERSION__)
+#define TICKTRUE_FACT_LANGUAGE "c"
+#elif __STDC_VERSION__ > 201710L
+#define TICKTRUE_FACT_LANGUAGE "c23"
+#elif __STDC_VERSION__ > 201112L
+#define TICKTRUE_FACT_LANGUAGE "c17"
+#elif __STDC_VERSION__ > 199901L
+#define TICKTRUE_FACT_LANGUAGE "c11"
+#else
+#define TICKTRUE_FACT_LANGUAGE "c99"
+#endif
+
+#if defined(__OPTIMIZE_SIZE__)
+#define TICKTRUE_FACT_OPTIMIZE "size"
+#elif defined(__OPTIMIZE__)
+#define TICKTRUE_FACT_OPTIMIZE "speed"
+#elif defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_FACT_OPTIMIZE "no"
+#else
+#define TICKTRUE_FACT_OPTIMIZE "not known"
+#endif
+
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST)
+#define TICKTRUE_FACT_FAST_MATH "yes"
+#else
+#define TICKTRUE_FACT_FAST_MATH "no"
+#endif
+#if defined(_M_FP_FAST)
+#define TICKTRUE_FACT_FINITE_MATH "yes"
+#elif !defined(__FINITE_MATH_ONLY__)
+#define TICKTRUE_FACT_FINITE_MATH "no"
+#elif __FINITE_MATH_ONLY__ > 0
+#define TICKTRUE_FACT_FINITE_MATH "yes"
+#else
+#define TICKTRUE_FACT_FINITE_MATH "no"
+#endif
+/* Parts of fast_math that can be on alone; not every compiler tells them. */
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#define TICKTRUE_FACT_UNSAFE_MATH "yes"
+#else
+#define TICKTRUE_FACT_UNSAFE_MATH TICKTRUE_FACT_FAST_MATH
+#endif
+
+/* Whether the unit may use instructions that round once for a product and a sum. */
+#if defined(__FMA__) || defined(__FMA4__) || defined(__ARM_FEATURE_FMA) || defined(__aarch64__) || \
+    defined(_M_ARM64) || defined(__powerpc__) || defined(__s390x__) || defined(__riscv_flen) ||    \
+    (defined(_MSC_VER) && defined(__AVX2__))
+#define TICKTRUE_FACT_FMA "yes"
+#else
+#define TICKTRUE_FACT_FMA "no"
+#endif
+
+#if !defined(FLT_EVAL_METHOD)
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "not known"
+#elif FLT_EVAL_METHOD == 0
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "0"
+#elif FLT_EVAL_METHOD == 1
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "1"
+#elif FLT_EVAL_METHOD == 2
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "2"
+#else
+#define TICKTRUE_FACT_FLT_EVAL_METHOD "other"
+#endif
+
+#if defined(__AVX512F__)
+#define TICKTRUE_FACT_SIMD "avx512f"
+#elif defined(__AVX2__)
+#define TICKTRUE_FACT_SIMD "avx2"
+#elif defined(__AVX__)
+#define TICKTRUE_FACT_SIMD "avx"
+#elif defined(__SSE4_1__)
+#define TICKTRUE_FACT_SIMD "sse4.1"
+#elif defined(__SSE2__) || defined(_M_X64)
+#define TICKTRUE_FACT_SIMD "sse2"
+#elif defined(__ARM_FEATURE_SVE)
+#define TICKTRUE_FACT_SIMD "sve"
+#elif defined(__ARM_NEON) || defined(_M_ARM64)
+#define TICKTRUE_FACT_SIMD "neon"
+#elif defined(__VSX__)
+#define TICKTRUE_FACT_SIMD "vsx"
+#elif defined(__riscv_vector)
+#define TICKTRUE_FACT_SIMD "v"
+#elif defined(__wasm_simd128__)
+#define TICKTRUE_FACT_SIMD "simd128"
+#elif defined(_M_IX86_FP)
+#if _M_IX86_FP > 1
+#define TICKTRUE_FACT_SIMD "sse2"
+#else
+#define TICKTRUE_FACT_SIMD "none"
+#endif
+#else
+#define TICKTRUE_FACT_SIMD "none"
+#endif
+
+#if CHAR_MIN < 0
+#define TICKTRUE_FACT_CHAR "signed"
+#else
+#define TICKTRUE_FACT_CHAR "unsigned"
+#endif
+#if LONG_MAX > 2147483647L
+#define TICKTRUE_FACT_LONG "64"
+#else
+#define TICKTRUE_FACT_LONG "32"
+#endif
+#if UINTPTR_MAX > 4294967295u
+#define TICKTRUE_FACT_POINTER "64"
+#else
+#define TICKTRUE_FACT_POINTER "32"
+#endif
+#if defined(NDEBUG)
+#define TICKTRUE_FACT_NDEBUG "yes"
+#else
+#define TICKTRUE_FACT_NDEBUG "no"
+#endif
+
+#if defined(__x86_64__) || defined(_M_X64)
+#define TICKTRUE_FACT_MACHINE "x86_64"
+#elif defined(__i386__) || defined(_M_IX86)
+#define TICKTRUE_FACT_MACHINE "i386"
+#elif defined(__aarch64__) || defined(_M_ARM64)
+#define TICKTRUE_FACT_MACHINE "aarch64"
+#elif defined(__arm__) || defined(_M_ARM)
+#define TICKTRUE_FACT_MACHINE "arm"
+#elif defined(__riscv)
+#define TICKTRUE_FACT_MACHINE "riscv"
+#elif defined(__s390x__)
+#define TICKTRUE_FACT_MACHINE "s390x"
+#elif defined(__powerpc__)
+#define TICKTRUE_FACT_MACHINE "ppc"
+#elif defined(__wasm__)
+#define TICKTRUE_FACT_MACHINE "wasm"
+#else
+#define TICKTRUE_FACT_MACHINE "other"
+#endif
+#if defined(_WIN32)
+#define TICKTRUE_FACT_SYSTEM "windows"
+#elif defined(__APPLE__)
+#define TICKTRUE_FACT_SYSTEM "apple"
+#elif defined(__ANDROID__)
+#define TICKTRUE_FACT_SYSTEM "android"
+#elif defined(__linux__)
+#define TICKTRUE_FACT_SYSTEM "linux"
+#elif defined(__EMSCRIPTEN__)
+#define TICKTRUE_FACT_SYSTEM "emscripten"
+#else
+#define TICKTRUE_FACT_SYSTEM "other"
+#endif
+
+#if defined(TICKTRUE_UNIT_FLAGS)
+#define TICKTRUE_FACT_FLAGS "\nflags=" TICKTRUE_UNIT_FLAGS
+#else
+#define TICKTRUE_FACT_FLAGS ""
+#endif
+
+#define TICKTRUE_FACTS_HEAD                                                                                    \
+  "compiler=" TICKTRUE_FACT_COMPILER "\nlanguage=" TICKTRUE_FACT_LANGUAGE "\noptimize=" TICKTRUE_FACT_OPTIMIZE \
+  "\nfused="
+#define TICKTRUE_FACTS_TAIL                                                                                         \
+  "\nfast_math=" TICKTRUE_FACT_FAST_MATH "\nfinite_math=" TICKTRUE_FACT_FINITE_MATH                                 \
+  "\nunsafe_math=" TICKTRUE_FACT_UNSAFE_MATH "\nflt_eval_method=" TICKTRUE_FACT_FLT_EVAL_METHOD                     \
+  "\nfma=" TICKTRUE_FACT_FMA "\nsimd=" TICKTRUE_FACT_SIMD "\nchar=" TICKTRUE_FACT_CHAR "\nlong=" TICKTRUE_FACT_LONG \
+  "\npointer=" TICKTRUE_FACT_POINTER "\nndebug=" TICKTRUE_FACT_NDEBUG "\ntarget=" TICKTRUE_FACT_MACHINE             \
+  " " TICKTRUE_FACT_SYSTEM TICKTRUE_FACT_FLAGS
+
+static inline const char* ticktrue_unit_facts(void) {
+  /* Rounded, the product is 1 + 2^-39, also with the 64 bits of x87. Fused with the difference, 2^-80 is left. */
+  volatile double factor = 1.0 + 1.0 / 1099511627776.0;
+  volatile double rounded = 1.0 + 2.0 / 1099511627776.0;
+  volatile double rest = 0.0;
+  const double a = factor;
+  const double b = factor;
+  const double c = rounded;
+  rest = a * b - c;
+  return rest > 0.0 ? TICKTRUE_FACTS_HEAD "yes" TICKTRUE_FACTS_TAIL : TICKTRUE_FACTS_HEAD "no" TICKTRUE_FACTS_TAIL;
+}
+
+#undef TICKTRUE_TEXT_OF
+#undef TICKTRUE_TEXT
+#undef TICKTRUE_TEXT3
+#undef TICKTRUE_FACTS_HEAD
+#undef TICKTRUE_FACTS_TAIL
+#undef TICKTRUE_FACT_COMPILER
+#undef TICKTRUE_FACT_CXX
+#undef TICKTRUE_FACT_LANGUAGE
+#undef TICKTRUE_FACT_OPTIMIZE
+#undef TICKTRUE_FACT_FAST_MATH
+#undef TICKTRUE_FACT_FINITE_MATH
+#undef TICKTRUE_FACT_UNSAFE_MATH
+#undef TICKTRUE_FACT_FMA
+#undef TICKTRUE_FACT_FLT_EVAL_METHOD
+#undef TICKTRUE_FACT_SIMD
+#undef TICKTRUE_FACT_CHAR
+#undef TICKTRUE_FACT_LONG
+#undef TICKTRUE_FACT_POINTER
+#undef TICKTRUE_FACT_NDEBUG
+#undef TICKTRUE_FACT_MACHINE
+#undef TICKTRUE_FACT_SYSTEM
+#undef TICKTRUE_FACT_FLAGS
 
 #ifdef __cplusplus
 }

@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 #include "base/state/simulation.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "replay/trace_writer.h"
 
 namespace ticktrue::replay {

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 #include "replay/trace_reader.h"
 #include "replay/trace_writer.h"
 

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "base/result.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::replay {
 

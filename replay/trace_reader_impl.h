@@ -11,9 +11,9 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "replay/chunk.h"
-#include "replay/file.h"
-#include "replay/payload.h"
+#include "replay/file/file.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 #include "replay/trace_reader.h"
 
 namespace ticktrue::replay {

@@ -10,9 +10,9 @@
 #include "base/assert.h"
 #include "base/hash.h"
 #include "base/limits.h"
-#include "replay/chunk.h"
-#include "replay/file.h"
-#include "replay/payload.h"
+#include "replay/file/file.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 
 namespace ticktrue::replay {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/result.h"
 #include "base/state/simulation.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::replay {
 

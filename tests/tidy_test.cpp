@@ -181,19 +181,22 @@ constexpr Room rooms[] = {
     {"engine/integrators", core},
     {"engine/solvers", core},
     {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
-    {"replay", "base,base/state"},
+    {"replay/format", "base,base/state"},
+    {"replay/file", "base"},
+    {"replay", "base,base/state,replay/format,replay/file"},
     {"include", ""},
     {"include/ticktrue", ""},
-    {"verifier/report", "base,base/state,replay"},
-    {"verifier/locate", "base,base/state,replay,verifier/report"},
-    {"verifier/verify", "base,base/state,base/parallel,replay,verifier/report,verifier/locate"},
+    {"verifier/report", "base,base/state,replay/format"},
+    {"verifier/locate", "base,base/state,replay/format,verifier/report"},
+    {"verifier/verify", "base,base/state,base/parallel,replay,replay/format,verifier/report,verifier/locate"},
     {"verifier/runs", "base,verifier/report"},
-    {"verifier/compare", "base,base/state,replay,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
+    {"verifier/compare",
+     "base,base/state,replay,replay/format,verifier/report,verifier/locate,verifier/verify,verifier/runs"},
     {"verifier/inject", "base,base/state,base/parallel,replay,verifier/report,verifier/verify"},
     {"verifier/corpus", "base,replay"},
-    {"verifier/store", "base,replay,verifier/report"},
+    {"verifier/store", "base,replay/file,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
-    {"capi", "base,base/state,replay,include,verifier/report,verifier/locate,verifier/verify"},
+    {"capi", "base,base/state,replay,replay/format,include,verifier/report,verifier/locate,verifier/verify"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
     {"tool/environment", "below"},
@@ -247,10 +250,10 @@ std::string_view folder_of(std::string_view path) {
 bool is_below_tool(std::string_view room) {
   return is_one_of(
       room,
-      "base,base/state,base/parallel,replay,include,engine,engine/math,engine/simd,engine/json,engine/scene,"
-      "engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,verifier/locate,"
-      "verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,verifier/store,"
-      "verifier/plugins");
+      "base,base/state,base/parallel,replay,replay/format,replay/file,include,engine,engine/math,engine/simd,"
+      "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
+      "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
+      "verifier/store,verifier/plugins");
 }
 
 bool may_include(std::string_view from, std::string_view to) {
@@ -619,12 +622,15 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
       {"base/x.cpp", "engine/scene/scene.h"},
       {"base/x.cpp", "base/state/simulation.h"},
       {"base/parallel/x.cpp", "base/state/simulation.h"},
-      {"engine/x.cpp", "replay/trace.h"},
+      {"engine/x.cpp", "replay/format/trace.h"},
       {"engine/x.cpp", "verifier/verify/verify.h"},
       {"engine/scene/x.cpp", "engine/model/state.h"},
       {"engine/math/x.cpp", "engine/scene/scene.h"},
       {"replay/x.cpp", "engine/scene/scene.h"},
       {"replay/x.cpp", "verifier/verify/verify.h"},
+      {"replay/format/x.cpp", "replay/file/file.h"},
+      {"replay/format/x.cpp", "replay/trace_reader.h"},
+      {"replay/file/x.cpp", "replay/format/trace.h"},
       {"verifier/verify/x.cpp", "engine/engine.h"},
       {"verifier/verify/x.cpp", "verifier/compare/diff.h"},
       {"verifier/verify/x.cpp", "tests/support/catch.h"},
@@ -644,7 +650,8 @@ TEST_CASE("includes against the direction fire", "[tidy][self]") {
   const std::pair<const char*, const char*> right[] = {
       {"engine/x.cpp", "base/bytes.h"},
       {"replay/x.cpp", "base/bytes.h"},
-      {"verifier/verify/x.cpp", "replay/trace.h"},
+      {"replay/x.cpp", "replay/format/chunk.h"},
+      {"verifier/verify/x.cpp", "replay/format/trace.h"},
       {"tool/cli/session/x.cpp", "verifier/verify/verify.h"},
       {"tests/x.cpp", "engine/model/state.h"},
       {"bench/x.cpp", "engine/scene/scene.h"},

@@ -80,80 +80,197 @@ Status check_name(const std::string& what, std::string_view name) {
   return {};
 }
 
-Status GatheredState::check_source(const std::string& place, const ColumnSource& source) const {
-  const std::size_t size = values_size(source.type, source.lane_count);
-  if (source.row_count > limits::row_count_max)
+namespace {
+
+std::string place_of(std::string_view table, std::string_view column) {
+  return "table " + std::string(table) + ": column " + std::string(column);
+}
+
+Status check_row_count(const std::string& place, const void* data, std::uint32_t row_count) {
+  if (row_count > limits::row_count_max)
     return Error{ErrorCode::limit,
-                 place + ": rows: found " + std::to_string(source.row_count) + ", expected at most " +
+                 place + ": rows: found " + std::to_string(row_count) + ", expected at most " +
                      std::to_string(limits::row_count_max),
                  ""};
-  if (source.data == nullptr && source.row_count > 0)
-    return refused(place + ": pointer: found null, expected the first of " + std::to_string(source.row_count) + " rows",
+  if (data == nullptr && row_count > 0)
+    return refused(place + ": pointer: found null, expected the first of " + std::to_string(row_count) + " rows",
                    "a table that is empty now has 0 rows");
+  return {};
+}
+
+Status check_type(std::string_view table, std::string_view name, ScalarType type, std::uint32_t lane_count) {
+  if (scalar_info(type) == nullptr)
+    return refused(place_of(table, name) + ": type: found " + std::to_string(static_cast<unsigned>(type)) +
+                   ", expected one of 1..8 (u8 to f64)");
+  if (lane_count == 0 || lane_count > std::numeric_limits<std::uint8_t>::max())
+    return refused(place_of(table, name) + ": lanes: found " + std::to_string(lane_count) + ", expected 1..255",
+                   "one value a row is one lane; longer arrays are rows of a table of their own");
+  return {};
+}
+
+/// Requires: check_type.
+Status check_source(std::string_view table, std::string_view name, const ColumnSource& source) {
+  if (source.row_count > limits::row_count_max || (source.data == nullptr && source.row_count > 0))
+    return check_row_count(place_of(table, name), source.data, source.row_count);
+  const std::size_t size = values_size(source.type, source.lane_count);
   // One row may say anything: there is no second one.
   if (source.stride != 0 && source.stride < size && source.row_count > 1)
-    return refused(place + ": stride: found " + std::to_string(source.stride) + " bytes, expected at least " +
-                       std::to_string(size) + " (" + std::to_string(source.lane_count) + " lanes of " +
-                       std::string(scalar_info(source.type)->name) + ")",
+    return refused(place_of(table, name) + ": stride: found " + std::to_string(source.stride) +
+                       " bytes, expected at least " + std::to_string(size) + " (" + std::to_string(source.lane_count) +
+                       " lanes of " + std::string(scalar_info(source.type)->name) + ")",
                    "the stride is the distance from one row's value to the next row's: often the size of the struct");
   return {};
 }
 
-Status GatheredState::column(std::string_view table_name, std::string_view name, const ColumnSource& source) {
-  if (const Status status = check_name("table", table_name); !status) return status;
-  if (const Status status = check_name("table " + std::string(table_name) + ": column", name); !status) return status;
-  const std::string place = "table " + std::string(table_name) + ": column " + std::string(name);
-  if (scalar_info(source.type) == nullptr)
-    return refused(place + ": type: found " + std::to_string(static_cast<unsigned>(source.type)) +
-                   ", expected one of 1..8 (u8 to f64)");
-  if (source.lane_count == 0 || source.lane_count > std::numeric_limits<std::uint8_t>::max())
-    return refused(place + ": lanes: found " + std::to_string(source.lane_count) + ", expected 1..255",
-                   "one value a row is one lane; longer arrays are rows of a table of their own");
-  if (const Status status = check_source(place, source); !status) return status;
+}  // namespace
 
-  std::size_t t = schema_.find_table(table_name).value_or(schema_.tables.size());
-  if (t < schema_.tables.size()) {
-    TableSchema& table = schema_.tables[t];
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      if (table.columns[c].name != name) continue;
-      if (table.columns[c].type != source.type || table.columns[c].lane_count != source.lane_count)
-        return refused(place + ": found another type or lane count than before, expected the same",
-                       "a column that is registered again says where its values lie now, nothing else");
-      sources_[t][c] = source;
-      return {};
-    }
+Status GatheredState::column(std::string_view table_name, std::string_view name, const ColumnSource& source) {
+  std::optional<std::size_t> t = table_names_.find(table_name);
+  const std::optional<std::size_t> c = t ? sources_[*t].names.find(name) : std::nullopt;
+  if (!c) {
+    if (const Status status = check_name("table", table_name); !status) return status;
+    if (const Status status = check_name("table " + std::string(table_name) + ": column", name); !status) return status;
+  }
+  if (const Status status = check_type(table_name, name, source.type, source.lane_count); !status) return status;
+  if (const Status status = check_source(table_name, name, source); !status) return status;
+  if (t && !sources_[*t].offsets.empty())
+    return refused(place_of(table_name, name) + ": found a table whose columns are members of a struct",
+                   "ticktrue_rows says where its rows lie; columns of their own make a table of another name");
+  if (c) {
+    const Column& column = schema_.tables[*t].columns[*c];
+    if (column.type != source.type || column.lane_count != source.lane_count)
+      return refused(place_of(table_name, name) + ": found another type or lane count than before, expected the same",
+                     "a column that is registered again says where its values lie now, nothing else");
+    sources_[*t].columns[*c] = source;
+    return {};
   }
   if (frozen_)
-    return refused(place + ": found a new column after the first tick, expected one that is known",
+    return refused(place_of(table_name, name) + ": found a new column after the first tick, expected one that is known",
                    "register every table and column before the first tick; a table may have 0 rows then");
-  if (t == schema_.tables.size()) {
-    if (t >= limits::table_count_max)
-      return Error{ErrorCode::limit, place + ": tables: expected at most " + std::to_string(limits::table_count_max),
-                   ""};
-    schema_.tables.emplace_back();
-    schema_.tables[t].name = std::string(table_name);
-    sources_.emplace_back();
+  if (!t) {
+    if (const Status status = add_table(table_name); !status) return status;
+    t = schema_.tables.size() - 1;
   }
+  return add_column(*t, name, source);
+}
+
+/// Requires: a name that is checked and not known.
+Status GatheredState::add_table(std::string_view name) {
+  if (schema_.tables.size() >= limits::registered_table_count_max)
+    return Error{ErrorCode::limit,
+                 "table " + std::string(name) + ": tables: expected at most " +
+                     std::to_string(limits::registered_table_count_max),
+                 ""};
+  table_names_.add(name, schema_.tables.size());
+  schema_.tables.emplace_back();
+  schema_.tables.back().name = std::string(name);
+  sources_.emplace_back();
+  return {};
+}
+
+/// Requires: a name that is checked and not known in this table; check_type.
+Status GatheredState::add_column(std::size_t t, std::string_view name, const ColumnSource& source) {
   TableSchema& table = schema_.tables[t];
   const std::size_t row_size = table.row_size + values_size(source.type, source.lane_count);
   if (table.columns.size() >= limits::column_count_max || row_size > limits::row_size_max)
     return Error{ErrorCode::limit,
-                 place + ": the row grows beyond " + std::to_string(limits::column_count_max) + " columns or " +
-                     std::to_string(limits::row_size_max) + " bytes",
+                 place_of(table.name, name) + ": the row grows beyond " + std::to_string(limits::column_count_max) +
+                     " columns or " + std::to_string(limits::row_size_max) + " bytes",
                  "make several tables of it"};
+  if (column_count_ >= limits::registered_column_count_max)
+    return Error{ErrorCode::limit,
+                 place_of(table.name, name) + ": columns of all tables: expected at most " +
+                     std::to_string(limits::registered_column_count_max),
+                 ""};
+  ++column_count_;
   Column column;
   column.name = std::string(name);
   column.type = source.type;
   column.lane_count = static_cast<std::uint8_t>(source.lane_count);
   column.offset = static_cast<std::uint16_t>(table.row_size);
   table.row_size = static_cast<std::uint32_t>(row_size);
+  sources_[t].names.add(name, table.columns.size());
+  sources_[t].columns.push_back(source);
   table.columns.push_back(std::move(column));
-  sources_[t].push_back(source);
+  return {};
+}
+
+bool GatheredState::has_members(std::size_t t, std::size_t stride, std::span<const RowMember> members) const {
+  const std::vector<Column>& columns = schema_.tables[t].columns;
+  const TableSource& source = sources_[t];
+  if (source.offsets.size() != members.size() || source.columns.front().stride != stride) return false;
+  for (std::size_t c = 0; c < members.size(); ++c)
+    if (columns[c].name != members[c].name || columns[c].type != members[c].type ||
+        columns[c].lane_count != members[c].lane_count || source.offsets[c] != members[c].offset)
+      return false;
+  return true;
+}
+
+Result<std::size_t> GatheredState::table(std::string_view name, std::size_t stride,
+                                         std::span<const RowMember> members) {
+  const std::string place = "table " + std::string(name);
+  if (const Status status = check_name("table", name); !status) return status.error();
+  if (members.empty() || members.size() > limits::column_count_max)
+    return refused(place + ": members: found " + std::to_string(members.size()) + ", expected 1.." +
+                   std::to_string(limits::column_count_max));
+  for (const RowMember& member : members) {
+    if (const Status status = check_name(place + ": column", member.name); !status) return status.error();
+    if (const Status status = check_type(name, member.name, member.type, member.lane_count); !status)
+      return status.error();
+    const std::size_t size = values_size(member.type, member.lane_count);
+    if (stride < size || member.offset > stride - size)
+      return refused(place_of(name, member.name) + ": offset: found " + std::to_string(member.offset) + " with " +
+                         std::to_string(size) + " bytes, expected both inside the " + std::to_string(stride) +
+                         " bytes of a row",
+                     "the stride is the size of the struct, the offset is offsetof(struct, member)");
+  }
+  if (const std::optional<std::size_t> t = table_names_.find(name)) {
+    if (has_members(*t, stride, members)) return *t;
+    return refused(place + ": found other members than before, expected the same",
+                   "a table is registered once; ticktrue_rows says where its rows lie now");
+  }
+  NameIndex names;
+  for (std::size_t c = 0; c < members.size(); ++c) {
+    if (const std::optional<std::size_t> before = names.find(members[c].name))
+      return refused(place_of(name, members[c].name) + ": stands twice: as member " + std::to_string(*before) +
+                     " and as member " + std::to_string(c) + ", counted from 0");
+    names.add(members[c].name, c);
+  }
+  if (frozen_)
+    return refused(place + ": found a new table after the first tick, expected one that is known",
+                   "register every table before the first tick; a table may have 0 rows then");
+  if (const Status status = add_table(name); !status) return status.error();
+  const std::size_t t = schema_.tables.size() - 1;
+  for (const RowMember& member : members) {
+    ColumnSource source;
+    source.type = member.type;
+    source.lane_count = member.lane_count;
+    source.stride = stride;
+    if (const Status status = add_column(t, member.name, source); !status) return status.error();
+    sources_[t].offsets.push_back(member.offset);
+  }
+  return t;
+}
+
+Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_count) {
+  if (t >= sources_.size() || sources_[t].offsets.empty())
+    return refused("rows: table " + std::to_string(t) + ": found " +
+                       (t < sources_.size() ? "columns that were registered one by one" : "no such number") +
+                       ", expected a number that ticktrue_table gave",
+                   "columns of ticktrue_column are registered again when they have moved");
+  if (const Status status = check_row_count("table " + schema_.tables[t].name, first, row_count); !status)
+    return status;
+  const auto* bytes = static_cast<const std::uint8_t*>(first);
+  TableSource& source = sources_[t];
+  for (std::size_t c = 0; c < source.columns.size(); ++c) {
+    source.columns[c].data = row_count == 0 ? nullptr : bytes + source.offsets[c];
+    source.columns[c].row_count = row_count;
+  }
   return {};
 }
 
 Status GatheredState::key(std::string_view table_name, std::uint32_t column_count) {
-  const auto t = schema_.find_table(table_name);
+  const auto t = find_table(table_name);
   if (!t) return refused("key: table " + std::string(table_name) + ": found none of this name", "register its columns");
   TableSchema& table = schema_.tables[*t];
   if (frozen_ && table.key_column_count == column_count) return {};
@@ -166,28 +283,33 @@ Status GatheredState::key(std::string_view table_name, std::uint32_t column_coun
 }
 
 Status GatheredState::reference(std::string_view table_name, std::string_view column_name, std::string_view target) {
-  const auto t = schema_.find_table(table_name);
-  const auto other = schema_.find_table(target);
+  const auto t = find_table(table_name);
+  const auto other = find_table(target);
   if (!t || !other)
     return refused("reference: table " + std::string(t ? target : table_name) + ": found none of this name",
                    "register the columns of both tables first");
-  for (Column& column : schema_.tables[*t].columns) {
-    if (column.name != column_name) continue;
-    if (frozen_ && column.target == static_cast<std::int16_t>(*other)) return {};
-    if (frozen_)
-      return refused(column_place(schema_.tables[*t], column) + ": target: found a change after the first tick");
-    column.target = static_cast<std::int16_t>(*other);
-    column.optional = true;
-    return {};
-  }
-  return refused("reference: table " + schema_.tables[*t].name + ": column " + std::string(column_name) +
-                 ": found none of this name");
+  const auto c = sources_[*t].names.find(column_name);
+  if (!c)
+    return refused("reference: table " + schema_.tables[*t].name + ": column " + std::string(column_name) +
+                   ": found none of this name");
+  Column& column = schema_.tables[*t].columns[*c];
+  if (frozen_ && column.target == static_cast<std::int16_t>(*other)) return {};
+  if (frozen_)
+    return refused(column_place(schema_.tables[*t], column) + ": target: found a change after the first tick");
+  column.target = static_cast<std::int16_t>(*other);
+  column.optional = true;
+  return {};
 }
 
 Status GatheredState::freeze() {
   if (schema_.tables.empty())
     return refused("state: found no column, expected at least one",
                    "register everything that can influence a later tick, before the first tick");
+  if (schema_.tables.size() > limits::table_count_max)
+    return Error{ErrorCode::limit,
+                 "tables: found " + std::to_string(schema_.tables.size()) + ", expected at most " +
+                     std::to_string(limits::table_count_max) + ": a trace holds no more",
+                 "put rows of equal columns into one table, with a column that tells them apart"};
   if (const Status status = check_schema(schema_); !status)
     return Error{ErrorCode::usage, status.error().message, status.error().hint};
   rows_.resize(schema_.tables.size());
@@ -220,7 +342,7 @@ Status GatheredState::gather() {
   std::uint64_t image_size = 0;
   for (std::size_t t = 0; t < schema_.tables.size(); ++t) {
     const TableSchema& table = schema_.tables[t];
-    const std::vector<ColumnSource>& sources = sources_[t];
+    const std::vector<ColumnSource>& sources = sources_[t].columns;
     const std::uint32_t row_count = sources.front().row_count;
     for (std::size_t c = 1; c < sources.size(); ++c)
       if (sources[c].row_count != row_count)
@@ -263,7 +385,7 @@ void GatheredState::scatter(std::size_t t, const ImageTable& rows) {
   Bytes packed(rows.rows.size());
   decode_rows(table, rows, packed.data());
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const ColumnSource& source = sources_[t][c];
+    const ColumnSource& source = sources_[t].columns[c];
     auto* to = static_cast<std::uint8_t*>(source.writable);
     if (rows.row_count == 0) continue;
     TICKTRUE_ASSERT(to != nullptr);

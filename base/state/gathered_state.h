@@ -4,8 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "base/bytes.h"
@@ -24,12 +28,46 @@ struct ColumnSource {
   void* writable = nullptr;  // the same place, where scatter() may write
 };
 
+/// One column of a table whose rows are structs: its value lies `offset` bytes behind the begin of a row.
+struct RowMember {
+  std::string_view name;
+  ScalarType type = ScalarType::u8;
+  std::uint32_t lane_count = 1;
+  std::size_t offset = 0;
+};
+
+/// Finds a place by its name. Hashed: a program may register thousands of columns in every tick.
+class NameIndex {
+ public:
+  std::optional<std::size_t> find(std::string_view name) const {
+    const auto found = places_.find(name);
+    return found == places_.end() ? std::nullopt : std::optional(found->second);
+  }
+  /// Requires: a name that is not there yet.
+  void add(std::string_view name, std::size_t place) { places_.emplace(name, place); }
+
+ private:
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>()(name); }
+  };
+  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> places_;
+};
+
 class GatheredState {
  public:
   /// Before freeze: adds a column, and its table at its first column. After it: says where a known column lies now.
   /// Errors: usage (an empty or wrong name, no lanes, a stride below the size of a row's values, null with rows, after
   /// freeze: an unknown column or another type or lane count), limit.
   Status column(std::string_view table, std::string_view name, const ColumnSource& source);
+
+  /// Before freeze: adds a table of structs of `stride` bytes, without rows, and returns its number. A table that is
+  /// known with the same members keeps its number.
+  /// Errors: usage (wrong names, a name twice, a member outside of the struct, after freeze: an unknown table), limit.
+  Result<std::size_t> table(std::string_view name, std::size_t stride, std::span<const RowMember> members);
+  /// Says where the rows of such a table lie now. Errors: usage (no such table, null with rows), limit.
+  Status rows(std::size_t table, const void* first, std::uint32_t row_count);
+  std::optional<std::size_t> find_table(std::string_view name) const { return table_names_.find(name); }
 
   /// The leading `column_count` columns of the table are its key: rows ascend by them, and are compared by key.
   /// Errors: usage (unknown table, after freeze). Whether the columns may be keys, freeze says.
@@ -53,15 +91,26 @@ class GatheredState {
   /// Requires: the sources have `writable` and rows.row_count rows.
   void scatter(std::size_t table, const ImageTable& rows);
 
-  std::uint32_t row_count(std::size_t table) const { return sources_[table].front().row_count; }
+  std::uint32_t row_count(std::size_t table) const { return sources_[table].columns.front().row_count; }
 
  private:
-  Status check_source(const std::string& place, const ColumnSource& source) const;
+  /// Where the columns of one table lie.
+  struct TableSource {
+    NameIndex names;
+    std::vector<ColumnSource> columns;
+    std::vector<std::size_t> offsets;  // of the members of a struct; empty: each column lies where it says
+  };
+
+  Status add_table(std::string_view name);
+  Status add_column(std::size_t table, std::string_view name, const ColumnSource& source);
   Status check_keys(std::size_t table) const;
+  bool has_members(std::size_t table, std::size_t stride, std::span<const RowMember> members) const;
 
   StateSchema schema_;
-  std::vector<std::vector<ColumnSource>> sources_;  // [table][column]
-  std::vector<Bytes> rows_;                         // [table], in the machine's byte order
+  NameIndex table_names_;
+  std::vector<TableSource> sources_;  // [table]
+  std::size_t column_count_ = 0;      // of all tables
+  std::vector<Bytes> rows_;           // [table], in the machine's byte order
   StateView view_;
   bool frozen_ = false;
 };

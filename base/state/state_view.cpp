@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "base/hash.h"
 #include "base/limits.h"
@@ -88,6 +89,30 @@ Error schema_error(const std::string& what) {
   return {ErrorCode::corrupt, "schema: " + what, ""};
 }
 
+/// Two places with one name: the first that has a place before it. Sorted, since all pairs of thousands are millions.
+struct Duplicate {
+  std::size_t first = 0;
+  std::size_t second = std::numeric_limits<std::size_t>::max();  // none
+};
+template <typename Item>
+Duplicate find_duplicate(const std::vector<Item>& items) {
+  std::vector<std::size_t> order(items.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&items](std::size_t a, std::size_t b) {
+    const int compared = items[a].name.compare(items[b].name);
+    return compared != 0 ? compared < 0 : a < b;
+  });
+  Duplicate found;
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (order[i] < found.second && items[order[i]].name == items[order[i - 1]].name) found = {order[i - 1], order[i]};
+  return found;
+}
+
+std::string duplicate_text(const char* what, const Duplicate& duplicate) {
+  return std::string(": stands twice: as ") + what + " " + std::to_string(duplicate.first) + " and as " + what + " " +
+         std::to_string(duplicate.second) + ", counted from 0";
+}
+
 std::string place_text(const TableSchema& table, std::size_t row, const Column& column, std::size_t lane) {
   std::string text = table.name + "[" + std::to_string(row) + "]." + column.name;
   if (column.lane_count > 1) text += "[" + std::to_string(lane) + "]";
@@ -118,11 +143,12 @@ Status check_schema(const StateSchema& schema) {
   if (schema.tables.empty() || schema.tables.size() > limits::table_count_max)
     return schema_error("table count: found " + std::to_string(schema.tables.size()) + ", expected 1.." +
                         std::to_string(limits::table_count_max));
+  const Duplicate same_table = find_duplicate(schema.tables);
   for (std::size_t t = 0; t < schema.tables.size(); ++t) {
     const TableSchema& table = schema.tables[t];
     if (table.name.empty() || table.name.size() > limits::name_size_max)
       return schema_error("table " + std::to_string(t) + ": name is empty or too long");
-    if (schema.find_table(table.name) != t) return schema_error("table " + table.name + ": stands twice");
+    if (t == same_table.second) return schema_error("table " + table.name + duplicate_text("table", same_table));
     if (table.columns.empty() || table.columns.size() > limits::column_count_max)
       return schema_error("table " + table.name + ": column count: found " + std::to_string(table.columns.size()) +
                           ", expected 1.." + std::to_string(limits::column_count_max));
@@ -131,14 +157,14 @@ Status check_schema(const StateSchema& schema) {
                           ", expected 1.." + std::to_string(limits::row_size_max));
     if (table.key_column_count > table.columns.size())
       return schema_error("table " + table.name + ": more key columns than columns");
+    const Duplicate same_column = find_duplicate(table.columns);
     std::size_t end = 0;
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Column& column = table.columns[c];
       const std::string place = "table " + table.name + ": column " + column.name;
       if (column.name.empty() || column.name.size() > limits::name_size_max)
         return schema_error("table " + table.name + ": column " + std::to_string(c) + ": name is empty or too long");
-      for (std::size_t other = 0; other < c; ++other)
-        if (table.columns[other].name == column.name) return schema_error(place + ": stands twice");
+      if (c == same_column.second) return schema_error(place + duplicate_text("column", same_column));
       const ScalarInfo* info = scalar_info(column.type);
       if (info == nullptr) return schema_error(place + ": unknown scalar type");
       if (column.lane_count == 0) return schema_error(place + ": no lanes");

@@ -3,9 +3,11 @@
 // SPDX-License-Identifier: MIT
 #include "base/state/state_view.h"
 
+#include <random>
 #include <string>
 
 #include "base/hash.h"
+#include "base/limits.h"
 #include "tests/support/catch.h"
 
 namespace ticktrue {
@@ -244,6 +246,10 @@ TEST_CASE("schemas with a fault are refused, and the fault is named", "[base][st
   CHECK(check_schema(sample_schema()));
   CHECK_THAT(refused([](StateSchema& s) { s.tables.clear(); }), !Contains("accepted"));
   CHECK_THAT(refused([](StateSchema& s) { s.tables[1].name = "bodies"; }), Contains("bodies"));
+  CHECK_THAT(refused([](StateSchema& s) { s.tables[1].name = "bodies"; }),
+             Contains("table bodies: stands twice: as table 0 and as table 1, counted from 0"));
+  CHECK_THAT(refused([](StateSchema& s) { s.tables[0].columns[3].name = "id"; }),
+             Contains("column id: stands twice: as column 0 and as column 3, counted from 0"));
   CHECK_THAT(refused([](StateSchema& s) { s.tables[0].name.clear(); }), !Contains("accepted"));
   CHECK_THAT(refused([](StateSchema& s) { s.tables[0].columns[1].name = "id"; }), Contains("id"));
   CHECK_THAT(refused([](StateSchema& s) { s.tables[0].columns[1].name.clear(); }), !Contains("accepted"));
@@ -258,6 +264,39 @@ TEST_CASE("schemas with a fault are refused, and the fault is named", "[base][st
   CHECK_THAT(refused([](StateSchema& s) { s.tables[1].columns[0].target = 1; }), Contains("body_a"));  // two keys
   CHECK_THAT(refused([](StateSchema& s) { s.tables[1].columns[2].target = 0; }), Contains("age"));     // not u32
   CHECK_THAT(refused([](StateSchema& s) { s.tables[0].columns[3].min = 3; }), Contains("type"));
+}
+
+TEST_CASE("two equal names are found wherever they stand, and the first pair is named",
+          "[base][state_view][property]") {
+  std::mt19937 engine(23);
+  const auto random = [&engine](std::size_t limit) { return static_cast<std::size_t>(engine()) % limit; };
+  for (int round = 0; round < 200; ++round) {
+    StateSchema schema;
+    schema.tables.resize(2 + random(limits::table_count_max - 1));
+    for (std::size_t t = 0; t < schema.tables.size(); ++t) {
+      TableSchema& table = schema.tables[t];
+      table.name = "t" + std::to_string(t);
+      table.row_size = 4;
+      table.columns.resize(1);
+      table.columns[0].name = "c";
+    }
+    CHECK(check_schema(schema));
+    for (std::size_t copies = 1 + random(3); copies > 0; --copies) {
+      const std::size_t from = random(schema.tables.size());
+      schema.tables[random(schema.tables.size())].name = schema.tables[from].name;
+    }
+    // All pairs, as a reference.
+    std::string expected;
+    for (std::size_t t = 0; t < schema.tables.size() && expected.empty(); ++t)
+      for (std::size_t before = t; before-- > 0;)
+        if (schema.tables[before].name == schema.tables[t].name) {
+          expected = "schema: table " + schema.tables[t].name + ": stands twice: as table " + std::to_string(before) +
+                     " and as table " + std::to_string(t) + ", counted from 0";
+          break;
+        }
+    const Status status = check_schema(schema);
+    CHECK((status ? std::string() : status.error().message) == expected);
+  }
 }
 
 TEST_CASE("every cut and every lengthening of an image is refused", "[base][state_view][corruption]") {

@@ -93,7 +93,7 @@ constexpr Elsewhere elsewhere[] = {
     {"tool/cli/session/import.cpp", "ticktrue record", "the end of a help text: printed_commands_test.cpp runs it"},
     {"tool/cli/study/accuracy_peer.cpp", "ticktrue accuracy --peer box2d",
      "runs for minutes: parsed as an example of a help"},
-    {"replay/trace.h", "ticktrue recover", "what the end of a trace says, no command"},
+    {"replay/format/trace.h", "ticktrue recover", "what the end of a trace says, no command"},
     {"verifier/compare/against_build.cpp", "ticktrue replay",
      "of another build: tests/verifier/against_build_test.cpp"},
     {"tool/play/player.cpp", "ticktrue replay", "needs a trace of 4,000,000 ticks; the command has no argument"},

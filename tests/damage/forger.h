@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "replay/chunk.h"
-#include "replay/payload.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 
 namespace ticktrue::damage {
 

@@ -159,6 +159,8 @@ expect 3 "\`ticktrue recover\` makes a complete trace of it" ./lockstep --verify
 expect 0 "recovered" "$tool" recover cut.ttr -o saved.ttr
 expect 0 "match  saved.ttr" ./lockstep --verify saved.ttr
 expect 1 "1 ulp" ./lockstep --verify lockstep.ttr --bug order
+expect 1 "  program recorded " ./lockstep --verify lockstep.ttr --bug order
+expect 0 "fused no" "$tool" show lockstep.ttr
 expect 2 "--bug: found odrer, expected order, clock" ./lockstep --verify lockstep.ttr --bug odrer
 expect 5 "schema: balls.padding" ./lockstep --verify lockstep.ttr --bug padding
 expect 0 "recorded" ./lockstep --record pointer.ttr --bug pointer
@@ -180,6 +182,20 @@ expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback --verify ro
 expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --bug unsaved
 expect 0 "recorded  unsaved.ttr" ./rollback --record unsaved.ttr --bug unsaved
 expect 1 "fighters.cooldown" ./rollback --verify unsaved.ttr
+
+# --- programs and plug-ins built with the header of interface version 1 ----------------------------------------------
+old=$source/tests/capi/header_1
+compile_old() { cc -std=c99 -O2 -ffp-contract=off -I"$old" "$@" -Wl,-rpath,"$(dirname "$library")"; }
+expect 0 "" compile_old ../examples/rollback.c "$library" -o rollback_old
+expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback_old --verify rollback.ttr
+expect 0 "recorded  rollback_old.ttr  600 ticks" ./rollback_old --record rollback_old.ttr
+expect 0 "match  rollback_old.ttr" ./rollback --verify rollback_old.ttr
+expect 0 "" compile_old ../examples/plugin_pendulum.c -shared -fPIC -o old_pendulum.so
+expect 0 "100 ticks" "$tool" record 8 --plugin ./old_pendulum.so --ticks 100 -o old_pendulum.ttr
+for mode in replay restore twice; do
+  expect 0 "match  old_pendulum.ttr" "$tool" verify old_pendulum.ttr --plugin ./old_pendulum.so --mode "$mode"
+  expect 0 "match  old_pendulum.ttr" "$tool" verify old_pendulum.ttr --plugin ./libplugin_pendulum.so --mode "$mode"
+done
 
 # --- C++ by find_package ---------------------------------------------------------------------------------------------
 expect 0 "recorded  consumer.ttr  120 ticks" ./consumer --record consumer.ttr
@@ -259,8 +275,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..1
-2 old it does not work with interface version 1
+2 version interface version: found 99, expected 1..2
+2 old it does not work with interface version 2
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include <chrono>
 
-#include "replay/chunk.h"
-#include "replay/payload.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 #include "tests/support/catch.h"
 
 using namespace ticktrue;

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "replay/chunk.h"
-#include "replay/payload.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 #include "tests/replay/toy_traces.h"
 
 using namespace ticktrue;

@@ -5,8 +5,8 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
-#include "replay/chunk.h"
-#include "replay/payload.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 #include "tests/replay/toy_traces.h"
 
 using namespace ticktrue;

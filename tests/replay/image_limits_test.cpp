@@ -1,7 +1,7 @@
 // What a reader holds of compressed images is proportional to the file, and a writer keeps to it.
 // SPDX-License-Identifier: MIT
 #include "base/limits.h"
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 #include "tests/damage/forger.h"
 #include "tests/replay/toy_traces.h"
 #include "tests/support/text.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 #include "tests/replay/toy_traces.h"
 
 using namespace ticktrue;

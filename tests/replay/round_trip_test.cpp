@@ -1,8 +1,8 @@
 // What is written is read back, whatever the detail, codec, size and interval.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
-#include "replay/chunk.h"
-#include "replay/payload.h"
+#include "replay/format/chunk.h"
+#include "replay/format/payload.h"
 #include "tests/replay/toy_traces.h"
 
 using namespace ticktrue;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/replay/toy_traces.h"
 
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 
 namespace ticktrue::test {
 

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "base/hash.h"
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 #include "tests/replay/toy_traces.h"
 
 using namespace ticktrue;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/random.h"
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 #include "tests/verifier/toy_variants.h"
 
 namespace ticktrue::test {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/result.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::cli {
 

@@ -6,7 +6,7 @@
 
 #include "base/hash.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
-#include "replay/file.h"
+#include "replay/file/file.h"
 #include "tool/play/display.h"
 #include "tool/play/session.h"
 #include "verifier/runs/data_file.h"

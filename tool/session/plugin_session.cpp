@@ -11,7 +11,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
-#include "replay/file.h"
+#include "replay/file/file.h"
 #include "replay/recorder.h"
 #include "tool/output/cli.h"
 #include "tool/output/json_output.h"

@@ -11,8 +11,8 @@
 #include "base/result.h"
 #include "base/state/non_finite.h"
 #include "engine/engine.h"
+#include "replay/format/trace.h"
 #include "replay/recorder.h"
-#include "replay/trace.h"
 
 namespace ticktrue::verifier {
 

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "base/hash.h"
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"

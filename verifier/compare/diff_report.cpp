@@ -60,6 +60,17 @@ std::string diff_text(const DiffReport& report) {
   if (report.verdict != DiffVerdict::equal) {
     line("builds", "a " + facts_line(report.a.build));
     line("", "b " + facts_line(report.b.build));
+    const std::string program_a = program_line(report.a.build);
+    const std::string program_b = program_line(report.b.build);
+    if (!program_a.empty() || !program_b.empty()) {
+      line("program", "a " + (program_a.empty() ? std::string("not known") : program_a));
+      line("", "b " + (program_b.empty() ? std::string("not known") : program_b));
+    }
+    const char* label = "differs";
+    for (const FactDifference& difference : fact_differences(report.a.build, report.b.build)) {
+      line(label, difference_line(difference, "a", "b"));
+      label = "";
+    }
   }
   for (const std::string& command : report.again) line("again", command);
   return text;
@@ -85,6 +96,8 @@ std::string diff_json(const DiffReport& report) {
                         {"dt_b", hex64(bits_of(report.inputs->dt_b))},
                         {"inputs_a", input_lines_json(report.inputs->inputs_a)},
                         {"inputs_b", input_lines_json(report.inputs->inputs_b)}};
+  const std::vector<FactDifference> differences = fact_differences(report.a.build, report.b.build);
+  if (!differences.empty()) object["build_differences"] = differences_json(differences, "a", "b");
   object["divergence"] = report.divergence ? divergence_json(*report.divergence) : Json(nullptr);
   object["notes"] = report.notes;
   object["again"] = report.again;

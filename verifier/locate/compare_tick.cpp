@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
 

@@ -17,7 +17,7 @@
 #include "base/state/cells.h"
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 
 namespace ticktrue::verifier {
 namespace {

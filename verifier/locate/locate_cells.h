@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "base/state/cells.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "verifier/locate/locate.h"
 #include "verifier/report/report.h"
 

@@ -5,14 +5,18 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "replay/trace.h"
+#include "replay/format/trace.h"
+#include "verifier/report/fact_differences.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
 
 nlohmann::ordered_json facts_json(const replay::BuildFacts& facts);
 nlohmann::ordered_json build_json();
+nlohmann::ordered_json differences_json(const std::vector<FactDifference>& differences, const char* a_name,
+                                        const char* b_name);
 nlohmann::ordered_json lane_json(const LaneReport& row);
 nlohmann::ordered_json compared_json(const ComparedParts& compared);
 nlohmann::ordered_json divergence_json(const Divergence& divergence);

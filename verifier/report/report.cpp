@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "verifier/report/fact_differences.h"
+
 namespace ticktrue::verifier {
 
 const VerdictInfo& verdict_info(Verdict verdict) {
@@ -75,7 +77,8 @@ std::string facts_line(const replay::BuildFacts& facts) {
       known += found == "version" ? "ticktrue " + value : found == "commit" ? "(" + value + ")" : value;
     }
   for (const auto& [name, value] : facts)
-    if (name != "version" && name != "commit" && name != "compiler" && name != "flags" && name != "target")
+    if (name != "version" && name != "commit" && name != "compiler" && name != "flags" && name != "target" &&
+        !is_program_fact(name))
       others += (others.empty() && known.empty() ? "" : ", ") + name + " " + value;
   return known + others;
 }

@@ -13,7 +13,7 @@
 #include "base/result.h"
 #include "base/state/non_finite.h"
 #include "base/state/state_view.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "verifier/report/exit_codes.h"
 
 namespace ticktrue::verifier {
@@ -181,6 +181,7 @@ struct Report {
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
   replay::BuildFacts recorded_build;
+  replay::BuildFacts here_build;  // of the program that verifies itself; empty: this tool
   std::optional<OtherBuild> against;
   std::vector<std::string> again;  // commands for further examination
 
@@ -200,7 +201,7 @@ std::string divergence_text(const Divergence& divergence, const char* expected_n
 /// JSON Lines as lines.
 std::vector<std::string> split_lines(const std::string& text);
 
-/// One line for the build facts of a trace.
+/// One line for the build facts of a trace, without those of the program.
 std::string facts_line(const replay::BuildFacts& facts);
 
 }  // namespace ticktrue::verifier

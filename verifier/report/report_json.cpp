@@ -18,6 +18,16 @@ Json facts_json(const replay::BuildFacts& facts) {
   return object;
 }
 
+Json differences_json(const std::vector<FactDifference>& differences, const char* a_name, const char* b_name) {
+  Json list = Json::array();
+  for (const FactDifference& difference : differences)
+    list.push_back({{"name", difference.name},
+                    {a_name, difference.a},
+                    {b_name, difference.b},
+                    {"changes_bits", difference.changes_bits}});
+  return list;
+}
+
 Json build_json() {
   const BuildInfo& info = build_info();
   return {{"version", info.version},
@@ -184,7 +194,10 @@ Json report_row_json(const Report& report) {
   object["inputs"] = report.divergence ? input_lines_json(report.divergence->inputs) : Json::array();
   object["warnings"] = report.warnings;
   object["notes"] = report.notes;
-  object["builds"] = {{"recorded", facts_json(report.recorded_build)}, {"here", build_json()}};
+  object["builds"] = {{"recorded", facts_json(report.recorded_build)},
+                      {"here", report.here_build.empty() ? build_json() : facts_json(report.here_build)}};
+  const std::vector<FactDifference> differences = fact_differences(report.recorded_build, report.here_build);
+  if (!differences.empty()) object["builds"]["differ"] = differences_json(differences, "recorded", "here");
   object["again"] = report.again;
   if (report.against) object["against"] = against_json(*report.against);
   return object;

@@ -6,6 +6,7 @@
 #include "base/build_info.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "verifier/report/fact_differences.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
@@ -207,6 +208,20 @@ void add_end(const Report& report, Lines& lines) {
   }
 }
 
+/// The builds of the two programs, where one of them tells of its own.
+void add_programs(const Report& report, Lines& lines) {
+  const std::string recorded = program_line(report.recorded_build);
+  const std::string here = program_line(report.here_build);
+  if (recorded.empty() && here.empty()) return;
+  lines.add("program", "recorded " + (recorded.empty() ? std::string("not known") : recorded));
+  if (!report.here_build.empty()) lines.add("", "here " + (here.empty() ? std::string("not known") : here));
+  const char* label = "differs";
+  for (const FactDifference& difference : fact_differences(report.recorded_build, report.here_build)) {
+    lines.add(label, difference_line(difference, "recorded", "here"));
+    label = "";
+  }
+}
+
 }  // namespace
 
 std::string divergence_text(const Divergence& divergence, const char* expected_name, const char* got_name) {
@@ -228,8 +243,9 @@ std::string report_text(const Report& report) {
   const bool judged_by_build = report.verdict != Verdict::match && report.verdict != Verdict::error;
   if (judged_by_build && !report.recorded_build.empty()) {
     lines.add("builds", "recorded " + facts_line(report.recorded_build));
-    lines.add("", "here " + build_line());
+    lines.add("", "here " + (report.here_build.empty() ? build_line() : facts_line(report.here_build)));
     if (report.against && !report.against->facts.empty()) lines.add("", "there " + facts_line(report.against->facts));
+    add_programs(report, lines);
   }
   if (!report.hint.empty()) lines.add("next", report.hint);
   for (const std::string& command : report.again) lines.add("again", command);

@@ -19,7 +19,7 @@
 #include <condition_variable>
 #include <thread>
 
-#include "replay/file_calls.h"
+#include "replay/file/file_calls.h"
 #endif
 
 namespace ticktrue::verifier {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/bytes.h"
-#include "replay/file.h"
+#include "replay/file/file.h"
 #ifdef __linux__
 #include <link.h>
 

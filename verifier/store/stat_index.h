@@ -14,7 +14,7 @@
 #include <string>
 
 #include "base/hash128.h"
-#include "replay/file_calls.h"
+#include "replay/file/file_calls.h"
 #include "verifier/store/store_folder.h"
 
 namespace ticktrue::verifier {

@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "base/hash.h"
-#include "replay/file_calls.h"
+#include "replay/file/file_calls.h"
 #ifdef _WIN32
 #include <process.h>
 #else

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "base/state/stage_hashes.h"
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
 

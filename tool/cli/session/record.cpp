@@ -6,7 +6,7 @@
 
 #include "base/hash.h"
 #include "base/limits.h"
-#include "replay/file.h"
+#include "replay/file/file.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"

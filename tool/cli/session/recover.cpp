@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "replay/file.h"
+#include "replay/file/file.h"
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"

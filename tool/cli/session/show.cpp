@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 
 #include "base/hash.h"
 #include "base/plain_text.h"
@@ -11,6 +12,7 @@
 #include "tool/output/progress.h"
 #include "tool/output/trace_text.h"
 #include "tool/session/trace_summary.h"
+#include "verifier/report/fact_differences.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -185,6 +187,24 @@ std::string inputs_line(const verifier::TraceSummary& summary) {
   return fmt::format("{} in {} ticks: {}", count, summary.input_tick_count, kinds);
 }
 
+/// Facts of ticktrue on one line; those of the program below, a line for each of its units.
+void print_build(const replay::BuildFacts& facts) {
+  std::string build;
+  std::map<std::string, std::string> units;
+  for (const auto& [name, value] : facts) {
+    const bool is_of_program = verifier::is_program_fact(name);
+    const std::string unit = is_of_program ? verifier::fact_unit(name) : "";
+    std::string& text = is_of_program ? units[unit] : build;
+    const std::string label = is_of_program ? name.substr(name.rfind('.') + 1) : name;
+    text +=
+        fmt::format("{}{} {}", text.empty() ? "" : ", ", plain_line(label), value.empty() ? "-" : plain_line(value));
+  }
+  print(fmt::format("  build       {}\n", build.empty() ? "not known" : build));
+  for (const auto& [unit, text] : units)
+    print(fmt::format("  {:<11} {}\n", unit.empty() ? "program" : "unit",
+                      (unit.empty() ? "" : plain_line(unit) + ": ") + text));
+}
+
 void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
@@ -209,11 +229,7 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
   print(fmt::format("  hash        {} after the last tick\n", hex64(summary.last_root_hash)));
   print(fmt::format("  bytes       {}: setup {}, checkpoints {}, ticks {}, rest {}\n", reader.size(),
                     summary.setup_size, summary.checkpoint_size, summary.tick_size, summary.rest_size));
-  std::string build;
-  for (const auto& [name, value] : reader.facts())
-    build +=
-        fmt::format("{}{} {}", build.empty() ? "" : ", ", plain_line(name), value.empty() ? "-" : plain_line(value));
-  print(fmt::format("  build       {}\n", build.empty() ? "not known" : build));
+  print_build(reader.facts());
   print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
   print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");
   if (options.checkpoints)

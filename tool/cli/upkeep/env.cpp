@@ -10,7 +10,7 @@
 #include "base/hash.h"
 #include "base/hash128.h"
 #include "engine/engine.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 #include "tool/cli/commands.h"
 #include "tool/corpus/engine_digest.h"
 #include "tool/environment/arithmetic_probe.h"

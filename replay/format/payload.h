@@ -10,7 +10,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "base/state/cells.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::replay {
 

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "replay/file.h"
-#include "replay/file_calls.h"
+#include "replay/file/file.h"
+#include "replay/file/file_calls.h"
 
 namespace ticktrue::replay {
 namespace {

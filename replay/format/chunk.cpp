@@ -1,6 +1,6 @@
 // Encoding and checking of chunk headers and tick records.
 // SPDX-License-Identifier: MIT
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // Encoding and bounded decoding of chunk payloads. The only file that includes zstd.h.
 // SPDX-License-Identifier: MIT
-#include "replay/payload.h"
+#include "replay/format/payload.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "base/assert.h"
 #include "base/limits.h"
-#include "replay/chunk.h"
+#include "replay/format/chunk.h"
 
 #ifdef TICKTRUE_HAS_ZSTD
 #include <zstd.h>

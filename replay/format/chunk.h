@@ -12,7 +12,7 @@
 
 #include "base/bytes.h"
 #include "base/limits.h"
-#include "replay/trace.h"
+#include "replay/format/trace.h"
 
 namespace ticktrue::replay {
 

@@ -1,6 +1,6 @@
 // Reads the file of a trace and detects changes made by other processes.
 // SPDX-License-Identifier: MIT
-#include "replay/file.h"
+#include "replay/file/file.h"
 
 #include <fcntl.h>
 
@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "replay/file_calls.h"
+#include "replay/file/file_calls.h"
 
 namespace ticktrue::replay {
 

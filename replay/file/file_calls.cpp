@@ -3,7 +3,7 @@
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64  // traces beyond 2 GiB on 32-bit machines
 #endif
-#include "replay/file_calls.h"
+#include "replay/file/file_calls.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
