@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: MIT
 #include "capi/program_facts.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "tests/support/text.h"
 #include "verifier/compare/diff.h"
 #include "verifier/report/fact_differences.h"
+#include "verifier/report/report.h"
 
 namespace ticktrue::test {
 namespace {
@@ -212,6 +215,49 @@ TEST_CASE("facts that are wrong are refused with the line to mend", "[capi][fact
     CHECK(contains(run.message, wrong.message));
   }
   CHECK(ticktrue_build_facts(nullptr, nullptr, nullptr) == TICKTRUE_OK);
+}
+
+TEST_CASE("as many facts as a session takes are in its trace, and recovering keeps them", "[capi][facts][limits]") {
+  const TracePath path;
+  const auto with_units = [](ticktrue_session* session) {
+    std::string text;
+    for (int i = 0; i < 30; ++i) text += "f" + std::to_string(i) + "=" + std::string(2'000, 'x') + "\n";
+    for (const char* unit : {"a", "b", "c", "d", "e", "f", "g", "h"})
+      CHECK(ticktrue_build_facts(session, unit, text.c_str()) == TICKTRUE_OK);
+    CHECK(ticktrue_build_facts(session, "empty", "") == TICKTRUE_OK);
+  };
+  REQUIRE(count_ticks(path("x.ttr"), TICKTRUE_RECORD, nullptr, 0, with_units).exit_code == 0);
+  const BuildFacts facts = facts_in(path("x.ttr"));
+  const auto is_of_unit = [](const auto& fact) { return contains(fact.first, "caller."); };
+  CHECK(std::count_if(facts.begin(), facts.end(), is_of_unit) == 240);
+  CHECK(count_ticks(path("x.ttr"), TICKTRUE_VERIFY, nullptr).exit_code == 0);
+  std::filesystem::resize_file(path("x.ttr"), std::filesystem::file_size(path("x.ttr")) - 100);
+  REQUIRE(replay::recover_trace(path("x.ttr"), path("again.ttr"), false));
+  CHECK(facts_in(path("again.ttr")) == facts);
+}
+
+TEST_CASE("any text is refused, or is facts in the order of its lines", "[capi][facts][property]") {
+  std::mt19937 random(31);
+  const std::string letters = "ab_9=\n\n.A \x01\xff";
+  int accepted = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    std::string text;
+    for (std::size_t size = random() % 12; size > 0; --size) text += letters[random() % letters.size()];
+    capi::ProgramFacts facts("");
+    const std::size_t before = facts.all().size();
+    const bool is_taken = static_cast<bool>(facts.add("u", text.c_str()));
+    std::string again;
+    const BuildFacts all = facts.all();
+    for (std::size_t i = before; i < all.size(); ++i)
+      again += all[i].first.substr(std::string("caller.u.").size()) + "=" + all[i].second + "\n";
+    std::string expected;  // the lines without empty ones
+    for (const std::string& line : verifier::split_lines(text))
+      if (!line.empty()) expected += line + "\n";
+    if (is_taken) CHECK(again == expected);
+    if (!is_taken) CHECK(again.empty());
+    accepted += is_taken && !expected.empty();
+  }
+  CHECK(accepted > 100);
 }
 
 TEST_CASE("the build id is the one in the program's file", "[capi][facts]") {
