@@ -47,9 +47,9 @@ void reserve_batches(ContactBatches& out, unsigned features) {
 /// The contacts in the slots of a block.
 const std::uint32_t* slots_of(const Scratch& scratch, const SolverSet& set, const ContactBlock& block,
                               ContactBatches& out) {
-  const ContactColoring& coloring = scratch.caches.coloring;
-  const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
-  if (coloring.is_whole_set) return slots;  // all contacts are in the set
+  const ContactColors& colors = scratch.caches.colors;
+  const std::uint32_t* slots = colors.slots().data() + block.first_slot;
+  if (colors.are_all()) return slots;
   const std::size_t count = block.slot_end - block.first_slot;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   out.slots.resize(count);
@@ -182,27 +182,37 @@ void clear_contacts(Scratch& scratch) {
   scratch.contact_batches.runs.clear();
 }
 
+void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split) {
+  const ContactsOfSet contacts{scratch.contact_pairs,
+                               {scratch.set_contacts.data() + set.first_contact, set.contact_end - set.first_contact},
+                               scratch.masses,
+                               dummy_sink(scratch),
+                               scratch.contact_generation};
+  color_contacts(contacts, {scratch.set_rows.data() + set.first_row, set.row_end - set.first_row}, may_split,
+                 scratch.parallel, scratch.caches.colors, scratch.caches.blocks, scratch.coloring);
+}
+
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set) {
   ContactBatches& out = scratch.contact_batches;
-  const ContactColoring& coloring = scratch.caches.coloring;
+  const ContactColors& colors = scratch.caches.colors;
   set.first_batch = static_cast<std::uint32_t>(out.batch_count);
   set.first_run = static_cast<std::uint32_t>(out.runs.size());
-  for (const BatchRange& color : coloring.color_batches)
+  for (const BatchRange& color : colors.color_batches())
     add_run(scratch.parallel, out.runs, out.runs.size() == set.first_run, set.first_batch + color.first,
             set.first_batch + color.end);
   set.run_end = static_cast<std::uint32_t>(out.runs.size());
-  out.batch_count += coloring.slots.size() / contact_lane_count;
+  out.batch_count += colors.slots().size() / contact_lane_count;
   set.batch_end = static_cast<std::uint32_t>(out.batch_count);
   reserve_batches(out, model.contact_features);
-  const std::uint32_t* slots = slots_of(scratch, set, coloring.blocks[0], out);
+  const std::uint32_t* slots = slots_of(scratch, set, colors.blocks()[0], out);
   for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
     const BatchRun& run = out.runs[i];
     scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
       const std::size_t of_set = first - set.first_batch;
-      fill_batches(model, state, scratch, set, slots + of_set * contact_lane_count, coloring.is_serial.data() + of_set,
-                   out, first, end, dummy_sink(scratch, chunk.index));
+      fill_batches(model, state, scratch, set, slots + of_set * contact_lane_count, colors.is_serial() + of_set, out,
+                   first, end, dummy_sink(scratch, chunk.index));
       scratch.kernels->contacts.prepare(work_of(scratch, set, out, first, end));
     });
   }
@@ -261,10 +271,10 @@ void store_contacts(const Scratch& scratch, const SolverSet& set, State& state) 
 
 void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
                    const ContactBlock& block, std::uint32_t sink, ContactBatches& out) {
-  const ContactColoring& coloring = scratch.caches.coloring;
+  const ContactColors& colors = scratch.caches.colors;
   const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
-    const std::uint32_t contact = contacts[coloring.contacts[i]];
+    const std::uint32_t contact = contacts[colors.contacts()[i]];
     __builtin_prefetch(&scratch.contact_pairs[contact]);
     __builtin_prefetch(&scratch.contact_pairs[contact].friction);
     __builtin_prefetch(&state.contacts[contact]);
@@ -272,7 +282,7 @@ void prepare_block(const Model& model, const State& state, Scratch& scratch, con
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
   reserve_batches(out, model.contact_features);
   fill_batches(model, state, scratch, set, slots_of(scratch, set, block, out),
-               coloring.is_serial.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, sink);
+               colors.is_serial() + block.first_slot / contact_lane_count, out, 0, out.batch_count, sink);
   scratch.kernels->contacts.prepare(work_of_block(scratch, set, out));
 }
 

@@ -59,6 +59,10 @@ Real soft_contact_stiffness(Real h);
 /// Discards the batches of the last tick.
 void clear_contacts(Scratch& scratch);
 
+/// Colours the contacts of a set. `may_split`: in blocks, if there are contacts enough for some. Requires:
+/// prepare_bodies.
+void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split);
+
 /// Packs the contacts of a set, with impulses from state.contacts, for substeps of length set.h. Appends to the batches
 /// and stores the range in `set`. Requires: color_contacts, as one block.
 void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set);

@@ -21,33 +21,31 @@ bool allows_blocks(const Model& model, const State& state, const Scratch& scratc
 }
 
 void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolverSet& set) {
-  const ContactColoring& coloring = scratch.caches.coloring;
+  const std::span<const ContactBlock> blocks = scratch.caches.colors.blocks();
   const ContactKernels& contacts = scratch.kernels->contacts;
   const MotionKernels& motion = scratch.kernels->motion;
   Real* bodies = &scratch.bodies.data()->velocity.x;
-  const std::size_t count = coloring.blocks.size();
+  const std::size_t count = blocks.size();
   const std::size_t chunk_size = scratch.parallel.chunk_size(count, 1, 1);
   scratch.block_batches.resize(Parallel::chunk_count(count, chunk_size));
   scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
     ContactBatches& batches = scratch.block_batches[chunk.index];
     const std::uint32_t sink = dummy_sink(scratch, chunk.index);
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const ContactBlock& block = coloring.blocks[i];
-      const std::uint32_t* rows = coloring.rows.data() + block.first_row;
-      const std::size_t row_count = block.row_end - block.first_row;
-      prepare_block(model, state, scratch, set, block, sink, batches);
+      const std::span<const std::uint32_t> rows = scratch.caches.blocks.rows(i);
+      prepare_block(model, state, scratch, set, blocks[i], sink, batches);
       const ContactWork work = work_of_block(scratch, set, batches);
       for (int substep = 0; substep < set.substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, row_count);
+        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows.data(), rows.size());
         contacts.warm_start(work);
         contacts.solve_again(work);
-        motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), sink, set.h);
+        motion.move_bodies(bodies, rows.data(), rows.size(), dummy_body(scratch), sink, set.h);
         contacts.relax(work);
       }
       store_block(scratch, set, batches, state);
     }
   });
-  scratch.moving_rows = coloring.free_rows;
+  scratch.moving_rows = scratch.caches.blocks.free_rows();
   integrate_freely(scratch, set.h, set.substeps);
 }
 

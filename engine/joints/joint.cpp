@@ -83,7 +83,7 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
 /// Calls body(first, last) for all batches of plain revolute joints, in chunks.
 template <typename Body>
 static void for_revolutes(const Scratch& scratch, const Body& body) {
-  const std::size_t count = scratch.caches.joints.revolutes.size();
+  const std::size_t count = scratch.caches.joints.revolutes().size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
                               [&](const Chunk& chunk) { body(chunk.begin, chunk.end); });
 }
@@ -96,17 +96,17 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
   scratch.driven_revolutes.soft = soft;
   scratch.uses_wavefront = false;
   if (state.joints.empty()) {
-    scratch.caches.joints = {};
+    scratch.caches.joints.clear();
     return;
   }
-  plan_joints(model, state, scratch);
-  JointPlan& plan = scratch.caches.joints;
-  scratch.revolutes.order = plan.in_levels ? RevoluteOrder::levels : RevoluteOrder::serial;
-  scratch.uses_wavefront = plan.uses_wavefront && is_left_to_joints(scratch, set) &&
-                           plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
+  scratch.caches.joints.follow(model, state, scratch);
+  const JointPlan& plan = scratch.caches.joints;
+  scratch.revolutes.order = plan.in_levels() ? RevoluteOrder::levels : RevoluteOrder::serial;
+  scratch.uses_wavefront = plan.schedule().exists && is_left_to_joints(scratch, set) &&
+                           plan.schedule().body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
   raise_inertias(state, scratch, h);
-  for (const std::uint32_t place : plan.scalar)
-    scratch.joints.push_back(make_joint(model, state, scratch, plan.places[place], soft, h));
+  for (const std::uint32_t place : plan.scalar())
+    scratch.joints.push_back(make_joint(model, state, scratch, plan.places()[place], soft, h));
   if (scratch.uses_wavefront) separate_level_sinks(scratch);
   reserve_revolutes(scratch);
   if (!scratch.uses_wavefront)
@@ -114,10 +114,9 @@ void prepare_joints(const Model& model, const State& state, Scratch& scratch, co
                   [&](std::size_t first, std::size_t last) { fill_revolutes(state, scratch, first, last, h); });
   fill_driven_revolutes(model, state, scratch, soft, h);
   if (scratch.uses_wavefront) return;
-  for (JointRange& range : plan.ranges) {
-    if (range.path == JointPath::revolute) range.chunk_size = split_revolutes(scratch, range.first, range.last);
-    if (range.path == JointPath::driven_revolute)
-      range.chunk_size = split_driven_revolutes(scratch, range.first, range.last);
+  for (const JointRange& range : plan.ranges()) {
+    if (range.path == JointPath::revolute) separate_revolute_sinks(scratch, range);
+    if (range.path == JointPath::driven_revolute) separate_driven_revolute_sinks(scratch, range);
   }
 }
 
@@ -148,15 +147,15 @@ void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, s
 }
 
 void save_joint_velocities(Scratch& scratch) {
-  for (const JointRange& range : scratch.caches.joints.ranges) save_velocities_of(scratch, range);
+  for (const JointRange& range : scratch.caches.joints.ranges()) save_velocities_of(scratch, range);
 }
 
 void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.caches.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
+  for (const JointRange& range : scratch.caches.joints.ranges()) warm_start_range(scratch, range, Poses::moved, 0);
 }
 
 void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.caches.joints.ranges) solve_range(scratch, range, h, bias, 0);
+  for (const JointRange& range : scratch.caches.joints.ranges()) solve_range(scratch, range, h, bias, 0);
 }
 
 void store_joints(const Scratch& scratch, State& state, Real h) {

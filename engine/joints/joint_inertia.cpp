@@ -18,7 +18,7 @@ void raise_inertia(BodyMass& mass, Real least) {
 }  // namespace
 
 void raise_inertias(const State& state, Scratch& scratch, Real h) {
-  const std::vector<JointPlace>& places = scratch.caches.joints.places;
+  const std::span<const JointPlace> places = scratch.caches.joints.places();
   const Parallel& parallel = scratch.parallel;
   std::vector<JointTorques>& of_joints = scratch.joint_torques;
   of_joints.resize(places.size());

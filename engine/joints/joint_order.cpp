@@ -17,10 +17,10 @@ JointPath path_of(const JointModel& joint) {
 }
 
 /// Sorts the places by level and path, and otherwise leaves their order.
-void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
-  std::vector<JointPlace>& places = scratch.caches.joints.places;
+void sort_by_level(Scratch& scratch, JointOrder& order) {
+  std::vector<JointPlace>& places = order.places;
   std::vector<std::uint32_t>& start = scratch.level_starts;
-  start.assign(joint_path_count * static_cast<std::size_t>(level_count) + 1, 0);
+  start.assign(joint_path_count * static_cast<std::size_t>(order.level_count) + 1, 0);
   const auto key_of = [](const JointPlace& place) {
     return joint_path_count * place.level + static_cast<std::uint32_t>(place.path);
   };
@@ -38,12 +38,11 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
   return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
 }
 
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront) {
-  JointPlan& plan = scratch.caches.joints;
+void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront, JointOrder& out) {
   const std::uint32_t sink = dummy_sink(scratch);
-  plan.places.clear();
-  plan.level_count = 0;
-  plan.uses_wavefront = false;
+  out.places.clear();
+  out.level_count = 0;
+  out.schedule.exists = false;
   scratch.body_levels.assign(state.bodies.size(), 0);
   std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
@@ -59,15 +58,15 @@ void order_joints(const Model& model, const State& state, Scratch& scratch, bool
     if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];
     if (a_moves) scratch.body_levels[a] = level + 1;
     if (b_moves) scratch.body_levels[b] = level + 1;
-    if (level >= plan.level_count) plan.level_count = level + 1;
+    if (level >= out.level_count) out.level_count = level + 1;
     const JointPath path = path_of(joint);
     in_batches += path == JointPath::scalar ? 0u : 1u;
-    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
+    out.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
   }
-  plan.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * plan.level_count;
-  if (!plan.in_levels) return;
-  plan.uses_wavefront = may_use_wavefront && schedule_levels(scratch);
-  sort_by_level(scratch, plan.level_count);
+  out.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * out.level_count;
+  if (!out.in_levels) return;
+  out.schedule.exists = may_use_wavefront && schedule_levels(scratch, out);
+  sort_by_level(scratch, out);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

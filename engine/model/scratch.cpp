@@ -48,6 +48,8 @@ void poison(Scratch& scratch) {
   for (std::vector<Twist>& rows : scratch.newton) poison_rows(rows);
   poison_batches(scratch.contact_batches);
   for (ContactBatches& batches : scratch.block_batches) poison_batches(batches);
+  poison_all(scratch.coloring.colors, scratch.coloring.uncolored, scratch.coloring.places, scratch.coloring.body_colors,
+             scratch.coloring.starts, scratch.coloring.blocks.island_parent, scratch.coloring.blocks.counts);
   poison_rows(scratch.mouse_joints);
   poison_rows(scratch.paths);
   poison_rows(scratch.hit_rows);
@@ -81,8 +83,7 @@ void poison(Scratch& scratch) {
 
 void list_caches(Scratch& scratch, std::vector<TickCache*>& caches) {
   SolverCaches& of = scratch.caches;
-  caches.insert(caches.end(), {&of.free_motion, &of.velocity_steps, &of.joints, &of.coloring.colors_cache,
-                               &of.coloring.blocks_cache});
+  caches.insert(caches.end(), {&of.free_motion, &of.velocity_steps, &of.joints, &of.colors, &of.blocks});
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

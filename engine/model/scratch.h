@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "engine/contacts/contact_batch.h"
+#include "engine/contacts/contact_coloring.h"
+#include "engine/contacts/island_blocks.h"
 #include "engine/contacts/solver_kernels.h"
 #include "engine/impacts/impulse_rows.h"
 #include "engine/integrators/motion_rows.h"
@@ -29,7 +31,8 @@ struct SolverCaches {
   FreeMotionCache free_motion;
   VelocitySteps velocity_steps;
   JointPlan joints;
-  ContactColoring coloring;
+  ContactColors colors;
+  IslandBlocks blocks;
 };
 
 struct Scratch : TickLists {
@@ -68,6 +71,7 @@ struct Scratch : TickLists {
   std::uint32_t unconverged = 0;  // substeps whose equations were not solved
   ContactBatches contact_batches;
   std::vector<ContactBatches> block_batches;  // [chunk] of the block that is being solved
+  ColoringWork coloring;
   std::vector<MouseJoint> mouse_joints;
   std::vector<JointWork> joints;  // of the scalar path
   RevoluteBatches revolutes;

@@ -43,7 +43,7 @@ void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt)
     prepare_joints(model, state, scratch, set);
     set.stiffness = soft_contacts(h);
     color_contacts(scratch, set, !some_are_free && allows_blocks(model, state, scratch, set));
-    const bool in_blocks = scratch.caches.coloring.is_split;
+    const bool in_blocks = scratch.caches.colors.is_split();
     if (!in_blocks) prepare_contacts(model, state, scratch, set);
     scheme.begin(model, state, scratch, h);
     const bool all_are_free = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, set);

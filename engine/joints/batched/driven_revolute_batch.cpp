@@ -33,7 +33,7 @@ void fill_lane(DrivenRevoluteBatch& batch, std::size_t lane, const JointWork& jo
 
 template <typename Kernel>
 void run_kernel(Scratch& scratch, const JointRange& range, Real h, Kernel kernel) {
-  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+  scratch.parallel.for_chunks(range.last - range.first, chunk_size_of(scratch, range), [&](const Chunk& chunk) {
     kernel({scratch.driven_revolutes.batches.data() + range.first + chunk.begin, chunk.end - chunk.begin,
             &scratch.bodies.data()->velocity.x, h, scratch.driven_revolutes.soft});
   });
@@ -43,7 +43,7 @@ void run_kernel(Scratch& scratch, const JointRange& range, Real h, Kernel kernel
 
 void fill_driven_revolutes(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h) {
   DrivenRevoluteBatches& driven_revolutes = scratch.driven_revolutes;
-  const std::vector<JointSpan>& spans = scratch.caches.joints.driven_revolutes;
+  const std::span<const JointSpan> spans = scratch.caches.joints.driven_revolutes();
   const std::size_t count = spans.size();
   if (driven_revolutes.batches.size() < count) driven_revolutes.batches.resize(count);
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 2, 1), [&](const Chunk& chunk) {
@@ -56,19 +56,17 @@ void fill_driven_revolutes(const Model& model, const State& state, Scratch& scra
       for (std::uint32_t lane = 0; lane < span.count; ++lane) {
         prefetch_joint(state, scratch, span.first + lane);
         fill_lane(batch, lane,
-                  make_joint(model, state, scratch, scratch.caches.joints.places[span.first + lane], soft, h));
+                  make_joint(model, state, scratch, scratch.caches.joints.places()[span.first + lane], soft, h));
       }
       if (scratch.uses_wavefront) redirect_to_sink(scratch, batch.point, span.level);
     }
   });
 }
 
-std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
-  const std::size_t count = last - first;
-  const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
-  for (std::size_t i = size; i < count; ++i)  // the first chunk writes to the sink that the batches have already
-    redirect_to_sink(scratch, scratch.driven_revolutes.batches[first + i].point, i / size);
-  return size;
+void separate_driven_revolute_sinks(Scratch& scratch, const JointRange& range) {
+  // The first chunk writes to the sink that the batches have already.
+  for (std::size_t i = range.chunk_size; i < range.last - range.first; ++i)
+    redirect_to_sink(scratch, scratch.driven_revolutes.batches[range.first + i].point, i / range.chunk_size);
 }
 
 void save_driven_revolutes(Scratch& scratch, const JointRange& range) {
@@ -86,7 +84,7 @@ void solve_driven_revolutes(Scratch& scratch, const JointRange& range, Real h, B
 
 void store_driven_revolutes(const Scratch& scratch, State& state, Real h) {
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.caches.joints.driven_revolutes.size();
+  const std::size_t count = scratch.caches.joints.driven_revolutes().size();
   scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 4, 1), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const DrivenRevoluteBatch& batch = scratch.driven_revolutes.batches[i];

@@ -17,8 +17,8 @@ struct DrivenRevoluteBatches {
 
 /// Fills the batches of the plan.
 void fill_driven_revolutes(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h);
-/// As split_revolutes (revolute_batch.h).
-std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last);
+/// As separate_revolute_sinks (revolute_batch.h).
+void separate_driven_revolute_sinks(Scratch& scratch, const JointRange& range);
 void save_driven_revolutes(Scratch& scratch, const JointRange& range);
 void warm_start_driven_revolutes(Scratch& scratch, const JointRange& range);
 void solve_driven_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias);

@@ -10,7 +10,7 @@ namespace {
 
 RevoluteWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real h, std::size_t front) {
   return {scratch.revolutes.batches.data() + first,
-          scratch.revolutes.arms.data() + front * scratch.caches.joints.revolutes.size() + first,
+          scratch.revolutes.arms.data() + front * scratch.caches.joints.revolutes().size() + first,
           last - first,
           &scratch.bodies.data()->velocity.x,
           h,
@@ -21,8 +21,8 @@ RevoluteWork work_of(Scratch& scratch, std::size_t first, std::size_t last, Real
 
 void prefetch_joint(const State& state, const Scratch& scratch, std::size_t place) {
   constexpr std::size_t prefetch_distance = 12;
-  if (place + prefetch_distance >= scratch.caches.joints.places.size()) return;
-  __builtin_prefetch(&state.joints[scratch.caches.joints.places[place + prefetch_distance].row].linear_force);
+  if (place + prefetch_distance >= scratch.caches.joints.places().size()) return;
+  __builtin_prefetch(&state.joints[scratch.caches.joints.places()[place + prefetch_distance].row].linear_force);
 }
 
 void clear_revolutes(const Scratch& scratch, RevoluteBatch& batch) {
@@ -88,7 +88,7 @@ void fill_lane(const State& state, const Scratch& scratch, const JointPlace& pla
 
 void reserve_revolutes(Scratch& scratch) {
   RevoluteBatches& revolutes = scratch.revolutes;
-  const std::size_t count = scratch.caches.joints.revolutes.size();
+  const std::size_t count = scratch.caches.joints.revolutes().size();
   if (revolutes.batches.size() < count) revolutes.batches.resize(count);
   const std::size_t arms_count = count * (scratch.uses_wavefront ? front_count(scratch) : 1);
   if (revolutes.arms.size() < arms_count) revolutes.arms.resize(arms_count);
@@ -96,32 +96,33 @@ void reserve_revolutes(Scratch& scratch) {
 
 void fill_revolutes(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h) {
   for (std::size_t i = first; i < last; ++i) {
-    const JointSpan& span = scratch.caches.joints.revolutes[i];
+    const JointSpan& span = scratch.caches.joints.revolutes()[i];
     RevoluteBatch& batch = scratch.revolutes.batches[i];
     if (span.count < lane_count) clear_revolutes(scratch, batch);
     batch.count = static_cast<std::int32_t>(span.count);
     for (std::uint32_t lane = 0; lane < span.count; ++lane) {
       prefetch_joint(state, scratch, span.first + lane);
-      fill_lane(state, scratch, scratch.caches.joints.places[span.first + lane], batch, lane, h);
+      fill_lane(state, scratch, scratch.caches.joints.places()[span.first + lane], batch, lane, h);
     }
     if (scratch.uses_wavefront) redirect_to_sink(scratch, batch, span.level);
   }
 }
 
-std::size_t split_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
-  const std::size_t count = last - first;
-  if (scratch.revolutes.order == RevoluteOrder::serial) return count;
-  const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
-  for (std::size_t i = size; i < count; ++i)  // the first chunk writes to the sink that the batches have already
-    redirect_to_sink(scratch, scratch.revolutes.batches[first + i], i / size);
-  return size;
+std::size_t chunk_size_of(const Scratch& scratch, const JointRange& range) {
+  return scratch.uses_wavefront ? range.last - range.first : range.chunk_size;
+}
+
+void separate_revolute_sinks(Scratch& scratch, const JointRange& range) {
+  // The first chunk writes to the sink that the batches have already.
+  for (std::size_t i = range.chunk_size; i < range.last - range.first; ++i)
+    redirect_to_sink(scratch, scratch.revolutes.batches[range.first + i], i / range.chunk_size);
 }
 
 void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front) {
   const RevoluteKernels& kernels = scratch.kernels->revolutes;
   const auto in_levels = poses == Poses::moved ? kernels.warm_start : kernels.warm_start_again;
   const auto kernel = scratch.revolutes.order == RevoluteOrder::serial ? kernels.warm_start_serial : in_levels;
-  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+  scratch.parallel.for_chunks(range.last - range.first, chunk_size_of(scratch, range), [&](const Chunk& chunk) {
     kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, Real(1), front));
   });
 }
@@ -132,7 +133,7 @@ void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bia
   const auto solve = is_serial ? kernels.solve_serial : kernels.solve;
   const auto relax = is_serial ? kernels.relax_serial : kernels.relax;
   const auto kernel = bias == Bias::on ? solve : relax;
-  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
+  scratch.parallel.for_chunks(range.last - range.first, chunk_size_of(scratch, range), [&](const Chunk& chunk) {
     kernel(work_of(scratch, range.first + chunk.begin, range.first + chunk.end, h, front));
   });
 }

@@ -53,9 +53,10 @@ void fill_revolute_lane(RevoluteBatch& batch, std::size_t lane, std::uint32_t ro
 void reserve_revolutes(Scratch& scratch);
 /// Fills the batches first..last-1 of the plan.
 void fill_revolutes(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h);
-/// Prepares the batches first..last-1 for several threads and returns the chunk size. Requires: the batches are of one
-/// level, or one thread solves them.
-std::size_t split_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last);
+/// Gives each chunk of a range a sink of its own.
+void separate_revolute_sinks(Scratch& scratch, const JointRange& range);
+/// Batches per chunk of a range. A wavefront sweep does not share ranges.
+std::size_t chunk_size_of(const Scratch& scratch, const JointRange& range);
 void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front);
 void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front);
 /// Impulses of the batches first..last-1 back to state.joints, as forces.

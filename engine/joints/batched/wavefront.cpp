@@ -16,9 +16,9 @@ namespace {
 enum class Pass : std::uint8_t { save_velocities, warm_start, warm_start_again, solve, relax };
 
 void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t* rows = plan.body_rows.data() + plan.level_bodies[level];
-  const std::size_t count = plan.level_bodies[level + 1] - plan.level_bodies[level];
+  const LevelSchedule& schedule = scratch.caches.joints.schedule();
+  const std::uint32_t* rows = schedule.body_rows.data() + schedule.level_bodies[level];
+  const std::size_t count = schedule.level_bodies[level + 1] - schedule.level_bodies[level];
   if (count == 0) return;
   const MotionKernels& motion = scratch.kernels->motion;
   Real* bodies = &scratch.bodies.data()->velocity.x;
@@ -28,10 +28,8 @@ void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
 }
 
 void do_level(Scratch& scratch, Pass pass, std::size_t front, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.caches.joints;
   step_bodies(scratch, pass, level, h);
-  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
-    const JointRange& range = plan.ranges[i];
+  for (const JointRange& range : scratch.caches.joints.ranges_of_level(level)) {
     switch (pass) {
       case Pass::save_velocities:
         save_velocities_of(scratch, range);
@@ -55,8 +53,8 @@ void do_level(Scratch& scratch, Pass pass, std::size_t front, std::uint32_t leve
 /// Calls body(first, last) for the batches of plain revolute joints of a level.
 template <typename Body>
 void for_revolutes_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
-  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
-    if (plan.ranges[i].path == JointPath::revolute) body(plan.ranges[i].first, plan.ranges[i].last);
+  for (const JointRange& range : plan.ranges_of_level(level))
+    if (range.path == JointPath::revolute) body(range.first, range.last);
 }
 
 constexpr std::size_t front_count_max = 64;
@@ -69,7 +67,7 @@ struct Passes {
   std::size_t count;
 
   Passes(const JointPlan& plan, int substeps) {
-    for (const JointRange& range : plan.ranges) has_springs |= range.springs;
+    for (const JointRange& range : plan.ranges()) has_springs |= range.springs;
     per_substep = has_springs ? 4 : 3;
     count = per_substep * static_cast<std::size_t>(substeps);
   }
@@ -121,11 +119,10 @@ std::size_t front_count(const Scratch& scratch) {
 }
 
 void separate_level_sinks(Scratch& scratch) {
-  JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t needed = dummy_sink(scratch, plan.level_count);
+  const JointPlan& plan = scratch.caches.joints;
+  const std::uint32_t needed = dummy_sink(scratch, plan.level_count());
   if (scratch.bodies.size() < needed) scratch.bodies.resize(needed);
-  for (JointRange& range : plan.ranges) {
-    range.chunk_size = range.last - range.first;
+  for (const JointRange& range : plan.ranges()) {
     if (range.path != JointPath::scalar) continue;
     for (std::uint32_t i = range.first; i < range.last; ++i) {
       JointWork& joint = scratch.joints[i];
@@ -138,6 +135,7 @@ void separate_level_sinks(Scratch& scratch) {
 void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
   const JointPlan& plan = scratch.caches.joints;
   const Passes passes(plan, set.substeps);
+  const std::size_t distance = plan.schedule().distance;
   const std::size_t pass_front_count = front_count(scratch);
   std::array<std::size_t, front_count_max + 1> first{};  // the first pass of each front
   std::size_t longest = 0;
@@ -156,23 +154,23 @@ void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
     for_revolutes_of(plan, level,
                      [&](std::size_t begin, std::size_t end) { store_revolutes(scratch, state, begin, end, set.h); });
   };
-  const std::uint32_t filled_first = plan.level_count / 2;
+  const std::uint32_t filled_first = plan.level_count() / 2;
   scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),
                               [&](const Chunk& chunk) {
                                 for (std::size_t level = chunk.begin; level < chunk.end; ++level)
                                   fill(static_cast<std::uint32_t>(level));
                               });
-  const Lines lines{pass_front_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
+  const Lines lines{pass_front_count + 2, plan.level_count() + distance * (longest - 1), distance * longest};
   scratch.parallel.for_lines(lines, [&](std::size_t front, std::size_t step) {
     const auto level = static_cast<std::uint32_t>(step);
     if (front == 0) {
-      if (level >= filled_first && level < plan.level_count) fill(level);
+      if (level >= filled_first && level < plan.level_count()) fill(level);
     } else if (front == lines.line_count - 1) {
-      if (level < plan.level_count) store(level);
+      if (level < plan.level_count()) store(level);
     } else {
       for (std::size_t i = first[front - 1]; i < first[front]; ++i) {
-        const std::size_t behind = (i - first[front - 1]) * plan.distance;
-        if (step < behind || step - behind >= plan.level_count) continue;
+        const std::size_t behind = (i - first[front - 1]) * distance;
+        if (step < behind || step - behind >= plan.level_count()) continue;
         do_level(scratch, passes.of_front(i, first[front - 1]), front - 1, static_cast<std::uint32_t>(step - behind),
                  set.h);
       }
