@@ -77,6 +77,12 @@ struct ColoringWork {
   IslandBlocksWork blocks;
 };
 
+template <typename Visit>
+void list_fields(ColoringWork& of, const Visit& visit) {
+  auto& [colors, uncolored, places, body_colors, starts, blocks] = of;
+  visit(colors, uncolored, places, body_colors, starts, blocks);
+}
+
 /// The colours and slots of a set's contacts. Key: the dynamic bodies of the contacts, and the division into blocks.
 class ContactColors final : public TickCache {
  public:

@@ -3,7 +3,7 @@
 //
 // Consecutive numbers of a row are loaded together and transposed in registers. Storing single lanes and loading them
 // as a vector would wait for the stores.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {

@@ -7,7 +7,7 @@
 // along n or t, w the angular velocities, r the anchors and m the sum of the inverse masses,
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
 // The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {

@@ -27,7 +27,8 @@ struct ContactPointLanes {
 inline constexpr std::uint32_t words_per_record = body_record_length * sizeof(Real) / 8;
 
 struct ContactBatch {
-  std::uint32_t read_a[contact_lane_count];  // in Scratch::bodies; static bodies and empty lanes read the dummy body
+  std::uint32_t
+      read_a[contact_lane_count];  // in SolverBodies::records; static bodies and empty lanes read the dummy body
   std::uint32_t read_b[contact_lane_count];
   std::int32_t count;       // lanes from here on are empty
   std::uint32_t immovable;  // 1: one body of each contact is not dynamic

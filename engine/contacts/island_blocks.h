@@ -34,6 +34,12 @@ struct IslandBlocksWork {
   std::vector<std::uint32_t> counts;         // [body] contacts of the island, at its first row; [block] where it begins
 };
 
+template <typename Visit>
+void list_fields(IslandBlocksWork& of, const Visit& visit) {
+  auto& [island_parent, counts] = of;
+  visit(island_parent, counts);
+}
+
 /// What blocks follow from.
 struct IslandBlocksKey {
   std::span<const ContactBodies> contacts;  // of the set

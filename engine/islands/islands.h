@@ -32,11 +32,21 @@ struct IslandWork {
   std::vector<std::uint32_t> idle_ticks;       // likewise
 };
 
+template <typename Visit>
+void list_fields(IslandWork& of, const Visit& visit) {
+  auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
+         joint_acceleration, position_error, load_moment, load_passed_on, tilt_errors, local_error, island_errors,
+         substeps_before, idle_ticks] = of;
+  visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
+        joint_acceleration, position_error, load_moment, load_passed_on, tilt_errors, local_error, island_errors,
+        substeps_before, idle_ticks);
+}
+
 /// The stage that decides which bodies sleep, which are solved together, and in how many substeps.
 class IslandFinder final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
-  void poison() override;
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
   IslandWork work_;

@@ -15,9 +15,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct Model;
+struct SolvedSet;
 struct State;
-struct Scratch;
 
 /// How a joint is solved: by kernels in batches (plain revolutes also one after the other), or by the scalar path.
 enum class JointPath : std::uint8_t { revolute, driven_revolute, scalar };
@@ -49,12 +48,6 @@ struct JointOrder {
   LevelSchedule schedule;
 };
 
-/// The largest torques that a joint's force exerts on its bodies, N m.
-struct JointTorques {
-  Real a;
-  Real b;
-};
-
 /// The first and the last joint that moves a body, in JointOrder::places before they are sorted.
 struct BodyJoints {
   std::uint32_t first = 0;
@@ -62,11 +55,25 @@ struct BodyJoints {
   std::uint32_t count = 0;  // of its joints
 };
 
+/// What ordering works in.
+struct JointOrderWork {
+  std::vector<JointPlace> sorted_places;
+  std::vector<BodyJoints> body_joints;      // [body]
+  std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
+  std::vector<std::uint32_t> level_starts;  // [level and path] in JointOrder::places
+};
+
+template <typename Visit>
+void list_fields(JointOrderWork& of, const Visit& visit) {
+  auto& [sorted_places, body_joints, body_levels, level_starts] = of;
+  visit(sorted_places, body_joints, body_levels, level_starts);
+}
+
 /// Row of a joint's body. An id is its row as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Orders the joints of the set as they are prepared: by level and path, or in scene order. `may_use_wavefront`: tries
 /// to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies, enter_solver_set.
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront, JointOrder& out);
+void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWork& work, JointOrder& out);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

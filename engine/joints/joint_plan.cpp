@@ -3,7 +3,7 @@
 #include "engine/joints/joint_plan.h"
 
 #include "engine/joints/batched/wavefront.h"
-#include "engine/model/scratch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -39,19 +39,19 @@ void JointPlan::clear() {
   level_ranges_.clear();
 }
 
-void JointPlan::follow(const Model& model, const State& state, Scratch& scratch) {
-  const JointPlanKey key{follows_from_scene(model, state)};
+void JointPlan::follow(const SolvedSet& solved, JointOrderWork& work) {
+  const JointPlanKey key{follows_from_scene(solved.model, solved.state)};
   const bool is_hit = valid_for(key);
   count_use(is_hit);
-  if (!is_hit) rebuild(key, model, state, scratch);
+  if (!is_hit) rebuild(key, solved, work);
 }
 
-void JointPlan::rebuild(const JointPlanKey& key, const Model& model, const State& state, Scratch& scratch) {
+void JointPlan::rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work) {
   follows_from_scene_ = key.follows_from_scene;
-  order_joints(model, state, scratch, key.follows_from_scene && allows_wavefront(model), order_);
+  order_joints(solved, key.follows_from_scene && allows_wavefront(solved.model), work, order_);
   // Several threads or a wavefront sweep need ranges that end with levels.
-  by_level_ = order_.in_levels && (scratch.parallel.runner != nullptr || order_.schedule.exists);
-  make_ranges(model, scratch.parallel);
+  by_level_ = order_.in_levels && (solved.parallel().runner != nullptr || order_.schedule.exists);
+  make_ranges(solved.model, solved.parallel());
 }
 
 /// Divides the places into ranges, and places of batched paths into batches.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel/parallel.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
 #include "engine/joints/joint_order.h"
@@ -25,7 +26,7 @@ class JointPlan final : public TickCache {
 
   bool valid_for(const JointPlanKey& key) const { return key.follows_from_scene && follows_from_scene_; }
   /// Makes the plan for the set that is being solved, unless it holds. Requires: prepare_bodies, enter_solver_set.
-  void follow(const Model& model, const State& state, Scratch& scratch);
+  void follow(const SolvedSet& solved, JointOrderWork& work);
   void invalidate() override { follows_from_scene_ = false; }
   /// A plan without joints.
   void clear();
@@ -44,7 +45,7 @@ class JointPlan final : public TickCache {
   }
 
  private:
-  void rebuild(const JointPlanKey& key, const Model& model, const State& state, Scratch& scratch);
+  void rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work);
   void make_ranges(const Model& model, const Parallel& parallel);
 
   bool follows_from_scene_ = false;  // key

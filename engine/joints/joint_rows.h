@@ -8,7 +8,7 @@
 #pragma once
 
 #include "engine/joints/joint.h"
-#include "engine/model/scratch.h"
+#include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Source: as collide_polygons.cpp. Each lane does the operations of collide_polygons for such a pair in the same order,
 // with selections instead of branches.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {

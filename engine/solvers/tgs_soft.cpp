@@ -16,11 +16,11 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 namespace {
 
-std::uint32_t iterations_of(const Model& model, const State& state, const Scratch& scratch) {
+std::uint32_t iterations_of(const SolvedSet& solved) {
   std::uint32_t most = 1;
-  for (const LightBody& light_body : model.light_bodies) {
-    const std::size_t row = state.find_body(light_body.body);
-    const bool is_in = row < state.bodies.size() && scratch.body_solver_set[row] == scratch.set_index;
+  for (const LightBody& light_body : solved.model.light_bodies) {
+    const std::size_t row = solved.state.find_body(light_body.body);
+    const bool is_in = row < solved.state.bodies.size() && solved.has_body(row);
     if (is_in && light_body.iterations > most) most = light_body.iterations;
   }
   return most;
@@ -28,64 +28,72 @@ std::uint32_t iterations_of(const Model& model, const State& state, const Scratc
 
 }  // namespace
 
-void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt) {
-  prepare_bodies(model, state, scratch);
-  if (!scratch.has_solver_sets) put_all_into_one_set(model, state, scratch);
-  clear_contacts(scratch);
+void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt) {
+  MotionWorkspace& motion = work.motion;
+  ContactBatches& contacts = work.contacts.batches;
+  JointWorkspace& joints = work.joints;
+  std::vector<MouseJoint>& mouse_joints = work.mouse_joints;
+  prepare_bodies(model, state, tick, work.bodies);
+  begin_motion(state, motion);
+  if (!tick.has_solver_sets) put_all_into_one_set(model, state, work.bodies, tick);
+  clear_contacts(contacts);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  const bool poses_stay = bodies_step_alone(model) && !scratch.injected;  // between two drifts
-  const bool some_are_free = find_constrained(model, state, scratch);
-  for (SolverSet& set : scratch.solver_sets) {
-    const Real h = dt / static_cast<Real>(set.substeps);  // s
-    enter_solver_set(state, scratch, set, h);
-    set.joint_iterations = iterations_of(model, state, scratch);
-    prepare_mouse_joints(model, state, scratch, set);
-    prepare_joints(model, state, scratch, set);
+  const bool poses_stay = bodies_step_alone(model) && !tick.injected;  // between two drifts
+  const bool some_are_free = find_constrained(model, state, tick, work.free_bodies);
+  for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
+    const Real h = dt / static_cast<Real>(tick.solver_sets[i].substeps);  // s
+    SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, i, h);
+    SolverSet& set = solved.set;
+    set.joint_iterations = iterations_of(solved);
+    prepare_mouse_joints(solved, mouse_joints);
+    prepare_joints(solved, is_left_to_joints(solved, mouse_joints), joints);
     set.stiffness = soft_contacts(h);
-    color_contacts(scratch, set, !some_are_free && allows_blocks(model, state, scratch, set));
-    const bool in_blocks = scratch.caches.colors.is_split();
-    if (!in_blocks) prepare_contacts(model, state, scratch, set);
-    scheme.begin(model, state, scratch, h);
-    const bool all_are_free = state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(scratch, set);
+    color_contacts(solved, !some_are_free && allows_blocks(solved), work.contacts);
+    const bool in_blocks = work.contacts.colors.is_split();
+    if (!in_blocks) prepare_contacts(solved, work.contacts.colors, contacts);
+    scheme.begin(solved, motion, h);
+    const bool all_are_free =
+        state.joints.empty() && bodies_step_alone(model) && is_left_to_joints(solved, mouse_joints);
     if (all_are_free)
-      integrate_freely(scratch, h, set.substeps);
+      integrate_freely(solved, motion);
     else if (some_are_free)
-      integrate_free_bodies(scratch, set);
-    if (scratch.uses_wavefront) solve_wavefront(state, scratch, set);
-    if (in_blocks) solve_blocks(model, state, scratch, set);
-    const int plain_substeps = all_are_free || scratch.uses_wavefront || in_blocks ? 0 : set.substeps;
+      integrate_free_bodies(solved, tick.set_rows, work.free_bodies, motion);
+    if (joints.uses_wavefront) solve_wavefront(solved, joints, motion, state);
+    if (in_blocks) solve_blocks(solved, work.contacts, motion, state);
+    const int plain_substeps = all_are_free || joints.uses_wavefront || in_blocks ? 0 : set.substeps;
     for (int substep = 0; substep < plain_substeps; ++substep) {
-      save_joint_velocities(scratch);
-      save_impact_velocities(state, scratch);
-      scheme.predict(model, state, scratch, h);
-      if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, h);
-      if (set.has_resting_impacts) begin_resting_impacts(scratch, set);
-      warm_start_joints(scratch);
-      warm_start_mouse_joints(scratch);
-      warm_start_contacts(scratch, set);
+      save_joint_velocities(solved, joints);
+      save_impact_velocities(solved, work.impacts);
+      scheme.predict(solved, motion, h);
+      if (!tick.impacts.empty()) apply_impacts(solved, tick.impacts, motion.drift, work.impacts);
+      if (set.has_resting_impacts) begin_resting_impacts(solved, tick.resting_impacts, contacts);
+      warm_start_joints(solved, joints);
+      warm_start_mouse_joints(mouse_joints, work.bodies);
+      warm_start_contacts(solved, contacts);
       for (std::uint32_t iteration = 0; iteration < set.joint_iterations; ++iteration)
-        solve_joints(scratch, h, Bias::on);
-      solve_mouse_joints(scratch);
-      solve_contacts(scratch, set,
-                     poses_stay && (substep > 0 || scratch.impacts.empty()) ? Poses::unmoved : Poses::moved);
-      Real settled = set.has_resting_impacts ? settled_speed(state, scratch, set) : Real(0);
-      if (settled > 0) propagate_shock(model, state, scratch, set, settled);
-      scheme.drift(model, state, scratch, h);
-      if (!scratch.impacts.empty()) finish_impacts(scratch);
-      solve_joints(scratch, h, Bias::off);
-      relax_contacts(scratch, set);
-      if (set.has_resting_impacts && !(settled > 0)) settled = settled_speed(state, scratch, set);
+        solve_joints(solved, joints, Bias::on);
+      solve_mouse_joints(mouse_joints, work.bodies);
+      solve_contacts(solved, contacts,
+                     poses_stay && (substep > 0 || tick.impacts.empty()) ? Poses::unmoved : Poses::moved);
+      Real settled = set.has_resting_impacts ? settled_speed(solved) : Real(0);
+      if (settled > 0) propagate_shock(solved, settled, tick.shock_work_left, contacts, work.shock);
+      scheme.drift(solved, motion, h);
+      if (!tick.impacts.empty()) finish_impacts(solved, work.impacts);
+      solve_joints(solved, joints, Bias::off);
+      relax_contacts(solved, contacts);
+      if (set.has_resting_impacts && !(settled > 0)) settled = settled_speed(solved);
       if (settled > 0) {
-        propagate_shock(model, state, scratch, set, settled);
-        limit_impulses(scratch, set);
+        propagate_shock(solved, settled, tick.shock_work_left, contacts, work.shock);
+        limit_impulses(set, contacts);
       }
-      after_substep(scratch, static_cast<std::size_t>(&set - scratch.solver_sets.data()), substep);
+      after_substep(solved, substep);
     }
-    store_contacts(scratch, set, state);  // forces, since the next tick may have another h
-    store_mouse_joints(scratch, state, h);
-    store_joints(scratch, state, h);
+    store_contacts(solved, contacts, state);  // forces, since the next tick may have another h
+    store_mouse_joints(mouse_joints, state, h);
+    store_joints(solved, joints, state);
   }
-  store_bodies(scratch, state);
+  store_bodies(work.bodies, tick, state);
+  store_motion(motion, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -8,11 +8,12 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct JointOrder;
-struct Scratch;
+struct JointOrderWork;
+struct SolvedSet;
 
 /// Raises levels of the joints until the joints of each body are less than schedule.distance levels apart. Then sorts
 /// the bodies by the level of their first joint. False: no distance pays, or a joint is attached to a kinematic body;
 /// the levels are unchanged. Requires: places in scene order.
-bool schedule_levels(Scratch& scratch, JointOrder& order);
+bool schedule_levels(const SolvedSet& solved, JointOrderWork& work, JointOrder& order);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,7 +3,7 @@
 // Source: as joint_rows.h.
 #pragma once
 
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
