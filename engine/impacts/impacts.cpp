@@ -404,6 +404,7 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
 }
 
 void save_impact_velocities(const SolvedSet& solved, ImpactWorkspace& work) {
+  if (solved.tick.impacts.empty()) return;
   work.paths.resize(solved.state.bodies.size());
   for (const ImpactPair& pair : solved.tick.impacts) {
     work.paths[pair.body_a].start_velocity = solved.bodies.records[pair.body_a].velocity;
@@ -424,6 +425,7 @@ void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, Dr
   const Model& model = solved.model;
   const State& state = solved.state;
   work.hit_rows.clear();
+  if (impacts.empty()) return;
   std::vector<std::uint32_t>& active = work.active;
   active.clear();
   for (std::uint32_t i = 0; i < impacts.size(); ++i) {

@@ -31,12 +31,14 @@ bool is_in(const SolvedSet& solved, const RestingImpact& impact) {
 }  // namespace
 
 void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts) {
+  if (!solved.set.has_resting_impacts) return;
   for (RestingImpact& impact : impacts)
     if (is_in(solved, impact)) impact.closing = closing_now(solved, impact);
   save_impulses(solved.set, contacts);
 }
 
 Real settled_speed(const SolvedSet& solved) {
+  if (!solved.set.has_resting_impacts) return 0;
   const Real h = solved.set.h;
   bool any = false;
   Real settled = 0;  // m/s
@@ -54,6 +56,7 @@ Real settled_speed(const SolvedSet& solved) {
 
 void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
                      ShockWorkspace& work) {
+  if (!(settled > 0)) return;
   std::vector<Twist>& before = work.velocities;
   before.resize(solved.bodies.records.size());
   const auto contact_count = static_cast<std::uint32_t>(solved.contacts().size());

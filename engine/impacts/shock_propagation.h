@@ -29,7 +29,8 @@ void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& 
 /// If a resting impact has hit in the pass before: the change of speed, m/s, below which the shock has propagated. Else
 /// 0.
 Real settled_speed(const SolvedSet& solved);
-/// Rigid passes until no body's velocity changes by more than `settled`. `work_left`: TickLists::shock_work_left.
+/// Rigid passes until no body's velocity changes by more than `settled`; none for 0. `work_left`:
+/// TickLists::shock_work_left.
 void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
                      ShockWorkspace& work);
 

@@ -22,18 +22,23 @@ void for_revolutes(const Parallel& parallel, std::size_t count, const Body& body
 
 }  // namespace
 
-void prepare_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work) {
+void plan_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work) {
+  work.uses_wavefront = false;
+  if (solved.state.joints.empty()) return work.plan.clear();
+  work.plan.follow(solved, work.order);
+  const LevelSchedule& schedule = work.plan.schedule();
+  work.uses_wavefront =
+      schedule.exists && may_use_wavefront && schedule.body_rows.size() == solved.rows.size();  // each has joints
+}
+
+void prepare_joints(const SolvedSet& solved, JointWorkspace& work) {
   const Softness soft = make_soft(joint_hertz_times_h / solved.set.h, joint_damping_ratio, solved.set.h);
   const JointPlan& plan = work.plan;
   work.joints.clear();
   work.revolutes.soft = soft;
-  work.driven_revolutes.soft = soft;
-  work.uses_wavefront = false;
-  if (solved.state.joints.empty()) return work.plan.clear();
-  work.plan.follow(solved, work.order);
   work.revolutes.order = plan.in_levels() ? RevoluteOrder::levels : RevoluteOrder::serial;
-  work.uses_wavefront = plan.schedule().exists && may_use_wavefront &&
-                        plan.schedule().body_rows.size() == solved.rows.size();  // each is moved by joints
+  work.driven_revolutes.soft = soft;
+  if (solved.state.joints.empty()) return;
   raise_inertias(solved, plan.places(), work.torques);
   for (const std::uint32_t place : plan.scalar()) work.joints.push_back(make_joint(solved, plan.places()[place], soft));
   if (work.uses_wavefront) separate_level_sinks(solved, work);

@@ -32,9 +32,11 @@ void list_fields(JointWorkspace& of, const Visit& visit) {
   visit(plan, order, torques, joints, revolutes, driven_revolutes, uses_wavefront);
 }
 
-/// Prepares the joints of a set. `may_use_wavefront`: nothing but joints acts on its bodies in this tick. Requires:
+/// Orders the joints of a set. `may_use_wavefront`: nothing but joints acts on its bodies in this tick. Requires:
 /// prepare_bodies.
-void prepare_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work);
+void plan_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work);
+/// Prepares the joints of a set. Requires: plan_joints.
+void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 /// Saves the velocities before a substep. Call before the integrator predicts.
 void save_joint_velocities(const SolvedSet& solved, JointWorkspace& work);
 void warm_start_joints(const SolvedSet& solved, JointWorkspace& work);

@@ -23,7 +23,8 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, i, dt);
     prepare_mouse_joints(solved, mouse_joints);
-    prepare_joints(solved, false, joints);
+    plan_joints(solved, false, joints);
+    prepare_joints(solved, joints);
     solved.set.stiffness = baumgarte_contacts(dt);
     color_contacts(solved, false, work.contacts);
     prepare_contacts(solved, work.contacts.colors, contacts);
@@ -31,7 +32,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     save_joint_velocities(solved, joints);
     save_impact_velocities(solved, work.impacts);
     scheme.predict(solved, work.motion, dt);
-    if (!tick.impacts.empty()) apply_impacts(solved, tick.impacts, work.motion.drift, work.impacts);
+    apply_impacts(solved, tick.impacts, work.motion.drift, work.impacts);
     warm_start_joints(solved, joints);
     warm_start_mouse_joints(mouse_joints, work.bodies);
     warm_start_contacts(solved, contacts);
@@ -41,7 +42,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
       solve_contacts(solved, contacts, iteration > 0 ? Poses::unmoved : Poses::moved);
     }
     scheme.drift(solved, work.motion, dt);
-    if (!tick.impacts.empty()) finish_impacts(solved, work.impacts);
+    finish_impacts(solved, work.impacts);
     store_contacts(solved, contacts, state);
     store_mouse_joints(mouse_joints, state, dt);
     store_joints(solved, joints, state);
