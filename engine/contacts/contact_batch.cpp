@@ -132,13 +132,21 @@ void fill_extras(const SolvedSet& solved, ContactBatches& out, std::size_t i) {
   }
 }
 
-/// Fills the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
-void fill_batches(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
+/// Fills and prepares the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
+void make_batches(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
                   ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t sink) {
-  if (first == end) return;
-  solved.kernels().filling.fill(source_of(solved, slots, is_serial, sink), out.batches.data() + first, end - first);
-  if ((solved.model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
-    for (std::size_t i = first; i < end; ++i) fill_extras(solved, out, i);
+  constexpr std::size_t group_size = 4;  // batches: found points stay in the nearest cache until they are prepared
+  FoundPoints found[group_size];
+  const bool has_extras = (solved.model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0;
+  for (std::size_t i = first; i < end; i += group_size) {
+    const std::size_t done = i - first;
+    const std::size_t count = end - i < group_size ? end - i : group_size;
+    const ContactSource source = source_of(solved, slots + done * contact_lane_count, is_serial + done, sink);
+    solved.kernels().filling.fill(source, out.batches.data() + i, found, count, end - i);
+    if (has_extras)
+      for (std::size_t k = i; k < i + count; ++k) fill_extras(solved, out, k);
+    solved.kernels().contacts.prepare(work_of(solved, out, i, i + count), found);
+  }
 }
 
 /// Stores the impulses of the batches first..end-1 in the contacts, as forces.
@@ -180,9 +188,8 @@ void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, Cont
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
       const std::size_t of_set = first - set.first_batch;
-      fill_batches(solved, slots + of_set * contact_lane_count, colors.is_serial() + of_set, out, first, end,
+      make_batches(solved, slots + of_set * contact_lane_count, colors.is_serial() + of_set, out, first, end,
                    dummy_sink(solved.bodies, chunk.index));
-      solved.kernels().contacts.prepare(work_of(solved, out, first, end));
     });
   }
 }
@@ -247,9 +254,8 @@ void prepare_block(const SolvedSet& solved, const ContactColors& colors, const C
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
   reserve_batches(out, solved.model.contact_features);
-  fill_batches(solved, slots_of(solved, colors, block, out), colors.is_serial() + block.first_slot / contact_lane_count,
+  make_batches(solved, slots_of(solved, colors, block, out), colors.is_serial() + block.first_slot / contact_lane_count,
                out, 0, out.batch_count, sink);
-  solved.kernels().contacts.prepare(work_of_block(solved, out));
 }
 
 ContactWork work_of_block(const SolvedSet& solved, ContactBatches& batches) {
