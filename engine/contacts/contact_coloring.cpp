@@ -170,9 +170,8 @@ void color_contacts(const ContactsOfSet& contacts, std::span<const std::uint32_t
                     const Parallel& parallel, ContactColors& colors, IslandBlocks& blocks, ColoringWork& work) {
   const std::size_t body_count = contacts.masses.size();
   const bool same_contacts = colors.follow_contacts(contacts, parallel);
-  const bool is_split = may_split && blocks.follow({colors.bodies(), rows, body_count},
-                                                   same_contacts && colors.valid_for(blocks.generation()),
-                                                   parallel.chunk_size_forced, work.blocks);
+  const IslandBlocksKey key{colors.bodies(), rows, body_count, same_contacts && colors.valid_for(blocks.generation())};
+  const bool is_split = may_split && blocks.follow(key, parallel.chunk_size_forced, work.blocks);
   colors.follow_division(is_split ? &blocks : nullptr, body_count, parallel, work);
 }
 

@@ -22,16 +22,13 @@ bool IslandBlocks::has_rows(std::span<const std::uint32_t> rows) const {
   return std::equal(rows.begin(), rows.end(), set_rows_.begin(), set_rows_.end());
 }
 
-bool IslandBlocks::are_within_blocks(const IslandBlocksKey& key) const {
-  return count_ > 0 && block_of_.size() == key.body_count &&
-         std::all_of(key.contacts.begin(), key.contacts.end(), [&](const ContactBodies& bodies) {
-           const std::uint32_t block = block_of_[dynamic_body_of(bodies)];
-           return block != no_block && (!moves_both(bodies) || block_of_[bodies.b] == block);
-         });
-}
-
 bool IslandBlocks::valid_for(const IslandBlocksKey& key) const {
-  return has_rows(key.rows) && are_within_blocks(key);
+  if (count_ == 0 || block_of_.size() != key.body_count) return false;
+  if (key.same_contacts && has_rows(key.rows)) return true;
+  return std::all_of(key.contacts.begin(), key.contacts.end(), [&](const ContactBodies& bodies) {
+    const std::uint32_t block = block_of_[dynamic_body_of(bodies)];
+    return block != no_block && (!moves_both(bodies) || block_of_[bodies.b] == block);
+  });
 }
 
 void IslandBlocks::invalidate() {
@@ -41,16 +38,15 @@ void IslandBlocks::invalidate() {
   ticks_unsplit_ = 0;
 }
 
-bool IslandBlocks::follow(const IslandBlocksKey& key, bool same_contacts, std::size_t forced, IslandBlocksWork& work) {
+bool IslandBlocks::follow(const IslandBlocksKey& key, std::size_t forced, IslandBlocksWork& work) {
   if (key.contacts.size() < (forced > 0 ? 1 : contacts_to_split_least)) {
     count_ = 0;
     return false;
   }
-  const bool same_rows = has_rows(key.rows);
-  const bool is_hit = count_ > 0 && ((same_contacts && same_rows) || are_within_blocks(key));
+  const bool is_hit = valid_for(key);
   count_use(is_hit);
   if (is_hit) {
-    if (!same_rows) assign_rows(key.rows, work);
+    if (!has_rows(key.rows)) assign_rows(key.rows, work);
     return true;
   }
   count_ = 0;

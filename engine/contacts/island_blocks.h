@@ -45,21 +45,22 @@ struct IslandBlocksKey {
   std::span<const ContactBodies> contacts;  // of the set
   std::span<const std::uint32_t> rows;      // dynamic bodies of the set
   std::size_t body_count;
+  bool same_contacts;  // they are those for which the blocks held last
 };
 
 inline constexpr std::uint32_t no_block = 0xffffffff;
 
-/// The division of a set's bodies into blocks that share no contact. Key: no contact ties two blocks, and the rows of
-/// the set are the same.
+/// The division of a set's bodies into blocks that share no contact. Key: no contact ties two blocks. The rows of the
+/// set are assigned to the blocks anew where they have changed.
 class IslandBlocks final : public TickCache {
  public:
   IslandBlocks() : TickCache(CacheKind::contact_blocks) {}
 
-  /// Whether the rows are the same and each contact is within one block.
+  /// Whether each contact is within one block.
   bool valid_for(const IslandBlocksKey& key) const;
-  /// Makes the blocks anew unless they hold. `same_contacts`: the contacts are those for which they held last.
-  /// `forced`: contacts per block, or 0 for the default. False: there are no blocks, since they do not pay.
-  bool follow(const IslandBlocksKey& key, bool same_contacts, std::size_t forced, IslandBlocksWork& work);
+  /// Makes the blocks anew unless they hold. `forced`: contacts per block, or 0 for the default. False: there are no
+  /// blocks, since they do not pay.
+  bool follow(const IslandBlocksKey& key, std::size_t forced, IslandBlocksWork& work);
   void invalidate() override;
 
   /// Another number for each division; never 0.
@@ -74,7 +75,6 @@ class IslandBlocks final : public TickCache {
   std::span<const std::uint32_t> free_rows() const { return std::span(rows_).subspan(row_starts_[count_]); }
 
  private:
-  bool are_within_blocks(const IslandBlocksKey& key) const;
   bool has_rows(std::span<const std::uint32_t> rows) const;
   bool rebuild(const IslandBlocksKey& key, std::size_t forced, IslandBlocksWork& work);
   void assign_rows(std::span<const std::uint32_t> rows, IslandBlocksWork& work);
