@@ -36,6 +36,7 @@ std::unique_ptr<Stage> plain() {
 
 Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   Pipeline pipeline;
+  const auto solver_work = std::make_shared<SolverWork>();
   const auto consider = [&](std::string_view name, auto make, bool needed, std::string_view why_needed,
                             std::string_view why_not) {
     const bool included = needed || full;
@@ -91,13 +92,14 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
   const std::string left = left_out(full ? contact_feature::general : model.contact_features);
   const bool has_kernels = finds_contacts && model.can_collide && !left.empty();
   consider(
-      solver.name, [&solver] { return make_solver(solver.kind); }, true,
+      solver.name, [&] { return make_solver(solver.kind, solver_work); }, true,
       has_kernels ? "every scene moves; its contacts have " + left : "every scene moves", "");
   if (can_pass && settings.locate_impacts)
     pipeline.description.push_back({"restitution", false, "impacts are located in time"});
   else if (finds_contacts || (full && contacts_possible))
-    consider("restitution", make<Restitution>, finds_contacts && model.bounces, "a material bounces",
-             "no pair of materials bounces");
+    consider(
+        "restitution", [&] { return std::make_unique<Restitution>(solver_work); }, finds_contacts && model.bounces,
+        "a material bounces", "no pair of materials bounces");
   else
     pipeline.description.push_back(
         {"restitution", false, finds_pairs_itself ? "part of the solver" : "no two shapes can meet"});

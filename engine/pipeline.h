@@ -24,8 +24,7 @@ struct Pipeline {
   StateTables tables;
 };
 
-/// `full`: every stage, whether the scene needs it or not. Changes no bit of the columns both pipelines have. The
-/// stages run on TickLists that are a Scratch.
+/// `full`: every stage, whether the scene needs it or not. Changes no bit of the columns both pipelines have.
 Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

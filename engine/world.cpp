@@ -1,4 +1,4 @@
-// The engine of one precision: model, state, scratch and pipeline put together as a Simulation.
+// The engine of one precision: model, state, tick lists and pipeline put together as a Simulation.
 // SPDX-License-Identifier: MIT
 #include "engine/world.h"
 
@@ -11,7 +11,8 @@
 #include "engine/contacts/choose_kernels.h"
 #include "engine/math/trig.h"
 #include "engine/model/motion_bounds.h"
-#include "engine/model/scratch.h"
+#include "engine/model/poison.h"
+#include "engine/model/tick_lists.h"
 #include "engine/narrow_phase/narrow_phase.h"
 #include "engine/pipeline.h"
 #include "engine/scene/scene_json.h"
@@ -68,9 +69,8 @@ class World final : public Engine {
       stage_names_.push_back(stage.name);
       stage.stage->list_caches(caches_);
     }
-    list_caches(scratch_, caches_);
-    scratch_.parallel = options.parallel;
-    if (options.parallel.runner == nullptr) scratch_.parallel.runner = workers_.get();
+    tick_.parallel = options.parallel;
+    if (options.parallel.runner == nullptr) tick_.parallel.runner = workers_.get();
     pair_count_max_ = options.pair_count_max;
     if (options.check_caches) check_ = std::make_unique<ColdTick>();
     view_.schema = &schema_;
@@ -113,15 +113,16 @@ class World final : public Engine {
 #endif
     const Status decoded = decoded_.decode(model_.scene, input.inputs);
     TICKTRUE_ASSERT(decoded.has_value());
-    decoded_.take(scratch_.inputs);
-    scratch_.injected = std::exchange(injected_, std::nullopt);
+    decoded_.take(tick_.inputs);
+    tick_.injected = std::exchange(injected_, std::nullopt);
     if (check_ != nullptr) begin_check(input);
-    begin_tick(state_, scratch_, input);
+    begin_tick(tick_);
+    begin_state(state_, input);
     const Real dt = static_cast<Real>(input.dt);
     for (std::size_t i = 0; i < pipeline_.stages.size(); ++i) {
-      scratch_.pair_count_max = pair_count_max();  // inputs make bodies
-      pipeline_.stages[i].stage->run(model_, state_, scratch_, dt);
-      if (scratch_.has_too_many_pairs) {
+      tick_.pair_count_max = pair_count_max();  // inputs make bodies
+      pipeline_.stages[i].stage->run(model_, state_, tick_, dt);
+      if (tick_.has_too_many_pairs) {
         forget_caches(all_caches);
         last_step_ = too_many_pairs();
         break;
@@ -299,21 +300,17 @@ class World final : public Engine {
   /// A tick without any cached structure, beside the one that counts.
   struct ColdTick {
     State state;
-    std::optional<Scratch> scratch;
+    std::optional<TickLists> tick;
     Pipeline pipeline;
   };
 
   /// So that nothing but caches can hand anything from one tick to the next.
   void poison_all_but_caches() {
-    poison(static_cast<TickLists&>(scratch_));
-    poison(scratch_);
+    list_fields(tick_, Poison{});
     for (const PipelineStage& stage : pipeline_.stages) stage.stage->poison();
   }
 
-  static void begin_tick(State& state, TickLists& scratch, const TickInput& input) {
-    scratch.force.clear();
-    scratch.torque.clear();
-    scratch.has_too_many_pairs = false;
+  static void begin_state(State& state, const TickInput& input) {
     ++state.world.tick;
     state.world.time += input.dt;
   }
@@ -322,17 +319,17 @@ class World final : public Engine {
   void begin_check(const TickInput& input) {
     check_->state = state_;
     check_->pipeline = compose(model_, broad_phase_, is_full_);
-    Scratch& cold = check_->scratch.emplace();
-    cold.parallel = scratch_.parallel;
-    cold.inputs = scratch_.inputs;
-    cold.injected = scratch_.injected;
-    begin_tick(check_->state, cold, input);
+    TickLists& cold = check_->tick.emplace();
+    cold.parallel = tick_.parallel;
+    cold.inputs = tick_.inputs;
+    cold.injected = tick_.injected;
+    begin_state(check_->state, input);
   }
 
   /// Does a stage in `check_`, too. Errors: inconsistent.
   Status check_stage(std::size_t stage, Real dt) {
-    check_->scratch->pair_count_max = scratch_.pair_count_max;
-    check_->pipeline.stages[stage].stage->run(model_, check_->state, *check_->scratch, dt);
+    check_->tick->pair_count_max = tick_.pair_count_max;
+    check_->pipeline.stages[stage].stage->run(model_, check_->state, *check_->tick, dt);
     StateView cold;
     cold.schema = &schema_;
     update_view(check_->state, pipeline_.tables, cold);
@@ -365,7 +362,7 @@ class World final : public Engine {
   }
 
   Error too_many_pairs() const {
-    const std::string most = std::to_string(scratch_.pair_count_max);
+    const std::string most = std::to_string(tick_.pair_count_max);
     return {ErrorCode::limit,
             "tick " + std::to_string(state_.world.tick - 1) + ": pairs of shapes near each other: found more than " +
                 most + ", expected at most " + most,
@@ -420,7 +417,7 @@ class World final : public Engine {
   Pipeline pipeline_;
   StateSchema schema_;
   State state_;
-  Scratch scratch_;
+  TickLists tick_;
   std::vector<TickCache*> caches_;  // of the stages and the solver
   std::optional<std::size_t> pair_count_max_;
   std::unique_ptr<ColdTick> check_;        // if every tick is to be done without cached structures, too

@@ -84,22 +84,6 @@ struct Parallel {
         &body);
   }
 
-  /// As for_chunks, and calls beside() concurrently. Requires: beside() makes no run.
-  template <typename Body, typename Beside>
-  void for_chunks_beside(std::size_t count, std::size_t size, const Body& body, const Beside& beside) const {
-    if (size >= count) {
-      beside();
-      for_chunks(count, size, body);
-      return;
-    }
-    for_chunks(count + size, size, [&](const Chunk& chunk) {
-      if (chunk.index == 0)
-        beside();
-      else
-        body(Chunk{chunk.index - 1, chunk.begin - size, chunk.end - size});
-    });
-  }
-
   /// Calls body(line, step) for each step. Without a runner the lines run one after another.
   template <typename Body>
   void for_lines(const Lines& lines, const Body& body) const {

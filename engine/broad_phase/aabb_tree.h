@@ -54,7 +54,7 @@ class AabbTree final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
   void list_caches(std::vector<TickCache*>& caches) override;
-  void poison() override { work_.poison(); }
+  void poison() override { list_fields(work_, Poison{}); }
 
   PairList& pair_list() { return pair_list_; }
 

@@ -17,7 +17,7 @@ class PlainBroadPhase final : public Stage {
   void run(const Model& model, State& state, TickLists& tick, Real dt) override {
     list_pairs_(model, state, tick, work_, dt);
   }
-  void poison() override { work_.poison(); }
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
   BroadPhaseFunction list_pairs_;

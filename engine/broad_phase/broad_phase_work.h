@@ -33,6 +33,12 @@ struct PairSorter {
   std::vector<std::uint32_t> start;  // [proxy]
 };
 
+template <typename Visit>
+void list_fields(PairSorter& of, const Visit& visit) {
+  auto& [pairs, by_second, start] = of;
+  visit(pairs, by_second, start);
+}
+
 /// Where a box in the order of cells comes from.
 struct SweptPlace {
   std::uint32_t proxy;
@@ -79,14 +85,16 @@ struct BroadPhaseWork {
   std::vector<BoxOutline> outlines;              // neighbour_cells, [chunk]
   std::vector<std::uint32_t> ccd_target_starts;  // neighbour_cells: [cell]
   std::vector<std::uint32_t> ccd_target_places;  // neighbour_cells: proxies for CCD alone, by cell
-
-  void poison() {
-    poison_all(proxy_rows, boxes, circles, pair_rows, unsorted_pairs, part_counts, counts, sort_entries, sort_buffer,
-               leaving, merged, swept_boxes, swept_places, cell_ranges, cell_entries, cell_starts, large, inner_boxes,
-               outlines, ccd_target_starts, ccd_target_places);
-    for (std::vector<Pair>& part : pair_parts) poison_rows(part);
-    for (PairSorter& sorter : pair_sorters) poison_all(sorter.pairs, sorter.by_second, sorter.start);
-  }
 };
+
+template <typename Visit>
+void list_fields(BroadPhaseWork& of, const Visit& visit) {
+  auto& [proxy_rows, boxes, circles, pair_rows, unsorted_pairs, pair_parts, pair_sorters, part_counts, counts,
+         sort_entries, sort_buffer, leaving, merged, swept_boxes, swept_places, cell_ranges, cell_entries, cell_starts,
+         large, inner_boxes, outlines, ccd_target_starts, ccd_target_places] = of;
+  visit(proxy_rows, boxes, circles, pair_rows, unsorted_pairs, in_place(pair_parts), in_place(pair_sorters),
+        part_counts, counts, sort_entries, sort_buffer, leaving, merged, swept_boxes, swept_places, cell_ranges,
+        cell_entries, cell_starts, large, inner_boxes, outlines, ccd_target_starts, ccd_target_places);
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/instruction_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

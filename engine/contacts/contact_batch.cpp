@@ -6,17 +6,9 @@
 #include <cstddef>
 
 #include "engine/model/bodies.h"
-#include "engine/model/scratch.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
-
-/// Stiffness relative to the substep rate 1/h. With a fixed frequency the error would not fall as substeps^-2.
-constexpr Real hertz_per_rate = Real(0.125);
-constexpr Real contact_damping_ratio = 10;
-
-/// Share of an overlap that is corrected per step. Source: Baumgarte, "Stabilization of Constraints", 1972.
-constexpr Real baumgarte = Real(0.2);
 
 /// The least number of batches per chunk for which a second thread pays.
 constexpr std::size_t batches_per_chunk_least = 8;
@@ -45,47 +37,46 @@ void reserve_batches(ContactBatches& out, unsigned features) {
 }
 
 /// The contacts in the slots of a block.
-const std::uint32_t* slots_of(const Scratch& scratch, const SolverSet& set, const ContactBlock& block,
+const std::uint32_t* slots_of(const SolvedSet& solved, const ContactColors& colors, const ContactBlock& block,
                               ContactBatches& out) {
-  const ContactColoring& coloring = scratch.caches.coloring;
-  const std::uint32_t* slots = coloring.slots.data() + block.first_slot;
-  if (coloring.is_whole_set) return slots;  // all contacts are in the set
+  const std::uint32_t* slots = colors.slots().data() + block.first_slot;
+  if (colors.are_all()) return slots;
   const std::size_t count = block.slot_end - block.first_slot;
-  const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
+  const std::span<const std::uint32_t> contacts = solved.contacts();
   out.slots.resize(count);
   for (std::size_t i = 0; i < count; ++i) out.slots[i] = slots[i] != no_contact ? contacts[slots[i]] : no_contact;
   return out.slots.data();
 }
 
-void fill_surface(const Model& model, const Scratch& scratch, SurfaceLanes& out, std::uint32_t lane,
-                  const ContactPair& pair) {
-  const ShapeModel& a = model.shapes[scratch.proxies[pair.proxy_a].shape];
-  const ShapeModel& b = model.shapes[scratch.proxies[pair.proxy_b].shape];
-  const Real inv_inertia = scratch.masses[pair.body_a].inv_inertia + scratch.masses[pair.body_b].inv_inertia;
+void fill_surface(const SolvedSet& solved, SurfaceLanes& out, std::uint32_t lane, const ContactPair& pair) {
+  const ShapeModel& a = solved.model.shapes[solved.tick.proxies[pair.proxy_a].shape];
+  const ShapeModel& b = solved.model.shapes[solved.tick.proxies[pair.proxy_b].shape];
+  const Real inv_inertia =
+      solved.bodies.masses[pair.body_a].inv_inertia + solved.bodies.masses[pair.body_b].inv_inertia;
   out.tangent_speed.at[lane] = a.tangent_speed + b.tangent_speed;
   out.rolling_resistance.at[lane] = larger(a.rolling_resistance, b.rolling_resistance);
   out.rolling_mass.at[lane] = inv_inertia > 0 ? 1 / inv_inertia : Real(0);
 }
 
 /// The arguments of a kernel for the batches first..end-1.
-ContactWork work_of(Scratch& scratch, const SolverSet& set, ContactBatches& all, std::size_t first, std::size_t end) {
+ContactWork work_of(const SolvedSet& solved, ContactBatches& all, std::size_t first, std::size_t end) {
   return {all.batches.data() + first,
           end - first,
           all.surfaces.empty() ? nullptr : all.surfaces.data() + first,
           all.bounces.empty() ? nullptr : all.bounces.data() + first,
-          &scratch.bodies.data()->velocity.x,
-          set.h,
-          set.stiffness.moving,
-          set.stiffness.immovable};
+          solved.bodies.lanes(),
+          solved.set.h,
+          solved.set.stiffness.moving,
+          solved.set.stiffness.immovable};
 }
 
 /// Runs a kernel over the batches of a set, colour by colour.
 template <typename Kernel>
-void for_colors(Scratch& scratch, const SolverSet& set, Kernel kernel) {
-  for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
-    const BatchRun& run = scratch.contact_batches.runs[i];
-    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
-      kernel(work_of(scratch, set, scratch.contact_batches, run.first + chunk.begin, run.first + chunk.end));
+void for_colors(const SolvedSet& solved, ContactBatches& batches, Kernel kernel) {
+  for (std::uint32_t i = solved.set.first_run; i < solved.set.run_end; ++i) {
+    const BatchRun& run = batches.runs[i];
+    solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+      kernel(work_of(solved, batches, run.first + chunk.begin, run.first + chunk.end));
     });
   }
 }
@@ -102,9 +93,9 @@ static_assert(offsetof(BodyMass, inv_inertia) == sizeof(Real) && sizeof(BodyMass
 static_assert(offsetof(BodyMass, write) == offsetof(BodyMass, read) + sizeof(std::uint32_t));
 
 /// The sources from which a kernel fills batches.
-ContactSource source_of(const State& state, const Scratch& scratch, const SolverSet& set, const std::uint32_t* slots,
-                        const std::uint8_t* is_serial, std::uint32_t sink) {
-  const ContactPair& pair = scratch.contact_pairs[0];
+ContactSource source_of(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
+                        std::uint32_t sink) {
+  const ContactPair& pair = solved.tick.contact_pairs[0];
   const ManifoldPoint(&points)[2] = pair.manifold.points;
   return {slots,
           is_serial,
@@ -116,128 +107,121 @@ ContactSource source_of(const State& state, const Scratch& scratch, const Solver
           {&points[0].separation, &points[1].separation},
           &pair.manifold.point_count,
           sizeof(ContactRow),
-          state.contacts[0].normal_force,
+          solved.state.contacts[0].normal_force,
           sizeof(BodyMass),
-          &scratch.masses[0].inv_mass,
-          &scratch.masses[0].read,
-          dummy_sink(scratch),
+          &solved.bodies.masses[0].inv_mass,
+          &solved.bodies.masses[0].read,
+          dummy_sink(solved.bodies),
           sink,
-          dummy_body(scratch),
-          set.stiffness.slop};
+          dummy_body(solved.bodies),
+          solved.set.stiffness.slop};
 }
 
 /// Fills the lanes of restitution and surfaces, where the scene has them.
-void fill_extras(const Model& model, const Scratch& scratch, ContactBatches& out, std::size_t i) {
-  const bool bounces = (model.contact_features & contact_feature::bounce) != 0;
-  const bool has_surfaces = (model.contact_features & contact_feature::surface) != 0;
+void fill_extras(const SolvedSet& solved, ContactBatches& out, std::size_t i) {
+  const bool bounces = (solved.model.contact_features & contact_feature::bounce) != 0;
+  const bool has_surfaces = (solved.model.contact_features & contact_feature::surface) != 0;
   ContactBatch& batch = out.batches[i];
   if (bounces) out.bounces[i] = {};
   if (has_surfaces) out.surfaces[i] = {};
   for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
-    const ContactPair& pair = scratch.contact_pairs[batch.contact[lane]];
+    const ContactPair& pair = solved.tick.contact_pairs[batch.contact[lane]];
     if (bounces) out.bounces[i].restitution.at[lane] = pair.restitution;
     batch.bounces |= pair.restitution > 0 ? 1 : 0;
-    if (has_surfaces) fill_surface(model, scratch, out.surfaces[i], lane, pair);
+    if (has_surfaces) fill_surface(solved, out.surfaces[i], lane, pair);
   }
 }
 
-/// Fills the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
-void fill_batches(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set,
-                  const std::uint32_t* slots, const std::uint8_t* is_serial, ContactBatches& out, std::size_t first,
-                  std::size_t end, std::uint32_t sink) {
-  if (first == end) return;
-  scratch.kernels->filling.fill(source_of(state, scratch, set, slots, is_serial, sink), out.batches.data() + first,
-                                end - first);
-  if ((model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0)
-    for (std::size_t i = first; i < end; ++i) fill_extras(model, scratch, out, i);
+/// Fills and prepares the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
+void make_batches(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
+                  ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t sink) {
+  constexpr std::size_t group_size = 4;  // batches: found points stay in the nearest cache until they are prepared
+  FoundPoints found[group_size];
+  const bool has_extras = (solved.model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0;
+  for (std::size_t i = first; i < end; i += group_size) {
+    const std::size_t done = i - first;
+    const std::size_t count = end - i < group_size ? end - i : group_size;
+    const ContactSource source = source_of(solved, slots + done * contact_lane_count, is_serial + done, sink);
+    solved.kernels().filling.fill(source, out.batches.data() + i, found, count, end - i);
+    if (has_extras)
+      for (std::size_t k = i; k < i + count; ++k) fill_extras(solved, out, k);
+    solved.kernels().contacts.prepare(work_of(solved, out, i, i + count), found);
+  }
 }
 
 /// Stores the impulses of the batches first..end-1 in the contacts, as forces.
-void store_batches(const Scratch& scratch, const ContactBatches& batches, const SolverSet& set, std::size_t first,
-                   std::size_t end, State& state) {
+void store_batches(const SolvedSet& solved, const ContactBatches& batches, std::size_t first, std::size_t end,
+                   State& state) {
   if (first == end) return;
-  scratch.kernels->filling.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
-                                 sizeof(ContactRow), 1 / set.h);
+  solved.kernels().filling.store(batches.batches.data() + first, end - first, state.contacts[0].normal_force,
+                                 sizeof(ContactRow), 1 / solved.set.h);
 }
 
 }  // namespace
 
-Real soft_contact_stiffness(Real h) {
-  const Real omega = Real(2 * pi) * hertz_per_rate / h;
-  return omega * omega;
+void clear_contacts(ContactBatches& batches) {
+  batches.batch_count = 0;
+  batches.runs.clear();
 }
 
-ContactStiffness soft_contacts(Real h) {
-  const Real hertz = hertz_per_rate / h;
-  return {make_soft(hertz, contact_damping_ratio, h), make_soft(2 * hertz, contact_damping_ratio, h), 0};
+void color_contacts(const SolvedSet& solved, bool may_split, ContactWorkspace& work) {
+  const ContactsOfSet contacts{solved.tick.contact_pairs, solved.contacts(), solved.bodies.masses,
+                               dummy_sink(solved.bodies), solved.tick.contact_generation};
+  color_contacts(contacts, solved.all_rows(), may_split, solved.parallel(), work.colors, work.blocks, work.coloring);
 }
 
-ContactStiffness baumgarte_contacts(Real h) {
-  const Softness rigid{baumgarte / h, 1, 0};
-  return {rigid, rigid, Real(0.005)};
-}
-
-void clear_contacts(Scratch& scratch) {
-  scratch.contact_batches.batch_count = 0;
-  scratch.contact_batches.runs.clear();
-}
-
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set) {
-  ContactBatches& out = scratch.contact_batches;
-  const ContactColoring& coloring = scratch.caches.coloring;
+void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, ContactBatches& out) {
+  SolverSet& set = solved.set;
   set.first_batch = static_cast<std::uint32_t>(out.batch_count);
   set.first_run = static_cast<std::uint32_t>(out.runs.size());
-  for (const BatchRange& color : coloring.color_batches)
-    add_run(scratch.parallel, out.runs, out.runs.size() == set.first_run, set.first_batch + color.first,
+  for (const BatchRange& color : colors.color_batches())
+    add_run(solved.parallel(), out.runs, out.runs.size() == set.first_run, set.first_batch + color.first,
             set.first_batch + color.end);
   set.run_end = static_cast<std::uint32_t>(out.runs.size());
-  out.batch_count += coloring.slots.size() / contact_lane_count;
+  out.batch_count += colors.slots().size() / contact_lane_count;
   set.batch_end = static_cast<std::uint32_t>(out.batch_count);
-  reserve_batches(out, model.contact_features);
-  const std::uint32_t* slots = slots_of(scratch, set, coloring.blocks[0], out);
+  reserve_batches(out, solved.model.contact_features);
+  const std::uint32_t* slots = slots_of(solved, colors, colors.blocks()[0], out);
   for (std::uint32_t i = set.first_run; i < set.run_end; ++i) {
     const BatchRun& run = out.runs[i];
-    scratch.parallel.for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
+    solved.parallel().for_chunks(run.end - run.first, run.chunk_size, [&](const Chunk& chunk) {
       const std::size_t first = run.first + chunk.begin;
       const std::size_t end = run.first + chunk.end;
       const std::size_t of_set = first - set.first_batch;
-      fill_batches(model, state, scratch, set, slots + of_set * contact_lane_count, coloring.is_serial.data() + of_set,
-                   out, first, end, dummy_sink(scratch, chunk.index));
-      scratch.kernels->contacts.prepare(work_of(scratch, set, out, first, end));
+      make_batches(solved, slots + of_set * contact_lane_count, colors.is_serial() + of_set, out, first, end,
+                   dummy_sink(solved.bodies, chunk.index));
     });
   }
 }
 
-void warm_start_contacts(Scratch& scratch, const SolverSet& set) {
-  for_colors(scratch, set, scratch.kernels->contacts.warm_start);
+void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches) {
+  for_colors(solved, batches, solved.kernels().contacts.warm_start);
 }
 
-void solve_contacts(Scratch& scratch, const SolverSet& set, Poses poses) {
-  const ContactKernels& kernels = scratch.kernels->contacts;
-  for_colors(scratch, set, poses == Poses::moved ? kernels.solve : kernels.solve_again);
+void solve_contacts(const SolvedSet& solved, ContactBatches& batches, Poses poses) {
+  const ContactKernels& kernels = solved.kernels().contacts;
+  for_colors(solved, batches, poses == Poses::moved ? kernels.solve : kernels.solve_again);
 }
 
-void relax_contacts(Scratch& scratch, const SolverSet& set) {
-  for_colors(scratch, set, scratch.kernels->contacts.relax);
+void relax_contacts(const SolvedSet& solved, ContactBatches& batches) {
+  for_colors(solved, batches, solved.kernels().contacts.relax);
 }
 
-bool bounce_contacts(Scratch& scratch, const SolverSet& set, Real threshold) {
+bool bounce_contacts(const SolvedSet& solved, ContactBatches& batches, Real threshold) {
   std::atomic<bool> any{false};
-  for_colors(scratch, set, [&](const ContactWork& work) {
-    if (scratch.kernels->contacts.bounce(work, threshold)) any.store(true, std::memory_order_relaxed);
+  for_colors(solved, batches, [&](const ContactWork& work) {
+    if (solved.kernels().contacts.bounce(work, threshold)) any.store(true, std::memory_order_relaxed);
   });
   return any.load(std::memory_order_relaxed);
 }
 
-void save_impulses(Scratch& scratch, const SolverSet& set) {
-  ContactBatches& out = scratch.contact_batches;
+void save_impulses(const SolverSet& set, ContactBatches& out) {
   out.saved.clear();
   for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i)
     for (const ContactPointLanes& point : out.batches[i].points) out.saved.push_back(point.normal_impulse);
 }
 
-void limit_impulses(Scratch& scratch, const SolverSet& set) {
-  ContactBatches& out = scratch.contact_batches;
+void limit_impulses(const SolverSet& set, ContactBatches& out) {
   std::size_t next = 0;
   for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i)
     for (ContactPointLanes& point : out.batches[i].points) {
@@ -250,38 +234,36 @@ void limit_impulses(Scratch& scratch, const SolverSet& set) {
     }
 }
 
-void store_contacts(const Scratch& scratch, const SolverSet& set, State& state) {
+void store_contacts(const SolvedSet& solved, const ContactBatches& batches, State& state) {
+  const SolverSet& set = solved.set;
   const std::size_t count = set.batch_end - set.first_batch;
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, batches_per_chunk_least, 1),
-                              [&](const Chunk& chunk) {
-                                store_batches(scratch, scratch.contact_batches, set, set.first_batch + chunk.begin,
-                                              set.first_batch + chunk.end, state);
-                              });
+  solved.parallel().for_chunks(
+      count, solved.parallel().chunk_size(count, batches_per_chunk_least, 1), [&](const Chunk& chunk) {
+        store_batches(solved, batches, set.first_batch + chunk.begin, set.first_batch + chunk.end, state);
+      });
 }
 
-void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
-                   const ContactBlock& block, std::uint32_t sink, ContactBatches& out) {
-  const ContactColoring& coloring = scratch.caches.coloring;
-  const std::uint32_t* contacts = scratch.set_contacts.data() + set.first_contact;
+void prepare_block(const SolvedSet& solved, const ContactColors& colors, const ContactBlock& block, std::uint32_t sink,
+                   ContactBatches& out) {
+  const std::span<const std::uint32_t> contacts = solved.contacts();
   for (std::uint32_t i = block.first; i < block.end; ++i) {  // asks for all of it, from front to back
-    const std::uint32_t contact = contacts[coloring.contacts[i]];
-    __builtin_prefetch(&scratch.contact_pairs[contact]);
-    __builtin_prefetch(&scratch.contact_pairs[contact].friction);
-    __builtin_prefetch(&state.contacts[contact]);
+    const std::uint32_t contact = contacts[colors.contacts()[i]];
+    __builtin_prefetch(&solved.tick.contact_pairs[contact]);
+    __builtin_prefetch(&solved.tick.contact_pairs[contact].friction);
+    __builtin_prefetch(&solved.state.contacts[contact]);
   }
   out.batch_count = (block.slot_end - block.first_slot) / contact_lane_count;
-  reserve_batches(out, model.contact_features);
-  fill_batches(model, state, scratch, set, slots_of(scratch, set, block, out),
-               coloring.is_serial.data() + block.first_slot / contact_lane_count, out, 0, out.batch_count, sink);
-  scratch.kernels->contacts.prepare(work_of_block(scratch, set, out));
+  reserve_batches(out, solved.model.contact_features);
+  make_batches(solved, slots_of(solved, colors, block, out), colors.is_serial() + block.first_slot / contact_lane_count,
+               out, 0, out.batch_count, sink);
 }
 
-ContactWork work_of_block(Scratch& scratch, const SolverSet& set, ContactBatches& batches) {
-  return work_of(scratch, set, batches, 0, batches.batch_count);
+ContactWork work_of_block(const SolvedSet& solved, ContactBatches& batches) {
+  return work_of(solved, batches, 0, batches.batch_count);
 }
 
-void store_block(const Scratch& scratch, const SolverSet& set, const ContactBatches& batches, State& state) {
-  store_batches(scratch, batches, set, 0, batches.batch_count, state);
+void store_block(const SolvedSet& solved, const ContactBatches& batches, State& state) {
+  store_batches(solved, batches, 0, batches.batch_count, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

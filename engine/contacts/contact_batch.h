@@ -11,16 +11,10 @@
 
 #include "engine/contacts/contact_coloring.h"
 #include "engine/contacts/contact_lanes.h"
-#include "engine/contacts/soft.h"
-#include "engine/math/vec2.h"
-#include "engine/model/body_rows.h"
+#include "engine/model/poison.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
-
-struct Model;
-struct State;
-struct Scratch;
-struct SolverSet;
 
 /// Consecutive batches of one loop: of one colour on all threads, or of several colours on one thread.
 struct BatchRun {
@@ -39,49 +33,57 @@ struct ContactBatches {
   std::vector<ContactLanes> saved;   // [batch of the set, point] normal impulses
 };
 
-enum class Bias : std::uint8_t { off, on };
+template <typename Visit>
+void list_fields(ContactBatches& of, const Visit& visit) {
+  auto& [batches, surfaces, bounces, batch_count, slots, runs, saved] = of;
+  visit(in_place(batches), in_place(surfaces), in_place(bounces), batch_count, slots, runs, saved);
+}
 
-/// Stiffness of contacts between dynamic bodies and of contacts with other bodies. `slop`: overlap that is not
-/// corrected.
-struct ContactStiffness {
-  Softness moving;
-  Softness immovable;
-  Real slop = 0;  // relative to the size of the smaller shape
+/// What the contact solver works in, and what it caches.
+struct ContactWorkspace {
+  ContactColors colors;
+  IslandBlocks blocks;
+  ColoringWork coloring;
+  ContactBatches batches;
+  std::vector<ContactBatches> block_batches;  // [chunk] of the block that is being solved
 };
 
-/// Stiffness of soft contacts, tied to the substep rate 1 / h.
-ContactStiffness soft_contacts(Real h);
-/// Contacts that remove a fifth of the overlap beyond the slop in each step of length h.
-ContactStiffness baumgarte_contacts(Real h);
-/// N/m of a soft contact point per kg of effective mass, for substeps of length h.
-Real soft_contact_stiffness(Real h);
+template <typename Visit>
+void list_fields(ContactWorkspace& of, const Visit& visit) {
+  auto& [colors, blocks, coloring, batches, block_batches] = of;
+  visit(colors, blocks, coloring, batches, in_place(block_batches));
+}
 
 /// Discards the batches of the last tick.
-void clear_contacts(Scratch& scratch);
+void clear_contacts(ContactBatches& batches);
+
+/// Colours the contacts of a set. `may_split`: in blocks, if there are contacts enough for some. Requires:
+/// prepare_bodies.
+void color_contacts(const SolvedSet& solved, bool may_split, ContactWorkspace& work);
 
 /// Packs the contacts of a set, with impulses from state.contacts, for substeps of length set.h. Appends to the batches
-/// and stores the range in `set`. Requires: color_contacts, as one block.
-void prepare_contacts(const Model& model, const State& state, Scratch& scratch, SolverSet& set);
-void warm_start_contacts(Scratch& scratch, const SolverSet& set);
+/// and stores the range in the set. Requires: color_contacts, as one block.
+void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, ContactBatches& out);
+void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// `poses`: unmoved if no pose has changed since the last pass over the same contacts.
-void solve_contacts(Scratch& scratch, const SolverSet& set, Poses poses);
+void solve_contacts(const SolvedSet& solved, ContactBatches& batches, Poses poses);
 /// Removes the velocity that solve_contacts added to correct overlaps.
-void relax_contacts(Scratch& scratch, const SolverSet& set);
+void relax_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Applies restitution at points that hit faster than `threshold`. True if there was one.
-bool bounce_contacts(Scratch& scratch, const SolverSet& set, Real threshold);
+bool bounce_contacts(const SolvedSet& solved, ContactBatches& batches, Real threshold);
 /// Saves the normal impulses of a set for limit_impulses.
-void save_impulses(Scratch& scratch, const SolverSet& set);
+void save_impulses(const SolverSet& set, ContactBatches& batches);
 /// Limits normal impulses to the saved ones, and friction to its cone: the impulse of an impact is no lasting force.
-void limit_impulses(Scratch& scratch, const SolverSet& set);
+void limit_impulses(const SolverSet& set, ContactBatches& batches);
 /// Stores impulses in state.contacts, as forces.
-void store_contacts(const Scratch& scratch, const SolverSet& set, State& state);
+void store_contacts(const SolvedSet& solved, const ContactBatches& batches, State& state);
 
 /// Packs the contacts of a block, as above, as the only contacts of `out`. `sink`: a record that no other thread
 /// writes.
-void prepare_block(const Model& model, const State& state, Scratch& scratch, const SolverSet& set,
-                   const ContactBlock& block, std::uint32_t sink, ContactBatches& out);
+void prepare_block(const SolvedSet& solved, const ContactColors& colors, const ContactBlock& block, std::uint32_t sink,
+                   ContactBatches& out);
 /// The arguments of a kernel for all batches of a block.
-ContactWork work_of_block(Scratch& scratch, const SolverSet& set, ContactBatches& batches);
-void store_block(const Scratch& scratch, const SolverSet& set, const ContactBatches& batches, State& state);
+ContactWork work_of_block(const SolvedSet& solved, ContactBatches& batches);
+void store_block(const SolvedSet& solved, const ContactBatches& batches, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

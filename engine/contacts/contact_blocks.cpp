@@ -3,52 +3,51 @@
 #include "engine/contacts/contact_blocks.h"
 
 #include "engine/integrators/flow.h"
-#include "engine/model/bodies.h"
-#include "engine/model/model.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set) {
-  if (!bodies_step_alone(model) || (model.contact_features & contact_feature::bounce) != 0 || scratch.injected ||
-      !state.joints.empty() || !scratch.mouse_joints.empty() || !scratch.impacts.empty() || set.has_resting_impacts ||
-      scratch.solver_sets.size() != 1)
+bool allows_blocks(const SolvedSet& solved) {
+  const State& state = solved.state;
+  const TickLists& tick = solved.tick;
+  if (!bodies_step_alone(solved.model) || (solved.model.contact_features & contact_feature::bounce) != 0 ||
+      tick.injected || !state.joints.empty() || !state.pointers.empty() || !tick.impacts.empty() ||
+      solved.set.has_resting_impacts || tick.solver_sets.size() != 1)
     return false;
   // A kinematic body moves in each substep, for all blocks.
-  const std::uint32_t sink = dummy_sink(scratch);
-  for (std::uint32_t i = set.first_row; i < set.row_end; ++i)
-    if (scratch.masses[scratch.set_rows[i]].write == sink) return false;
+  const std::uint32_t sink = dummy_sink(solved.bodies);
+  for (const std::uint32_t row : solved.all_rows())
+    if (solved.bodies.masses[row].write == sink) return false;
   return true;
 }
 
-void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolverSet& set) {
-  const ContactColoring& coloring = scratch.caches.coloring;
-  const ContactKernels& contacts = scratch.kernels->contacts;
-  const MotionKernels& motion = scratch.kernels->motion;
-  Real* bodies = &scratch.bodies.data()->velocity.x;
-  const std::size_t count = coloring.blocks.size();
-  const std::size_t chunk_size = scratch.parallel.chunk_size(count, 1, 1);
-  scratch.block_batches.resize(Parallel::chunk_count(count, chunk_size));
-  scratch.parallel.for_chunks(count, chunk_size, [&](const Chunk& chunk) {
-    ContactBatches& batches = scratch.block_batches[chunk.index];
-    const std::uint32_t sink = dummy_sink(scratch, chunk.index);
+void solve_blocks(SolvedSet& solved, ContactWorkspace& work, const MotionWorkspace& motion, State& state) {
+  const std::span<const ContactBlock> blocks = work.colors.blocks();
+  const ContactKernels& contacts = solved.kernels().contacts;
+  const MotionKernels& steps = solved.kernels().motion;
+  Real* bodies = solved.bodies.lanes();
+  const Real* gains = motion.velocity_steps.rows()->gain;
+  const std::size_t count = blocks.size();
+  const std::size_t chunk_size = solved.parallel().chunk_size(count, 1, 1);
+  work.block_batches.resize(Parallel::chunk_count(count, chunk_size));
+  solved.parallel().for_chunks(count, chunk_size, [&](const Chunk& chunk) {
+    ContactBatches& batches = work.block_batches[chunk.index];
+    const std::uint32_t sink = dummy_sink(solved.bodies, chunk.index);
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const ContactBlock& block = coloring.blocks[i];
-      const std::uint32_t* rows = coloring.rows.data() + block.first_row;
-      const std::size_t row_count = block.row_end - block.first_row;
-      prepare_block(model, state, scratch, set, block, sink, batches);
-      const ContactWork work = work_of_block(scratch, set, batches);
-      for (int substep = 0; substep < set.substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, row_count);
-        contacts.warm_start(work);
-        contacts.solve_again(work);
-        motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), sink, set.h);
-        contacts.relax(work);
+      const std::span<const std::uint32_t> rows = work.blocks.rows(i);
+      prepare_block(solved, work.colors, blocks[i], sink, batches);
+      const ContactWork of_block = work_of_block(solved, batches);
+      for (int substep = 0; substep < solved.set.substeps; ++substep) {
+        steps.step_velocities(bodies, gains, rows.data(), rows.size());
+        contacts.warm_start(of_block);
+        contacts.solve_again(of_block);
+        steps.move_bodies(bodies, rows.data(), rows.size(), dummy_body(solved.bodies), sink, solved.set.h);
+        contacts.relax(of_block);
       }
-      store_block(scratch, set, batches, state);
+      store_block(solved, batches, state);
     }
   });
-  scratch.moving_rows = coloring.free_rows;
-  integrate_freely(scratch, set.h, set.substeps);
+  solved.rows = work.blocks.free_rows();
+  integrate_freely(solved, motion);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

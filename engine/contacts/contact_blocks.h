@@ -6,16 +6,17 @@
 // other. Each body meets its contacts and steps in the order of plain passes: the same bits.
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/contacts/contact_batch.h"
+#include "engine/integrators/motion_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Whether the contacts of this set can be solved in blocks: nothing else acts between its bodies, and nothing needs
-/// the contacts between substeps or later. Requires: prepare_mouse_joints, prepare_joints.
-bool allows_blocks(const Model& model, const State& state, const Scratch& scratch, const SolverSet& set);
+/// the contacts between substeps or later.
+bool allows_blocks(const SolvedSet& solved);
 
 /// All substeps of a set, block by block. Stores impulses in state.contacts. Requires: color_contacts has split the
 /// contacts; the integrator has begun.
-void solve_blocks(const Model& model, State& state, Scratch& scratch, const SolverSet& set);
+void solve_blocks(SolvedSet& solved, ContactWorkspace& work, const MotionWorkspace& motion, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

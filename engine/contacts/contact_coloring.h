@@ -1,4 +1,4 @@
-// The colours of contacts, and the blocks of islands that are solved separately.
+// The colours of contacts.
 // SPDX-License-Identifier: MIT
 //
 // A colour is a set of contacts without a common dynamic body. Each contact, in order, gets the lowest colour that its
@@ -8,16 +8,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "base/parallel/parallel.h"
 #include "engine/contacts/contact_lanes.h"
+#include "engine/contacts/island_blocks.h"
+#include "engine/model/body_rows.h"
 #include "engine/model/caches.h"
+#include "engine/model/contact_pairs.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
-
-struct Scratch;
-struct SolverSet;
-struct State;
 
 // One bit for each colour of a body. Contacts between dynamic bodies are solved first and contacts with other bodies
 // last: the last ones are solved most exactly, so that nothing sinks into the ground.
@@ -29,15 +30,6 @@ struct BodyColors {
   std::uint32_t moving;
   std::uint32_t immovable;
 };
-
-/// The rows of a contact's dynamic bodies; no_body for other bodies.
-struct ContactBodies {
-  std::uint32_t a;
-  std::uint32_t b;
-
-  bool operator==(const ContactBodies&) const = default;
-};
-inline constexpr std::uint32_t no_body = 0xffffffff;
 
 /// The colour of a contact, and its rank among the contacts of this colour in its block.
 struct ContactColor {
@@ -57,67 +49,88 @@ struct BatchRange {
   std::uint32_t end;
 };
 
-/// Contacts that share no dynamic body with other blocks. Ranges of ContactColoring::contacts, ::rows and ::slots.
+/// Contacts that share no dynamic body with other blocks: ranges of ContactColors::contacts and ::slots.
 struct ContactBlock {
   std::uint32_t first = 0, end = 0;
-  std::uint32_t first_row = 0, row_end = 0;
   std::uint32_t first_slot = 0, slot_end = 0;
 };
 
-/// A cache of colours and blocks. Colours are valid for the same body indices, blocks for the same bodies.
-struct ContactColoring {
-  /// The colours and slots as a cache. Key: `body_indices`, or `contact_generation` if all contacts are in the set.
-  class Colors final : public TickCache {
-   public:
-    explicit Colors(ContactColoring& coloring) : TickCache(CacheKind::contact_colors), coloring_(coloring) {}
-    void invalidate() override;
-    void count(bool was_hit) { count_use(was_hit); }
+/// The contacts of a set, as colours see them.
+struct ContactsOfSet {
+  std::span<const ContactPair> pairs;       // of the tick
+  std::span<const std::uint32_t> contacts;  // of the set, in `pairs`
+  std::span<const BodyMass> masses;         // [body]
+  std::uint32_t sink;                       // BodyMass::write of bodies that are not dynamic
+  std::uint32_t generation;                 // TickLists::contact_generation
 
-   private:
-    ContactColoring& coloring_;
-  };
-  /// The blocks as a cache. Key: no contact ties two blocks.
-  class Blocks final : public TickCache {
-   public:
-    explicit Blocks(ContactColoring& coloring) : TickCache(CacheKind::contact_blocks), coloring_(coloring) {}
-    void invalidate() override;
-    void count(bool was_hit) { count_use(was_hit); }
-
-   private:
-    ContactColoring& coloring_;
-  };
-
-  ContactColoring() = default;
-  ContactColoring(const ContactColoring&) = delete;
-  ContactColoring& operator=(const ContactColoring&) = delete;
-
-  Colors colors_cache{*this};
-  Blocks blocks_cache{*this};
-  std::vector<ContactBodies> body_indices;  // [contact of the set]
-  std::uint32_t contact_generation = 0;     // TickLists', if they are all of it
-  bool is_whole_set = false;
-  bool is_split = false;  // into blocks; else there is one block, without rows
-  std::vector<ContactBlock> blocks;
-  std::vector<std::uint32_t> contacts;    // [block] contacts of the set
-  std::vector<std::uint32_t> slots;       // [block, batch, lane] contact of the set, or no_contact
-  std::vector<std::uint8_t> is_serial;    // [block, batch] 1: contacts of colours with one contact each
-  std::vector<BatchRange> color_batches;  // in solving order, where there is one block
-  std::vector<std::uint32_t> rows;        // [block] rows of dynamic bodies
-  std::vector<std::uint32_t> free_rows;   // dynamic bodies in no block
-  std::vector<std::uint32_t> set_rows;    // rows for which the blocks were made
-  std::vector<std::uint32_t> block_of;    // [body] its block, or no_block; valid while no contact joins two blocks
-  std::uint32_t ticks_unsplit = 0;        // until islands are searched for again
-  std::vector<ContactColor> colors;       // [place in `contacts`]
-  std::vector<std::uint32_t> uncolored;   // places of contacts for the next pass
-  std::vector<ColorPlace> places;         // [pass, colour] of a block
-  std::vector<BodyColors> body_colors;    // [body]
-  std::vector<std::uint32_t> block_starts;
-  std::vector<std::uint32_t> island_parent;  // [body]
+  bool are_all() const { return contacts.size() == pairs.size(); }
+  ContactBodies bodies_at(std::size_t i) const;
 };
-inline constexpr std::uint32_t no_block = 0xffffffff;
 
-/// Colours the contacts of a group: scratch.caches.coloring. `may_split`: in blocks, if there are contacts enough for
-/// some. Requires: prepare_bodies.
-void color_contacts(Scratch& scratch, const SolverSet& set, bool may_split);
+/// What colouring works in.
+struct ColoringWork {
+  std::vector<ContactColor> colors;      // [place in `contacts`]
+  std::vector<std::uint32_t> uncolored;  // places of contacts for the next pass
+  std::vector<ColorPlace> places;        // [pass, colour] of a block
+  std::vector<BodyColors> body_colors;   // [body]
+  std::vector<std::uint32_t> starts;     // [block] in `contacts`
+  IslandBlocksWork blocks;
+};
+
+template <typename Visit>
+void list_fields(ColoringWork& of, const Visit& visit) {
+  auto& [colors, uncolored, places, body_colors, starts, blocks] = of;
+  visit(colors, uncolored, places, body_colors, starts, blocks);
+}
+
+/// The colours and slots of a set's contacts. Key: the dynamic bodies of the contacts, and the division into blocks.
+class ContactColors final : public TickCache {
+ public:
+  ContactColors() : TickCache(CacheKind::contact_colors) {}
+
+  /// Takes the bodies of the contacts into the key. True if they are those of the key already.
+  bool follow_contacts(const ContactsOfSet& contacts, const Parallel& parallel);
+  /// Whether the colours are those of the key's contacts in this division. `division`: IslandBlocks::generation, or
+  /// one_block.
+  bool valid_for(std::uint32_t division) const { return is_colored_ && division_ == division; }
+  /// Colours the contacts unless the colours hold. `blocks`: null for one block.
+  void follow_division(const IslandBlocks* blocks, std::size_t body_count, const Parallel& parallel,
+                       ColoringWork& work);
+  void invalidate() override;
+
+  static constexpr std::uint32_t one_block = 0;
+  bool is_split() const { return division_ != one_block; }
+  /// Whether all contacts of the tick are in the set.
+  bool are_all() const { return are_all_; }
+  std::span<const ContactBodies> bodies() const { return bodies_; }             // [contact of the set]
+  std::span<const ContactBlock> blocks() const { return blocks_; }              // one, unless is_split
+  std::span<const std::uint32_t> contacts() const { return contacts_; }         // [block] contacts of the set
+  std::span<const std::uint32_t> slots() const { return slots_; }               // [block, batch, lane] or no_contact
+  const std::uint8_t* is_serial() const { return is_serial_.data(); }           // [block, batch]
+  std::span<const BatchRange> color_batches() const { return color_batches_; }  // of one block, in solving order
+
+ private:
+  void rebuild(const IslandBlocks* blocks, std::size_t body_count, const Parallel& parallel, ColoringWork& work);
+  void color_block(const Parallel& parallel, ContactBlock& block, ColoringWork& work);
+  void fill_slots(const Parallel& parallel, ContactBlock& block, std::uint32_t pass_count, ColoringWork& work);
+  template <typename PlaceAt>
+  std::size_t color_pass(std::size_t count, PlaceAt place_at, std::uint32_t pass, ColoringWork& work) const;
+
+  std::vector<ContactBodies> bodies_;   // key: of the contacts
+  std::uint32_t generation_ = 0;        // key: TickLists::contact_generation, if they are all
+  bool are_all_ = false;                // key
+  std::uint32_t division_ = one_block;  // key
+  bool is_colored_ = false;
+  std::vector<ContactBlock> blocks_;
+  std::vector<std::uint32_t> contacts_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint8_t> is_serial_;  // 1: contacts of colours with one contact each
+  std::vector<BatchRange> color_batches_;
+};
+
+/// Colours the contacts of a set. `may_split`: in blocks, if there are contacts enough for some. `rows`: the dynamic
+/// bodies of the set.
+void color_contacts(const ContactsOfSet& contacts, std::span<const std::uint32_t> rows, bool may_split,
+                    const Parallel& parallel, ContactColors& colors, IslandBlocks& blocks, ColoringWork& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

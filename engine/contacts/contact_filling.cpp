@@ -3,7 +3,7 @@
 //
 // Consecutive numbers of a row are loaded together and transposed in registers. Storing single lanes and loading them
 // as a vector would wait for the stores.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -13,8 +13,10 @@ namespace {
 template <typename V>
 struct Filling {
   static constexpr int count = SimdTraits<V>::count;
-  Filling(ContactBatch& batch_, int first_) : batch(batch_), first(first_) {}  // other members are not initialized
+  Filling(ContactBatch& batch_, FoundPoints& found_, int first_)
+      : batch(batch_), found(found_), first(first_) {}  // other members are not initialized
   ContactBatch& batch;
+  FoundPoints& found;
   int first;
   std::size_t pairs[count];  // where the contacts' rows are, bytes
   std::size_t rows[count];
@@ -87,8 +89,8 @@ TICKTRUE_INLINE void fill_places(const ContactSource& source, const std::uint32_
 
 template <typename V>
 TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t* slots, ContactBatch& batch,
-                                int first) {
-  Filling<V> out(batch, first);
+                                FoundPoints& found, int first) {
+  Filling<V> out(batch, found, first);
   fill_places(source, slots, out);
   const Columns4<V> a = gather4_behind<V>(source.masses, out.masses_a);
   out.store(batch.inv_mass_a, a.at[0]);
@@ -108,25 +110,26 @@ TICKTRUE_INLINE void fill_lanes(const ContactSource& source, const std::uint32_t
   const V counts = point_counts(source, out, normal);
   for (int p = 0; p < 2; ++p) {
     ContactPointLanes& point = batch.points[p];
+    FoundPointLanes& found_point = found.points[p];
     const Columns4<V> anchors = gather4_behind<V>(source.anchors[p], out.pairs);
     const V zero{};
     const V exists = select(counts > SimdTraits<V>::broadcast(static_cast<Real>(p)), SimdTraits<V>::broadcast(1), zero);
     const auto set = [&](ContactLanes& lanes, V value) { out.store(lanes, select(exists > zero, value, zero)); };
-    set(point.normal_arm_a, anchors.at[0]);
-    set(point.normal_arm_b, anchors.at[1]);
-    set(point.tangent_arm_a, anchors.at[2]);
-    set(point.tangent_arm_b, anchors.at[3]);
+    set(found_point.anchor_a_x, anchors.at[0]);
+    set(found_point.anchor_a_y, anchors.at[1]);
+    set(found_point.anchor_b_x, anchors.at[2]);
+    set(found_point.anchor_b_y, anchors.at[3]);
     const V separation = select(exists > zero, gather4_behind<V>(source.separation[p], out.pairs).at[0] + slop, zero);
     out.store(point.separation, separation);
     out.store(point.present_separation, separation + zero);  // as separation_of does for bodies that have not moved
-    set(point.normal_impulse, forces.at[p]);
-    set(point.tangent_impulse, forces.at[2 + p]);
-    out.store(point.normal_mass, exists);
+    set(found_point.normal_force, forces.at[p]);
+    set(found_point.tangent_force, forces.at[2 + p]);
+    out.store(found_point.exists, exists);
   }
 }
 
 /// An empty lane has no impulse and is written to a sink.
-TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch, int lane) {
+TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch, FoundPoints& found, int lane) {
   batch.read_a[lane] = batch.read_b[lane] = words_per_record * source.dummy;
   batch.write_a[lane] = batch.write_b[lane] = words_per_record * source.own_sink;
   batch.contact[lane] = 0;
@@ -141,16 +144,17 @@ TICKTRUE_INLINE void empty_lane(const ContactSource& source, ContactBatch& batch
   empty(batch.radius_a);
   empty(batch.radius_b);
   for (ContactPointLanes& point : batch.points) {
-    empty(point.normal_arm_a);
-    empty(point.normal_arm_b);
-    empty(point.tangent_arm_a);
-    empty(point.tangent_arm_b);
     empty(point.separation);
     empty(point.present_separation);
-    empty(point.normal_mass);
-    empty(point.normal_impulse);
-    empty(point.tangent_mass);
-    empty(point.tangent_impulse);
+  }
+  for (FoundPointLanes& point : found.points) {
+    empty(point.anchor_a_x);
+    empty(point.anchor_a_y);
+    empty(point.anchor_b_x);
+    empty(point.anchor_b_y);
+    empty(point.exists);
+    empty(point.normal_force);
+    empty(point.tangent_force);
   }
 }
 
@@ -161,7 +165,8 @@ TICKTRUE_INLINE bool is_immovable(const ContactSource& source, std::uint32_t con
          behind(source.records, bodies[1] * source.mass_size)[1] == source.sink;
 }
 
-void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_count) {
+void fill(const ContactSource& source, ContactBatch* batches, FoundPoints* found, std::size_t batch_count,
+          std::size_t slot_count) {
   for (std::size_t i = 0; i < batch_count; ++i) {
     ContactBatch& batch = batches[i];
     const std::uint32_t* slots = source.slots + i * contact_lane_count;
@@ -171,7 +176,7 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
     batch.immovable = is_immovable(source, slots[0]) ? 1 : 0;
     batch.is_serial = source.is_serial[i];
     batch.bounces = 0;
-    if (i + 1 < batch_count)  // prefetches the rows of the next batch: a colour skips over memory
+    if (i + 1 < slot_count)  // prefetches the rows of the next batch: a colour skips over memory
       for (int next = contact_lane_count; next < 2 * contact_lane_count; ++next) {
         const std::uint32_t contact = slots[next] != no_contact ? slots[next] : slots[0];
         __builtin_prefetch(behind(source.body_indices, contact * source.pair_size));
@@ -179,10 +184,10 @@ void fill(const ContactSource& source, ContactBatch* batches, std::size_t batch_
         __builtin_prefetch(behind(source.forces, contact * source.row_size));
       }
     int lane = 0;
-    for (; lane + simd_width <= count; lane += simd_width) fill_lanes<RealxN>(source, slots, batch, lane);
-    for (; lane < count; ++lane) fill_lanes<Real>(source, slots, batch, lane);
+    for (; lane + simd_width <= count; lane += simd_width) fill_lanes<RealxN>(source, slots, batch, found[i], lane);
+    for (; lane < count; ++lane) fill_lanes<Real>(source, slots, batch, found[i], lane);
     if (batch.is_serial != 0) continue;
-    for (; lane % lane_count != 0; ++lane) empty_lane(source, batch, lane);
+    for (; lane % lane_count != 0; ++lane) empty_lane(source, batch, found[i], lane);
   }
 }
 

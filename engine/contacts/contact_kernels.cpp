@@ -7,7 +7,7 @@
 // along n or t, w the angular velocities, r the anchors and m the sum of the inverse masses,
 //   velocity of the point = u + w_b (r_b x n) - w_a (r_a x n),     an impulse P adds m P to u, i (r x n) P to w.
 // The bodies' velocities get the sum of a contact's impulses once, at its end. Normals first, then friction.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/realx2n.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -310,7 +310,8 @@ TICKTRUE_INLINE V inverse_or_zero(V k) {
 }
 
 template <unsigned features, typename V>
-TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, std::size_t i, const LaneRange<V>& lanes) {
+TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, const FoundPoints* found, std::size_t i,
+                                   const LaneRange<V>& lanes) {
   ContactBatch& batch = lanes.batch;
   const V h = SimdTraits<V>::broadcast(work.h);
   const Pair<V> pair = load_pair(lanes, work.bodies);
@@ -318,8 +319,9 @@ TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, std::size_t i, const
   const V normal_velocity = (pair.b.at[0] - pair.a.at[0]) * pair.nx + (pair.b.at[1] - pair.a.at[1]) * pair.ny;
   for (int p = 0; p < points_of(features); ++p) {
     ContactPointLanes& point = batch.points[p];
-    const V ax = lanes.load(point.normal_arm_a), ay = lanes.load(point.normal_arm_b);
-    const V bx = lanes.load(point.tangent_arm_a), by = lanes.load(point.tangent_arm_b);
+    const FoundPointLanes& from = found[i].points[p];
+    const V ax = lanes.load(from.anchor_a_x), ay = lanes.load(from.anchor_a_y);
+    const V bx = lanes.load(from.anchor_b_x), by = lanes.load(from.anchor_b_y);
     const auto effective_mass = [&](V arm_a, V arm_b) {
       return inverse_or_zero((inv_mass + pair.inv_inertia_a * arm_a * arm_a) + pair.inv_inertia_b * arm_b * arm_b);
     };
@@ -327,17 +329,18 @@ TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, std::size_t i, const
     const V arm_b = bx * pair.ny - by * pair.nx;
     const V tangent_a = -(ax * pair.nx + ay * pair.ny);
     const V tangent_b = -(bx * pair.nx + by * pair.ny);
-    const V exists = lanes.load(point.normal_mass);
+    const V exists = lanes.load(from.exists);
     lanes.store(point.normal_arm_a, arm_a);
     lanes.store(point.normal_arm_b, arm_b);
     lanes.store(point.tangent_arm_a, tangent_a);
     lanes.store(point.tangent_arm_b, tangent_b);
     lanes.store(point.normal_mass, exists * effective_mass(arm_a, arm_b));
-    lanes.store(point.normal_impulse, h * lanes.load(point.normal_impulse));
+    lanes.store(point.normal_impulse, h * lanes.load(from.normal_force));
     if constexpr (has(features, contact_feature::friction)) {
       lanes.store(point.tangent_mass, exists * effective_mass(tangent_a, tangent_b));
-      lanes.store(point.tangent_impulse, h * lanes.load(point.tangent_impulse));
+      lanes.store(point.tangent_impulse, h * lanes.load(from.tangent_force));
     } else {
+      lanes.store(point.tangent_mass, V{});
       lanes.store(point.tangent_impulse, V{});
     }
     if constexpr (has(features, contact_feature::bounce)) {
@@ -345,13 +348,19 @@ TICKTRUE_INLINE void prepare_lanes(const ContactWork& work, std::size_t i, const
       lanes.store(work.bounces[i].approach[p], approach);
     }
   }
+  for (int p = points_of(features); p < 2; ++p) {
+    ContactPointLanes& point = batch.points[p];
+    lanes.store(point.normal_mass, V{});
+    lanes.store(point.normal_impulse, V{});
+    lanes.store(point.tangent_impulse, V{});
+  }
 }
 
 template <unsigned features>
-void prepare(const ContactWork& work) {
+void prepare(const ContactWork& work, const FoundPoints* found) {
   for_lane_ranges<Realx2N>(
       work, [&](const auto& lanes, std::size_t i)
-                __attribute__((always_inline)) { prepare_lanes<features>(work, i, lanes); });
+                __attribute__((always_inline)) { prepare_lanes<features>(work, found, i, lanes); });
 }
 
 // Conditions of one lane, and of the lanes of a RealxN.

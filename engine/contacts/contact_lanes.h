@@ -10,14 +10,29 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 inline constexpr int contact_lane_count = 2 * lane_count;
 using ContactLanes = LanesOf<contact_lane_count>;
 
-/// Arms are levers about the bodies' centres of mass: cross(anchor, normal), cross(anchor, right_turn(normal)), in m.
+/// A point as the narrow phase has found it, with the forces of the tick before. `fill` makes these lanes, and
+/// `prepare` makes ContactPointLanes of them.
+struct FoundPointLanes {
+  ContactLanes anchor_a_x, anchor_a_y;  // from A's centre of mass, m
+  ContactLanes anchor_b_x, anchor_b_y;
+  ContactLanes exists;                       // 1 or 0
+  ContactLanes normal_force, tangent_force;  // N
+};
+
+/// The points of a batch.
+struct FoundPoints {
+  FoundPointLanes points[2];
+};
+
+/// A point as it is solved. Arms are levers about the bodies' centres of mass: cross(anchor, normal), cross(anchor,
+/// right_turn(normal)), in m.
 struct ContactPointLanes {
-  ContactLanes normal_arm_a, normal_arm_b;    // before `prepare`: the anchors' x and y of A
-  ContactLanes tangent_arm_a, tangent_arm_b;  // before `prepare`: those of B
-  ContactLanes separation;                    // at the start of the tick, plus slop, m
-  ContactLanes present_separation;            // at the poses of the last `solve` or `relax`, m
-  ContactLanes normal_mass;                   // effective mass, kg; 0 where there is no point. Before `prepare`: 1 or 0
-  ContactLanes normal_impulse;                // N s, accumulated in this substep. Before `prepare`: N
+  ContactLanes normal_arm_a, normal_arm_b;
+  ContactLanes tangent_arm_a, tangent_arm_b;
+  ContactLanes separation;          // at the start of the tick, plus slop, m
+  ContactLanes present_separation;  // at the poses of the last `solve` or `relax`, m
+  ContactLanes normal_mass;         // effective mass, kg; 0 where there is no point
+  ContactLanes normal_impulse;      // N s, accumulated in this substep
   ContactLanes tangent_mass;
   ContactLanes tangent_impulse;
 };
@@ -27,7 +42,8 @@ struct ContactPointLanes {
 inline constexpr std::uint32_t words_per_record = body_record_length * sizeof(Real) / 8;
 
 struct ContactBatch {
-  std::uint32_t read_a[contact_lane_count];  // in Scratch::bodies; static bodies and empty lanes read the dummy body
+  std::uint32_t
+      read_a[contact_lane_count];  // in SolverBodies::records; static bodies and empty lanes read the dummy body
   std::uint32_t read_b[contact_lane_count];
   std::int32_t count;       // lanes from here on are empty
   std::uint32_t immovable;  // 1: one body of each contact is not dynamic
@@ -111,14 +127,17 @@ inline constexpr unsigned all = 31;
 }
 
 struct FillingKernels {
-  /// Fills `count` batches, except the fields of `prepare`, and `bounces`.
-  void (*fill)(const ContactSource& source, ContactBatch* batches, std::size_t count);
+  /// Fills `count` batches, except the fields of `prepare`, and `bounces`. `found`: [batch]. `slot_count`: batches in
+  /// the slots of the source, at least `count`.
+  void (*fill)(const ContactSource& source, ContactBatch* batches, FoundPoints* found, std::size_t count,
+               std::size_t slot_count);
   /// Stores forces at ContactSource::forces. `inv_h`: 1/s.
   void (*store)(const ContactBatch* batches, std::size_t count, Real* forces, std::size_t row_size, Real inv_h);
 };
 
 struct ContactKernels {
-  void (*prepare)(const ContactWork& work);
+  /// `found`: [batch], as filled.
+  void (*prepare)(const ContactWork& work, const FoundPoints* found);
   void (*warm_start)(const ContactWork& work);
   void (*solve)(const ContactWork& work);
   /// As `solve`. Requires: `fill`, `solve` or `relax` since the poses changed.

@@ -108,28 +108,22 @@ void add_impacts(const Model& model, const State& state, const TickLists& tick,
 void ImpactFinder::run(const Model& model, State& state, TickLists& tick, Real dt) {
   const Settings& settings = model.scene.settings;
   tick.impacts.clear();
-  tick.offsets_in_use = settings.integrator != IntegratorKind::semi_implicit_euler;
   if (tick.pairs.empty()) return;
   const MotionBounds bounds = motion_bounds_of_tick(model, state, dt);
   // Broad phases that follow bodies know whether any is fast.
   if (bounds.has_ccd && !bounds.locates_impacts && tick.changes.is_known && !tick.changes.any_swept) return;
-  if (!find_fast(model, state, tick.parallel, bounds, is_fast_) && !settings.locate_impacts) return;
+  if (!find_fast(model, state, tick.parallel, bounds, work_.is_fast) && !settings.locate_impacts) return;
   const std::size_t count = tick.pairs.size();
   const std::size_t size = tick.parallel.chunk_size(count, 256);
-  if (size >= count) return add_impacts(model, state, tick, is_fast_, bounds, 0, count, tick.impacts);
+  if (size >= count) return add_impacts(model, state, tick, work_.is_fast, bounds, 0, count, tick.impacts);
   const std::size_t chunk_count = Parallel::chunk_count(count, size);
-  if (parts_.size() < chunk_count) parts_.resize(chunk_count);
+  if (work_.parts.size() < chunk_count) work_.parts.resize(chunk_count);
   tick.parallel.for_chunks(count, size, [&](const Chunk& chunk) {
-    parts_[chunk.index].clear();
-    add_impacts(model, state, tick, is_fast_, bounds, chunk.begin, chunk.end, parts_[chunk.index]);
+    work_.parts[chunk.index].clear();
+    add_impacts(model, state, tick, work_.is_fast, bounds, chunk.begin, chunk.end, work_.parts[chunk.index]);
   });
   for (std::size_t i = 0; i < chunk_count; ++i)
-    tick.impacts.insert(tick.impacts.end(), parts_[i].begin(), parts_[i].end());
-}
-
-void ImpactFinder::poison() {
-  poison_rows(is_fast_);
-  for (std::vector<ImpactPair>& part : parts_) poison_rows(part);
+    tick.impacts.insert(tick.impacts.end(), work_.parts[i].begin(), work_.parts[i].end());
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -12,14 +12,24 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+struct ImpactFinderWork {
+  std::vector<std::uint8_t> is_fast;           // [body] may pass through something in this tick
+  std::vector<std::vector<ImpactPair>> parts;  // [chunk]
+};
+
+template <typename Visit>
+void list_fields(ImpactFinderWork& of, const Visit& visit) {
+  auto& [is_fast, parts] = of;
+  visit(is_fast, in_place(parts));
+}
+
 class ImpactFinder final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
-  void poison() override;
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
-  std::vector<std::uint8_t> is_fast_;           // [body] may pass through something in this tick
-  std::vector<std::vector<ImpactPair>> parts_;  // [chunk]
+  ImpactFinderWork work_;
 };
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

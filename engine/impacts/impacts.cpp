@@ -4,8 +4,8 @@
 // advancement: no pair can close its gap sooner than gap / greatest closing speed; impacts in order of time).
 #include "engine/impacts/impacts.h"
 
-#include "engine/model/bodies.h"
-#include "engine/model/scratch.h"
+#include "engine/integrators/motion_rows.h"
+#include "engine/model/solved_set.h"
 #include "engine/narrow_phase/distance.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -22,6 +22,11 @@ constexpr std::size_t impacts_per_pair = 2;
 // Limit of searches for the next impact of a pair in a substep: each impact of a large body searches all its pairs.
 constexpr std::size_t search_count_least = 2048;
 constexpr std::size_t searches_per_pair = 64;
+
+/// Whether the integrator fills DriftVelocities.
+bool has_offsets(const Model& model) {
+  return model.scene.settings.integrator != IntegratorKind::semi_implicit_euler;
+}
 
 const BodyModel& body_model(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source];
@@ -92,11 +97,14 @@ EdgeNormal edge_normal_of_pair(const Model& model, const ShapeModel& shape_a, co
 }
 
 /// Sets the pair's next impact at or after `start`.
-void find_impact(const Model& model, const State& state, const Scratch& scratch, ImpactPair& pair, Real start, Real h) {
+void find_impact(const SolvedSet& solved, const ImpactWorkspace& work, ImpactPair& pair, Real start) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const Real h = solved.set.h;
   pair.time = no_impact;
   if (pair.is_done) return;
-  const ImpactPath& path_a = scratch.paths[pair.body_a];
-  const ImpactPath& path_b = scratch.paths[pair.body_b];
+  const ImpactPath& path_a = work.paths[pair.body_a];
+  const ImpactPath& path_b = work.paths[pair.body_b];
   const ShapeModel& shape_a = model.shapes[pair.shape_a];
   const ShapeModel& shape_b = model.shapes[pair.shape_b];
   const BodyModel& model_a = body_model(model, state, pair.body_a);
@@ -205,9 +213,11 @@ void stop(const State& state, std::uint32_t row, ImpactPath& path, Real time, co
   path.angular_velocity = carrier->angular_velocity;
 }
 
-void resolve(const Model& model, const State& state, Scratch& scratch, const ImpactPair& pair) {
-  ImpactPath& path_a = scratch.paths[pair.body_a];
-  ImpactPath& path_b = scratch.paths[pair.body_b];
+void resolve(const SolvedSet& solved, ImpactWorkspace& work, const ImpactPair& pair) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  ImpactPath& path_a = work.paths[pair.body_a];
+  ImpactPath& path_b = work.paths[pair.body_b];
   const BodyModel& model_a = body_model(model, state, pair.body_a);
   const BodyModel& model_b = body_model(model, state, pair.body_b);
   const Placement a = pose_at(state, path_a, pair.body_a, pair.time);
@@ -250,9 +260,12 @@ void resolve(const Model& model, const State& state, Scratch& scratch, const Imp
 }
 
 /// Starts the path of a body without impacts, from the integrator's prediction.
-void begin_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
-  ImpactPath& path = scratch.paths[row];
-  const MovingBody& body = scratch.bodies[row];
+void begin_path(const SolvedSet& solved, const DriftVelocities& drift, ImpactWorkspace& work, std::uint32_t row) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const Real h = solved.set.h;
+  ImpactPath& path = work.paths[row];
+  const MovingBody& body = solved.bodies.records[row];
   const bool is_static = model.bodies[state.bodies[row].source].type == BodyType::static_body;
   path.delta_position = body.delta_position;
   path.delta_rotation = body.delta_rotation;
@@ -265,8 +278,9 @@ void begin_path(const Model& model, const State& state, Scratch& scratch, std::u
     path.angular_velocity = 0;
     return;
   }
-  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
-  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  const Twist offset_now = has_offsets(model) ? drift.offsets[row] : Twist{};
+  const Vec2 offset = offset_now.linear;
+  const Real spin_offset = offset_now.angular;
   path.acceleration = (1 / h) * (body.velocity - path.start_velocity);
   path.velocity = (body.velocity - offset) - (Real(0.5) * h) * path.acceleration;
   path.angular_velocity = body.angular_velocity - spin_offset;
@@ -274,13 +288,17 @@ void begin_path(const Model& model, const State& state, Scratch& scratch, std::u
 
 /// Sets velocity and corrections of a body that was hit, so that the integrator's drift brings it to the end of its
 /// path.
-void end_path(const Model& model, const State& state, Scratch& scratch, std::uint32_t row, Real h) {
-  ImpactPath& path = scratch.paths[row];
+void end_path(const SolvedSet& solved, DriftVelocities& drift, ImpactWorkspace& work, std::uint32_t row) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const Real h = solved.set.h;
+  ImpactPath& path = work.paths[row];
   if (!path.is_hit) return;
-  MovingBody& body = scratch.bodies[row];
+  MovingBody& body = solved.bodies.records[row];
   if (model.bodies[state.bodies[row].source].type != BodyType::dynamic_body) return;
-  const Vec2 offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].linear : Vec2{0, 0};
-  const Real spin_offset = scratch.offsets_in_use ? scratch.velocity_offsets[row].angular : Real(0);
+  const Twist offset_now = has_offsets(model) ? drift.offsets[row] : Twist{};
+  const Vec2 offset = offset_now.linear;
+  const Real spin_offset = offset_now.angular;
   const Vec2 delta_position = delta_position_at(path, h);
   const Real angle = path.angle + (h - path.time) * path.angular_velocity;
   // At the end of a substep, schemes store a velocity that differs from the true one by `offset - h a / 2`.
@@ -288,13 +306,13 @@ void end_path(const Model& model, const State& state, Scratch& scratch, std::uin
   const Vec2 acceleration = path.is_stopped ? path.saved_acceleration : path.acceleration;
   const Vec2 velocity = (true_end + offset) - (Real(0.5) * h) * acceleration;
   const Real spin = (path.is_stopped ? path.saved_spin : path.angular_velocity) + spin_offset;
-  if (scratch.offsets_in_use && model.position_forces == nullptr && !model.has_velocity_forces) {
-    scratch.predicted[row].linear = scratch.predicted[row].linear + (velocity - body.velocity);
-    scratch.predicted[row].angular += spin - body.angular_velocity;
+  if (has_offsets(model) && model.position_forces == nullptr && !model.has_velocity_forces) {
+    drift.predicted[row].linear = drift.predicted[row].linear + (velocity - body.velocity);
+    drift.predicted[row].angular += spin - body.angular_velocity;
   }
   path.correction = (delta_position - body.delta_position) - h * (velocity - offset);
   path.rotation_correction = angle - h * (spin - spin_offset);
-  scratch.hit_rows.push_back(row);
+  work.hit_rows.push_back(row);
   body.velocity = velocity;
   body.angular_velocity = spin;
 }
@@ -335,25 +353,26 @@ bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
 }
 
 /// Finds the next impact of a pair and adds it to the heap.
-void expect_impact(const Model& model, const State& state, Scratch& scratch, std::uint32_t index, Real start, Real h) {
-  ImpactPair& pair = scratch.impacts[index];
-  find_impact(model, state, scratch, pair, start, h);
-  if (pair.time < h) push_event(scratch.impact_events, {pair.time, index});
+void expect_impact(const SolvedSet& solved, std::vector<ImpactPair>& impacts, ImpactWorkspace& work,
+                   std::uint32_t index, Real start) {
+  ImpactPair& pair = impacts[index];
+  find_impact(solved, work, pair, start);
+  if (pair.time < solved.set.h) push_event(work.events, {pair.time, index});
 }
 
 /// Lists the active pairs of each dynamic body.
-void list_pairs_of_bodies(const Model& model, const State& state, Scratch& scratch) {
-  std::vector<std::uint32_t>& start = scratch.impact_starts;
-  start.assign(state.bodies.size() + 2, 0);
+void list_pairs_of_bodies(const SolvedSet& solved, const std::vector<ImpactPair>& impacts, ImpactWorkspace& work) {
+  std::vector<std::uint32_t>& start = work.starts;
+  start.assign(solved.state.bodies.size() + 2, 0);
   const auto for_each = [&](auto use) {
-    for (const std::uint32_t i : scratch.active_impacts)
-      for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b})
-        if (is_dynamic(model, state, row)) use(row, i);
+    for (const std::uint32_t i : work.active)
+      for (const std::uint32_t row : {impacts[i].body_a, impacts[i].body_b})
+        if (is_dynamic(solved.model, solved.state, row)) use(row, i);
   };
   for_each([&](std::uint32_t row, std::uint32_t) { ++start[row + 2]; });
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.impacts_of_bodies.resize(start.back());
-  for_each([&](std::uint32_t row, std::uint32_t i) { scratch.impacts_of_bodies[start[row + 1]++] = i; });
+  work.of_bodies.resize(start.back());
+  for_each([&](std::uint32_t row, std::uint32_t i) { work.of_bodies[start[row + 1]++] = i; });
 }
 
 }  // namespace
@@ -384,55 +403,60 @@ bool is_left_to_impacts(const Model& model, const State& state, const TickLists&
   return true;
 }
 
-void save_impact_velocities(const State& state, Scratch& scratch) {
-  scratch.paths.resize(state.bodies.size());
-  for (const ImpactPair& pair : scratch.impacts) {
-    scratch.paths[pair.body_a].start_velocity = scratch.bodies[pair.body_a].velocity;
-    scratch.paths[pair.body_b].start_velocity = scratch.bodies[pair.body_b].velocity;
+void save_impact_velocities(const SolvedSet& solved, ImpactWorkspace& work) {
+  if (solved.tick.impacts.empty()) return;
+  work.paths.resize(solved.state.bodies.size());
+  for (const ImpactPair& pair : solved.tick.impacts) {
+    work.paths[pair.body_a].start_velocity = solved.bodies.records[pair.body_a].velocity;
+    work.paths[pair.body_b].start_velocity = solved.bodies.records[pair.body_b].velocity;
   }
 }
 
-void finish_impacts(Scratch& scratch) {
-  for (const std::uint32_t row : scratch.hit_rows) {
-    MovingBody& body = scratch.bodies[row];
-    body.delta_position = body.delta_position + scratch.paths[row].correction;
-    body.delta_rotation = rotation_by(scratch.paths[row].rotation_correction) * body.delta_rotation;
+void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work) {
+  for (const std::uint32_t row : work.hit_rows) {
+    MovingBody& body = solved.bodies.records[row];
+    body.delta_position = body.delta_position + work.paths[row].correction;
+    body.delta_rotation = rotation_by(work.paths[row].rotation_correction) * body.delta_rotation;
   }
 }
 
-void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h) {
-  scratch.hit_rows.clear();
-  std::vector<std::uint32_t>& active = scratch.active_impacts;
+void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, DriftVelocities& drift,
+                   ImpactWorkspace& work) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  work.hit_rows.clear();
+  if (impacts.empty()) return;
+  std::vector<std::uint32_t>& active = work.active;
   active.clear();
-  for (std::uint32_t i = 0; i < scratch.impacts.size(); ++i) {
-    const ImpactPair& pair = scratch.impacts[i];
+  for (std::uint32_t i = 0; i < impacts.size(); ++i) {
+    const ImpactPair& pair = impacts[i];
     const bool a_moves = model.bodies[state.bodies[pair.body_a].source].type == BodyType::dynamic_body;
-    if (scratch.body_solver_set[a_moves ? pair.body_a : pair.body_b] == scratch.set_index) active.push_back(i);
+    if (solved.has_body(a_moves ? pair.body_a : pair.body_b)) active.push_back(i);
   }
   for (const std::uint32_t i : active) {
-    begin_path(model, state, scratch, scratch.impacts[i].body_a, h);
-    begin_path(model, state, scratch, scratch.impacts[i].body_b, h);
+    begin_path(solved, drift, work, impacts[i].body_a);
+    begin_path(solved, drift, work, impacts[i].body_b);
   }
-  list_pairs_of_bodies(model, state, scratch);
-  scratch.impact_events.clear();
+  list_pairs_of_bodies(solved, impacts, work);
+  work.events.clear();
   for (const std::uint32_t i : active) {
-    scratch.impacts[i].is_done = false;
-    expect_impact(model, state, scratch, i, 0, h);
+    impacts[i].is_done = false;
+    expect_impact(solved, impacts, work, i, 0);
   }
 
   std::size_t left = impact_count_least + impacts_per_pair * active.size();
   std::size_t searches_left = search_count_least + searches_per_pair * active.size();
-  while (!scratch.impact_events.empty()) {
-    const ImpactEvent event = pop_event(scratch.impact_events);
-    ImpactPair& first = scratch.impacts[event.pair];
+  while (!work.events.empty()) {
+    const ImpactEvent event = pop_event(work.events);
+    ImpactPair& first = impacts[event.pair];
     if (first.time != event.time) continue;  // outdated
     const ImpactPair hit = first;
     // The path of a stopped body does not change again.
     const auto may_change = [&](std::uint32_t row) {
-      return is_dynamic(model, state, row) && !scratch.paths[row].is_stopped;
+      return is_dynamic(model, state, row) && !work.paths[row].is_stopped;
     };
     const bool a_changes = may_change(hit.body_a), b_changes = may_change(hit.body_b);
-    if (hit.is_located) resolve(model, state, scratch, hit);
+    if (hit.is_located) resolve(solved, work, hit);
     if (left > 0 && searches_left > 0 && hit.is_located) {
       --left;
     } else {
@@ -442,24 +466,23 @@ void apply_impacts(const Model& model, const State& state, Scratch& scratch, Rea
         if (!is_dynamic(model, state, row)) continue;
         const std::uint32_t other = row == hit.body_a ? hit.body_b : hit.body_a;
         const bool is_carried = body_model(model, state, other).type == BodyType::kinematic_body;
-        stopped |= !scratch.paths[row].is_stopped;
-        stop(state, row, scratch.paths[row], hit.time, is_carried ? &scratch.paths[other] : nullptr, other);
+        stopped |= !work.paths[row].is_stopped;
+        stop(state, row, work.paths[row], hit.time, is_carried ? &work.paths[other] : nullptr, other);
       }
       first.is_done = !stopped;
     }
     const auto search_again = [&](std::uint32_t row) {
-      for (std::uint32_t k = scratch.impact_starts[row];
-           k<scratch.impact_starts[row + 1]; ++k, searches_left -= searches_left> 0)
-        expect_impact(model, state, scratch, scratch.impacts_of_bodies[k], hit.time, h);
+      for (std::uint32_t k = work.starts[row]; k<work.starts[row + 1]; ++k, searches_left -= searches_left> 0)
+        expect_impact(solved, impacts, work, work.of_bodies[k], hit.time);
     };
     if (a_changes) search_again(hit.body_a);
     if (b_changes) search_again(hit.body_b);
-    if (!a_changes && !b_changes) expect_impact(model, state, scratch, event.pair, hit.time, h);
+    if (!a_changes && !b_changes) expect_impact(solved, impacts, work, event.pair, hit.time);
   }
   for (const std::uint32_t i : active) {
-    for (const std::uint32_t row : {scratch.impacts[i].body_a, scratch.impacts[i].body_b}) {
-      end_path(model, state, scratch, row, h);
-      scratch.paths[row].is_hit = false;  // a body may be in several pairs
+    for (const std::uint32_t row : {impacts[i].body_a, impacts[i].body_b}) {
+      end_path(solved, drift, work, row);
+      work.paths[row].is_hit = false;  // a body may be in several pairs
     }
   }
 }

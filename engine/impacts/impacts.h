@@ -7,69 +7,48 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "engine/math/vec2.h"
+#include "engine/impacts/impact_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
+struct DriftVelocities;
 struct Model;
+struct SolvedSet;
 struct State;
-struct Scratch;
 struct TickLists;
-
-/// Two shapes that may hit in this tick in a way that the contact solver would miss.
-struct ImpactPair {
-  std::uint32_t body_a, body_b;    // rows
-  std::uint32_t shape_a, shape_b;  // in Model::shapes
-  Real friction, restitution;
-  bool is_fast;     // may pass through in a substep
-  bool is_located;  // false: the pair is only close to an impact, and stops
-  Real slow;        // m/s: slower touching pairs without restitution are the contact solver's; < 0: no pair is
-  bool is_done;     // for this substep
-  Real time;        // s from the start of the substep; no_impact: none
-  Vec2 normal;      // from A to B, at that moment
-  Vec2 point;       // world, m
-};
-
-/// An entry of the heap of impacts.
-struct ImpactEvent {
-  Real time;           // s from the start of the substep
-  std::uint32_t pair;  // in Scratch::impacts
-};
-
-/// The path of a body in a substep: x(t) = delta_position + velocity (t - time) + acceleration (t - time)^2 / 2.
-struct ImpactPath {
-  Vec2 delta_position;  // since the tick began, at `time`, m
-  Rotation delta_rotation;
-  Real time;      // s from the start of the substep
-  Vec2 velocity;  // at `time`, m/s
-  Vec2 acceleration;
-  Real angular_velocity;
-  Real angle;           // rotation since the start of the substep, at `time`, rad
-  Vec2 start_velocity;  // before the integrator's prediction, m/s
-  Vec2 saved_velocity;  // of a stopped body: its velocity after the substep, m/s
-  Real saved_spin;      // rad/s
-  Vec2 saved_acceleration;
-  Vec2 correction;           // the path beyond the drift with the end velocity, m
-  Real rotation_correction;  // rad
-  bool is_hit;
-  bool is_stopped;
-};
 
 /// Whether a contact that bounces is none of the contact solver's, in a scene whose impacts are located: all are but
 /// those that carry a force, or touch and close too slowly to bounce. The solver would brake what is about to bounce,
-/// to the speed at which it just gets there in a substep. `contact`: in scratch.contact_pairs and state.contacts.
+/// to the speed at which it just gets there in a substep. `contact`: in TickLists::contact_pairs and State::contacts.
 bool is_left_to_impacts(const Model& model, const State& state, const TickLists& tick, std::uint32_t contact);
 /// ImpactPair::slow of a pair. `contact`: as above, or the number of contacts if the pair has none.
 Real slow_closing(const Model& model, const State& state, const TickLists& tick, const ImpactPair& pair,
                   std::uint32_t contact, Real dt);
 
+struct ImpactWorkspace {
+  std::vector<ImpactPath> paths;         // [body], of those in the pairs
+  std::vector<std::uint32_t> hit_rows;   // in the present substep
+  std::vector<std::uint32_t> active;     // pairs of the set that is being solved
+  std::vector<ImpactEvent> events;       // a heap, earliest first
+  std::vector<std::uint32_t> starts;     // [body] in `of_bodies`
+  std::vector<std::uint32_t> of_bodies;  // active pairs of each dynamic body
+};
+
+template <typename Visit>
+void list_fields(ImpactWorkspace& of, const Visit& visit) {
+  auto& [paths, hit_rows, active, events, starts, of_bodies] = of;
+  visit(paths, hit_rows, active, events, starts, of_bodies);
+}
+
 /// Saves velocities before a substep. Call before the integrator predicts.
-void save_impact_velocities(const State& state, Scratch& scratch);
-/// Finds and applies the impacts of the set that is being solved, in a substep of length h. Call after the integrator's
-/// prediction.
-void apply_impacts(const Model& model, const State& state, Scratch& scratch, Real h);
+void save_impact_velocities(const SolvedSet& solved, ImpactWorkspace& work);
+/// Finds and applies the impacts of the set that is being solved, in a substep. Call after the integrator's prediction.
+/// `impacts`: TickLists::impacts.
+void apply_impacts(const SolvedSet& solved, std::vector<ImpactPair>& impacts, DriftVelocities& drift,
+                   ImpactWorkspace& work);
 /// Brings the bodies that were hit to the ends of their paths. Call after the integrator's drift.
-void finish_impacts(Scratch& scratch);
+void finish_impacts(const SolvedSet& solved, const ImpactWorkspace& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -37,4 +37,10 @@ struct ImpulseStep {
   std::vector<double> velocity, total;  // [unknown]
 };
 
+template <typename Visit>
+void list_fields(ImpulseStep& of, const Visit& visit) {
+  auto& [rows, full_change, start, neighbours, is_start, place, bodies, first, row_start, matrix, velocity, total] = of;
+  visit(rows, full_change, start, neighbours, is_start, place, bodies, first, row_start, matrix, velocity, total);
+}
+
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

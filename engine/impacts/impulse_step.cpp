@@ -13,8 +13,6 @@
 
 #include <algorithm>
 
-#include "engine/model/bodies.h"
-
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
@@ -58,9 +56,9 @@ void add(const ActiveRow& row, double impulse, std::vector<double>& velocity) {
   }
 }
 
-double speed_of(const ActiveRow& row, const Scratch& scratch) {
+double speed_of(const ActiveRow& row, const SolverBodies& bodies) {
   const auto part = [&](std::uint32_t body, const double(&along)[3]) {
-    const MovingBody& moving = scratch.bodies[body];
+    const MovingBody& moving = bodies.records[body];
     const double velocity[3] = {static_cast<double>(moving.velocity.x), static_cast<double>(moving.velocity.y),
                                 static_cast<double>(moving.angular_velocity)};
     return speed_along(along, velocity);
@@ -81,15 +79,14 @@ void set_along(ActiveRow& row, const double (&arms)[3][2]) {
 }
 
 /// Finds the rows of points with a normal impulse. A point with static friction has a second row.
-void find_rows(Scratch& scratch, const SolverSet& set) {
-  ImpulseStep& out = scratch.impulse_step;
+void find_rows(const SolvedSet& solved, const ContactBatches& all, ImpulseStep& out) {
+  const SolverBodies& bodies = solved.bodies;
   out.rows.clear();
-  const ContactBatches& all = scratch.contact_batches;
-  const double inv_h = 1 / static_cast<double>(set.h);
-  for (std::uint32_t i = set.first_batch; i < set.batch_end; ++i) {
+  const double inv_h = 1 / static_cast<double>(solved.set.h);
+  for (std::uint32_t i = solved.set.first_batch; i < solved.set.batch_end; ++i) {
     const ContactBatch& batch = all.batches[i];
     for (std::uint32_t lane = 0; lane < static_cast<std::uint32_t>(batch.count); ++lane) {
-      const ContactPair& pair = scratch.contact_pairs[batch.contact[lane]];
+      const ContactPair& pair = solved.tick.contact_pairs[batch.contact[lane]];
       const auto at = [lane](const ContactLanes& lanes) { return static_cast<double>(lanes.at[lane]); };
       const double nx = at(batch.normal_x);
       const double ny = at(batch.normal_y);
@@ -102,15 +99,15 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
         row.point = p;
         row.body_a = pair.body_a;
         row.body_b = pair.body_b;
-        const BodyMass& mass_a = scratch.masses[pair.body_a];
-        const BodyMass& mass_b = scratch.masses[pair.body_b];
+        const BodyMass& mass_a = bodies.masses[pair.body_a];
+        const BodyMass& mass_b = bodies.masses[pair.body_b];
         row.read_a = mass_a.read;
         row.read_b = mass_b.read;
         const double arms[3][2] = {{-nx, nx}, {-ny, ny}, {-at(point.normal_arm_a), at(point.normal_arm_b)}};
         set_along(row, arms);
         const double separation =
-            separation_of(batch, point, lane, scratch.bodies[row.read_a], scratch.bodies[row.read_b]);
-        row.residual = speed_of(row, scratch) + (separation > 0 ? separation * inv_h : 0);
+            separation_of(batch, point, lane, bodies.records[row.read_a], bodies.records[row.read_b]);
+        row.residual = speed_of(row, bodies) + (separation > 0 ? separation * inv_h : 0);
         row.stiffness = 1 / (compliance_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
         row.impulse = at(point.normal_impulse);
         out.rows.push_back(row);
@@ -120,7 +117,7 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
         row.is_friction = true;
         const double tangent_arms[3][2] = {{-ny, ny}, {nx, -nx}, {-at(point.tangent_arm_a), at(point.tangent_arm_b)}};
         set_along(row, tangent_arms);
-        row.residual = speed_of(row, scratch) +
+        row.residual = speed_of(row, bodies) +
                        (all.surfaces.empty() ? 0.0 : static_cast<double>(all.surfaces[i].tangent_speed.at[lane]));
         row.stiffness = 1 / (compliance_share * (mobility_of(mass_a, row.along_a) + mobility_of(mass_b, row.along_b)));
         row.impulse = tangent;
@@ -132,12 +129,11 @@ void find_rows(Scratch& scratch, const SolverSet& set) {
 }
 
 /// Numbers the bodies of the rows breadth first from the ground, so that neighbours are close.
-void find_places(Scratch& scratch) {
-  ImpulseStep& out = scratch.impulse_step;
-  const std::uint32_t sink = dummy_sink(scratch);
-  const auto moves = [&](std::uint32_t body) { return scratch.masses[body].write != sink; };
-  out.start.assign(scratch.masses.size() + 2, 0);
-  out.is_start.assign(scratch.masses.size(), 0);
+void find_places(const SolverBodies& bodies, ImpulseStep& out) {
+  const std::uint32_t sink = dummy_sink(bodies);
+  const auto moves = [&](std::uint32_t body) { return bodies.masses[body].write != sink; };
+  out.start.assign(bodies.masses.size() + 2, 0);
+  out.is_start.assign(bodies.masses.size(), 0);
   for (const ActiveRow& row : out.rows) {
     if (moves(row.body_a) && moves(row.body_b)) {
       ++out.start[row.body_a + 2];
@@ -153,7 +149,7 @@ void find_places(Scratch& scratch) {
     out.neighbours[out.start[row.body_a + 1]++] = row.body_b;
     out.neighbours[out.start[row.body_b + 1]++] = row.body_a;
   }
-  out.place.assign(scratch.masses.size(), no_body);
+  out.place.assign(bodies.masses.size(), no_body);
   out.bodies.clear();
   const auto put = [&](std::uint32_t body) {
     if (!moves(body) || out.place[body] != no_body) return;
@@ -182,8 +178,7 @@ void find_places(Scratch& scratch) {
 }
 
 /// Makes M + J^T E^-1 J, each row from its first entry that is not zero. False: too wide.
-bool make_system(Scratch& scratch) {
-  ImpulseStep& out = scratch.impulse_step;
+bool make_system(const SolverBodies& bodies, ImpulseStep& out) {
   const std::size_t size = 3 * out.bodies.size();
   out.first.resize(size);
   for (std::size_t i = 0; i < size; ++i) out.first[i] = static_cast<std::uint32_t>(i - i % 3);
@@ -209,7 +204,7 @@ bool make_system(Scratch& scratch) {
     return out.matrix[out.row_start[i] + (j - out.first[i])];
   };
   for (std::size_t place = 0; place < out.bodies.size(); ++place) {
-    const BodyMass& mass = scratch.masses[out.bodies[place]];
+    const BodyMass& mass = bodies.masses[out.bodies[place]];
     const double inertia = mass.inv_inertia > 0 ? 1 / static_cast<double>(mass.inv_inertia) : 1e30;
     at(3 * place, 3 * place) = at(3 * place + 1, 3 * place + 1) = 1 / static_cast<double>(mass.inv_mass);
     at(3 * place + 2, 3 * place + 2) = inertia;
@@ -295,11 +290,11 @@ double longest_step(const ImpulseStep& out) {
 }
 
 /// The velocities that the changes cause.
-void find_velocities(const Scratch& scratch, ImpulseStep& out) {
+void find_velocities(const SolverBodies& bodies, ImpulseStep& out) {
   out.velocity.assign(out.first.size(), 0);
   for (const ActiveRow& row : out.rows) add(row, row.change, out.velocity);
   for (std::size_t place = 0; place < out.bodies.size(); ++place) {
-    const BodyMass& mass = scratch.masses[out.bodies[place]];
+    const BodyMass& mass = bodies.masses[out.bodies[place]];
     out.velocity[3 * place] *= static_cast<double>(mass.inv_mass);
     out.velocity[3 * place + 1] *= static_cast<double>(mass.inv_mass);
     out.velocity[3 * place + 2] *= static_cast<double>(mass.inv_inertia);
@@ -325,15 +320,14 @@ double added_energy(const ImpulseStep& out) {
   return sum;
 }
 
-void apply(Scratch& scratch) {
-  const ImpulseStep& out = scratch.impulse_step;
+void apply(const ImpulseStep& out, ContactBatches& contacts, SolverBodies& bodies) {
   for (const ActiveRow& row : out.rows) {
-    ContactPointLanes& point = scratch.contact_batches.batches[row.batch].points[row.point];
+    ContactPointLanes& point = contacts.batches[row.batch].points[row.point];
     ContactLanes& impulse = row.is_friction ? point.tangent_impulse : point.normal_impulse;
     impulse.at[row.lane] = static_cast<Real>(row.impulse + row.change);
   }
   for (std::size_t place = 0; place < out.bodies.size(); ++place) {
-    MovingBody& body = scratch.bodies[out.bodies[place]];
+    MovingBody& body = bodies.records[out.bodies[place]];
     const double* change = &out.velocity[3 * place];
     body.velocity.x = static_cast<Real>(static_cast<double>(body.velocity.x) + change[0]);
     body.velocity.y = static_cast<Real>(static_cast<double>(body.velocity.y) + change[1]);
@@ -343,27 +337,26 @@ void apply(Scratch& scratch) {
 
 }  // namespace
 
-void step_active_contacts(Scratch& scratch, const SolverSet& set) {
-  ImpulseStep& out = scratch.impulse_step;
-  find_rows(scratch, set);
-  find_places(scratch);
-  if (out.bodies.empty() || !make_system(scratch)) return;
+void step_active_contacts(const SolvedSet& solved, ContactBatches& contacts, ImpulseStep& out) {
+  find_rows(solved, contacts, out);
+  find_places(solved.bodies, out);
+  if (out.bodies.empty() || !make_system(solved.bodies, out)) return;
   factor(out);
   find_changes(out);
   const double step = longest_step(out);
   out.full_change.resize(out.rows.size());
   for (std::size_t i = 0; i < out.rows.size(); ++i) out.full_change[i] = out.rows[i].change;
   cut_changes(out);
-  find_velocities(scratch, out);
+  find_velocities(solved.bodies, out);
   if (!(added_energy(out) < 0)) {
     for (std::size_t i = 0; i < out.rows.size(); ++i) {
       ActiveRow& row = out.rows[i];
       row.change = step * out.full_change[i];
       if (!row.is_friction && row.impulse + row.change < 0) row.change = -row.impulse;  // by rounding
     }
-    find_velocities(scratch, out);
+    find_velocities(solved.bodies, out);
   }
-  apply(scratch);
+  apply(out, contacts, solved.bodies);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -19,55 +19,60 @@ constexpr std::uint32_t contacts_solved_max = 1u << 18;
 // A check takes as much as so many contacts beside those that it solves.
 constexpr std::uint32_t work_beside = 64;
 
-Real closing_now(const Scratch& scratch, const RestingImpact& impact) {
-  const ContactPair& pair = scratch.contact_pairs[impact.contact];
-  return closing_speed(pair, scratch.bodies[pair.body_a], scratch.bodies[pair.body_b]);
+Real closing_now(const SolvedSet& solved, const RestingImpact& impact) {
+  const ContactPair& pair = solved.tick.contact_pairs[impact.contact];
+  return closing_speed(pair, solved.bodies.records[pair.body_a], solved.bodies.records[pair.body_b]);
 }
 
-bool is_in(const Scratch& scratch, const RestingImpact& impact) {
-  return scratch.body_solver_set[scratch.contact_pairs[impact.contact].body_a] == scratch.set_index;
+bool is_in(const SolvedSet& solved, const RestingImpact& impact) {
+  return solved.has_body(solved.tick.contact_pairs[impact.contact].body_a);
 }
 
 }  // namespace
 
-void begin_resting_impacts(Scratch& scratch, const SolverSet& set) {
-  for (RestingImpact& impact : scratch.resting_impacts)
-    if (is_in(scratch, impact)) impact.closing = closing_now(scratch, impact);
-  save_impulses(scratch, set);
+void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts) {
+  if (!solved.set.has_resting_impacts) return;
+  for (RestingImpact& impact : impacts)
+    if (is_in(solved, impact)) impact.closing = closing_now(solved, impact);
+  save_impulses(solved.set, contacts);
 }
 
-Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& set) {
+Real settled_speed(const SolvedSet& solved) {
+  if (!solved.set.has_resting_impacts) return 0;
+  const Real h = solved.set.h;
   bool any = false;
   Real settled = 0;  // m/s
-  const Real own = 4 * set.h * length(state.world.gravity);
-  for (const RestingImpact& impact : scratch.resting_impacts) {
-    if (!is_in(scratch, impact)) continue;
-    const Real stopped = impact.closing - closing_now(scratch, impact);
-    if (!(stopped > own) || !(stopped * set.h > resting_impact_share * impact.allowed)) continue;
-    const Real small = settled_share * impact.allowed / set.h;
+  const Real own = 4 * h * length(solved.state.world.gravity);
+  for (const RestingImpact& impact : solved.tick.resting_impacts) {
+    if (!is_in(solved, impact)) continue;
+    const Real stopped = impact.closing - closing_now(solved, impact);
+    if (!(stopped > own) || !(stopped * h > resting_impact_share * impact.allowed)) continue;
+    const Real small = settled_share * impact.allowed / h;
     settled = any ? smaller(settled, small) : small;
     any = true;
   }
   return settled;
 }
 
-void propagate_shock(const Model& model, const State& state, Scratch& scratch, const SolverSet& set, Real settled) {
-  std::vector<Twist>& before = scratch.shock_velocities;
-  before.resize(scratch.bodies.size());
-  const std::uint32_t contact_count = set.contact_end - set.first_contact;
+void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
+                     ShockWorkspace& work) {
+  if (!(settled > 0)) return;
+  std::vector<Twist>& before = work.velocities;
+  before.resize(solved.bodies.records.size());
+  const auto contact_count = static_cast<std::uint32_t>(solved.contacts().size());
   const std::uint32_t bounded = 1 + contacts_solved_max / (passes_per_check * (contact_count + 1));
   const std::uint32_t work_of_check = passes_per_check * (contact_count + work_beside);
-  const std::uint32_t check_count = std::min({bounded, check_count_max, 1 + scratch.shock_work_left / work_of_check});
+  const std::uint32_t check_count = std::min({bounded, check_count_max, 1 + work_left / work_of_check});
   for (std::uint32_t check = 0; check < check_count; ++check) {
-    scratch.shock_work_left -= std::min(scratch.shock_work_left, work_of_check);
-    for (const std::uint32_t row : scratch.moving_rows)
-      before[row] = {scratch.bodies[row].velocity, scratch.bodies[row].angular_velocity};
-    for (int pass = 0; pass < passes_per_check; ++pass) relax_contacts(scratch, set);
-    step_active_contacts(scratch, set);
+    work_left -= std::min(work_left, work_of_check);
+    for (const std::uint32_t row : solved.rows)
+      before[row] = {solved.bodies.records[row].velocity, solved.bodies.records[row].angular_velocity};
+    for (int pass = 0; pass < passes_per_check; ++pass) relax_contacts(solved, contacts);
+    step_active_contacts(solved, contacts, work.step);
     Real most = 0;
-    for (const std::uint32_t row : scratch.moving_rows) {
-      const MovingBody& body = scratch.bodies[row];
-      const Real extent = model.bodies[state.bodies[row].source].extent;
+    for (const std::uint32_t row : solved.rows) {
+      const MovingBody& body = solved.bodies.records[row];
+      const Real extent = solved.model.bodies[solved.state.bodies[row].source].extent;
       most = larger(most, length(body.velocity - before[row].linear) +
                               absolute(body.angular_velocity - before[row].angular) * extent);
     }

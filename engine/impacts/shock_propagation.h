@@ -6,16 +6,32 @@
 // converge. Only with automatic substeps.
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/contacts/contact_batch.h"
+#include "engine/impacts/impulse_rows.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Notes how fast landings close, and the impulses of all contacts. Call before they are warm started.
-void begin_resting_impacts(Scratch& scratch, const SolverSet& set);
+struct ShockWorkspace {
+  std::vector<Twist> velocities;  // [body] before the last passes
+  ImpulseStep step;
+};
+
+template <typename Visit>
+void list_fields(ShockWorkspace& of, const Visit& visit) {
+  auto& [velocities, step] = of;
+  visit(velocities, step);
+}
+
+/// Saves how fast resting impacts close, and the impulses of all contacts. Call before contacts are warm started.
+/// `impacts`: TickLists::resting_impacts.
+void begin_resting_impacts(const SolvedSet& solved, std::vector<RestingImpact>& impacts, ContactBatches& contacts);
 /// If a resting impact has hit in the pass before: the change of speed, m/s, below which the shock has propagated. Else
 /// 0.
-Real settled_speed(const State& state, const Scratch& scratch, const SolverSet& set);
-/// Rigid passes until no body's velocity changes by more than `settled`.
-void propagate_shock(const Model& model, const State& state, Scratch& scratch, const SolverSet& set, Real settled);
+Real settled_speed(const SolvedSet& solved);
+/// Rigid passes until no body's velocity changes by more than `settled`; none for 0. `work_left`:
+/// TickLists::shock_work_left.
+void propagate_shock(const SolvedSet& solved, Real settled, std::uint32_t& work_left, ContactBatches& contacts,
+                     ShockWorkspace& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

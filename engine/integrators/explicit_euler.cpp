@@ -7,18 +7,18 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void begin_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h) {
-  prepare_velocity_steps(model, state, scratch, h);
-  prepare_forces(model, state, scratch);
+void begin_explicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  prepare_velocity_steps(solved, work, h);
+  prepare_forces(solved, work);
 }
 
-void predict_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h) {
-  save_start(state, scratch);
-  step_velocities(model, state, scratch);
-  flow_velocity_forces(model, state, scratch, h, FlowOrder::forward);
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const MovingBody& start = scratch.stages[row].start;
-    drift_with(scratch, row, {start.velocity, start.angular_velocity});
+void predict_explicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  save_start(solved, work);
+  step_velocities(solved, work);
+  flow_velocity_forces(solved, work, h, FlowOrder::forward);
+  for (const std::uint32_t row : solved.rows) {
+    const MovingBody& start = work.stages[row].start;
+    drift_with(solved, work, row, {start.velocity, start.angular_velocity});
   }
 }
 

@@ -13,18 +13,17 @@ namespace {
 constexpr Real force_like = 4;
 
 /// Of gravity, this tick's inputs and constant force elements. Requires: the body is dynamic.
-[[gnu::always_inline]] inline Twist constant_acceleration(const Model& model, const State& state,
-                                                          const Scratch& scratch, std::size_t row) {
-  const std::uint32_t source = state.bodies[row].source;
-  const BodyModel& body = model.bodies[source];
-  Twist acceleration{body.gravity_scale * state.world.gravity, 0};
-  if (!scratch.force.empty()) {
-    acceleration.linear = acceleration.linear + body.inv_mass * scratch.force[row];
-    acceleration.angular = body.inv_inertia * scratch.torque[row];
+[[gnu::always_inline]] inline Twist constant_acceleration(const SolvedSet& solved, std::size_t row) {
+  const std::uint32_t source = solved.state.bodies[row].source;
+  const BodyModel& body = solved.model.bodies[source];
+  Twist acceleration{body.gravity_scale * solved.state.world.gravity, 0};
+  if (!solved.tick.force.empty()) {
+    acceleration.linear = acceleration.linear + body.inv_mass * solved.tick.force[row];
+    acceleration.angular = body.inv_inertia * solved.tick.torque[row];
   }
-  if (!model.body_forces.empty()) {
-    acceleration.linear = acceleration.linear + model.body_forces[source].acceleration;
-    acceleration.angular += model.body_forces[source].angular_acceleration;
+  if (!solved.model.body_forces.empty()) {
+    acceleration.linear = acceleration.linear + solved.model.body_forces[source].acceleration;
+    acceleration.angular += solved.model.body_forces[source].angular_acceleration;
   }
   return acceleration;
 }
@@ -53,48 +52,62 @@ void FreeMotionCache::follow(const Model& model, Real h) {
   if (!is_hit) rebuild(model, h);
 }
 
-void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h) {
-  scratch.caches.free_motion.follow(model, h);
+void begin_motion(const State& state, MotionWorkspace& work) {
+  work.previous_accelerations.clear();
+  for (const AccelerationRow& row : state.accelerations)
+    work.previous_accelerations.push_back({row.linear, row.angular});
+  work.unconverged = 0;
+}
+
+void store_motion(const MotionWorkspace& work, State& state) {
+  for (std::size_t row = 0; row < state.accelerations.size(); ++row)
+    state.accelerations[row] = {stored(work.previous_accelerations[row].linear),
+                                stored(work.previous_accelerations[row].angular)};
+  const std::uint32_t count_left = no_reference - state.integrator.unconverged;
+  state.integrator.unconverged += work.unconverged < count_left ? work.unconverged : count_left;
+}
+
+void prepare_velocity_steps(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  work.free_motion.follow(solved.model, h);
   const auto step_of = [&](std::size_t row) -> VelocityStep {
-    const BodyModel& body = model.bodies[state.bodies[row].source];
+    const BodyModel& body = solved.model.bodies[solved.state.bodies[row].source];
     if (body.type != BodyType::dynamic_body) return {{0, 0, 0, 0}, {1, 1, 1, 0}};
-    const FreeMotion& motion = scratch.caches.free_motion[state.bodies[row].source];
-    const Twist acceleration = constant_acceleration(model, state, scratch, row);
+    const FreeMotion& motion = work.free_motion[solved.state.bodies[row].source];
+    const Twist acceleration = constant_acceleration(solved, row);
     const Vec2 gain = motion.linear_gain * acceleration.linear;
     return {{gain.x, gain.y, motion.angular_gain * acceleration.angular, 0},
             {motion.linear_decay, motion.linear_decay, motion.angular_decay, 0}};
   };
-  scratch.caches.velocity_steps.follow({scratch.changes.body_generation, state.world.gravity, h},
-                                       scratch.changes.is_known && scratch.force.empty(), scratch.parallel,
-                                       state.bodies.size(), step_of);
+  work.velocity_steps.follow({solved.tick.changes.body_generation, solved.state.world.gravity, h},
+                             solved.tick.changes.is_known && solved.tick.force.empty(), solved.parallel(),
+                             solved.state.bodies.size(), step_of);
 }
 
-void step_velocities(const Model& model, const State& state, Scratch& scratch) {
-  if (scratch.moving_rows.empty()) return;  // without bodies there is no first row
-  const std::size_t count = scratch.moving_rows.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 512), [&](const Chunk& chunk) {
-    scratch.kernels->motion.step_velocities(&scratch.bodies.data()->velocity.x,
-                                            scratch.caches.velocity_steps.rows()->gain,
-                                            scratch.moving_rows.data() + chunk.begin, chunk.end - chunk.begin);
+void step_velocities(const SolvedSet& solved, MotionWorkspace& work) {
+  if (solved.rows.empty()) return;  // without bodies there is no first row
+  const std::size_t count = solved.rows.size();
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 512), [&](const Chunk& chunk) {
+    solved.kernels().motion.step_velocities(solved.bodies.lanes(), work.velocity_steps.rows()->gain,
+                                            solved.rows.data() + chunk.begin, chunk.end - chunk.begin);
   });
-  if (model.position_forces == nullptr) return;
-  for (Twist& acceleration : scratch.accelerations) acceleration = {};
-  model.position_forces(model, state, scratch);
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const FreeMotion& motion = scratch.caches.free_motion[state.bodies[row].source];
-    const Twist& acceleration = scratch.accelerations[row];
+  if (solved.model.position_forces == nullptr) return;
+  for (Twist& acceleration : work.accelerations) acceleration = {};
+  solved.model.position_forces(solved, work);
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const FreeMotion& motion = work.free_motion[solved.state.bodies[row].source];
+    const Twist& acceleration = work.accelerations[row];
     body.velocity = body.velocity + motion.linear_gain * acceleration.linear;
     body.angular_velocity += motion.angular_gain * acceleration.angular;
   }
 }
 
-void move_bodies(Scratch& scratch, Real h) {
-  const std::size_t count = scratch.moving_rows.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 256), [&](const Chunk& chunk) {
-    scratch.kernels->motion.move_bodies(&scratch.bodies.data()->velocity.x, scratch.moving_rows.data() + chunk.begin,
-                                        chunk.end - chunk.begin, dummy_body(scratch), dummy_sink(scratch, chunk.index),
-                                        h);
+void move_bodies(const SolvedSet& solved, Real h) {
+  const std::size_t count = solved.rows.size();
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 256), [&](const Chunk& chunk) {
+    solved.kernels().motion.move_bodies(solved.bodies.lanes(), solved.rows.data() + chunk.begin,
+                                        chunk.end - chunk.begin, dummy_body(solved.bodies),
+                                        dummy_sink(solved.bodies, chunk.index), h);
   });
 }
 
@@ -103,57 +116,58 @@ bool bodies_step_alone(const Model& model) {
          !model.has_velocity_forces;
 }
 
-void integrate_freely(Scratch& scratch, Real h, int substeps) {
+void integrate_freely(const SolvedSet& solved, const MotionWorkspace& work) {
   constexpr std::size_t block_size = 128;  // bodies: 12 KB in f32
-  const std::size_t count = scratch.moving_rows.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, block_size), [&](const Chunk& chunk) {
-    const MotionKernels& motion = scratch.kernels->motion;
-    Real* bodies = &scratch.bodies.data()->velocity.x;
+  const std::size_t count = solved.rows.size();
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, block_size), [&](const Chunk& chunk) {
+    const MotionKernels& motion = solved.kernels().motion;
+    Real* bodies = solved.bodies.lanes();
     for (std::size_t first = chunk.begin; first < chunk.end; first += block_size) {
-      const std::uint32_t* rows = scratch.moving_rows.data() + first;
+      const std::uint32_t* rows = solved.rows.data() + first;
       const std::size_t row_count = chunk.end - first < block_size ? chunk.end - first : block_size;
-      for (int substep = 0; substep < substeps; ++substep) {
-        motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, row_count);
-        motion.move_bodies(bodies, rows, row_count, dummy_body(scratch), dummy_sink(scratch, chunk.index), h);
+      for (int substep = 0; substep < solved.set.substeps; ++substep) {
+        motion.step_velocities(bodies, work.velocity_steps.rows()->gain, rows, row_count);
+        motion.move_bodies(bodies, rows, row_count, dummy_body(solved.bodies), dummy_sink(solved.bodies, chunk.index),
+                           solved.set.h);
       }
     }
   });
 }
 
-void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch) {
-  scratch.constant_accelerations.resize(state.bodies.size());
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const bool moves = model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
-    scratch.constant_accelerations[row] = moves ? constant_acceleration(model, state, scratch, row) : Twist{};
+void prepare_constant_accelerations(const SolvedSet& solved, MotionWorkspace& work) {
+  work.constant_accelerations.resize(solved.state.bodies.size());
+  for (std::size_t row = 0; row < solved.state.bodies.size(); ++row) {
+    const bool moves = solved.model.bodies[solved.state.bodies[row].source].type == BodyType::dynamic_body;
+    work.constant_accelerations[row] = moves ? constant_acceleration(solved, row) : Twist{};
   }
 }
 
-void total_accelerations(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max) {
-  for (Twist& acceleration : scratch.accelerations) acceleration = {};
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const BodyModel& constants = model.bodies[state.bodies[row].source];
+void total_accelerations(const SolvedSet& solved, MotionWorkspace& work, Real drag_rate_max) {
+  for (Twist& acceleration : work.accelerations) acceleration = {};
+  for (const std::uint32_t row : solved.rows) {
+    const BodyModel& constants = solved.model.bodies[solved.state.bodies[row].source];
     if (constants.type != BodyType::dynamic_body) continue;
-    const MovingBody& body = scratch.bodies[row];
-    const Twist& constant = scratch.constant_accelerations[row];
-    scratch.accelerations[row] = {constant.linear - constants.linear_damping * body.velocity,
-                                  constant.angular - constants.angular_damping * body.angular_velocity};
+    const MovingBody& body = solved.bodies.records[row];
+    const Twist& constant = work.constant_accelerations[row];
+    work.accelerations[row] = {constant.linear - constants.linear_damping * body.velocity,
+                               constant.angular - constants.angular_damping * body.angular_velocity};
   }
-  if (model.position_forces != nullptr) model.position_forces(model, state, scratch);
-  add_velocity_forces(model, state, scratch, drag_rate_max);
+  if (solved.model.position_forces != nullptr) solved.model.position_forces(solved, work);
+  add_velocity_forces(solved, work, drag_rate_max);
 }
 
-void save_start(const State& state, Scratch& scratch) {
-  scratch.stages.resize(state.bodies.size());
-  scratch.velocity_offsets.resize(state.bodies.size());
-  scratch.predicted.resize(state.bodies.size());
-  for (const std::uint32_t row : scratch.moving_rows) scratch.stages[row] = {scratch.bodies[row], {}, {}};
+void save_start(const SolvedSet& solved, MotionWorkspace& work) {
+  work.stages.resize(solved.state.bodies.size());
+  work.drift.offsets.resize(solved.state.bodies.size());
+  work.drift.predicted.resize(solved.state.bodies.size());
+  for (const std::uint32_t row : solved.rows) work.stages[row] = {solved.bodies.records[row], {}, {}};
 }
 
-void move_bodies_by_drift(Scratch& scratch, Real h, Real share) {
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const Twist& predicted = scratch.predicted[row];
-    const Twist& offset = scratch.velocity_offsets[row];
+void move_bodies_by_drift(const SolvedSet& solved, MotionWorkspace& work, Real h, Real share) {
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const Twist& predicted = work.drift.predicted[row];
+    const Twist& offset = work.drift.offsets[row];
     Vec2 changed = share * (body.velocity - predicted.linear);
     Real spun = share * (body.angular_velocity - predicted.angular);
     const Real size = length(changed);
@@ -166,12 +180,12 @@ void move_bodies_by_drift(Scratch& scratch, Real h, Real share) {
   }
 }
 
-void drift_on_mean(const Model&, const State&, Scratch& scratch, Real h) {
-  move_bodies_by_drift(scratch, h, Real(0.5));
+void drift_on_mean(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  move_bodies_by_drift(solved, work, h, Real(0.5));
 }
 
-void drift_on_start(const Model&, const State&, Scratch& scratch, Real h) {
-  move_bodies_by_drift(scratch, h, Real(1));
+void drift_on_start(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  move_bodies_by_drift(solved, work, h, Real(1));
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

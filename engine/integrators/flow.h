@@ -7,46 +7,50 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Fills scratch.caches.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
-void prepare_velocity_steps(const Model& model, const State& state, Scratch& scratch, Real h);
+/// Takes what integrators keep in the state, and puts it back.
+void begin_motion(const State& state, MotionWorkspace& work);
+void store_motion(const MotionWorkspace& work, State& state);
+
+/// Fills work.velocity_steps for steps of length h: exact for constant acceleration and linear damping.
+void prepare_velocity_steps(const SolvedSet& solved, MotionWorkspace& work, Real h);
 
 /// v' = e^(-c h) v + a (1 - e^(-c h)) / c with a at the present poses, h as prepared.
-void step_velocities(const Model& model, const State& state, Scratch& scratch);
+void step_velocities(const SolvedSet& solved, MotionWorkspace& work);
 
 /// x' = x + h v.
-void move_bodies(Scratch& scratch, Real h);
+void move_bodies(const SolvedSet& solved, Real h);
 
 /// Whether a substep is step_velocities and move_bodies, independently for each body.
 bool bodies_step_alone(const Model& model);
-/// All substeps of bodies without constraints, some bodies at a time, so that they stay in the nearest cache. Requires:
-/// bodies_step_alone, prepare_velocity_steps.
-void integrate_freely(Scratch& scratch, Real h, int substeps);
+/// All substeps of the set's bodies without constraints, some bodies at a time, so that they stay in the nearest cache.
+/// Requires: bodies_step_alone, prepare_velocity_steps.
+void integrate_freely(const SolvedSet& solved, const MotionWorkspace& work);
 
-/// Fills scratch.constant_accelerations, for total_accelerations.
-void prepare_constant_accelerations(const Model& model, const State& state, Scratch& scratch);
+/// Fills work.constant_accelerations, for total_accelerations.
+void prepare_constant_accelerations(const SolvedSet& solved, MotionWorkspace& work);
 
-/// All accelerations of dynamic bodies, damping included, at the present poses and velocities: scratch.accelerations.
+/// All accelerations of dynamic bodies, damping included, at the present poses and velocities: work.accelerations.
 /// drag_rate_max: as in add_velocity_forces.
-void total_accelerations(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max);
+void total_accelerations(const SolvedSet& solved, MotionWorkspace& work, Real drag_rate_max);
 
-/// Saves the present records in scratch.stages, as the start of the substep.
-void save_start(const State& state, Scratch& scratch);
+/// Saves the present records in work.stages, as the start of the substep.
+void save_start(const SolvedSet& solved, MotionWorkspace& work);
 
 /// Saves the present velocity as the end velocity of the substep without constraints, and the drift velocity, for
 /// move_bodies_by_drift.
-inline void drift_with(Scratch& scratch, std::size_t row, Twist drift) {
-  const MovingBody& body = scratch.bodies[row];
-  scratch.predicted[row] = {body.velocity, body.angular_velocity};
-  scratch.velocity_offsets[row] = {body.velocity - drift.linear, body.angular_velocity - drift.angular};
+inline void drift_with(const SolvedSet& solved, MotionWorkspace& work, std::size_t row, Twist drift) {
+  const MovingBody& body = solved.bodies.records[row];
+  work.drift.predicted[row] = {body.velocity, body.angular_velocity};
+  work.drift.offsets[row] = {body.velocity - drift.linear, body.angular_velocity - drift.angular};
 }
 
 /// x' = x + h d, with d the drift velocity plus the changes by constraints since predict. An impulse that acts like a
 /// force (a resting contact) changes the drift velocity as a force would: by `share` less than the end velocity. A much
 /// larger one (an impact) changes both alike.
-void move_bodies_by_drift(Scratch& scratch, Real h, Real share);
+void move_bodies_by_drift(const SolvedSet& solved, MotionWorkspace& work, Real h, Real share);
 
 /// The drift of schemes whose drift velocity takes half of a constant acceleration, and of those where it takes none.
-void drift_on_mean(const Model& model, const State& state, Scratch& scratch, Real h);
-void drift_on_start(const Model& model, const State& state, Scratch& scratch, Real h);
+void drift_on_mean(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void drift_on_start(const SolvedSet& solved, MotionWorkspace& work, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

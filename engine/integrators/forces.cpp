@@ -68,40 +68,40 @@ void add_central(Model& model, const Force& force) {
   model.centrals.push_back(central);
 }
 
-void add_central_accelerations(const Model& model, const State& state, Scratch& scratch) {
-  for (std::size_t i = 0; i < model.centrals.size(); ++i) {
-    const CentralForce& central = model.centrals[i];
+void add_central_accelerations(const SolvedSet& solved, MotionWorkspace& work) {
+  for (std::size_t i = 0; i < solved.model.centrals.size(); ++i) {
+    const CentralForce& central = solved.model.centrals[i];
     const auto attract = [&](std::size_t row) {
-      const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].delta_position;
+      const Vec2 r = (solved.state.bodies[row].position - central.center) + solved.bodies.records[row].delta_position;
       const Real distance = length(r);
       if (!(distance > 0)) return;
-      Vec2& acceleration = scratch.accelerations[row].linear;
+      Vec2& acceleration = work.accelerations[row].linear;
       acceleration = acceleration - (central.strength * power(distance, central.exponent - 1)) * r;
     };
     if (!central.every) {
-      if (scratch.central_rows[i] != no_reference) attract(scratch.central_rows[i]);
+      if (work.central_rows[i] != no_reference) attract(work.central_rows[i]);
       continue;
     }
-    for (std::size_t row = 0; row < state.bodies.size(); ++row)
-      if (model.bodies[state.bodies[row].source].type == BodyType::dynamic_body) attract(row);
+    for (std::size_t row = 0; row < solved.state.bodies.size(); ++row)
+      if (solved.model.bodies[solved.state.bodies[row].source].type == BodyType::dynamic_body) attract(row);
   }
 }
 
 /// Adds the accelerations of `force` on A's anchor and its opposite on B's.
-void accelerate(Scratch& scratch, const SpringRow& spring, const SpringLine& line, Vec2 force) {
-  Twist& a = scratch.accelerations[spring.body_a];
+void accelerate(MotionWorkspace& work, const SpringRow& spring, const SpringLine& line, Vec2 force) {
+  Twist& a = work.accelerations[spring.body_a];
   a.linear = a.linear + spring.inv_mass_a * force;
   a.angular += spring.inv_inertia_a * cross(line.arm_a, force);
-  Twist& b = scratch.accelerations[spring.write_b];
+  Twist& b = work.accelerations[spring.write_b];
   b.linear = b.linear - spring.inv_mass_b * force;
   b.angular -= spring.inv_inertia_b * cross(line.arm_b, force);
 }
 
-void add_element_accelerations(const Model& model, const State& state, Scratch& scratch) {
-  add_central_accelerations(model, state, scratch);
-  for (const SpringRow& spring : scratch.springs) {
-    const SpringLine line = line_of(spring, scratch);
-    if (line.exists) accelerate(scratch, spring, line, line.tension * line.along);
+void add_element_accelerations(const SolvedSet& solved, MotionWorkspace& work) {
+  add_central_accelerations(solved, work);
+  for (const SpringRow& spring : work.springs) {
+    const SpringLine line = line_of(spring, solved.bodies);
+    if (line.exists) accelerate(work, spring, line, line.tension * line.along);
   }
 }
 
@@ -112,30 +112,30 @@ Decay signed_decay(double x) {
   return {1 / forward.factor, forward.mean / forward.factor};
 }
 
-void flow_drags(const Model& model, const State& state, Scratch& scratch, Real h) {
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const BodyForces& forces = model.body_forces[state.bodies[row].source];
-    MovingBody& body = scratch.bodies[row];
-    const Vec2 through_air = body.velocity - model.wind;
+void flow_drags(const SolvedSet& solved, Real h) {
+  for (const std::uint32_t row : solved.rows) {
+    const BodyForces& forces = solved.model.body_forces[solved.state.bodies[row].source];
+    MovingBody& body = solved.bodies.records[row];
+    const Vec2 through_air = body.velocity - solved.model.wind;
     const Real linear_loss = forces.quadratic_drag * length(through_air) * h;
     const Real angular_loss = forces.angular_quadratic_drag * absolute(body.angular_velocity) * h;
-    if (linear_loss != 0) body.velocity = model.wind + (1 / (1 + linear_loss)) * through_air;
+    if (linear_loss != 0) body.velocity = solved.model.wind + (1 / (1 + linear_loss)) * through_air;
     if (angular_loss != 0) body.angular_velocity = body.angular_velocity / (1 + angular_loss);
   }
 }
 
-void flow_damper(const SpringRow& spring, Scratch& scratch, Real h) {
+void flow_damper(const SpringRow& spring, const SolvedSet& solved, Real h) {
   if (!(spring.damping > 0)) return;
-  const SpringLine line = line_of(spring, scratch);
+  const SpringLine line = line_of(spring, solved.bodies);
   if (!line.exists || !(line.inv_mass > 0)) return;
   const double strength = static_cast<double>(spring.damping) * static_cast<double>(h);
   const Decay decay = signed_decay(strength * static_cast<double>(line.inv_mass));
   const Vec2 impulse =
-      (static_cast<Real>(strength * decay.mean) * speed_along(spring, line, scratch)) * line.along;  // on A
-  MovingBody& a = scratch.bodies[spring.body_a];
+      (static_cast<Real>(strength * decay.mean) * speed_along(spring, line, solved.bodies)) * line.along;  // on A
+  MovingBody& a = solved.bodies.records[spring.body_a];
   a.velocity = a.velocity + spring.inv_mass_a * impulse;
   a.angular_velocity += spring.inv_inertia_a * cross(line.arm_a, impulse);
-  MovingBody& b = scratch.bodies[spring.write_b];
+  MovingBody& b = solved.bodies.records[spring.write_b];
   b.velocity = b.velocity - spring.inv_mass_b * impulse;
   b.angular_velocity -= spring.inv_inertia_b * cross(line.arm_b, impulse);
 }
@@ -149,9 +149,9 @@ Real power(Real r, int exponent) {
   return exponent < 0 ? 1 / product : product;
 }
 
-SpringLine line_of(const SpringRow& spring, const Scratch& scratch) {
-  const MovingBody& a = scratch.bodies[spring.body_a];
-  const MovingBody& b = scratch.bodies[spring.body_b];
+SpringLine line_of(const SpringRow& spring, const SolverBodies& bodies) {
+  const MovingBody& a = bodies.records[spring.body_a];
+  const MovingBody& b = bodies.records[spring.body_b];
   SpringLine line;
   line.arm_a = rotate(a.delta_rotation, spring.arm_a);
   line.arm_b = rotate(b.delta_rotation, spring.arm_b);
@@ -168,9 +168,9 @@ SpringLine line_of(const SpringRow& spring, const Scratch& scratch) {
   return line;
 }
 
-Real speed_along(const SpringRow& spring, const SpringLine& line, const Scratch& scratch) {
-  const MovingBody& a = scratch.bodies[spring.body_a];
-  const MovingBody& b = scratch.bodies[spring.body_b];
+Real speed_along(const SpringRow& spring, const SpringLine& line, const SolverBodies& bodies) {
+  const MovingBody& a = bodies.records[spring.body_a];
+  const MovingBody& b = bodies.records[spring.body_b];
   const Vec2 relative =
       (b.velocity + cross(b.angular_velocity, line.arm_b)) - (a.velocity + cross(a.angular_velocity, line.arm_a));
   return dot(relative, line.along);
@@ -201,43 +201,43 @@ void add_forces(Model& model) {
 namespace {
 
 /// Whether a spring acts on bodies of the set that is being solved; both ends are of one island.
-bool is_in_set(const Scratch& scratch, const SpringForce& spring, std::size_t row_a, const State& state) {
-  if (scratch.body_solver_set[row_a] == scratch.set_index) return true;
+bool is_in_set(const SolvedSet& solved, const SpringForce& spring, std::size_t row_a) {
+  if (solved.has_body(row_a)) return true;
   if (spring.other == no_reference) return false;
-  const std::size_t row_b = state.find_body(spring.other);
-  return row_b < state.bodies.size() && scratch.body_solver_set[row_b] == scratch.set_index;
+  const std::size_t row_b = solved.state.find_body(spring.other);
+  return row_b < solved.state.bodies.size() && solved.has_body(row_b);
 }
 
 }  // namespace
 
-void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
-  scratch.accelerations.resize(scratch.bodies.size());
-  scratch.central_rows.clear();
-  for (const CentralForce& central : model.centrals) {
-    const std::size_t row = central.every ? state.bodies.size() : state.find_body(central.body);
-    scratch.central_rows.push_back(row < state.bodies.size() ? static_cast<std::uint32_t>(row) : no_reference);
+void prepare_forces(const SolvedSet& solved, MotionWorkspace& work) {
+  work.accelerations.resize(solved.bodies.records.size());
+  work.central_rows.clear();
+  for (const CentralForce& central : solved.model.centrals) {
+    const std::size_t row = central.every ? solved.state.bodies.size() : solved.state.find_body(central.body);
+    work.central_rows.push_back(row < solved.state.bodies.size() ? static_cast<std::uint32_t>(row) : no_reference);
   }
-  scratch.springs.clear();
-  for (const SpringForce& spring : model.springs) {
-    const std::size_t row_a = state.find_body(spring.body);
-    if (row_a == state.bodies.size()) continue;
-    if (!is_in_set(scratch, spring, row_a, state)) continue;
-    const BodyRow& a = state.bodies[row_a];
-    const BodyModel& constants_a = model.bodies[a.source];
+  work.springs.clear();
+  for (const SpringForce& spring : solved.model.springs) {
+    const std::size_t row_a = solved.state.find_body(spring.body);
+    if (row_a == solved.state.bodies.size()) continue;
+    if (!is_in_set(solved, spring, row_a)) continue;
+    const BodyRow& a = solved.state.bodies[row_a];
+    const BodyModel& constants_a = solved.model.bodies[a.source];
     SpringRow out{};
     out.body_a = static_cast<std::uint32_t>(row_a);
     out.arm_a = rotate(a.rotation, spring.anchor);
     out.inv_mass_a = constants_a.inv_mass;
     out.inv_inertia_a = constants_a.inv_inertia;
     if (spring.other == no_reference) {
-      out.body_b = dummy_body(scratch);
-      out.write_b = dummy_sink(scratch);
+      out.body_b = dummy_body(solved.bodies);
+      out.write_b = dummy_sink(solved.bodies);
       out.offset = spring.point - a.position;
     } else {
-      const std::size_t row_b = state.find_body(spring.other);
-      if (row_b == state.bodies.size()) continue;
-      const BodyRow& b = state.bodies[row_b];
-      const BodyModel& constants_b = model.bodies[b.source];
+      const std::size_t row_b = solved.state.find_body(spring.other);
+      if (row_b == solved.state.bodies.size()) continue;
+      const BodyRow& b = solved.state.bodies[row_b];
+      const BodyModel& constants_b = solved.model.bodies[b.source];
       out.body_b = static_cast<std::uint32_t>(row_b);
       out.write_b = out.body_b;
       out.offset = b.position - a.position;
@@ -248,38 +248,38 @@ void prepare_forces(const Model& model, const State& state, Scratch& scratch) {
     out.stiffness = spring.stiffness;
     out.damping = spring.damping;
     out.rest_length = spring.rest_length;
-    scratch.springs.push_back(out);
+    work.springs.push_back(out);
   }
 }
 
-void add_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max) {
-  if (!model.has_velocity_forces) return;
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const BodyForces& forces = model.body_forces[state.bodies[row].source];
-    const MovingBody& body = scratch.bodies[row];
-    const Vec2 through_air = body.velocity - model.wind;
-    Twist& acceleration = scratch.accelerations[row];
+void add_velocity_forces(const SolvedSet& solved, MotionWorkspace& work, Real drag_rate_max) {
+  if (!solved.model.has_velocity_forces) return;
+  for (const std::uint32_t row : solved.rows) {
+    const BodyForces& forces = solved.model.body_forces[solved.state.bodies[row].source];
+    const MovingBody& body = solved.bodies.records[row];
+    const Vec2 through_air = body.velocity - solved.model.wind;
+    Twist& acceleration = work.accelerations[row];
     const Real rate = smaller(forces.quadratic_drag * length(through_air), drag_rate_max);
     const Real angular_rate = smaller(forces.angular_quadratic_drag * absolute(body.angular_velocity), drag_rate_max);
     acceleration.linear = acceleration.linear - rate * through_air;
     acceleration.angular -= angular_rate * body.angular_velocity;
   }
-  for (const SpringRow& spring : scratch.springs) {
+  for (const SpringRow& spring : work.springs) {
     if (!(spring.damping > 0)) continue;
-    const SpringLine line = line_of(spring, scratch);
+    const SpringLine line = line_of(spring, solved.bodies);
     if (line.exists)
-      accelerate(scratch, spring, line, (spring.damping * speed_along(spring, line, scratch)) * line.along);
+      accelerate(work, spring, line, (spring.damping * speed_along(spring, line, solved.bodies)) * line.along);
   }
 }
 
-void flow_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real h, FlowOrder order) {
-  if (!model.has_velocity_forces) return;
+void flow_velocity_forces(const SolvedSet& solved, MotionWorkspace& work, Real h, FlowOrder order) {
+  if (!solved.model.has_velocity_forces) return;
   if (order == FlowOrder::forward) {
-    flow_drags(model, state, scratch, h);
-    for (const SpringRow& spring : scratch.springs) flow_damper(spring, scratch, h);
+    flow_drags(solved, h);
+    for (const SpringRow& spring : work.springs) flow_damper(spring, solved, h);
   } else {
-    for (std::size_t i = scratch.springs.size(); i-- > 0;) flow_damper(scratch.springs[i], scratch, h);
-    flow_drags(model, state, scratch, h);
+    for (std::size_t i = work.springs.size(); i-- > 0;) flow_damper(work.springs[i], solved, h);
+    flow_drags(solved, h);
   }
 }
 

@@ -7,7 +7,8 @@
 // and dampers on velocities; schemes ask for these at each of their stages.
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/integrators/motion_rows.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -15,18 +16,18 @@ namespace ticktrue::engine::TICKTRUE_PRECISION {
 void add_forces(Model& model);
 
 /// Finds the rows of bodies that elements act on; called when a tick begins. Elements whose bodies are gone are left
-/// out. Requires: scratch.bodies.
-void prepare_forces(const Model& model, const State& state, Scratch& scratch);
+/// out. Requires: prepare_bodies.
+void prepare_forces(const SolvedSet& solved, MotionWorkspace& work);
 
-/// Adds the accelerations of quadratic drags and dampers at the velocities of scratch.bodies to scratch.accelerations.
-/// A drag takes away at most `drag_rate_max` of a velocity, 1/s: what explicit schemes need to stay stable.
-void add_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real drag_rate_max);
+/// Adds the accelerations of quadratic drags and dampers at the present velocities to work.accelerations. A drag takes
+/// away at most `drag_rate_max` of a velocity, 1/s: what explicit schemes need to stay stable.
+void add_velocity_forces(const SolvedSet& solved, MotionWorkspace& work, Real drag_rate_max);
 
 enum class FlowOrder : std::uint8_t { forward, backward };
 
 /// Velocities after time h under quadratic drags and dampers alone, one after the other, each exactly: nothing ever
 /// turns around, however large the coefficient. Backward order makes the mirror image, which symmetric schemes need.
-void flow_velocity_forces(const Model& model, const State& state, Scratch& scratch, Real h, FlowOrder order);
+void flow_velocity_forces(const SolvedSet& solved, MotionWorkspace& work, Real h, FlowOrder order);
 
 /// r^exponent, -3 <= exponent <= 3.
 Real power(Real r, int exponent);
@@ -40,9 +41,9 @@ struct SpringLine {
   Real tension = 0;     // N, > 0 pulls
   Real inv_mass = 0;    // 1/kg, of the relative velocity along the line
 };
-SpringLine line_of(const SpringRow& spring, const Scratch& scratch);
+SpringLine line_of(const SpringRow& spring, const SolverBodies& bodies);
 
 /// Velocity of B's anchor relative to A's along the line, m/s.
-Real speed_along(const SpringRow& spring, const SpringLine& line, const Scratch& scratch);
+Real speed_along(const SpringRow& spring, const SpringLine& line, const SolverBodies& bodies);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -36,45 +36,45 @@ Twist zero_if_fixed(Twist value, const BodyModel* body) {
 
 /// Model of the record's body; null for dummy records and for bodies of no set or another one. Their equations are not
 /// solved here, and their rows of `stages` and `accelerations` are not of this tick.
-const BodyModel* body_of(const Model& model, const State& state, const Scratch& scratch, std::size_t record) {
-  const bool is_in = record < state.bodies.size() && scratch.body_solver_set[record] == scratch.set_index;
-  return is_in ? &model.bodies[state.bodies[record].source] : nullptr;
+const BodyModel* body_of(const SolvedSet& solved, std::size_t record) {
+  const bool is_in = record < solved.state.bodies.size() && solved.has_body(record);
+  return is_in ? &solved.model.bodies[solved.state.bodies[record].source] : nullptr;
 }
 
 /// Stiffness of central forces on a body, times h^2 / 4, in kg: the same in every direction, an upper bound.
-Real central_stiffness(const Model& model, const State& state, const Scratch& scratch, std::size_t row, Real h) {
+Real central_stiffness(const SolvedSet& solved, const MotionWorkspace& work, std::size_t row, Real h) {
   Real sum = 0;
-  for (std::size_t i = 0; i < model.centrals.size(); ++i) {
-    const CentralForce& central = model.centrals[i];
-    if (!central.every && scratch.central_rows[i] != row) continue;
-    const Vec2 r = (state.bodies[row].position - central.center) + scratch.bodies[row].delta_position;
+  for (std::size_t i = 0; i < solved.model.centrals.size(); ++i) {
+    const CentralForce& central = solved.model.centrals[i];
+    if (!central.every && work.central_rows[i] != row) continue;
+    const Vec2 r = (solved.state.bodies[row].position - central.center) + solved.bodies.records[row].delta_position;
     const Real distance = length(r);
     if (!(distance > 0)) continue;
     const Real across = central.strength * power(distance, central.exponent - 1);
     sum += positive(larger(across, across * static_cast<Real>(central.exponent)));
   }
-  return Real(0.25) * h * h * sum * model.bodies[state.bodies[row].source].mass;
+  return Real(0.25) * h * h * sum * solved.model.bodies[solved.state.bodies[row].source].mass;
 }
 
 /// The matrix A at the present poses: its part for single bodies and a block for each spring.
-void linearise(const Model& model, const State& state, Scratch& scratch, Real h) {
-  std::vector<Twist>& diagonals = scratch.newton[diagonal];
+void linearise(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  std::vector<Twist>& diagonals = work.newton[diagonal];
   const Real half = Real(0.5) * h;
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const BodyModel& body = model.bodies[state.bodies[row].source];
+  for (std::size_t row = 0; row < solved.state.bodies.size(); ++row) {
+    const BodyModel& body = solved.model.bodies[solved.state.bodies[row].source];
     Real linear = body.linear_damping;
     Real angular = body.angular_damping;
-    if (!model.body_forces.empty()) {
-      const BodyForces& forces = model.body_forces[state.bodies[row].source];
-      linear += 2 * forces.quadratic_drag * length(scratch.bodies[row].velocity - model.wind);
-      angular += 2 * forces.angular_quadratic_drag * absolute(scratch.bodies[row].angular_velocity);
+    if (!solved.model.body_forces.empty()) {
+      const BodyForces& forces = solved.model.body_forces[solved.state.bodies[row].source];
+      linear += 2 * forces.quadratic_drag * length(solved.bodies.records[row].velocity - solved.model.wind);
+      angular += 2 * forces.angular_quadratic_drag * absolute(solved.bodies.records[row].angular_velocity);
     }
-    const Real mass = body.mass * (1 + half * linear) + central_stiffness(model, state, scratch, row, h);
+    const Real mass = body.mass * (1 + half * linear) + central_stiffness(solved, work, row, h);
     diagonals[row] = {{mass, mass}, body.inertia * (1 + half * angular)};
   }
-  scratch.spring_blocks.clear();
-  for (const SpringRow& spring : scratch.springs) {
-    const SpringLine line = line_of(spring, scratch);
+  work.spring_blocks.clear();
+  for (const SpringRow& spring : work.springs) {
+    const SpringLine line = line_of(spring, solved.bodies);
     if (!line.exists) continue;
     SpringBlock block;
     block.body_a = spring.body_a;
@@ -87,17 +87,16 @@ void linearise(const Model& model, const State& state, Scratch& scratch, Real h)
     block.stiff_across = quarter * positive(line.tension) / line.length;
     block.stiff_angular_a = quarter * positive(line.tension * dot(line.along, line.arm_a));
     block.stiff_angular_b = quarter * positive(-(line.tension * dot(line.along, line.arm_b)));
-    scratch.spring_blocks.push_back(block);
+    work.spring_blocks.push_back(block);
   }
 }
 
 /// out = A in, on free coordinates.
-void multiply(const Model& model, const State& state, Scratch& scratch, const std::vector<Twist>& in,
-              std::vector<Twist>& out) {
-  const std::vector<Twist>& diagonals = scratch.newton[diagonal];
-  for (std::size_t row = 0; row < state.bodies.size(); ++row)
+void multiply(const SolvedSet& solved, MotionWorkspace& work, const std::vector<Twist>& in, std::vector<Twist>& out) {
+  const std::vector<Twist>& diagonals = work.newton[diagonal];
+  for (std::size_t row = 0; row < solved.state.bodies.size(); ++row)
     out[row] = {diagonals[row].linear.x * in[row].linear, diagonals[row].angular * in[row].angular};
-  for (const SpringBlock& block : scratch.spring_blocks) {
+  for (const SpringBlock& block : work.spring_blocks) {
     const Twist& a = in[block.body_a];
     const Twist& b = in[block.body_b];
     const Vec2 relative = (b.linear + cross(b.angular, block.arm_b)) - (a.linear + cross(a.angular, block.arm_a));
@@ -110,7 +109,7 @@ void multiply(const Model& model, const State& state, Scratch& scratch, const st
     to_b = {to_b.linear + force, to_b.angular + cross(block.arm_b, force) + block.stiff_angular_b * b.angular};
   }
   for (std::size_t record = 0; record < out.size(); ++record)
-    out[record] = zero_if_fixed(out[record], body_of(model, state, scratch, record));
+    out[record] = zero_if_fixed(out[record], body_of(solved, record));
 }
 
 Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::size_t count) {
@@ -120,13 +119,13 @@ Real product_of(const std::vector<Twist>& a, const std::vector<Twist>& b, std::s
 }
 
 /// Solves A solution = residual by conjugate gradients, preconditioned with the single bodies' part.
-void solve_linear(const Model& model, const State& state, Scratch& scratch) {
-  auto& scale = scratch.newton[0];
-  auto& x = scratch.newton[1];
-  auto& r = scratch.newton[2];
-  auto& p = scratch.newton[3];
-  auto& q = scratch.newton[4];
-  const std::size_t count = state.bodies.size();
+void solve_linear(const SolvedSet& solved, MotionWorkspace& work) {
+  auto& scale = work.newton[0];
+  auto& x = work.newton[1];
+  auto& r = work.newton[2];
+  auto& p = work.newton[3];
+  auto& q = work.newton[4];
+  const std::size_t count = solved.state.bodies.size();
   const auto precondition = [&](std::size_t i) {
     return Twist{{r[i].linear.x == 0 ? Real(0) : r[i].linear.x / scale[i].linear.x,
                   r[i].linear.y == 0 ? Real(0) : r[i].linear.y / scale[i].linear.y},
@@ -148,7 +147,7 @@ void solve_linear(const Model& model, const State& state, Scratch& scratch) {
   const Real wanted = gradient_tolerance_squared * error;
   const std::size_t iteration_max = 3 * count + 50 < gradient_iteration_max ? 3 * count + 50 : gradient_iteration_max;
   for (std::size_t iteration = 0; iteration < iteration_max && error > wanted; ++iteration) {
-    multiply(model, state, scratch, p, q);
+    multiply(solved, work, p, q);
     const Real curvature = product_of(p, q, count);
     if (!(curvature > 0)) return;
     const Real step = error / curvature;
@@ -167,50 +166,50 @@ void solve_linear(const Model& model, const State& state, Scratch& scratch) {
 }
 
 /// Moves bodies to the middle of the substep with the present velocities, which are those of the middle.
-void move_to_middle(Scratch& scratch, Real h) {
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const MovingBody& start = scratch.stages[row].start;
+void move_to_middle(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const MovingBody& start = work.stages[row].start;
     body.delta_position = start.delta_position + (Real(0.5) * h) * body.velocity;
     body.delta_rotation = rotation_by(Real(0.5) * h * body.angular_velocity) * start.delta_rotation;
   }
 }
 
 /// What rounding of positions is measured against, m: lengths of springs, distances to centres, at least 1.
-Real size_of_system(const Model& model, const State& state, const Scratch& scratch) {
+Real size_of_system(const SolvedSet& solved, const MotionWorkspace& work) {
   Real size = 1;
-  for (const SpringRow& spring : scratch.springs) {
+  for (const SpringRow& spring : work.springs) {
     const Vec2 offset = spring.offset + (spring.arm_b - spring.arm_a);
     size = larger(size, absolute(offset.x) + absolute(offset.y));
   }
-  for (const CentralForce& central : model.centrals)
-    for (const BodyRow& body : state.bodies)
+  for (const CentralForce& central : solved.model.centrals)
+    for (const BodyRow& body : solved.state.bodies)
       size = larger(size, absolute(body.position.x - central.center.x) + absolute(body.position.y - central.center.y));
   return size;
 }
 
 /// One Newton iteration. Returns the largest change of a position relative to the tolerance.
-Real newton_iteration(const Model& model, const State& state, Scratch& scratch, Real h, Real size) {
-  move_to_middle(scratch, h);
-  total_accelerations(model, state, scratch, std::numeric_limits<Real>::max());
-  scratch.newton[residual].assign(scratch.newton[residual].size(), Twist{});
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const MovingBody& body = scratch.bodies[row];
-    const MovingBody& start = scratch.stages[row].start;
-    const BodyModel& constants = model.bodies[state.bodies[row].source];
-    const Twist& slope = scratch.accelerations[row];
+Real newton_iteration(const SolvedSet& solved, MotionWorkspace& work, Real h, Real size) {
+  move_to_middle(solved, work, h);
+  total_accelerations(solved, work, std::numeric_limits<Real>::max());
+  work.newton[residual].assign(work.newton[residual].size(), Twist{});
+  for (const std::uint32_t row : solved.rows) {
+    const MovingBody& body = solved.bodies.records[row];
+    const MovingBody& start = work.stages[row].start;
+    const BodyModel& constants = solved.model.bodies[solved.state.bodies[row].source];
+    const Twist& slope = work.accelerations[row];
     const Real half = Real(0.5) * h;
-    scratch.newton[residual][row] =
+    work.newton[residual][row] =
         zero_if_fixed({constants.mass * ((start.velocity - body.velocity) + half * slope.linear),
                        constants.inertia * ((start.angular_velocity - body.angular_velocity) + half * slope.angular)},
                       &constants);
   }
-  linearise(model, state, scratch, h);
-  solve_linear(model, state, scratch);
+  linearise(solved, work, h);
+  solve_linear(solved, work);
   Real worst = 0;
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const Twist& change = scratch.newton[solution][row];
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const Twist& change = work.newton[solution][row];
     body.velocity = body.velocity + change.linear;
     body.angular_velocity += change.angular;
     const Real allowed = newton_tolerance * (size + h * (absolute(body.velocity.x) + absolute(body.velocity.y)));
@@ -225,28 +224,28 @@ Real newton_iteration(const Model& model, const State& state, Scratch& scratch, 
 
 }  // namespace
 
-void begin_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real) {
-  prepare_constant_accelerations(model, state, scratch);
-  prepare_forces(model, state, scratch);
-  for (std::vector<Twist>& rows : scratch.newton) rows.assign(scratch.bodies.size(), Twist{});
+void begin_implicit_midpoint(const SolvedSet& solved, MotionWorkspace& work, Real) {
+  prepare_constant_accelerations(solved, work);
+  prepare_forces(solved, work);
+  for (std::vector<Twist>& rows : work.newton) rows.assign(solved.bodies.records.size(), Twist{});
 }
 
-void predict_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h) {
-  save_start(state, scratch);
-  const Real size = size_of_system(model, state, scratch);
+void predict_implicit_midpoint(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  save_start(solved, work);
+  const Real size = size_of_system(solved, work);
   bool converged = false;
   for (int iteration = 0; iteration < newton_iteration_max && !converged; ++iteration)
-    converged = newton_iteration(model, state, scratch, h, size) <= 1;
-  if (!converged) ++scratch.unconverged;
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const MovingBody& start = scratch.stages[row].start;
+    converged = newton_iteration(solved, work, h, size) <= 1;
+  if (!converged) ++work.unconverged;
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const MovingBody& start = work.stages[row].start;
     const Twist middle{body.velocity, body.angular_velocity};
     body.delta_position = start.delta_position;
     body.delta_rotation = start.delta_rotation;
     body.velocity = (middle.linear - start.velocity) + middle.linear;
     body.angular_velocity = (middle.angular - start.angular_velocity) + middle.angular;
-    drift_with(scratch, row, middle);
+    drift_with(solved, work, row, middle);
   }
 }
 

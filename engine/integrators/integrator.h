@@ -6,39 +6,40 @@
 // the end velocity; changes by constraints enter it as a force would (flow.h).
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/integrators/motion_rows.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct Integrator {
   IntegratorKind kind;
-  void (*begin)(const Model& model, const State& state, Scratch& scratch, Real h);
-  void (*predict)(const Model& model, const State& state, Scratch& scratch, Real h);
-  void (*drift)(const Model& model, const State& state, Scratch& scratch, Real h);
+  void (*begin)(const SolvedSet& solved, MotionWorkspace& work, Real h);
+  void (*predict)(const SolvedSet& solved, MotionWorkspace& work, Real h);
+  void (*drift)(const SolvedSet& solved, MotionWorkspace& work, Real h);
 };
 
 const Integrator& integrator(IntegratorKind kind);
 
-void begin_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
-void drift_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_explicit_euler(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void drift_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
-void drift_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_implicit_midpoint(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real h);
-void begin_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
-void predict_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h);
+void begin_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void drift_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_explicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_explicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void drift_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_position_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_position_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_yoshida4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_yoshida4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void drift_yoshida4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_implicit_midpoint(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_implicit_midpoint(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_thesis_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_thesis_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void begin_thesis_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h);
+void predict_thesis_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,6 +1,6 @@
 // Integration of velocities and positions by semi-implicit Euler, several bodies at a time.
 // SPDX-License-Identifier: MIT
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {

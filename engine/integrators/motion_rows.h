@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,12 +24,6 @@ struct FreeMotion {
   Real angular_gain;  // s
 };
 
-/// A linear and an angular part: of an acceleration, or of a change of velocity.
-struct Twist {
-  Vec2 linear;       // m/s^2 or m/s
-  Real angular = 0;  // rad/s^2 or rad/s
-};
-
 /// The sums of a scheme with several stages during a substep.
 struct StageRow {
   MovingBody start;
@@ -38,7 +33,7 @@ struct StageRow {
 
 /// A spring of this tick, with the rows of its bodies. The dummy body stands for the world.
 struct SpringRow {
-  std::uint32_t body_a;   // record of scratch.bodies
+  std::uint32_t body_a;   // in SolverBodies::records
   std::uint32_t body_b;   // record, read
   std::uint32_t write_b;  // record, written
   Vec2 offset;            // from A's centre of mass to B's (or the point of the world) when the tick began, m
@@ -127,5 +122,41 @@ class VelocitySteps final : public TickCache {
   VelocityStepKey key_;
   std::vector<VelocityStep> rows_;  // [body]
 };
+
+/// Velocities of schemes that move bodies with another velocity than that of the end of the substep.
+struct DriftVelocities {
+  std::vector<Twist> predicted;  // [body] velocity at the end of the substep, without constraints
+  std::vector<Twist> offsets;    // [body] velocity at the end of the substep, less the drift velocity
+};
+
+template <typename Visit>
+void list_fields(DriftVelocities& of, const Visit& visit) {
+  auto& [predicted, offsets] = of;
+  visit(predicted, offsets);
+}
+
+/// What integrators work in, and what they cache.
+struct MotionWorkspace {
+  FreeMotionCache free_motion;
+  VelocitySteps velocity_steps;
+  DriftVelocities drift;
+  std::vector<Twist> constant_accelerations;  // [body] gravity, forces of this tick's inputs, constant elements
+  std::vector<Twist> accelerations;           // [record] at the present stage
+  std::vector<Twist> previous_accelerations;  // [body] of the substep before; empty unless the integrator needs them
+  std::vector<StageRow> stages;               // [body]
+  std::vector<SpringRow> springs;             // [spring whose bodies are there]
+  std::vector<std::uint32_t> central_rows;    // [central force] row of its one body, or no_reference
+  std::vector<SpringBlock> spring_blocks;
+  std::array<std::vector<Twist>, 5> newton;  // [record] diagonal, solution, residual, direction, product
+  std::uint32_t unconverged = 0;             // substeps whose equations were not solved
+};
+
+template <typename Visit>
+void list_fields(MotionWorkspace& of, const Visit& visit) {
+  auto& [free_motion, velocity_steps, drift, constant_accelerations, accelerations, previous_accelerations, stages,
+         springs, central_rows, spring_blocks, newton, unconverged] = of;
+  visit(free_motion, velocity_steps, drift, constant_accelerations, accelerations, previous_accelerations, stages,
+        springs, central_rows, spring_blocks, newton, unconverged);
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

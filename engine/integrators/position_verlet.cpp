@@ -8,24 +8,24 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void begin_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  prepare_velocity_steps(model, state, scratch, h);
-  prepare_forces(model, state, scratch);
+void begin_position_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  prepare_velocity_steps(solved, work, h);
+  prepare_forces(solved, work);
 }
 
-void predict_position_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  save_start(state, scratch);
-  move_bodies(scratch, Real(0.5) * h);
-  flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::forward);
-  step_velocities(model, state, scratch);
-  flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::backward);
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const MovingBody& start = scratch.stages[row].start;
+void predict_position_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  save_start(solved, work);
+  move_bodies(solved, Real(0.5) * h);
+  flow_velocity_forces(solved, work, Real(0.5) * h, FlowOrder::forward);
+  step_velocities(solved, work);
+  flow_velocity_forces(solved, work, Real(0.5) * h, FlowOrder::backward);
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const MovingBody& start = work.stages[row].start;
     body.delta_position = start.delta_position;
     body.delta_rotation = start.delta_rotation;
     drift_with(
-        scratch, row,
+        solved, work, row,
         {Real(0.5) * (start.velocity + body.velocity), Real(0.5) * (start.angular_velocity + body.angular_velocity)});
   }
 }

@@ -17,20 +17,20 @@ constexpr RungeKuttaStage rk4_stages[4] = {
 
 }  // namespace
 
-void begin_rk4(const Model& model, const State& state, Scratch& scratch, Real) {
-  prepare_constant_accelerations(model, state, scratch);
-  prepare_forces(model, state, scratch);
+void begin_rk4(const SolvedSet& solved, MotionWorkspace& work, Real) {
+  prepare_constant_accelerations(solved, work);
+  prepare_forces(solved, work);
 }
 
-void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
-  save_start(state, scratch);
+void predict_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  save_start(solved, work);
   for (const RungeKuttaStage& stage : rk4_stages) {
-    total_accelerations(model, state, scratch, 1 / h);
-    for (const std::uint32_t row : scratch.moving_rows) {
-      MovingBody& body = scratch.bodies[row];
-      StageRow& sums = scratch.stages[row];
+    total_accelerations(solved, work, 1 / h);
+    for (const std::uint32_t row : solved.rows) {
+      MovingBody& body = solved.bodies.records[row];
+      StageRow& sums = work.stages[row];
       const MovingBody& start = sums.start;
-      const Twist& slope = scratch.accelerations[row];
+      const Twist& slope = work.accelerations[row];
       sums.velocities.linear = sums.velocities.linear + stage.weight * body.velocity;
       sums.velocities.angular += stage.weight * body.angular_velocity;
       sums.accelerations.linear = sums.accelerations.linear + stage.weight * slope.linear;
@@ -42,13 +42,13 @@ void predict_rk4(const Model& model, const State& state, Scratch& scratch, Real 
       body.angular_velocity = start.angular_velocity + step * slope.angular;
     }
   }
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const StageRow& sums = scratch.stages[row];
-    MovingBody& body = scratch.bodies[row];
+  for (const std::uint32_t row : solved.rows) {
+    const StageRow& sums = work.stages[row];
+    MovingBody& body = solved.bodies.records[row];
     body = sums.start;
     body.velocity = body.velocity + h * sums.accelerations.linear;
     body.angular_velocity += h * sums.accelerations.angular;
-    drift_with(scratch, row, sums.velocities);
+    drift_with(solved, work, row, sums.velocities);
   }
 }
 

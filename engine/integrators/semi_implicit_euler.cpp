@@ -7,18 +7,18 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void begin_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h) {
-  prepare_velocity_steps(model, state, scratch, h);
-  prepare_forces(model, state, scratch);
+void begin_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  prepare_velocity_steps(solved, work, h);
+  prepare_forces(solved, work);
 }
 
-void predict_semi_implicit_euler(const Model& model, const State& state, Scratch& scratch, Real h) {
-  step_velocities(model, state, scratch);
-  flow_velocity_forces(model, state, scratch, h, FlowOrder::forward);
+void predict_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  step_velocities(solved, work);
+  flow_velocity_forces(solved, work, h, FlowOrder::forward);
 }
 
-void drift_semi_implicit_euler(const Model&, const State&, Scratch& scratch, Real h) {
-  move_bodies(scratch, h);
+void drift_semi_implicit_euler(const SolvedSet& solved, MotionWorkspace&, Real h) {
+  move_bodies(solved, h);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

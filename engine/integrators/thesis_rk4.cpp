@@ -27,24 +27,24 @@ ThesisStep thesis_step(Real velocity, Real acceleration, Real h) {
 
 }  // namespace
 
-void begin_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real) {
-  prepare_constant_accelerations(model, state, scratch);
-  prepare_forces(model, state, scratch);
+void begin_thesis_rk4(const SolvedSet& solved, MotionWorkspace& work, Real) {
+  prepare_constant_accelerations(solved, work);
+  prepare_forces(solved, work);
 }
 
-void predict_thesis_rk4(const Model& model, const State& state, Scratch& scratch, Real h) {
-  total_accelerations(model, state, scratch, 1 / h);
-  scratch.velocity_offsets.resize(state.bodies.size());
-  scratch.predicted.resize(state.bodies.size());
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const Twist& slope = scratch.accelerations[row];
+void predict_thesis_rk4(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  total_accelerations(solved, work, 1 / h);
+  work.drift.offsets.resize(solved.state.bodies.size());
+  work.drift.predicted.resize(solved.state.bodies.size());
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const Twist& slope = work.accelerations[row];
     const ThesisStep x = thesis_step(body.velocity.x, slope.linear.x, h);
     const ThesisStep y = thesis_step(body.velocity.y, slope.linear.y, h);
     const ThesisStep rotation = thesis_step(body.angular_velocity, slope.angular, h);
     body.velocity = body.velocity + Vec2{x.change, y.change};
     body.angular_velocity += rotation.change;
-    drift_with(scratch, row, {{x.drift, y.drift}, rotation.drift});
+    drift_with(solved, work, row, {{x.drift, y.drift}, rotation.drift});
   }
 }
 

@@ -8,24 +8,24 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void begin_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real) {
-  prepare_constant_accelerations(model, state, scratch);
-  prepare_forces(model, state, scratch);
+void begin_thesis_verlet(const SolvedSet& solved, MotionWorkspace& work, Real) {
+  prepare_constant_accelerations(solved, work);
+  prepare_forces(solved, work);
 }
 
-void predict_thesis_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  total_accelerations(model, state, scratch, 1 / h);
-  scratch.velocity_offsets.resize(state.bodies.size());
-  scratch.predicted.resize(state.bodies.size());
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const Twist& now = scratch.accelerations[row];
-    Twist& before = scratch.previous_accelerations[row];
+void predict_thesis_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  total_accelerations(solved, work, 1 / h);
+  work.drift.offsets.resize(solved.state.bodies.size());
+  work.drift.predicted.resize(solved.state.bodies.size());
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const Twist& now = work.accelerations[row];
+    Twist& before = work.previous_accelerations[row];
     const Real half = Real(0.5) * h;
     const Twist drift{body.velocity + half * now.linear, body.angular_velocity + half * now.angular};
     body.velocity = body.velocity + half * (now.linear + before.linear);
     body.angular_velocity += half * (now.angular + before.angular);
-    drift_with(scratch, row, drift);
+    drift_with(solved, work, row, drift);
     before = now;
   }
 }

@@ -8,42 +8,42 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void begin_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  prepare_velocity_steps(model, state, scratch, Real(0.5) * h);
-  prepare_forces(model, state, scratch);
+void begin_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  prepare_velocity_steps(solved, work, Real(0.5) * h);
+  prepare_forces(solved, work);
 }
 
-void predict_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::forward);
-  step_velocities(model, state, scratch);
-  save_start(state, scratch);
+void predict_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  flow_velocity_forces(solved, work, Real(0.5) * h, FlowOrder::forward);
+  step_velocities(solved, work);
+  save_start(solved, work);
   // The second half step of the velocities, as if forces did not change within the step: constraints act on the end
   // velocity.
-  step_velocities(model, state, scratch);
-  flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::backward);
-  for (const std::uint32_t row : scratch.moving_rows) {
-    const MovingBody& middle = scratch.stages[row].start;
-    drift_with(scratch, row, {middle.velocity, middle.angular_velocity});
+  step_velocities(solved, work);
+  flow_velocity_forces(solved, work, Real(0.5) * h, FlowOrder::backward);
+  for (const std::uint32_t row : solved.rows) {
+    const MovingBody& middle = work.stages[row].start;
+    drift_with(solved, work, row, {middle.velocity, middle.angular_velocity});
   }
 }
 
-void drift_velocity_verlet(const Model& model, const State& state, Scratch& scratch, Real h) {
-  move_bodies_by_drift(scratch, h, Real(0.5));
-  if (model.position_forces == nullptr && !model.has_velocity_forces) return;
+void drift_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
+  move_bodies_by_drift(solved, work, h, Real(0.5));
+  if (solved.model.position_forces == nullptr && !solved.model.has_velocity_forces) return;
   // The second kick again with the forces where the bodies are now, and what constraints have changed.
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    const Twist& predicted = scratch.predicted[row];
-    scratch.velocity_offsets[row] = {body.velocity - predicted.linear, body.angular_velocity - predicted.angular};
-    body.velocity = scratch.stages[row].start.velocity;
-    body.angular_velocity = scratch.stages[row].start.angular_velocity;
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    const Twist& predicted = work.drift.predicted[row];
+    work.drift.offsets[row] = {body.velocity - predicted.linear, body.angular_velocity - predicted.angular};
+    body.velocity = work.stages[row].start.velocity;
+    body.angular_velocity = work.stages[row].start.angular_velocity;
   }
-  step_velocities(model, state, scratch);
-  flow_velocity_forces(model, state, scratch, Real(0.5) * h, FlowOrder::backward);
-  for (const std::uint32_t row : scratch.moving_rows) {
-    MovingBody& body = scratch.bodies[row];
-    body.velocity = body.velocity + scratch.velocity_offsets[row].linear;
-    body.angular_velocity += scratch.velocity_offsets[row].angular;
+  step_velocities(solved, work);
+  flow_velocity_forces(solved, work, Real(0.5) * h, FlowOrder::backward);
+  for (const std::uint32_t row : solved.rows) {
+    MovingBody& body = solved.bodies.records[row];
+    body.velocity = body.velocity + work.drift.offsets[row].linear;
+    body.angular_velocity += work.drift.offsets[row].angular;
   }
 }
 

@@ -15,23 +15,23 @@ constexpr Real lengths[3] = {static_cast<Real>(outer), static_cast<Real>(-cube_r
 
 }  // namespace
 
-void begin_yoshida4(const Model& model, const State& state, Scratch& scratch, Real) {
-  prepare_forces(model, state, scratch);
+void begin_yoshida4(const SolvedSet& solved, MotionWorkspace& work, Real) {
+  prepare_forces(solved, work);
 }
 
-void predict_yoshida4(const Model& model, const State& state, Scratch& scratch, Real h) {
+void predict_yoshida4(const SolvedSet& solved, MotionWorkspace& work, Real h) {
   for (const Real length : lengths) {
     const Real step = length * h;
     const Real half = Real(0.5) * step;
-    prepare_velocity_steps(model, state, scratch, half);
-    flow_velocity_forces(model, state, scratch, half, FlowOrder::forward);
-    step_velocities(model, state, scratch);
-    move_bodies(scratch, step);
-    step_velocities(model, state, scratch);
-    flow_velocity_forces(model, state, scratch, half, FlowOrder::backward);
+    prepare_velocity_steps(solved, work, half);
+    flow_velocity_forces(solved, work, half, FlowOrder::forward);
+    step_velocities(solved, work);
+    move_bodies(solved, step);
+    step_velocities(solved, work);
+    flow_velocity_forces(solved, work, half, FlowOrder::backward);
   }
 }
 
-void drift_yoshida4(const Model&, const State&, Scratch&, Real) {}  // predict has moved the bodies
+void drift_yoshida4(const SolvedSet&, MotionWorkspace&, Real) {}  // predict has moved the bodies
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "engine/contacts/contact_batch.h"
+#include "engine/contacts/contact_stiffness.h"
 #include "engine/math/vec2.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

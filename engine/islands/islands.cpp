@@ -8,7 +8,6 @@
 
 #include "base/limits.h"
 #include "engine/impacts/impacts.h"
-#include "engine/islands/solver_sets.h"
 #include "engine/model/selection.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -269,13 +268,6 @@ void IslandFinder::run(const Model& model, State& state, TickLists& tick, Real d
     sleep_by_islands(model, state, tick, work_);
   choose_substeps(model, state, tick, work_, dt);
   make_solver_sets(model, state, tick, work_);
-}
-
-void IslandFinder::poison() {
-  poison_all(work_.body_types, work_.set_keys, work_.island_awake, work_.part_counts, work_.supports,
-             work_.support_start, work_.support_depth, work_.support_order, work_.joint_acceleration,
-             work_.position_error, work_.load_moment, work_.tilt_errors, work_.local_error, work_.load_passed_on,
-             work_.island_errors, work_.substeps_before, work_.idle_ticks);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

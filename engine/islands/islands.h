@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "engine/islands/union_find.h"
 #include "engine/model/model.h"
 #include "engine/model/poison.h"
 #include "engine/model/stage.h"
@@ -31,11 +32,21 @@ struct IslandWork {
   std::vector<std::uint32_t> idle_ticks;       // likewise
 };
 
+template <typename Visit>
+void list_fields(IslandWork& of, const Visit& visit) {
+  auto& [body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
+         joint_acceleration, position_error, load_moment, load_passed_on, tilt_errors, local_error, island_errors,
+         substeps_before, idle_ticks] = of;
+  visit(body_types, set_keys, island_awake, part_counts, supports, support_start, support_depth, support_order,
+        joint_acceleration, position_error, load_moment, load_passed_on, tilt_errors, local_error, island_errors,
+        substeps_before, idle_ticks);
+}
+
 /// The stage that decides which bodies sleep, which are solved together, and in how many substeps.
 class IslandFinder final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
-  void poison() override;
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
   IslandWork work_;
@@ -43,23 +54,6 @@ class IslandFinder final : public Stage {
 
 inline BodyType type_of(const Model& model, const State& state, std::uint32_t row) {
   return model.bodies[state.bodies[row].source].type;
-}
-
-/// The first row of the island of a row.
-inline std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t row) {
-  while (parent[row] != row) {
-    parent[row] = parent[parent[row]];
-    row = parent[row];
-  }
-  return row;
-}
-
-/// The smaller row becomes the root, so that an island is named by its first row.
-inline void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  const std::uint32_t root_a = find_root(parent, a);
-  const std::uint32_t root_b = find_root(parent, b);
-  if (root_a < root_b) parent[root_b] = root_a;
-  if (root_b < root_a) parent[root_a] = root_b;
 }
 
 inline std::uint32_t row_of(const State& state, std::uint32_t id) {

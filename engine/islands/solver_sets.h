@@ -2,22 +2,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Makes one set of all moving bodies and all contacts. Requires: prepare_bodies.
-void put_all_into_one_set(const Model& model, const State& state, Scratch& scratch);
+void put_all_into_one_set(const Model& model, const State& state, const SolverBodies& bodies, TickLists& tick);
 
-/// Begins a set, with substeps of length h: sets scratch.moving_rows and resets kinematic bodies, which are in every
-/// set, to the start of the tick. Requires: prepare_bodies.
-void enter_solver_set(const State& state, Scratch& scratch, SolverSet& set, Real h);
-
-/// Finds the bodies with contacts or impacts in this tick: scratch.is_constrained. False: it does not pay, or bodies
-/// interact in other ways.
-bool find_constrained(const Model& model, const State& state, Scratch& scratch);
-/// Integrates the unconstrained bodies of the set through all substeps and leaves the others in scratch.moving_rows.
-/// Requires: find_constrained, and the integrator has begun.
-void integrate_free_bodies(Scratch& scratch, const SolverSet& set);
+/// The set of this index. Requires: prepare_bodies.
+SolvedSet solver_set(const Model& model, const State& state, TickLists& tick, SolverBodies& bodies,
+                     std::uint32_t index);
+/// Begins the set, with substeps of length h: resets kinematic bodies, which are in every set, to the start of the
+/// tick.
+SolvedSet enter_solver_set(const Model& model, const State& state, TickLists& tick, SolverBodies& bodies,
+                           std::uint32_t index, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,7 +3,7 @@
 // Source: the deflection of soft constraints falls as substeps^-2: error = force / (effective mass * omega^2) with
 // omega proportional to the substep rate. Hence n = 4 sqrt(error at 4 substeps / allowed error).
 #include "base/limits.h"
-#include "engine/contacts/contact_batch.h"
+#include "engine/contacts/contact_stiffness.h"
 #include "engine/islands/islands.h"
 #include "engine/joints/joint.h"
 #include "engine/model/margins.h"

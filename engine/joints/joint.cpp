@@ -1,24 +1,21 @@
-// The passes over all joints.
+// Preparation of a joint, and springs.
 // SPDX-License-Identifier: MIT
 // Source: softness tied to the substep rate: Catto, "Solver2D", 2024; without its upper limit the error falls as the
 // square of the substep.
 #include "engine/joints/joint.h"
 
-#include "engine/joints/batched/wavefront.h"
-#include "engine/joints/joint_inertia.h"
 #include "engine/joints/joint_rows.h"
-#include "engine/model/bodies.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
 /// Prepares the joint's body A, or the dummy body for a joint to the world.
-void prepare_body_a(const Model& model, const State& state, const Scratch& scratch, JointWork& joint,
-                    const BodyRow& body_b) {
+void prepare_body_a(const SolvedSet& solved, JointWork& joint, const BodyRow& body_b) {
   const JointModel& constants = *joint.model;
   if (constants.body_a == no_reference) {
-    joint.read_a = dummy_body(scratch);
-    joint.write_a = dummy_sink(scratch);
+    joint.read_a = dummy_body(solved.bodies);
+    joint.write_a = dummy_sink(solved.bodies);
     joint.inv_mass_a = 0;
     joint.inv_inertia_a = 0;
     joint.anchor_a = {0, 0};
@@ -28,23 +25,18 @@ void prepare_body_a(const Model& model, const State& state, const Scratch& scrat
     joint.relative_rotation = between(constants.reference, body_b.rotation);
     return;
   }
-  const std::uint32_t row = row_of_body(state, constants.body_a);
-  const BodyRow& body = state.bodies[row];
-  const BodyModel& mass = model.bodies[body.source];
-  joint.read_a = mass.type == BodyType::static_body ? dummy_body(scratch) : row;
-  joint.write_a = mass.type == BodyType::dynamic_body ? row : dummy_sink(scratch);
-  joint.inv_mass_a = scratch.masses[row].inv_mass;
-  joint.inv_inertia_a = scratch.masses[row].inv_inertia;
+  const std::uint32_t row = row_of_body(solved.state, constants.body_a);
+  const BodyRow& body = solved.state.bodies[row];
+  const BodyModel& mass = solved.model.bodies[body.source];
+  joint.read_a = mass.type == BodyType::static_body ? dummy_body(solved.bodies) : row;
+  joint.write_a = mass.type == BodyType::dynamic_body ? row : dummy_sink(solved.bodies);
+  joint.inv_mass_a = solved.bodies.masses[row].inv_mass;
+  joint.inv_inertia_a = solved.bodies.masses[row].inv_inertia;
   joint.anchor_a = rotate(body.rotation, constants.anchor_a);
   joint.center_offset = body_b.position - body.position;
   joint.center_a = body.position;
   joint.axis = rotate(body.rotation, constants.axis);
   joint.relative_rotation = between(body.rotation * constants.reference, body_b.rotation);
-}
-
-JointRun run_of(Scratch& scratch, const JointRange& range) {
-  JointWork* joints = scratch.joints.data();
-  return {joints + range.first, joints + range.last, scratch.bodies.data()};
 }
 
 }  // namespace
@@ -54,21 +46,22 @@ Real joint_stiffness(Real h) {
   return omega * omega;
 }
 
-JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
-                     const Softness& soft, Real h) {
+JointWork make_joint(const SolvedSet& solved, const JointPlace& place, const Softness& soft) {
+  const State& state = solved.state;
+  const Real h = solved.set.h;
   const JointRow& row = state.joints[place.row];
   JointWork joint{};
   joint.row = place.row;
-  joint.model = &model.joints[row.joint];
+  joint.model = &solved.model.joints[row.joint];
   const BodyRow& body = state.bodies[place.body_b];
-  const BodyMass& mass = scratch.masses[place.body_b];
+  const BodyMass& mass = solved.bodies.masses[place.body_b];
   joint.read_b = mass.read;
   joint.write_b = mass.write;
   joint.inv_mass_b = mass.inv_mass;
   joint.inv_inertia_b = mass.inv_inertia;
   joint.anchor_b = rotate(body.rotation, joint.model->anchor_b);
   joint.center_b = body.position;
-  prepare_body_a(model, state, scratch, joint, body);
+  prepare_body_a(solved, joint, body);
   joint.soft = soft;
   joint.motor_speed = row.motor_speed;
   joint.motor_impulse_max = h * row.motor_force_max;
@@ -78,103 +71,6 @@ JointWork make_joint(const Model& model, const State& state, const Scratch& scra
                     h * row.lower_force,  h * row.upper_force, h * row.motor_force};
   functions_of(joint.model->kind).prepare(joint, h);
   return joint;
-}
-
-/// Calls body(first, last) for all batches of plain revolute joints, in chunks.
-template <typename Body>
-static void for_revolutes(const Scratch& scratch, const Body& body) {
-  const std::size_t count = scratch.caches.joints.revolutes.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1),
-                              [&](const Chunk& chunk) { body(chunk.begin, chunk.end); });
-}
-
-void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set) {
-  const Real h = set.h;
-  const Softness soft = make_soft(joint_hertz_times_h / h, joint_damping_ratio, h);
-  scratch.joints.clear();
-  scratch.revolutes.soft = soft;
-  scratch.driven_revolutes.soft = soft;
-  scratch.uses_wavefront = false;
-  if (state.joints.empty()) {
-    scratch.caches.joints = {};
-    return;
-  }
-  plan_joints(model, state, scratch);
-  JointPlan& plan = scratch.caches.joints;
-  scratch.revolutes.order = plan.in_levels ? RevoluteOrder::levels : RevoluteOrder::serial;
-  scratch.uses_wavefront = plan.uses_wavefront && is_left_to_joints(scratch, set) &&
-                           plan.body_rows.size() == scratch.moving_rows.size();  // each is moved by joints
-  raise_inertias(state, scratch, h);
-  for (const std::uint32_t place : plan.scalar)
-    scratch.joints.push_back(make_joint(model, state, scratch, plan.places[place], soft, h));
-  if (scratch.uses_wavefront) separate_level_sinks(scratch);
-  reserve_revolutes(scratch);
-  if (!scratch.uses_wavefront)
-    for_revolutes(scratch,
-                  [&](std::size_t first, std::size_t last) { fill_revolutes(state, scratch, first, last, h); });
-  fill_driven_revolutes(model, state, scratch, soft, h);
-  if (scratch.uses_wavefront) return;
-  for (JointRange& range : plan.ranges) {
-    if (range.path == JointPath::revolute) range.chunk_size = split_revolutes(scratch, range.first, range.last);
-    if (range.path == JointPath::driven_revolute)
-      range.chunk_size = split_driven_revolutes(scratch, range.first, range.last);
-  }
-}
-
-void save_velocities_of(Scratch& scratch, const JointRange& range) {
-  if (!range.springs) return;
-  if (range.path == JointPath::driven_revolute)
-    save_driven_revolutes(scratch, range);
-  else
-    functions_of(range.kind).save_velocities(run_of(scratch, range));
-}
-
-void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front) {
-  if (range.path == JointPath::revolute)
-    warm_start_revolutes(scratch, range, poses, front);
-  else if (range.path == JointPath::driven_revolute)
-    warm_start_driven_revolutes(scratch, range);
-  else
-    functions_of(range.kind).warm_start(run_of(scratch, range));
-}
-
-void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front) {
-  if (range.path == JointPath::revolute)
-    solve_revolutes(scratch, range, h, bias, front);
-  else if (range.path == JointPath::driven_revolute)
-    solve_driven_revolutes(scratch, range, h, bias);
-  else
-    functions_of(range.kind).solve(run_of(scratch, range), h, bias);
-}
-
-void save_joint_velocities(Scratch& scratch) {
-  for (const JointRange& range : scratch.caches.joints.ranges) save_velocities_of(scratch, range);
-}
-
-void warm_start_joints(Scratch& scratch) {
-  for (const JointRange& range : scratch.caches.joints.ranges) warm_start_range(scratch, range, Poses::moved, 0);
-}
-
-void solve_joints(Scratch& scratch, Real h, Bias bias) {
-  for (const JointRange& range : scratch.caches.joints.ranges) solve_range(scratch, range, h, bias, 0);
-}
-
-void store_joints(const Scratch& scratch, State& state, Real h) {
-  const Real inv_h = 1 / h;
-  for (const JointWork& joint : scratch.joints) {
-    const JointImpulses& impulses = joint.impulses;
-    JointRow& row = state.joints[joint.row];
-    row.linear_force = stored(inv_h * impulses.linear);
-    row.torque = stored(inv_h * impulses.angular);
-    row.spring_force = stored(inv_h * impulses.spring);
-    row.lower_force = stored(inv_h * impulses.lower);
-    row.upper_force = stored(inv_h * impulses.upper);
-    row.motor_force = stored(inv_h * impulses.motor);
-  }
-  if (!scratch.uses_wavefront)
-    for_revolutes(scratch,
-                  [&](std::size_t first, std::size_t last) { store_revolutes(scratch, state, first, last, h); });
-  store_driven_revolutes(scratch, state, h);
 }
 
 // ---- Springs ----

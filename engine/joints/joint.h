@@ -10,18 +10,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/contacts/contact_batch.h"
 #include "engine/contacts/soft.h"
 #include "engine/joints/joint_model.h"
 #include "engine/joints/joint_order.h"
 #include "engine/joints/joint_spring.h"
+#include "engine/model/body_rows.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct State;
-struct Scratch;
-struct SolverSet;
-struct MovingBody;
+struct SolvedSet;
 
 /// Accumulated impulses of a substep. The file of each kind says which ones it uses.
 struct JointImpulses {
@@ -37,7 +34,7 @@ struct JointImpulses {
 struct JointWork {
   std::uint32_t row;  // in State::joints
   const JointModel* model;
-  std::uint32_t read_a, read_b;    // in Scratch::bodies
+  std::uint32_t read_a, read_b;    // in SolverBodies::records
   std::uint32_t write_a, write_b;  // non-dynamic bodies are written to a sink
   Real inv_mass_a, inv_mass_b;
   Real inv_inertia_a, inv_inertia_b;
@@ -75,10 +72,10 @@ struct JointFunctions {
   void (*solve)(JointRun run, Real h, Bias bias);
 };
 
-/// Consecutive joints of one kind in Scratch::joints, or consecutive batches.
+/// Consecutive joints of one kind in JointWorkspace::joints, or consecutive batches.
 struct JointRange {
   JointKind kind;
-  JointPath path;  // `first`, `last`: in Scratch::revolutes, ::driven_revolutes or ::joints
+  JointPath path;  // `first`, `last`: in JointWorkspace::revolutes, ::driven_revolutes or ::joints
   bool springs;    // some joint has one, or is driven like one
   std::uint32_t first;
   std::uint32_t last;          // one beyond
@@ -86,23 +83,9 @@ struct JointRange {
   std::size_t chunk_size = 0;  // in batches
 };
 
-/// Prepares a joint. Requires: scratch.bodies filled (prepare_bodies).
-JointWork make_joint(const Model& model, const State& state, const Scratch& scratch, const JointPlace& place,
-                     const Softness& soft, Real h);
-
-/// Fills scratch.joints with the joints of a set. Requires: scratch.bodies filled (prepare_bodies).
-void prepare_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
+/// Prepares a joint. Requires: prepare_bodies.
+JointWork make_joint(const SolvedSet& solved, const JointPlace& place, const Softness& soft);
 /// N/m of a rigid row per kg of effective mass, for substeps of length h.
 Real joint_stiffness(Real h);
-/// Saves the velocities before a substep. Call before the integrator predicts.
-void save_joint_velocities(Scratch& scratch);
-void warm_start_joints(Scratch& scratch);
-void solve_joints(Scratch& scratch, Real h, Bias bias);
-// The same for some joints, by front `front` of a wavefront sweep (wavefront.h).
-void save_velocities_of(Scratch& scratch, const JointRange& range);
-void warm_start_range(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front);
-void solve_range(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front);
-/// Impulses back to state.joints, as forces.
-void store_joints(const Scratch& scratch, State& state, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

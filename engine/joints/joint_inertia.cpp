@@ -3,7 +3,8 @@
 // Source: as joint_inertia.h
 #include "engine/joints/joint_inertia.h"
 
-#include "engine/model/scratch.h"
+#include "engine/joints/batched/revolute_batch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -17,20 +18,21 @@ void raise_inertia(BodyMass& mass, Real least) {
 
 }  // namespace
 
-void raise_inertias(const State& state, Scratch& scratch, Real h) {
-  const std::vector<JointPlace>& places = scratch.caches.joints.places;
-  const Parallel& parallel = scratch.parallel;
-  std::vector<JointTorques>& of_joints = scratch.joint_torques;
+void raise_inertias(const SolvedSet& solved, std::span<const JointPlace> places, JointTorqueWork& work) {
+  const State& state = solved.state;
+  const Parallel& parallel = solved.parallel();
+  const Real h = solved.set.h;
+  std::vector<JointTorques>& of_joints = work.of_joints;
   of_joints.resize(places.size());
   parallel.for_chunks(places.size(), parallel.chunk_size(places.size(), 256), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      prefetch_joint(state, scratch, i);
+      prefetch_joint(state, places, i);
       const Real force2 = length_squared(state.joints[places[i].row].linear_force);
       of_joints[i] = {square_root(force2 * length_squared(places[i].anchor_a)),
                       square_root(force2 * length_squared(places[i].anchor_b))};
     }
   });
-  std::vector<Real>& torques = scratch.body_torques;
+  std::vector<Real>& torques = work.of_bodies;
   torques.assign(state.bodies.size(), 0);
   for (std::size_t i = 0; i < places.size(); ++i) {
     torques[places[i].body_b] += of_joints[i].b;
@@ -39,7 +41,7 @@ void raise_inertias(const State& state, Scratch& scratch, Real h) {
   const Real per_torque = h * h / turning_limit;
   parallel.for_chunks(torques.size(), parallel.chunk_size(torques.size(), 512), [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row)
-      raise_inertia(scratch.masses[row], per_torque * torques[row]);
+      raise_inertia(solved.bodies.masses[row], per_torque * torques[row]);
   });
 }
 

@@ -10,16 +10,34 @@
 // unaffected.
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "engine/joints/joint_order.h"
 #include "engine/math/real.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct Model;
-struct State;
-struct Scratch;
+struct SolvedSet;
 
-/// Raises inertias in scratch.masses where the joint forces of the last substep require it. h: of a substep, s.
-/// Requires: prepare_bodies, order_joints.
-void raise_inertias(const State& state, Scratch& scratch, Real h);
+/// The largest torques that a joint's force exerts on its bodies, N m.
+struct JointTorques {
+  Real a;
+  Real b;
+};
+
+struct JointTorqueWork {
+  std::vector<JointTorques> of_joints;  // [place of the plan]
+  std::vector<Real> of_bodies;          // [body] sum of the torques of its joints, N m
+};
+
+template <typename Visit>
+void list_fields(JointTorqueWork& of, const Visit& visit) {
+  auto& [of_joints, of_bodies] = of;
+  visit(of_joints, of_bodies);
+}
+
+/// Raises inertias in SolverBodies::masses where the joint forces of the last substep require it.
+void raise_inertias(const SolvedSet& solved, std::span<const JointPlace> places, JointTorqueWork& work);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,7 +3,7 @@
 #include "engine/joints/joint_order.h"
 
 #include "engine/joints/batched/level_schedule.h"
-#include "engine/model/bodies.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -17,18 +17,18 @@ JointPath path_of(const JointModel& joint) {
 }
 
 /// Sorts the places by level and path, and otherwise leaves their order.
-void sort_by_level(Scratch& scratch, std::uint32_t level_count) {
-  std::vector<JointPlace>& places = scratch.caches.joints.places;
-  std::vector<std::uint32_t>& start = scratch.level_starts;
-  start.assign(joint_path_count * static_cast<std::size_t>(level_count) + 1, 0);
+void sort_by_level(JointOrderWork& work, JointOrder& order) {
+  std::vector<JointPlace>& places = order.places;
+  std::vector<std::uint32_t>& start = work.level_starts;
+  start.assign(joint_path_count * static_cast<std::size_t>(order.level_count) + 1, 0);
   const auto key_of = [](const JointPlace& place) {
     return joint_path_count * place.level + static_cast<std::uint32_t>(place.path);
   };
   for (const JointPlace& place : places) ++start[key_of(place) + 1];
   for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  scratch.sorted_places.resize(places.size());
-  for (const JointPlace& place : places) scratch.sorted_places[start[key_of(place)]++] = place;
-  places.swap(scratch.sorted_places);
+  work.sorted_places.resize(places.size());
+  for (const JointPlace& place : places) work.sorted_places[start[key_of(place)]++] = place;
+  places.swap(work.sorted_places);
 }
 
 }  // namespace
@@ -38,36 +38,38 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
   return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
 }
 
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront) {
-  JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t sink = dummy_sink(scratch);
-  plan.places.clear();
-  plan.level_count = 0;
-  plan.uses_wavefront = false;
-  scratch.body_levels.assign(state.bodies.size(), 0);
+void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWork& work, JointOrder& out) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const std::vector<BodyMass>& masses = solved.bodies.masses;
+  const std::uint32_t sink = dummy_sink(solved.bodies);
+  out.places.clear();
+  out.level_count = 0;
+  out.schedule.exists = false;
+  work.body_levels.assign(state.bodies.size(), 0);
   std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
     const JointModel& joint = model.joints[state.joints[i].joint];
     const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
     const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);
-    const bool b_moves = scratch.masses[b].write != sink;
-    const bool a_moves = a != no_reference && scratch.masses[a].write != sink;
+    const bool b_moves = masses[b].write != sink;
+    const bool a_moves = a != no_reference && masses[a].write != sink;
     if (!a_moves && !b_moves) continue;
-    if (scratch.body_solver_set[b_moves ? b : a] != scratch.set_index) continue;
+    if (!solved.has_body(b_moves ? b : a)) continue;
     std::uint32_t level = 0;
-    if (a_moves) level = scratch.body_levels[a];
-    if (b_moves && scratch.body_levels[b] > level) level = scratch.body_levels[b];
-    if (a_moves) scratch.body_levels[a] = level + 1;
-    if (b_moves) scratch.body_levels[b] = level + 1;
-    if (level >= plan.level_count) plan.level_count = level + 1;
+    if (a_moves) level = work.body_levels[a];
+    if (b_moves && work.body_levels[b] > level) level = work.body_levels[b];
+    if (a_moves) work.body_levels[a] = level + 1;
+    if (b_moves) work.body_levels[b] = level + 1;
+    if (level >= out.level_count) out.level_count = level + 1;
     const JointPath path = path_of(joint);
     in_batches += path == JointPath::scalar ? 0u : 1u;
-    plan.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
+    out.places.push_back({i, state.joints[i].joint, a, b, level, joint.kind, path, joint.anchor_a, joint.anchor_b});
   }
-  plan.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * plan.level_count;
-  if (!plan.in_levels) return;
-  plan.uses_wavefront = may_use_wavefront && schedule_levels(scratch);
-  sort_by_level(scratch, plan.level_count);
+  out.in_levels = in_batches > 0 && in_batches >= joints_per_level_least * out.level_count;
+  if (!out.in_levels) return;
+  out.schedule.exists = may_use_wavefront && schedule_levels(solved, work, out);
+  sort_by_level(work, out);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -15,9 +15,8 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct Model;
+struct SolvedSet;
 struct State;
-struct Scratch;
 
 /// How a joint is solved: by kernels in batches (plain revolutes also one after the other), or by the scalar path.
 enum class JointPath : std::uint8_t { revolute, driven_revolute, scalar };
@@ -34,12 +33,47 @@ struct JointPlace {
   Vec2 anchor_a, anchor_b;  // as in JointModel; copied, since that is large
 };
 
+/// Levels in which the joints of a body are close together, for a wavefront sweep (wavefront.h).
+struct LevelSchedule {
+  bool exists = false;
+  std::uint32_t distance = 0;               // two joints of one body are less than this many levels apart
+  std::vector<std::uint32_t> body_rows;     // dynamic bodies of joints, by the level of their first joint
+  std::vector<std::uint32_t> level_bodies;  // [level] in `body_rows`, and the end
+};
+
+struct JointOrder {
+  std::vector<JointPlace> places;  // in solving order
+  bool in_levels = false;          // else in scene order
+  std::uint32_t level_count = 0;
+  LevelSchedule schedule;
+};
+
+/// The first and the last joint that moves a body, in JointOrder::places before they are sorted.
+struct BodyJoints {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+  std::uint32_t count = 0;  // of its joints
+};
+
+/// What ordering works in.
+struct JointOrderWork {
+  std::vector<JointPlace> sorted_places;
+  std::vector<BodyJoints> body_joints;      // [body]
+  std::vector<std::uint32_t> body_levels;   // [body] level of the next joint that moves it
+  std::vector<std::uint32_t> level_starts;  // [level and path] in JointOrder::places
+};
+
+template <typename Visit>
+void list_fields(JointOrderWork& of, const Visit& visit) {
+  auto& [sorted_places, body_joints, body_levels, level_starts] = of;
+  visit(sorted_places, body_joints, body_levels, level_starts);
+}
+
 /// Row of a joint's body. An id is its row as long as no body was removed. Requires: the body exists.
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
-/// Fills the places of the plan with the joints of the set in the order of preparation: by level and path, or in scene
-/// order. `may_use_wavefront`: tries to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies,
-/// enter_solver_set.
-void order_joints(const Model& model, const State& state, Scratch& scratch, bool may_use_wavefront);
+/// Orders the joints of the set as they are prepared: by level and path, or in scene order. `may_use_wavefront`: tries
+/// to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies, enter_solver_set.
+void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWork& work, JointOrder& out);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

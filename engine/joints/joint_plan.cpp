@@ -3,7 +3,7 @@
 #include "engine/joints/joint_plan.h"
 
 #include "engine/joints/batched/wavefront.h"
-#include "engine/model/scratch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -26,50 +26,68 @@ void add_to_batches(std::vector<JointSpan>& spans, std::uint32_t place, std::uin
   ++spans.back().count;
 }
 
-/// Divides the places into ranges, and places of batched paths into batches.
-void make_ranges(const Model& model, JointPlan& plan) {
-  plan.ranges.clear();
-  plan.revolutes.clear();
-  plan.driven_revolutes.clear();
-  plan.scalar.clear();
-  plan.level_ranges.clear();
-  const auto end_of = [&plan](JointPath path) {
-    if (path == JointPath::scalar) return static_cast<std::uint32_t>(plan.scalar.size());
-    return static_cast<std::uint32_t>((path == JointPath::revolute ? plan.revolutes : plan.driven_revolutes).size());
-  };
-  for (std::uint32_t i = 0; i < plan.places.size(); ++i) {
-    const JointPlace& place = plan.places[i];
-    const JointPath path = plan.in_levels || place.path == JointPath::revolute ? place.path : JointPath::scalar;
-    const bool begins = plan.ranges.empty() || plan.ranges.back().kind != place.kind ||
-                        plan.ranges.back().path != path || (plan.by_level && plan.ranges.back().level != place.level);
-    if (plan.by_level)
-      while (plan.level_ranges.size() <= place.level)
-        plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
-    if (begins) plan.ranges.push_back({place.kind, path, false, end_of(path), end_of(path), place.level});
-    if (path == JointPath::scalar)
-      plan.scalar.push_back(i);
-    else
-      add_to_batches(path == JointPath::revolute ? plan.revolutes : plan.driven_revolutes, i,
-                     plan.in_levels ? place.level : 0, begins);
-    plan.ranges.back().last = end_of(path);
-    plan.ranges.back().springs |= path != JointPath::revolute && has_springs(model.joints[place.joint]);
-  }
-  plan.level_ranges.push_back(static_cast<std::uint32_t>(plan.ranges.size()));
-}
-
 }  // namespace
 
-void plan_joints(const Model& model, const State& state, Scratch& scratch) {
-  JointPlan& plan = scratch.caches.joints;
-  const bool is_of_scene = follows_from_scene(model, state);
-  const bool is_hit = is_of_scene && plan.is_of_scene;
-  plan.count(is_hit);
-  if (is_hit) return;
-  plan.is_of_scene = is_of_scene;
-  order_joints(model, state, scratch, is_of_scene && allows_wavefront(model));
+void JointPlan::clear() {
+  invalidate();
+  order_ = {};
+  by_level_ = false;
+  ranges_.clear();
+  revolutes_.clear();
+  driven_revolutes_.clear();
+  scalar_.clear();
+  level_ranges_.clear();
+}
+
+void JointPlan::follow(const SolvedSet& solved, JointOrderWork& work) {
+  const JointPlanKey key{follows_from_scene(solved.model, solved.state)};
+  const bool is_hit = valid_for(key);
+  count_use(is_hit);
+  if (!is_hit) rebuild(key, solved, work);
+}
+
+void JointPlan::rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work) {
+  follows_from_scene_ = key.follows_from_scene;
+  order_joints(solved, key.follows_from_scene && allows_wavefront(solved.model), work, order_);
   // Several threads or a wavefront sweep need ranges that end with levels.
-  plan.by_level = plan.in_levels && (scratch.parallel.runner != nullptr || plan.uses_wavefront);
-  make_ranges(model, plan);
+  by_level_ = order_.in_levels && (solved.parallel().runner != nullptr || order_.schedule.exists);
+  make_ranges(solved.model, solved.parallel());
+}
+
+/// Divides the places into ranges, and places of batched paths into batches.
+void JointPlan::make_ranges(const Model& model, const Parallel& parallel) {
+  ranges_.clear();
+  revolutes_.clear();
+  driven_revolutes_.clear();
+  scalar_.clear();
+  level_ranges_.clear();
+  const bool in_levels = order_.in_levels;
+  const auto end_of = [this](JointPath path) {
+    if (path == JointPath::scalar) return static_cast<std::uint32_t>(scalar_.size());
+    return static_cast<std::uint32_t>((path == JointPath::revolute ? revolutes_ : driven_revolutes_).size());
+  };
+  for (std::uint32_t i = 0; i < order_.places.size(); ++i) {
+    const JointPlace& place = order_.places[i];
+    const JointPath path = in_levels || place.path == JointPath::revolute ? place.path : JointPath::scalar;
+    const bool begins = ranges_.empty() || ranges_.back().kind != place.kind || ranges_.back().path != path ||
+                        (by_level_ && ranges_.back().level != place.level);
+    if (by_level_)
+      while (level_ranges_.size() <= place.level) level_ranges_.push_back(static_cast<std::uint32_t>(ranges_.size()));
+    if (begins) ranges_.push_back({place.kind, path, false, end_of(path), end_of(path), place.level});
+    if (path == JointPath::scalar)
+      scalar_.push_back(i);
+    else
+      add_to_batches(path == JointPath::revolute ? revolutes_ : driven_revolutes_, i, in_levels ? place.level : 0,
+                     begins);
+    ranges_.back().last = end_of(path);
+    ranges_.back().springs |= path != JointPath::revolute && has_springs(model.joints[place.joint]);
+  }
+  level_ranges_.push_back(static_cast<std::uint32_t>(ranges_.size()));
+  for (JointRange& range : ranges_) {
+    const std::size_t count = range.last - range.first;
+    const bool is_shared = range.path != JointPath::scalar && in_levels;
+    range.chunk_size = is_shared ? parallel.chunk_size(count, joint_batches_per_chunk_least, 1) : count;
+  }
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

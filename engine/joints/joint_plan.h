@@ -2,52 +2,60 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "base/parallel/parallel.h"
 #include "engine/joints/batched/revolute_batch.h"
 #include "engine/joints/joint.h"
+#include "engine/joints/joint_order.h"
 #include "engine/model/caches.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Of the group that is being solved. Where there is one group of everything, it follows from the scene alone as long
-/// as all joints of the scene are there, and is kept.
-struct JointPlan final : TickCache {
+/// What a plan follows from, while all joints of the scene and their bodies exist and there is one set: nothing but the
+/// scene.
+struct JointPlanKey {
+  bool follows_from_scene;
+};
+
+/// The order and batches of the joints of a set. Key: JointPlanKey.
+class JointPlan final : public TickCache {
+ public:
   JointPlan() : TickCache(CacheKind::joint_plan) {}
-  void invalidate() override { is_of_scene = false; }
-  void count(bool was_hit) { count_use(was_hit); }
 
-  bool is_of_scene = false;
-  bool in_levels = false;                   // else in scene order
-  bool by_level = false;                    // ranges end where levels do
-  std::vector<JointPlace> places;           // in solving order
-  std::vector<JointRange> ranges;           // of one kind and path
-  std::vector<JointSpan> revolutes;         // [batch] of plain revolutes
-  std::vector<JointSpan> driven_revolutes;  // [batch] of driven revolutes
-  std::vector<std::uint32_t> scalar;        // in `places`: joints of the scalar path
+  bool valid_for(const JointPlanKey& key) const { return key.follows_from_scene && follows_from_scene_; }
+  /// Makes the plan for the set that is being solved, unless it holds. Requires: prepare_bodies, enter_solver_set.
+  void follow(const SolvedSet& solved, JointOrderWork& work);
+  void invalidate() override { follows_from_scene_ = false; }
+  /// A plan without joints.
+  void clear();
 
-  std::uint32_t level_count = 0;
-  bool uses_wavefront = false;  // in ticks in which nothing else acts on the bodies (wavefront.h)
+  std::span<const JointPlace> places() const { return order_.places; }               // in solving order
+  std::span<const JointRange> ranges() const { return ranges_; }                     // of one kind and path
+  std::span<const JointSpan> revolutes() const { return revolutes_; }                // [batch] of plain revolutes
+  std::span<const JointSpan> driven_revolutes() const { return driven_revolutes_; }  // [batch]
+  std::span<const std::uint32_t> scalar() const { return scalar_; }                  // in places(): the scalar path
+  bool in_levels() const { return order_.in_levels; }                                // else in scene order
+  std::uint32_t level_count() const { return order_.level_count; }
+  /// For the wavefront sweep, in ticks in which nothing else acts on the bodies (wavefront.h).
+  const LevelSchedule& schedule() const { return order_.schedule; }
+  std::span<const JointRange> ranges_of_level(std::uint32_t level) const {
+    return std::span(ranges_).subspan(level_ranges_[level], level_ranges_[level + 1] - level_ranges_[level]);
+  }
 
-  // For the wavefront sweep.
-  std::uint32_t distance = 0;               // two joints of one body are less than this many levels apart
-  std::vector<std::uint32_t> level_ranges;  // [level] in `ranges`, and the end
-  std::vector<std::uint32_t> body_rows;     // dynamic bodies of joints, by the level of their first joint
-  std::vector<std::uint32_t> level_bodies;  // [level] in `body_rows`, and the end
+ private:
+  void rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work);
+  void make_ranges(const Model& model, const Parallel& parallel);
+
+  bool follows_from_scene_ = false;  // key
+  JointOrder order_;
+  bool by_level_ = false;  // ranges end where levels do
+  std::vector<JointRange> ranges_;
+  std::vector<JointSpan> revolutes_;
+  std::vector<JointSpan> driven_revolutes_;
+  std::vector<std::uint32_t> scalar_;
+  std::vector<std::uint32_t> level_ranges_;  // [level] in ranges_, and the end
 };
-
-/// The largest torques that a joint's force exerts on its bodies, N m.
-struct JointTorques {
-  Real a;
-  Real b;
-};
-
-/// The first and the last joint that moves a body, in the plan's places before they are sorted.
-struct BodyJoints {
-  std::uint32_t first = 0;
-  std::uint32_t last = 0;
-  std::uint32_t count = 0;  // of its joints
-};
-
-/// Makes the plan for the set that is being solved, or uses the cached one. Requires: prepare_bodies, enter_solver_set.
-void plan_joints(const Model& model, const State& state, Scratch& scratch);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

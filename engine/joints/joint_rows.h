@@ -8,7 +8,8 @@
 #pragma once
 
 #include "engine/joints/joint.h"
-#include "engine/model/scratch.h"
+#include "engine/joints/revolute_point.h"
+#include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
@@ -189,43 +190,25 @@ struct PointRow {
   }
 };
 
-/// The share of `error` by which each arm is lengthened so that both end at the same point: half, while the gap is
-/// small. For a gap beyond the longer arm of a rotating body the share falls, so that a wide gap is no lever.
-inline Real middle_share(const JointWork& joint, const PointRow& row) {
-  const Real arm2_a = joint.inv_inertia_a > 0 ? length_squared(row.arm_a) : Real(0);
-  const Real arm2_b = joint.inv_inertia_b > 0 ? length_squared(row.arm_b) : Real(0);
-  const Real arm2 = larger(arm2_a, arm2_b);
-  const Real most = larger(Real(0.25) * length_squared(row.error), arm2);
-  return arm2 > 0 ? Real(0.5) * (arm2 / most) : Real(0.5);
-}
-
 /// Where impulses of a point row act.
 enum class ActsAt : std::uint8_t { middle, anchor_b };
 
 inline PointRow point_row(const JointWork& joint, const JointBodies& pair, ActsAt place) {
-  PointRow row;
-  row.arm_a = rotate(pair.a.delta_rotation, joint.anchor_a);
-  row.arm_b = rotate(pair.b.delta_rotation, joint.anchor_b);
-  row.error = (joint.center_offset + (pair.b.delta_position - pair.a.delta_position)) + (row.arm_b - row.arm_a);
+  const auto change_of = [](const MovingBody& body) -> PoseChange<Real> {
+    return {body.delta_position.x, body.delta_position.y, body.delta_rotation.c, body.delta_rotation.s};
+  };
+  PointArms<Real> arms =
+      anchor_arms<Real>(change_of(pair.a), change_of(pair.b), {joint.anchor_a.x, joint.anchor_a.y},
+                        {joint.anchor_b.x, joint.anchor_b.y}, {joint.center_offset.x, joint.center_offset.y});
   if (place == ActsAt::middle) {
-    const Real share = middle_share(joint, row);
-    row.arm_a = row.arm_a + share * row.error;
-    row.arm_b = row.arm_b - share * row.error;
+    meet_in_the_middle(arms, middle_share(arms, joint.inv_inertia_a, joint.inv_inertia_b));
   } else {
-    row.arm_a = row.arm_a + row.error;
+    arms.ax = arms.ax + arms.ex;
+    arms.ay = arms.ay + arms.ey;
   }
-  const Real inv_mass = joint.inv_mass_a + joint.inv_mass_b;
-  row.k11 =
-      inv_mass + (joint.inv_inertia_a * row.arm_a.y * row.arm_a.y + joint.inv_inertia_b * row.arm_b.y * row.arm_b.y);
-  row.k12 = -(joint.inv_inertia_a * row.arm_a.x * row.arm_a.y + joint.inv_inertia_b * row.arm_b.x * row.arm_b.y);
-  row.k22 =
-      inv_mass + (joint.inv_inertia_a * row.arm_a.x * row.arm_a.x + joint.inv_inertia_b * row.arm_b.x * row.arm_b.x);
-  // k11 k22 - k12^2 as a sum of squares (Cauchy-Binet): long arms cancel no digits.
-  const Real area = cross(row.arm_a, row.arm_b);
-  row.determinant = inv_mass * (inv_mass + (joint.inv_inertia_a * length_squared(row.arm_a) +
-                                            joint.inv_inertia_b * length_squared(row.arm_b))) +
-                    (joint.inv_inertia_a * area) * (joint.inv_inertia_b * area);
-  return row;
+  const PointMobility<Real> k =
+      point_mobility(arms, joint.inv_mass_a + joint.inv_mass_b, joint.inv_inertia_a, joint.inv_inertia_b);
+  return {{arms.ax, arms.ay}, {arms.bx, arms.by}, {arms.ex, arms.ey}, k.k11, k.k12, k.k22, k.determinant};
 }
 
 /// Whether the joint can move anything at all.
@@ -234,13 +217,9 @@ inline bool moves_something(const JointWork& joint) {
 }
 
 /// The contribution of rotating arms to d = error in a substep, per h. An arm r that rotates by x = w h ends r (1 - cos
-/// x) short of its tangent. 1 - cos x is taken as x^2 / (2 + x^2 / 2): off by x^4 / 12, never above 2.
+/// x) short of its tangent.
 inline Vec2 arm_rotation_rate(Vec2 arm_a, Vec2 arm_b, const JointBodies& pair, Real h) {
-  const auto versine = [h](Real spin) {
-    const Real x2 = (h * spin) * (h * spin);
-    return x2 / (2 + Real(0.5) * x2);
-  };
-  return (1 / h) * (versine(pair.a.angular_velocity) * arm_a - versine(pair.b.angular_velocity) * arm_b);
+  return (1 / h) * (versine(h * pair.a.angular_velocity) * arm_a - versine(h * pair.b.angular_velocity) * arm_b);
 }
 
 /// `drift_rate`: change of the error in this substep besides the velocity, m/s.

@@ -3,7 +3,7 @@
 // Source: Catto, "Soft Constraints", GDC 2011. C = p + r - target, effective mass = (J M^-1 J^T)^-1.
 #include "engine/joints/mouse_joint.h"
 
-#include "engine/model/scratch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -15,16 +15,18 @@ void apply(MovingBody& body, const MouseJoint& joint, Vec2 arm, Vec2 impulse) {
 
 }  // namespace
 
-void prepare_mouse_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set) {
-  const Real h = set.h;
-  scratch.mouse_joints.clear();
+void prepare_mouse_joints(const SolvedSet& solved, std::vector<MouseJoint>& joints) {
+  const Model& model = solved.model;
+  const State& state = solved.state;
+  const Real h = solved.set.h;
+  joints.clear();
   for (std::uint32_t index = 0; index < state.pointers.size(); ++index) {
     const PointerRow& row = state.pointers[index];
     const PointerSettings& settings = *model.scene.pointer;
     MouseJoint joint;
     joint.pointer = index;
     joint.body = static_cast<std::uint32_t>(state.find_body(row.body));
-    if (scratch.body_solver_set[joint.body] != scratch.set_index) continue;
+    if (!solved.has_body(joint.body)) continue;
     const BodyRow& body = state.bodies[joint.body];
     const BodyModel& constants = model.bodies[body.source];
     joint.inv_mass = constants.inv_mass;
@@ -34,20 +36,20 @@ void prepare_mouse_joints(const Model& model, const State& state, Scratch& scrat
     joint.soft = make_soft(static_cast<Real>(settings.hertz), static_cast<Real>(settings.damping_ratio), h);
     joint.impulse_max = h * (static_cast<Real>(settings.force_max_per_kg) * constants.mass);
     joint.impulse = h * row.force;
-    scratch.mouse_joints.push_back(joint);
+    joints.push_back(joint);
   }
 }
 
-void warm_start_mouse_joints(Scratch& scratch) {
-  for (const MouseJoint& joint : scratch.mouse_joints) {
-    MovingBody& body = scratch.bodies[joint.body];
+void warm_start_mouse_joints(const std::vector<MouseJoint>& joints, SolverBodies& bodies) {
+  for (const MouseJoint& joint : joints) {
+    MovingBody& body = bodies.records[joint.body];
     apply(body, joint, rotate(body.delta_rotation, joint.anchor), joint.impulse);
   }
 }
 
-void solve_mouse_joints(Scratch& scratch) {
-  for (MouseJoint& joint : scratch.mouse_joints) {
-    MovingBody& body = scratch.bodies[joint.body];
+void solve_mouse_joints(std::vector<MouseJoint>& joints, SolverBodies& bodies) {
+  for (MouseJoint& joint : joints) {
+    MovingBody& body = bodies.records[joint.body];
     const Vec2 arm = rotate(body.delta_rotation, joint.anchor);
     const Vec2 error = (joint.offset + body.delta_position) + (arm - joint.anchor);
     const Vec2 velocity = body.velocity + cross(body.angular_velocity, arm);
@@ -67,10 +69,9 @@ void solve_mouse_joints(Scratch& scratch) {
   }
 }
 
-void store_mouse_joints(const Scratch& scratch, State& state, Real h) {
+void store_mouse_joints(const std::vector<MouseJoint>& joints, State& state, Real h) {
   const Real inv_h = 1 / h;
-  for (const MouseJoint& joint : scratch.mouse_joints)
-    state.pointers[joint.pointer].force = stored(inv_h * joint.impulse);
+  for (const MouseJoint& joint : joints) state.pointers[joint.pointer].force = stored(inv_h * joint.impulse);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -9,10 +9,9 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct Model;
+struct SolvedSet;
+struct SolverBodies;
 struct State;
-struct Scratch;
-struct SolverSet;
 
 /// A PointerRow prepared for one tick.
 struct MouseJoint {
@@ -27,11 +26,11 @@ struct MouseJoint {
   Vec2 impulse;      // N s, accumulated
 };
 
-/// Fills scratch.mouse_joints from the pointers that hold bodies of a set.
-void prepare_mouse_joints(const Model& model, const State& state, Scratch& scratch, const SolverSet& set);
-void warm_start_mouse_joints(Scratch& scratch);
-void solve_mouse_joints(Scratch& scratch);
+/// Those of the pointers that hold bodies of a set.
+void prepare_mouse_joints(const SolvedSet& solved, std::vector<MouseJoint>& joints);
+void warm_start_mouse_joints(const std::vector<MouseJoint>& joints, SolverBodies& bodies);
+void solve_mouse_joints(std::vector<MouseJoint>& joints, SolverBodies& bodies);
 /// Impulses back to state.pointers, as forces.
-void store_mouse_joints(const Scratch& scratch, State& state, Real h);
+void store_mouse_joints(const std::vector<MouseJoint>& joints, State& state, Real h);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "engine/math/arc_tangent_terms.h"
+#include "engine/math/arc_tangent.h"
 
 namespace ticktrue::engine {
 namespace {
@@ -57,21 +57,6 @@ double cos_series(double x) {
   return 1.0 - (0.5 * z - z * z * p);
 }
 
-/// atan(low / high) for 0 <= low <= high, high > 0: atan(c) + atan((t - c) / (1 + c t)) with c the nearest eighth.
-double atan_first_octant(double low, double high) {
-  const int eighths = static_cast<int>(low / high * 8 + 0.5);
-  const double c = eighths * 0.125;
-  const double u = (low - c * high) / (high + c * low);  // |u| <= 1/16
-  const double z = u * u;
-  double p = 1.0 / 13.0;
-  p = p * z - 1.0 / 11.0;
-  p = p * z + 1.0 / 9.0;
-  p = p * z - 1.0 / 7.0;
-  p = p * z + 1.0 / 5.0;
-  p = p * z - 1.0 / 3.0;
-  return atan_of_eighths[eighths] + (u + u * z * p);
-}
-
 }  // namespace
 
 SinCos sin_cos(double angle) {
@@ -115,20 +100,7 @@ SinCos pose_sin_cos(double angle) {
 }
 
 double arc_tangent(double y, double x) {
-  double abs_y = y < 0 ? -y : y;
-  double abs_x = x < 0 ? -x : x;
-  const double high = abs_y > abs_x ? abs_y : abs_x;
-  if (!(abs_y + abs_x >= 0) || high > std::numeric_limits<double>::max()) return not_a_number;
-  if (high == 0) return 0;
-  // A common power of two changes no quotient but keeps products and sums in range.
-  const double scale = high > 0x1p1000 ? 0x1p-100 : high < 0x1p-900 ? 0x1p100 : 1.0;
-  abs_y *= scale;
-  abs_x *= scale;
-
-  double angle =
-      abs_y > abs_x ? half_pi_near - (atan_first_octant(abs_x, abs_y) - half_pi_rest) : atan_first_octant(abs_y, abs_x);
-  if (x < 0) angle = pi - (angle - 2 * half_pi_rest);
-  return y < 0 ? -angle : angle;
+  return arc_tangent_of(y, x);
 }
 
 }  // namespace ticktrue::engine

@@ -2,27 +2,51 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model/scratch.h"
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/model/body_rows.h"
+#include "engine/simd/lanes.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// Fills scratch.masses and scratch.bodies: one record per row, then the dummy body and the sinks.
-void prepare_bodies(const Model& model, const State& state, Scratch& scratch);
+struct Model;
+struct State;
+struct TickLists;
+
+/// Bodies as the rooms of the solver share them.
+struct SolverBodies {
+  std::vector<MovingBody> records;  // one per row, then the dummy body and the sinks
+  std::vector<BodyMass> masses;     // [body]
+
+  /// The records as kernels take them.
+  Real* lanes() { return &records.data()->velocity.x; }
+};
+
+template <typename Visit>
+void list_fields(SolverBodies& of, const Visit& visit) {
+  auto& [records, masses] = of;
+  visit(records, masses);
+}
+
+/// Fills masses and records.
+void prepare_bodies(const Model& model, const State& state, const TickLists& tick, SolverBodies& bodies);
 
 /// Records at this distance share no cache line, and no pair of lines that is fetched together.
 inline constexpr std::size_t record_stride = 4;
 /// The dummy body: a record at rest that stands for non-dynamic bodies and is only read.
-inline std::uint32_t dummy_body(const Scratch& scratch) {
-  return static_cast<std::uint32_t>(scratch.masses.size() + record_stride);
+inline std::uint32_t dummy_body(const SolverBodies& bodies) {
+  return static_cast<std::uint32_t>(bodies.masses.size() + record_stride);
 }
 /// Sinks: records that are only written, with impulses on non-dynamic bodies. Each chunk of a loop has its own.
-inline std::uint32_t dummy_sink(const Scratch& scratch, std::size_t chunk = 0) {
-  return static_cast<std::uint32_t>(scratch.masses.size() + (2 + chunk) * record_stride);
+inline std::uint32_t dummy_sink(const SolverBodies& bodies, std::size_t chunk = 0) {
+  return static_cast<std::uint32_t>(bodies.masses.size() + (2 + chunk) * record_stride);
 }
 
 /// Stores poses and velocities of all bodies in solver sets.
-void store_bodies(const Scratch& scratch, State& state);
+void store_bodies(const SolverBodies& bodies, const TickLists& tick, State& state);
 /// Stores velocities only, for stages after the solver.
-void store_velocities(const Scratch& scratch, State& state);
+void store_velocities(const SolverBodies& bodies, const TickLists& tick, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -23,9 +23,18 @@ static_assert(sizeof(MovingBody) == body_record_length * sizeof(Real));
 struct alignas(4 * sizeof(Real)) BodyMass {
   Real inv_mass;        // 1/kg
   Real inv_inertia;     // 1/(kg m^2)
-  std::uint32_t read;   // in Scratch::bodies; the dummy body for static bodies
+  std::uint32_t read;   // in SolverBodies::records; the dummy body for static bodies
   std::uint32_t write;  // a sink for non-dynamic bodies
 };
+
+/// A linear and an angular part: of an acceleration, or of a change of velocity.
+struct Twist {
+  Vec2 linear;       // m/s^2 or m/s
+  Real angular = 0;  // rad/s^2 or rad/s
+};
+
+/// Whether a pass corrects positions by velocities.
+enum class Bias : std::uint8_t { off, on };
 
 /// Whether poses have changed since the last pass over the same joints or contacts.
 enum class Poses : std::uint8_t { moved, unmoved };

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "engine/contacts/solver_kernels.h"
 #include "engine/joints/joint_model.h"
 #include "engine/math/vec2.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/scene/scene.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
@@ -118,10 +118,10 @@ struct MixedMaterial {
   Real restitution = 0;
 };
 
-struct State;
-struct Scratch;
-/// Adds the accelerations of forces that depend on positions, at the poses of scratch.bodies, to scratch.accelerations.
-using PositionForces = void (*)(const Model& model, const State& state, Scratch& scratch);
+struct MotionWorkspace;
+struct SolvedSet;
+/// Adds the accelerations of forces that depend on positions, at the present poses, to MotionWorkspace::accelerations.
+using PositionForces = void (*)(const SolvedSet& solved, MotionWorkspace& work);
 
 struct Model {
   Scene scene;

@@ -8,7 +8,7 @@
 
 #include "base/limits.h"
 #include "base/parallel/parallel.h"
-#include "engine/impacts/impacts.h"
+#include "engine/impacts/impact_rows.h"
 #include "engine/islands/island_rows.h"
 #include "engine/model/body_rows.h"
 #include "engine/model/contact_pairs.h"
@@ -53,7 +53,6 @@ struct TickLists {
 
   // By the search for impacts.
   std::vector<ImpactPair> impacts;  // that may come in this tick
-  bool offsets_in_use = false;      // the integrator fills velocity_offsets
 
   // By the islands.
   bool has_solver_sets = false;                // else everything will be one set
@@ -70,7 +69,19 @@ struct TickLists {
   std::vector<Real> mass_factor;      // [body] how much heavier constraints see it; with automatic substeps
 };
 
-/// Fills all that a tick must not read before writing it; `inputs` and what the caller sets stay.
-void poison(TickLists& tick);
+/// All but what the caller sets for a tick: `parallel`, `pair_count_max`, `inputs` and `injected`.
+template <typename Visit>
+void list_fields(TickLists& of, const Visit& visit) {
+  auto& [parallel, pair_count_max, inputs, force, torque, removed_touching, removed_sensors, injected, proxies, pairs,
+         has_too_many_pairs, changes, contact_pairs, contact_generation, impacts, has_solver_sets, solver_sets,
+         set_rows, set_contacts, body_solver_set, island_parent, island_level, island_has_resting_impact,
+         resting_impacts, shock_work_left, load, mass_factor] = of;
+  visit(force, torque, removed_touching, removed_sensors, proxies, pairs, has_too_many_pairs, changes, contact_pairs,
+        contact_generation, impacts, has_solver_sets, solver_sets, set_rows, set_contacts, body_solver_set,
+        island_parent, island_level, island_has_resting_impact, resting_impacts, shock_work_left, load, mass_factor);
+}
+
+/// What a stage finds where the stages before it that would write it are left out.
+void begin_tick(TickLists& tick);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

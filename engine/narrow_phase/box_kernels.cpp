@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Source: as collide_polygons.cpp. Each lane does the operations of collide_polygons for such a pair in the same order,
 // with selections instead of branches.
-#include "engine/contacts/solver_kernels.h"
+#include "engine/model/solver_kernels.h"
+#include "engine/narrow_phase/clip_edge.h"
 #include "engine/simd/transpose.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -146,27 +147,8 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
   const RealxN ny = reference.normal_y;
   const Edge incident = opposite_edge(other, nx, ny);
 
-  // Along the reference edge; the incident edge runs the other way, from its second end to its first.
-  const RealxN tx = broadcast(-1) * ny;
-  const RealxN ty = nx;
-  const auto along = [&](RealxN x, RealxN y) { return (x - reference.x1) * tx + (y - reference.y1) * ty; };
-  const RealxN reference_end = along(reference.x2, reference.y2);
-  const RealxN lower = along(incident.x2, incident.y2);
-  const RealxN upper = along(incident.x1, incident.y1);
-  const MaskxN is_beside = (upper < zero) | (lower > reference_end);
-  const RealxN length = upper - lower;
-  const MaskxN has_length = length > zero;
-  const RealxN divisor = has_length ? length : one;
-  const RealxN incident_x = incident.x1 - incident.x2;
-  const RealxN incident_y = incident.y1 - incident.y2;
-  const MaskxN cuts_lower = (lower < zero) & has_length;
-  const RealxN share_lower = -lower / divisor;
-  const MaskxN cuts_upper = (upper > reference_end) & has_length;
-  const RealxN share_upper = (reference_end - lower) / divisor;
-  const RealxN clipped[2][2] = {{cuts_lower ? incident.x2 + share_lower * incident_x : incident.x2,
-                                 cuts_lower ? incident.y2 + share_lower * incident_y : incident.y2},
-                                {cuts_upper ? incident.x2 + share_upper * incident_x : incident.x1,
-                                 cuts_upper ? incident.y2 + share_upper * incident_y : incident.y1}};
+  const ClippedEdge<RealxN> clipped = clip_edge<RealxN>({reference.x1, reference.y1, reference.x2, reference.y2}, nx,
+                                                        ny, {incident.x1, incident.y1, incident.x2, incident.y2});
 
   // The incident edge runs the other way: its end is at the beginning of the reference edge.
   const auto next = [&](RealxN corner) { return corner < broadcast(3) ? corner + one : zero; };
@@ -174,25 +156,20 @@ TICKTRUE_INLINE void collide_lanes(const BoxPairs& pairs, const Real* poses, con
   const RealxN on_other[2] = {next(incident.index), incident.index};
   const RealxN back_x = a.at[0] - b.at[0];
   const RealxN back_y = a.at[1] - b.at[1];
-  RealxN separations[2];
   for (int p = 0; p < 2; ++p) {
-    const RealxN x = clipped[p][0], y = clipped[p][1];
-    const RealxN separation = (x - reference.x1) * nx + (y - reference.y1) * ny;
-    const RealxN half = broadcast(Real(0.5)) * separation;
-    const RealxN middle_x = x - half * nx;
-    const RealxN middle_y = y - half * ny;
+    const RealxN middle_x = clipped.middle_x[p], middle_y = clipped.middle_y[p];
     const RealxN anchor_x = ca * middle_x - sa * middle_y;
     const RealxN anchor_y = sa * middle_x + ca * middle_y;
-    const MaskxN exists = is_within_margin & ~is_beside & (separation <= margin);
+    const MaskxN exists = is_within_margin & ~clipped.is_beside & (clipped.separation[p] <= margin);
     lanes.store4(lanes.out.anchors[p], {{anchor_x, anchor_y, anchor_x + back_x, anchor_y + back_y}});
-    separations[p] = separation;
     const RealxN corner_a = flipped ? on_other[p] : on_reference[p];
     const RealxN corner_b = flipped ? on_reference[p] : on_other[p];
     lanes.store(lanes.out.features.at[p], exists ? broadcast(256) * corner_a + corner_b : broadcast(-1));  // feature_of
   }
   const RealxN out_x = flipped ? -nx : nx;
   const RealxN out_y = flipped ? -ny : ny;
-  lanes.store4(lanes.out.normals, {{ca * out_x - sa * out_y, sa * out_x + ca * out_y, separations[0], separations[1]}});
+  lanes.store4(lanes.out.normals,
+               {{ca * out_x - sa * out_y, sa * out_x + ca * out_y, clipped.separation[0], clipped.separation[1]}});
 }
 
 void collide(const BoxPairs& pairs, const Real* poses, const Real* quads, BoxContacts& out) {

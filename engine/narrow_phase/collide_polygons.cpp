@@ -1,9 +1,10 @@
 // Contacts of two convex polygons: separating axes of both, then the edges of deepest overlap clipped.
 // SPDX-License-Identifier: MIT
-// Source: Gottschalk, "Separating Axis Theorem", 1996; clipping after Sutherland and Hodgman, 1974.
+// Source: Gottschalk, "Separating Axis Theorem", 1996; clipping: clip_edge.h.
 //
 // Two quadrilaterals test all axes of one polygon at once. Each lane does the operations of the loop over edges, in its
 // order.
+#include "engine/narrow_phase/clip_edge.h"
 #include "engine/narrow_phase/convex_hulls.h"
 #include "engine/simd/realx4.h"
 
@@ -92,36 +93,23 @@ void clip(const Outline& reference, std::uint32_t edge, const Outline& other, Re
   const std::uint32_t i1 = opposite_edge(other, normal);
   const std::uint32_t i2 = next_of(other, i1);
 
-  // Along the reference edge, from r1 to r2. The incident edge runs the other way, from i2 to i1.
-  const Vec2 v1 = vertex_of(reference, r1);
-  const Vec2 tangent = cross(Real(1), normal);
-  const Real reference_end = dot(vertex_of(reference, r2) - v1, tangent);
-  const Vec2 lower_vertex = vertex_of(other, i2);
-  const Vec2 upper_vertex = vertex_of(other, i1);
-  const Real lower = dot(lower_vertex - v1, tangent);
-  const Real upper = dot(upper_vertex - v1, tangent);
-  if (upper < 0 || lower > reference_end) return;
-
-  Vec2 lower_point = lower_vertex;
-  Vec2 upper_point = upper_vertex;
-  if (lower < 0 && upper - lower > 0)
-    lower_point = lower_vertex + (-lower / (upper - lower)) * (upper_vertex - lower_vertex);
-  if (upper > reference_end && upper - lower > 0)
-    upper_point = lower_vertex + ((reference_end - lower) / (upper - lower)) * (upper_vertex - lower_vertex);
+  const Vec2 from = vertex_of(reference, r1), to = vertex_of(reference, r2);
+  const Vec2 incident_from = vertex_of(other, i1), incident_to = vertex_of(other, i2);
+  const ClippedEdge<Real> clipped = clip_edge<Real>({from.x, from.y, to.x, to.y}, normal.x, normal.y,
+                                                    {incident_from.x, incident_from.y, incident_to.x, incident_to.y});
+  if (clipped.is_beside) return;
 
   manifold.normal = normal;
-  const auto add = [&](Vec2 point, std::uint32_t reference_vertex, std::uint32_t other_vertex) {
-    const Real separation = dot(point - v1, normal);
-    if (!(separation <= margin)) return;
-    const Vec2 middle = point - (Real(0.5) * separation) * normal;
+  const auto add = [&](int point, std::uint32_t reference_vertex, std::uint32_t other_vertex) {
+    if (!(clipped.separation[point] <= margin)) return;
     manifold.points[manifold.point_count++] = {
-        middle,
+        {clipped.middle_x[point], clipped.middle_y[point]},
         {},
-        separation,
+        clipped.separation[point],
         reference_is_a ? feature_of(reference_vertex, other_vertex) : feature_of(other_vertex, reference_vertex)};
   };
-  add(lower_point, r1, i2);
-  add(upper_point, r2, i1);
+  add(0, r1, i2);
+  add(1, r2, i1);
 }
 
 template <typename Outline>

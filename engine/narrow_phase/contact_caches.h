@@ -111,11 +111,13 @@ struct NarrowPhaseWork {
   std::vector<ContactRow> contacts_spilled;
   std::vector<ContactRow> contacts_moved;
   std::vector<ListPart> parts;  // [chunk]
-
-  void poison() {
-    poison_all(contact_pairs, contacts, contact_pairs_spilled, contact_pairs_moved, contacts_spilled, contacts_moved,
-               parts);
-  }
 };
+
+template <typename Visit>
+void list_fields(NarrowPhaseWork& of, const Visit& visit) {
+  auto& [contact_pairs, contacts, contact_pairs_spilled, contact_pairs_moved, contacts_spilled, contacts_moved, parts] =
+      of;
+  visit(contact_pairs, contacts, contact_pairs_spilled, contact_pairs_moved, contacts_spilled, contacts_moved, parts);
+}
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

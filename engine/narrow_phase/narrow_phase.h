@@ -15,7 +15,7 @@ class NarrowPhase final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
   void list_caches(std::vector<TickCache*>& caches) override;
-  void poison() override { work_.poison(); }
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
   ManifoldCache manifolds_;

@@ -24,10 +24,10 @@ Real* lane_of(MovingBody& body, BodyField field, std::size_t lane) {
 
 }  // namespace
 
-void flip_injected(Scratch& scratch, std::size_t set, int substep) {
-  const InjectedFault& fault = *scratch.injected;
-  if (fault.substep != substep || scratch.body_solver_set[fault.row] != set) return;
-  Real* lane = lane_of(scratch.bodies[fault.row], fault.field, fault.lane);
+void flip_injected(const SolvedSet& solved, int substep) {
+  const InjectedFault& fault = *solved.tick.injected;
+  if (fault.substep != substep || !solved.has_body(fault.row)) return;
+  Real* lane = lane_of(solved.bodies.records[fault.row], fault.field, fault.lane);
   unsigned char bytes[sizeof(Real)];
   std::memcpy(bytes, lane, sizeof bytes);
   const std::size_t byte = machine_is_little_endian ? fault.bit / 8 : sizeof bytes - 1 - fault.bit / 8;

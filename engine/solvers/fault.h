@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "engine/model/scratch.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Flips the injected bit if it is due after this substep of this set.
-void flip_injected(Scratch& scratch, std::size_t set, int substep);
+void flip_injected(const SolvedSet& solved, int substep);
 
 /// One branch for each substep of a set, outside its loops.
-inline void after_substep(Scratch& scratch, std::size_t set, int substep) {
-  if (scratch.injected) flip_injected(scratch, set, substep);
+inline void after_substep(const SolvedSet& solved, int substep) {
+  if (solved.tick.injected) flip_injected(solved, substep);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -7,6 +7,7 @@
 // - inertia as in BodyModel::impulse_inv_inertia; static polygons take part with theirs;
 // - a body of 2 000 kg or more is taken for static;
 // - the circle test stops at the first edge the circle is outside of; coincident circles give NaN.
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
@@ -178,19 +179,21 @@ void resolve(const Model& model, const Placed& shape_a, const Placed& shape_b, B
 
 }  // namespace
 
-void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt) {
+void solve_impulse(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt) {
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  prepare_bodies(model, state, scratch);
-  put_all_into_one_set(model, state, scratch);
-  enter_solver_set(state, scratch, scratch.solver_sets[0], dt);
-  prepare_mouse_joints(model, state, scratch, scratch.solver_sets[0]);
-  scheme.begin(model, state, scratch, dt);
-  scheme.predict(model, state, scratch, dt);
-  warm_start_mouse_joints(scratch);
-  solve_mouse_joints(scratch);
-  scheme.drift(model, state, scratch, dt);
-  store_bodies(scratch, state);
-  store_mouse_joints(scratch, state, dt);
+  prepare_bodies(model, state, tick, work.bodies);
+  begin_motion(state, work.motion);
+  put_all_into_one_set(model, state, work.bodies, tick);
+  const SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, 0, dt);
+  prepare_mouse_joints(solved, work.mouse_joints);
+  scheme.begin(solved, work.motion, dt);
+  scheme.predict(solved, work.motion, dt);
+  warm_start_mouse_joints(work.mouse_joints, work.bodies);
+  solve_mouse_joints(work.mouse_joints, work.bodies);
+  scheme.drift(solved, work.motion, dt);
+  store_bodies(work.bodies, tick, state);
+  store_motion(work.motion, state);
+  store_mouse_joints(work.mouse_joints, state, dt);
 
   for (std::size_t i = 0; i < state.bodies.size(); ++i)
     for (std::size_t j = i + 1; j < state.bodies.size(); ++j) {

@@ -3,6 +3,7 @@
 // Source: Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005 (projected Gauss-Seidel on accumulated
 // impulses); Baumgarte, "Stabilization of Constraints and Integrals of Motion", 1972. The velocity that takes overlap
 // back stays: the price of having no relax pass. Cost per tick: bodies 4, contacts 2 + n, n = iterations.
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
@@ -10,38 +11,44 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt) {
-  prepare_bodies(model, state, scratch);
-  if (!scratch.has_solver_sets) put_all_into_one_set(model, state, scratch);
-  clear_contacts(scratch);
+void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt) {
+  ContactBatches& contacts = work.contacts.batches;
+  JointWorkspace& joints = work.joints;
+  std::vector<MouseJoint>& mouse_joints = work.mouse_joints;
+  prepare_bodies(model, state, tick, work.bodies);
+  begin_motion(state, work.motion);
+  if (!tick.has_solver_sets) put_all_into_one_set(model, state, work.bodies, tick);
+  clear_contacts(contacts);
   const Integrator& scheme = integrator(model.scene.settings.integrator);
-  for (SolverSet& set : scratch.solver_sets) {
-    enter_solver_set(state, scratch, set, dt);
-    prepare_mouse_joints(model, state, scratch, set);
-    prepare_joints(model, state, scratch, set);
-    set.stiffness = baumgarte_contacts(dt);
-    color_contacts(scratch, set, false);
-    prepare_contacts(model, state, scratch, set);
-    scheme.begin(model, state, scratch, dt);
-    save_joint_velocities(scratch);
-    save_impact_velocities(state, scratch);
-    scheme.predict(model, state, scratch, dt);
-    if (!scratch.impacts.empty()) apply_impacts(model, state, scratch, dt);
-    warm_start_joints(scratch);
-    warm_start_mouse_joints(scratch);
-    warm_start_contacts(scratch, set);
+  for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
+    const SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, i, dt);
+    prepare_mouse_joints(solved, mouse_joints);
+    plan_joints(solved, false, joints);
+    prepare_joints(solved, joints);
+    solved.set.stiffness = baumgarte_contacts(dt);
+    color_contacts(solved, false, work.contacts);
+    prepare_contacts(solved, work.contacts.colors, contacts);
+    scheme.begin(solved, work.motion, dt);
+    save_joint_velocities(solved, joints);
+    save_impact_velocities(solved, work.impacts);
+    scheme.predict(solved, work.motion, dt);
+    apply_impacts(solved, tick.impacts, work.motion.drift, work.impacts);
+    warm_start_joints(solved, joints);
+    warm_start_mouse_joints(mouse_joints, work.bodies);
+    warm_start_contacts(solved, contacts);
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
-      solve_joints(scratch, dt, Bias::on);
-      solve_mouse_joints(scratch);
-      solve_contacts(scratch, set, iteration > 0 ? Poses::unmoved : Poses::moved);
+      solve_joints(solved, joints, Bias::on);
+      solve_mouse_joints(mouse_joints, work.bodies);
+      solve_contacts(solved, contacts, iteration > 0 ? Poses::unmoved : Poses::moved);
     }
-    scheme.drift(model, state, scratch, dt);
-    if (!scratch.impacts.empty()) finish_impacts(scratch);
-    store_contacts(scratch, set, state);
-    store_mouse_joints(scratch, state, dt);
-    store_joints(scratch, state, dt);
+    scheme.drift(solved, work.motion, dt);
+    finish_impacts(solved, work.impacts);
+    store_contacts(solved, contacts, state);
+    store_mouse_joints(mouse_joints, state, dt);
+    store_joints(solved, joints, state);
   }
-  store_bodies(scratch, state);
+  store_bodies(work.bodies, tick, state);
+  store_motion(work.motion, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,19 +2,21 @@
 // SPDX-License-Identifier: MIT
 #include "engine/solvers/restitution.h"
 
+#include "engine/islands/solver_sets.h"
 #include "engine/model/bodies.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void Restitution::run(const Model& model, State& state, TickLists& tick, Real) {
-  auto& scratch = static_cast<Scratch&>(tick);
+  ContactBatches& batches = work_->contacts.batches;
   bool any = false;
-  for (const SolverSet& set : scratch.solver_sets) {
-    if (!bounce_contacts(scratch, set, model.restitution_threshold)) continue;
-    store_contacts(scratch, set, state);
+  for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
+    const SolvedSet solved = solver_set(model, state, tick, work_->bodies, i);
+    if (!bounce_contacts(solved, batches, model.restitution_threshold)) continue;
+    store_contacts(solved, batches, state);
     any = true;
   }
-  if (any) store_velocities(scratch, state);
+  if (any) store_velocities(work_->bodies, tick, state);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -2,20 +2,27 @@
 // SPDX-License-Identifier: MIT
 #include "engine/solvers/solver.h"
 
+#include <utility>
+
+#include "engine/model/poison.h"
+
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-using SolveFunction = void (*)(const Model& model, State& state, Scratch& scratch, Real dt);
+using SolveFunction = void (*)(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);
 
 class Solver final : public Stage {
  public:
-  explicit Solver(SolveFunction solve) : solve_(solve) {}
+  Solver(SolveFunction solve, std::shared_ptr<SolverWork> work) : solve_(solve), work_(std::move(work)) {}
   void run(const Model& model, State& state, TickLists& tick, Real dt) override {
-    solve_(model, state, static_cast<Scratch&>(tick), dt);
+    solve_(model, state, tick, *work_, dt);
   }
+  void list_caches(std::vector<TickCache*>& caches) override { list_fields(*work_, ListCaches{caches}); }
+  void poison() override { list_fields(*work_, Poison{}); }
 
  private:
   SolveFunction solve_;
+  std::shared_ptr<SolverWork> work_;
 };
 
 struct SolverEntry {
@@ -31,8 +38,8 @@ constexpr std::array<SolverEntry, solvers.size()> functions{{
 
 }  // namespace
 
-std::unique_ptr<Stage> make_solver(SolverKind kind) {
-  return std::make_unique<Solver>(info_of(functions, kind).solve);
+std::unique_ptr<Stage> make_solver(SolverKind kind, std::shared_ptr<SolverWork> work) {
+  return std::make_unique<Solver>(info_of(functions, kind).solve, std::move(work));
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -5,17 +5,17 @@
 #include <memory>
 
 #include "engine/model/model.h"
-#include "engine/model/scratch.h"
 #include "engine/model/stage.h"
+#include "engine/solvers/solver_work.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-/// The stage of this kind.
-std::unique_ptr<Stage> make_solver(SolverKind kind);
+/// The stage of this kind, which owns the workspace together with Restitution.
+std::unique_ptr<Stage> make_solver(SolverKind kind, std::shared_ptr<SolverWork> work);
 
-void solve_free_flight(const Model& model, State& state, Scratch& scratch, Real dt);
-void solve_impulse(const Model& model, State& state, Scratch& scratch, Real dt);
-void solve_pgs(const Model& model, State& state, Scratch& scratch, Real dt);
-void solve_tgs_soft(const Model& model, State& state, Scratch& scratch, Real dt);
+void solve_free_flight(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);
+void solve_impulse(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);
+void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);
+void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWork& work, Real dt);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

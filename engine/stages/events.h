@@ -17,10 +17,16 @@ struct EventWork {
   std::vector<TouchRow> touch_buffer;
 };
 
+template <typename Visit>
+void list_fields(EventWork& of, const Visit& visit) {
+  auto& [now_touching, touch_buffer] = of;
+  visit(now_touching, touch_buffer);
+}
+
 class EventFinder final : public Stage {
  public:
   void run(const Model& model, State& state, TickLists& tick, Real dt) override;
-  void poison() override { poison_all(work_.now_touching, work_.touch_buffer); }
+  void poison() override { list_fields(work_, Poison{}); }
 
  private:
   EventWork work_;

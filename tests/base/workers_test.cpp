@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/parallel/workers.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <vector>
@@ -62,34 +61,6 @@ TEST_CASE("every element of a range is visited once, by any number of threads", 
           CAPTURE(thread_count, count, chunk_size);
           REQUIRE(visited == std::vector<int>(count, 1));
         }
-  }
-}
-
-TEST_CASE("what runs beside the chunks of a range runs once", "[base][workers][determinism]") {
-  const auto check = [](const Parallel& parallel) {
-    for (const std::size_t count : {0, 1, 7, 8, 64, 1000})
-      for (const std::size_t chunk_size : {1, 3, 8, 1000}) {
-        std::vector<int> visited(count, 0);
-        std::vector<int> seen(count, 0);
-        int beside = 0;
-        parallel.for_chunks_beside(
-            count, chunk_size,
-            [&](const Chunk& chunk) {
-              ++seen[chunk.index];
-              for (std::size_t i = chunk.begin; i < chunk.end; ++i) ++visited[i];
-            },
-            [&] { ++beside; });
-        CAPTURE(count, chunk_size);
-        REQUIRE(visited == std::vector<int>(count, 1));
-        REQUIRE(std::count(seen.begin(), seen.end(), 1) ==
-                static_cast<std::ptrdiff_t>(Parallel::chunk_count(count, chunk_size)));
-        REQUIRE(beside == 1);
-      }
-  };
-  if (!has_threads()) return;
-  for (const unsigned thread_count : {2u, 3u, 8u}) {
-    const auto workers = *make_workers(thread_count);
-    for (int round = 0; round < 20; ++round) check({workers.get()});
   }
 }
 

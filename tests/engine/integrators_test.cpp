@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "engine/integrators/flow.h"
 #include "engine/integrators/integrator.h"
 #include "engine/islands/solver_sets.h"
 #include "engine/math/trig.h"
@@ -150,10 +151,10 @@ std::vector<Problem> problems() {
 }
 
 /// The forces of the test's pendulum: theta'' = -10 sin theta of the body's own angle.
-void pendulum_forces(const engine::f64::Model&, const engine::f64::State& state, engine::f64::Scratch& scratch) {
-  for (std::size_t row = 0; row < state.bodies.size(); ++row) {
-    const engine::f64::Rotation turned = scratch.bodies[row].delta_rotation * state.bodies[row].rotation;
-    scratch.accelerations[row].angular -= 10 * turned.s;
+void pendulum_forces(const engine::f64::SolvedSet& solved, engine::f64::MotionWorkspace& work) {
+  for (std::size_t row = 0; row < solved.state.bodies.size(); ++row) {
+    const engine::f64::Rotation turned = solved.bodies.records[row].delta_rotation * solved.state.bodies[row].rotation;
+    work.accelerations[row].angular -= 10 * turned.s;
   }
 }
 
@@ -171,13 +172,15 @@ class Stepper {
     state_ = engine::f64::initial_state(model_);
   }
   void step(double h) {
-    engine::f64::prepare_bodies(model_, state_, scratch_);
-    engine::f64::put_all_into_one_set(model_, state_, scratch_);
-    engine::f64::enter_solver_set(state_, scratch_, scratch_.solver_sets[0], h);
-    scheme_.begin(model_, state_, scratch_, h);
-    scheme_.predict(model_, state_, scratch_, h);
-    scheme_.drift(model_, state_, scratch_, h);
-    engine::f64::store_bodies(scratch_, state_);
+    engine::f64::prepare_bodies(model_, state_, tick_, bodies_);
+    engine::f64::begin_motion(state_, work_);
+    engine::f64::put_all_into_one_set(model_, state_, bodies_, tick_);
+    const engine::f64::SolvedSet solved = engine::f64::enter_solver_set(model_, state_, tick_, bodies_, 0, h);
+    scheme_.begin(solved, work_, h);
+    scheme_.predict(solved, work_, h);
+    scheme_.drift(solved, work_, h);
+    engine::f64::store_bodies(bodies_, tick_, state_);
+    engine::f64::store_motion(work_, state_);
   }
   const engine::f64::BodyRow& body() const { return state_.bodies[0]; }
   std::uint32_t unconverged() const { return state_.integrator.unconverged; }
@@ -186,7 +189,9 @@ class Stepper {
   const engine::f64::Integrator& scheme_;
   engine::f64::Model model_;
   engine::f64::State state_;
-  engine::f64::Scratch scratch_;
+  engine::f64::TickLists tick_;
+  engine::f64::SolverBodies bodies_;
+  engine::f64::MotionWorkspace work_;
 };
 
 double rms_error(const Problem& problem, IntegratorKind kind, int step_count) {

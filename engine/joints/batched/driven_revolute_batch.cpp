@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/joints/batched/driven_revolute_batch.h"
 
-#include "engine/model/bodies.h"
+#include "engine/joints/joint_passes.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -32,64 +33,64 @@ void fill_lane(DrivenRevoluteBatch& batch, std::size_t lane, const JointWork& jo
 }
 
 template <typename Kernel>
-void run_kernel(Scratch& scratch, const JointRange& range, Real h, Kernel kernel) {
-  scratch.parallel.for_chunks(range.last - range.first, range.chunk_size, [&](const Chunk& chunk) {
-    kernel({scratch.driven_revolutes.batches.data() + range.first + chunk.begin, chunk.end - chunk.begin,
-            &scratch.bodies.data()->velocity.x, h, scratch.driven_revolutes.soft});
+void run_kernel(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Real h, Kernel kernel) {
+  solved.parallel().for_chunks(range.last - range.first, chunk_size_of(work, range), [&](const Chunk& chunk) {
+    kernel({work.driven_revolutes.batches.data() + range.first + chunk.begin, chunk.end - chunk.begin,
+            solved.bodies.lanes(), h, work.driven_revolutes.soft});
   });
 }
 
 }  // namespace
 
-void fill_driven_revolutes(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h) {
-  DrivenRevoluteBatches& driven_revolutes = scratch.driven_revolutes;
-  const std::vector<JointSpan>& spans = scratch.caches.joints.driven_revolutes;
+void fill_driven_revolutes(const SolvedSet& solved, JointWorkspace& work) {
+  DrivenRevoluteBatches& driven_revolutes = work.driven_revolutes;
+  const std::span<const JointSpan> spans = work.plan.driven_revolutes();
+  const std::span<const JointPlace> places = work.plan.places();
   const std::size_t count = spans.size();
   if (driven_revolutes.batches.size() < count) driven_revolutes.batches.resize(count);
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 2, 1), [&](const Chunk& chunk) {
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 2, 1), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const JointSpan& span = spans[i];
       DrivenRevoluteBatch& batch = driven_revolutes.batches[i];
       batch = {};
-      clear_revolutes(scratch, batch.point);
+      clear_revolutes(solved.bodies, batch.point);
       batch.point.count = static_cast<std::int32_t>(span.count);
       for (std::uint32_t lane = 0; lane < span.count; ++lane) {
-        prefetch_joint(state, scratch, span.first + lane);
-        fill_lane(batch, lane,
-                  make_joint(model, state, scratch, scratch.caches.joints.places[span.first + lane], soft, h));
+        prefetch_joint(solved.state, places, span.first + lane);
+        fill_lane(batch, lane, make_joint(solved, places[span.first + lane], driven_revolutes.soft));
       }
-      if (scratch.uses_wavefront) redirect_to_sink(scratch, batch.point, span.level);
+      if (work.uses_wavefront) redirect_to_sink(solved.bodies, batch.point, span.level);
     }
   });
 }
 
-std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last) {
-  const std::size_t count = last - first;
-  const std::size_t size = scratch.parallel.chunk_size(count, joint_batches_per_chunk_least, 1);
-  for (std::size_t i = size; i < count; ++i)  // the first chunk writes to the sink that the batches have already
-    redirect_to_sink(scratch, scratch.driven_revolutes.batches[first + i].point, i / size);
-  return size;
+void separate_driven_revolute_sinks(const SolverBodies& bodies, const JointRange& range,
+                                    DrivenRevoluteBatches& driven) {
+  // The first chunk writes to the sink that the batches have already.
+  for (std::size_t i = range.chunk_size; i < range.last - range.first; ++i)
+    redirect_to_sink(bodies, driven.batches[range.first + i].point, i / range.chunk_size);
 }
 
-void save_driven_revolutes(Scratch& scratch, const JointRange& range) {
-  run_kernel(scratch, range, Real(1), scratch.kernels->driven_revolutes.save_velocities);
+void save_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range) {
+  run_kernel(solved, work, range, Real(1), solved.kernels().driven_revolutes.save_velocities);
 }
 
-void warm_start_driven_revolutes(Scratch& scratch, const JointRange& range) {
-  run_kernel(scratch, range, Real(1), scratch.kernels->driven_revolutes.warm_start);
+void warm_start_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range) {
+  run_kernel(solved, work, range, Real(1), solved.kernels().driven_revolutes.warm_start);
 }
 
-void solve_driven_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias) {
-  const DrivenRevoluteKernels& kernels = scratch.kernels->driven_revolutes;
-  run_kernel(scratch, range, h, bias == Bias::on ? kernels.solve : kernels.relax);
+void solve_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias) {
+  const DrivenRevoluteKernels& kernels = solved.kernels().driven_revolutes;
+  run_kernel(solved, work, range, solved.set.h, bias == Bias::on ? kernels.solve : kernels.relax);
 }
 
-void store_driven_revolutes(const Scratch& scratch, State& state, Real h) {
+void store_driven_revolutes(const SolvedSet& solved, const JointWorkspace& work, State& state) {
+  const Real h = solved.set.h;
   const Real inv_h = 1 / h;
-  const std::size_t count = scratch.caches.joints.driven_revolutes.size();
-  scratch.parallel.for_chunks(count, scratch.parallel.chunk_size(count, 4, 1), [&](const Chunk& chunk) {
+  const std::size_t count = work.plan.driven_revolutes().size();
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 4, 1), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const DrivenRevoluteBatch& batch = scratch.driven_revolutes.batches[i];
+      const DrivenRevoluteBatch& batch = work.driven_revolutes.batches[i];
       for (std::int32_t lane = 0; lane < batch.point.count; ++lane) {
         JointRow& row = state.joints[batch.point.row[lane]];
         const Vec2 linear{batch.point.impulse_x.at[lane], batch.point.impulse_y.at[lane]};

@@ -15,14 +15,20 @@ struct DrivenRevoluteBatches {
   Softness soft;
 };
 
+template <typename Visit>
+void list_fields(DrivenRevoluteBatches& of, const Visit& visit) {
+  auto& [batches, soft] = of;
+  visit(in_place(batches), soft);
+}
+
 /// Fills the batches of the plan.
-void fill_driven_revolutes(const Model& model, const State& state, Scratch& scratch, const Softness& soft, Real h);
-/// As split_revolutes (revolute_batch.h).
-std::size_t split_driven_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last);
-void save_driven_revolutes(Scratch& scratch, const JointRange& range);
-void warm_start_driven_revolutes(Scratch& scratch, const JointRange& range);
-void solve_driven_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias);
+void fill_driven_revolutes(const SolvedSet& solved, JointWorkspace& work);
+/// As separate_revolute_sinks (revolute_batch.h).
+void separate_driven_revolute_sinks(const SolverBodies& bodies, const JointRange& range, DrivenRevoluteBatches& driven);
+void save_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
+void warm_start_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range);
+void solve_driven_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias);
 /// Impulses back to state.joints, as forces.
-void store_driven_revolutes(const Scratch& scratch, State& state, Real h);
+void store_driven_revolutes(const SolvedSet& solved, const JointWorkspace& work, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -3,7 +3,7 @@
 // Source: as joint_rows.h. Each lane does the operations of solve_revolute (joint_point.cpp) in the same order, with
 // selections instead of branches.
 #include "engine/joints/batched/revolute_simd.h"
-#include "engine/math/arc_tangent_terms.h"
+#include "engine/math/arc_tangent.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
 namespace {
@@ -12,50 +12,6 @@ using MaskxN = decltype(RealxN{} > RealxN{});
 using Doubles = double __attribute__((vector_size(simd_size)));
 constexpr int double_count = simd_size / static_cast<int>(sizeof(double));
 constexpr int angle_parts = simd_width / double_count;
-
-TICKTRUE_INLINE Doubles doubles_of(double value) {
-  return value - Doubles{};
-}
-
-/// arc_tangent of math/trig.cpp, lane by lane.
-TICKTRUE_INLINE Doubles arc_tangent(Doubles y, Doubles x) {
-  const Doubles zero{};
-  Doubles abs_y = y < zero ? -y : y;
-  Doubles abs_x = x < zero ? -x : x;
-  const Doubles high = abs_y > abs_x ? abs_y : abs_x;
-  const auto is_number = (abs_y + abs_x >= zero) & (high <= doubles_of(0x1.fffffffffffffp1023));
-  const Doubles scale = high > doubles_of(0x1p1000)
-                            ? doubles_of(0x1p-100)
-                            : (high < doubles_of(0x1p-900) ? doubles_of(0x1p100) : doubles_of(1));
-  abs_y *= scale;
-  abs_x *= scale;
-  const auto is_steep = abs_y > abs_x;
-  const Doubles below = is_steep ? abs_x : abs_y;
-  Doubles above = is_steep ? abs_y : abs_x;
-  above = above > zero ? above : doubles_of(1);
-  // The nearest eighth: add a half, then cut off.
-  const Doubles share = below / above * doubles_of(8) + doubles_of(0.5);
-  const Doubles round = doubles_of(0x1p52);
-  const Doubles nearest = (share + round) - round;
-  const Doubles eighths = nearest > share ? nearest - doubles_of(1) : nearest;
-  const Doubles c = eighths * doubles_of(0.125);
-  const Doubles u = (below - c * above) / (above + c * below);
-  const Doubles z = u * u;
-  Doubles p = doubles_of(1.0 / 13.0);
-  p = p * z - doubles_of(1.0 / 11.0);
-  p = p * z + doubles_of(1.0 / 9.0);
-  p = p * z - doubles_of(1.0 / 7.0);
-  p = p * z + doubles_of(1.0 / 5.0);
-  p = p * z - doubles_of(1.0 / 3.0);
-  Doubles base = zero;
-  for (int i = 1; i < 9; ++i) base = eighths >= doubles_of(i) ? doubles_of(atan_of_eighths[i]) : base;
-  const Doubles octant = base + (u + u * z * p);
-  Doubles angle = is_steep ? doubles_of(half_pi_near) - (octant - doubles_of(half_pi_rest)) : octant;
-  angle = x < zero ? doubles_of(2 * half_pi_near) - (angle - doubles_of(2 * half_pi_rest)) : angle;
-  angle = y < zero ? -angle : angle;
-  angle = high == zero ? zero : angle;
-  return is_number ? angle : doubles_of(__builtin_nan(""));
-}
 
 /// joint_rows.h, relative_angle.
 TICKTRUE_INLINE RealxN relative_angle(const RealxN& ac, const RealxN& as, const RealxN& bc, const RealxN& bs,
@@ -71,7 +27,7 @@ TICKTRUE_INLINE RealxN relative_angle(const RealxN& ac, const RealxN& as, const 
       y[i] = static_cast<double>(qs[part * double_count + i]);
       x[i] = static_cast<double>(qc[part * double_count + i]);
     }
-    const Doubles angle = arc_tangent(y, x);
+    const Doubles angle = arc_tangent_of(y, x);
     for (int i = 0; i < double_count; ++i) angles[part * double_count + i] = static_cast<Real>(angle[i]);
   }
   return load_xn(angles);
@@ -175,7 +131,7 @@ void solve(const DrivenRevoluteWork& work) {
       const RealxN m = pair.inv_mass_a + pair.inv_mass_b;
       const RealxN ia = pair.inv_inertia_a;
       const RealxN ib = pair.inv_inertia_b;
-      const PointMobility k = mobility_of(pair, arms);
+      const PointMobility<RealxN> k = mobility_of(pair, arms);
       const RealxN inv_determinant = one / (k.determinant > zero ? k.determinant : one);
       const RealxN length2_a = arms.ax * arms.ax + arms.ay * arms.ay;
       const RealxN length2_b = arms.bx * arms.bx + arms.by * arms.by;

@@ -3,7 +3,8 @@
 // Source: Bellman, "On a Routing Problem", 1958 (relaxation until nothing changes).
 #include "engine/joints/batched/level_schedule.h"
 
-#include "engine/model/bodies.h"
+#include "engine/joints/joint_order.h"
+#include "engine/model/solved_set.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -16,31 +17,31 @@ constexpr int iteration_count_max = 8;
 
 /// Calls `use` with each dynamic body of a joint.
 template <typename Use>
-void for_dynamic_bodies(const Scratch& scratch, const JointPlace& place, Use use) {
-  const std::uint32_t sink = dummy_sink(scratch);
-  if (place.body_a != no_reference && scratch.masses[place.body_a].write != sink) use(place.body_a);
-  if (scratch.masses[place.body_b].write != sink) use(place.body_b);
+void for_dynamic_bodies(const SolverBodies& bodies, const JointPlace& place, Use use) {
+  const std::uint32_t sink = dummy_sink(bodies);
+  if (place.body_a != no_reference && bodies.masses[place.body_a].write != sink) use(place.body_a);
+  if (bodies.masses[place.body_b].write != sink) use(place.body_b);
 }
 
 /// Whether a joint is attached to a kinematic body.
-bool joins_kinematic(const Scratch& scratch) {
-  const std::uint32_t sink = dummy_sink(scratch);
+bool joins_kinematic(const SolverBodies& bodies, const JointOrder& order) {
+  const std::uint32_t sink = dummy_sink(bodies);
   const auto is_kinematic = [&](std::uint32_t row) {
-    return scratch.masses[row].write == sink && scratch.masses[row].read == row;
+    return bodies.masses[row].write == sink && bodies.masses[row].read == row;
   };
-  for (const JointPlace& place : scratch.caches.joints.places)
+  for (const JointPlace& place : order.places)
     if (is_kinematic(place.body_b) || (place.body_a != no_reference && is_kinematic(place.body_a))) return true;
   return false;
 }
 
 /// Finds the first and the last joint of each body. Returns the largest number of joints of one body.
-std::uint32_t find_body_joints(Scratch& scratch) {
-  const std::vector<JointPlace>& places = scratch.caches.joints.places;
+std::uint32_t find_body_joints(const SolverBodies& bodies, const JointOrder& order, JointOrderWork& work) {
+  const std::vector<JointPlace>& places = order.places;
   std::uint32_t most = 0;
-  scratch.body_joints.assign(scratch.masses.size(), {});
+  work.body_joints.assign(bodies.masses.size(), {});
   for (std::uint32_t i = 0; i < places.size(); ++i)
-    for_dynamic_bodies(scratch, places[i], [&](std::uint32_t row) {
-      BodyJoints& joints = scratch.body_joints[row];
+    for_dynamic_bodies(bodies, places[i], [&](std::uint32_t row) {
+      BodyJoints& joints = work.body_joints[row];
       if (joints.count++ == 0) joints.first = i;
       joints.last = i;
       most = joints.count > most ? joints.count : most;
@@ -50,64 +51,64 @@ std::uint32_t find_body_joints(Scratch& scratch) {
 
 /// Raises each joint above the earlier joints that share a dynamic body with it. A first joint of a body is also raised
 /// to less than `distance` below the last one. True if no level changed.
-bool raise_levels(Scratch& scratch, std::uint32_t distance) {
-  JointPlan& plan = scratch.caches.joints;
-  std::vector<std::uint32_t>& next = scratch.body_levels;
-  next.assign(scratch.masses.size(), 0);
+bool raise_levels(const SolverBodies& bodies, std::uint32_t distance, JointOrderWork& work, JointOrder& order) {
+  std::vector<std::uint32_t>& next = work.body_levels;
+  next.assign(bodies.masses.size(), 0);
   bool fits = true;
-  for (std::uint32_t i = 0; i < plan.places.size(); ++i) {
-    JointPlace& place = plan.places[i];
+  for (std::uint32_t i = 0; i < order.places.size(); ++i) {
+    JointPlace& place = order.places[i];
     std::uint32_t level = place.level;
-    for_dynamic_bodies(scratch, place, [&](std::uint32_t row) {
-      const BodyJoints& joints = scratch.body_joints[row];
+    for_dynamic_bodies(bodies, place, [&](std::uint32_t row) {
+      const BodyJoints& joints = work.body_joints[row];
       level = next[row] > level ? next[row] : level;
       if (joints.first != i) return;
-      const std::uint32_t last = plan.places[joints.last].level;
+      const std::uint32_t last = order.places[joints.last].level;
       if (last >= level + distance) level = last - distance + 1;
     });
     fits = fits && level == place.level;
     place.level = level;
-    for_dynamic_bodies(scratch, place, [&](std::uint32_t row) { next[row] = level + 1; });
-    if (level >= plan.level_count) plan.level_count = level + 1;
+    for_dynamic_bodies(bodies, place, [&](std::uint32_t row) { next[row] = level + 1; });
+    if (level >= order.level_count) order.level_count = level + 1;
   }
   return fits;
 }
 
-void sort_bodies(Scratch& scratch) {
-  JointPlan& plan = scratch.caches.joints;
-  std::vector<std::uint32_t>& start = plan.level_bodies;
-  start.assign(std::size_t{plan.level_count} + 2, 0);
-  const auto first_level = [&](const BodyJoints& joints) { return plan.places[joints.first].level; };
-  for (const BodyJoints& joints : scratch.body_joints)
+void sort_bodies(const JointOrderWork& work, JointOrder& order) {
+  LevelSchedule& schedule = order.schedule;
+  std::vector<std::uint32_t>& start = schedule.level_bodies;
+  start.assign(std::size_t{order.level_count} + 2, 0);
+  const auto first_level = [&](const BodyJoints& joints) { return order.places[joints.first].level; };
+  for (const BodyJoints& joints : work.body_joints)
     if (joints.count > 0) ++start[first_level(joints) + 2];
   for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-  plan.body_rows.resize(start.back());
-  for (std::uint32_t row = 0; row < scratch.body_joints.size(); ++row) {
-    const BodyJoints& joints = scratch.body_joints[row];
-    if (joints.count > 0) plan.body_rows[start[first_level(joints) + 1]++] = row;
+  schedule.body_rows.resize(start.back());
+  for (std::uint32_t row = 0; row < work.body_joints.size(); ++row) {
+    const BodyJoints& joints = work.body_joints[row];
+    if (joints.count > 0) schedule.body_rows[start[first_level(joints) + 1]++] = row;
   }
   start.pop_back();
 }
 
 }  // namespace
 
-bool schedule_levels(Scratch& scratch) {
-  JointPlan& plan = scratch.caches.joints;
-  const bool is_forced = scratch.parallel.chunk_size_forced > 0;
-  if ((plan.places.size() < joint_count_least && !is_forced) || joins_kinematic(scratch)) return false;
-  const std::uint32_t level_count = plan.level_count;
-  scratch.sorted_places = plan.places;
-  const std::uint32_t least = find_body_joints(scratch);
-  for (plan.distance = least; is_forced || plan.distance * distances_least <= level_count; plan.distance *= 2) {
+bool schedule_levels(const SolvedSet& solved, JointOrderWork& work, JointOrder& order) {
+  const SolverBodies& bodies = solved.bodies;
+  std::uint32_t& distance = order.schedule.distance;
+  const bool is_forced = solved.parallel().chunk_size_forced > 0;
+  if ((order.places.size() < joint_count_least && !is_forced) || joins_kinematic(bodies, order)) return false;
+  const std::uint32_t level_count = order.level_count;
+  work.sorted_places = order.places;
+  const std::uint32_t least = find_body_joints(bodies, order, work);
+  for (distance = least; is_forced || distance * distances_least <= level_count; distance *= 2) {
     bool fits = false;
     for (int iteration = 0; !fits && iteration < iteration_count_max; ++iteration)
-      fits = raise_levels(scratch, plan.distance);
-    if (fits && (is_forced || plan.level_count <= level_count + level_count / 8)) {
-      sort_bodies(scratch);
+      fits = raise_levels(bodies, distance, work, order);
+    if (fits && (is_forced || order.level_count <= level_count + level_count / 8)) {
+      sort_bodies(work, order);
       return true;
     }
-    plan.places = scratch.sorted_places;
-    plan.level_count = level_count;
+    order.places = work.sorted_places;
+    order.level_count = level_count;
   }
   return false;
 }

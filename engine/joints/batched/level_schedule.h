@@ -7,11 +7,13 @@
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
-struct Scratch;
+struct JointOrder;
+struct JointOrderWork;
+struct SolvedSet;
 
-/// Raises levels of the plan's joints until the joints of each body are less than plan.distance levels apart. Then
-/// sorts the bodies by the level of their first joint. False: no distance pays, or a joint is attached to a kinematic
-/// body; the levels are unchanged. Requires: places in scene order.
-bool schedule_levels(Scratch& scratch);
+/// Raises levels of the joints until the joints of each body are less than schedule.distance levels apart. Then sorts
+/// the bodies by the level of their first joint. False: no distance pays, or a joint is attached to a kinematic body;
+/// the levels are unchanged. Requires: places in scene order.
+bool schedule_levels(const SolvedSet& solved, JointOrderWork& work, JointOrder& order);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

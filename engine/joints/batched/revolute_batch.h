@@ -2,17 +2,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "engine/contacts/contact_batch.h"
 #include "engine/joints/batched/revolute_lanes.h"
 #include "engine/joints/joint_order.h"
 #include "engine/math/vec2.h"
+#include "engine/model/poison.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct BodyMass;
 struct JointRange;
+struct JointWorkspace;
+struct SolvedSet;
+struct SolverBodies;
+struct State;
 
 /// How plain revolute joints are solved.
 enum class RevoluteOrder : std::uint8_t {
@@ -34,31 +39,40 @@ struct RevoluteBatches {
   Softness soft;
 };
 
+template <typename Visit>
+void list_fields(RevoluteBatches& of, const Visit& visit) {
+  auto& [order, batches, arms, soft] = of;
+  visit(order, in_place(batches), in_place(arms), soft);
+}
+
 /// The least number of batches per chunk for which a second thread pays.
 inline constexpr std::size_t joint_batches_per_chunk_least = 10;
 
 /// Prefetches the state row of a joint some places later: joints of a level are scattered in memory.
-void prefetch_joint(const State& state, const Scratch& scratch, std::size_t place);
+void prefetch_joint(const State& state, std::span<const JointPlace> places, std::size_t place);
 
 /// Clears a batch: empty lanes read the dummy body and write to a sink.
-void clear_revolutes(const Scratch& scratch, RevoluteBatch& batch);
+void clear_revolutes(const SolverBodies& bodies, RevoluteBatch& batch);
 /// Gives a batch the sink of this chunk.
-void redirect_to_sink(const Scratch& scratch, RevoluteBatch& batch, std::size_t chunk);
+void redirect_to_sink(const SolverBodies& bodies, RevoluteBatch& batch, std::size_t chunk);
 
 /// The point constraint of a joint, in one lane. `anchor_a`, `anchor_b`, `center_offset` and `impulse` as in JointWork.
 void fill_revolute_lane(RevoluteBatch& batch, std::size_t lane, std::uint32_t row, const BodyMass& a, const BodyMass& b,
                         Vec2 anchor_a, Vec2 anchor_b, Vec2 center_offset, Vec2 impulse);
 
 /// Allocates the batches of the plan.
-void reserve_revolutes(Scratch& scratch);
+void reserve_revolutes(const SolvedSet& solved, JointWorkspace& work);
 /// Fills the batches first..last-1 of the plan.
-void fill_revolutes(const State& state, Scratch& scratch, std::size_t first, std::size_t last, Real h);
-/// Prepares the batches first..last-1 for several threads and returns the chunk size. Requires: the batches are of one
-/// level, or one thread solves them.
-std::size_t split_revolutes(Scratch& scratch, std::uint32_t first, std::uint32_t last);
-void warm_start_revolutes(Scratch& scratch, const JointRange& range, Poses poses, std::size_t front);
-void solve_revolutes(Scratch& scratch, const JointRange& range, Real h, Bias bias, std::size_t front);
+void fill_revolutes(const SolvedSet& solved, JointWorkspace& work, std::size_t first, std::size_t last);
+/// Gives each chunk of a range a sink of its own.
+void separate_revolute_sinks(const SolverBodies& bodies, const JointRange& range, RevoluteBatches& revolutes);
+/// Batches per chunk of a range. A wavefront sweep does not share ranges.
+std::size_t chunk_size_of(const JointWorkspace& work, const JointRange& range);
+void warm_start_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Poses poses,
+                          std::size_t front);
+void solve_revolutes(const SolvedSet& solved, JointWorkspace& work, const JointRange& range, Bias bias,
+                     std::size_t front);
 /// Impulses of the batches first..last-1 back to state.joints, as forces.
-void store_revolutes(const Scratch& scratch, State& state, std::size_t first, std::size_t last, Real h);
+void store_revolutes(const RevoluteBatches& revolutes, std::size_t first, std::size_t last, Real h, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -18,7 +18,7 @@ TICKTRUE_INLINE PointConstraint compute_constraint(const LaneRange& lanes, const
                                                    RevoluteArms& out) {
   const RealxN one = broadcast(1);
   const Arms arms = load_arms(lanes, pair, bodies);
-  const PointMobility k = mobility_of(pair, arms);
+  const PointMobility<RealxN> k = mobility_of(pair, arms);
   // Empty lanes have no mobility. They divide by one.
   const PointConstraint constraint{arms, k.k11, k.k12, k.k22, one / (k.determinant > RealxN{} ? k.determinant : one)};
   lanes.store(out.ax, arms.ax);
@@ -144,11 +144,6 @@ struct SerialRevolute {
     b[2] = bw + batch.inv_inertia_b.at[lane] * (arms.bx.at[lane] * py - arms.by.at[lane] * px);
   }
 };
-
-TICKTRUE_INLINE Real versine(Real angle) {
-  const Real x2 = angle * angle;
-  return x2 / (2 + Real(0.5) * x2);
-}
 
 template <bool is_soft>
 TICKTRUE_INLINE void solve_one(const RevoluteWork& work, const Softness& soft, SerialRevolute joint) {

@@ -8,7 +8,7 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 struct RevoluteBatch {
-  std::uint32_t read_a[lane_count];  // in Scratch::bodies; static bodies and empty lanes read the dummy body
+  std::uint32_t read_a[lane_count];  // in SolverBodies::records; static bodies and empty lanes read the dummy body
   std::uint32_t read_b[lane_count];
   std::uint32_t write_a[lane_count];  // non-dynamic bodies are written to a sink
   std::uint32_t write_b[lane_count];

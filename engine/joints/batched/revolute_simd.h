@@ -3,7 +3,8 @@
 // Source: as joint_rows.h.
 #pragma once
 
-#include "engine/contacts/solver_kernels.h"
+#include "engine/joints/revolute_point.h"
+#include "engine/model/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA {
@@ -23,11 +24,7 @@ struct Pair {
   RealxN inv_mass_a, inv_mass_b, inv_inertia_a, inv_inertia_b;
 };
 
-/// Where the impulse acts.
-struct Arms {
-  RealxN ax, ay, bx, by;  // from the centres of mass, m
-  RealxN ex, ey;          // from A's anchor to B's, m
-};
+using Arms = PointArms<RealxN>;
 
 TICKTRUE_INLINE Pair load_pair(const LaneRange& lanes, const Real* bodies) {
   return {gather4<body_record_length>(bodies, lanes.batch.read_a + lanes.first),
@@ -38,34 +35,17 @@ TICKTRUE_INLINE Pair load_pair(const LaneRange& lanes, const Real* bodies) {
           lanes.load(lanes.batch.inv_inertia_b)};
 }
 
-/// joint_rows.h, middle_share.
-TICKTRUE_INLINE RealxN middle_share(const Pair& pair, const Arms& arms) {
-  const RealxN zero{};
-  const RealxN arm2_a = pair.inv_inertia_a > zero ? arms.ax * arms.ax + arms.ay * arms.ay : zero;
-  const RealxN arm2_b = pair.inv_inertia_b > zero ? arms.bx * arms.bx + arms.by * arms.by : zero;
-  const RealxN arm2 = larger(arm2_a, arm2_b);
-  const RealxN most = larger(broadcast(Real(0.25)) * (arms.ex * arms.ex + arms.ey * arms.ey), arm2);
-  const RealxN half = broadcast(Real(0.5));
-  return arm2 > zero ? half * (arm2 / (arm2 > zero ? most : broadcast(1))) : half;
-}
-
-/// `a`, `b`: delta positions and delta rotations of the bodies since the tick began.
+/// Arms to where the impulse acts. `a`, `b`: delta positions and delta rotations of the bodies since the tick began.
 TICKTRUE_INLINE Arms arms_of(const LaneRange& lanes, const Pair& pair, const Columns4xN& a, const Columns4xN& b) {
   const RevoluteBatch& batch = lanes.batch;
-  const RealxN anchor_a_x = lanes.load(batch.anchor_a_x), anchor_a_y = lanes.load(batch.anchor_a_y);
-  const RealxN anchor_b_x = lanes.load(batch.anchor_b_x), anchor_b_y = lanes.load(batch.anchor_b_y);
-  Arms arms;
-  arms.ax = a.at[2] * anchor_a_x - a.at[3] * anchor_a_y;
-  arms.ay = a.at[3] * anchor_a_x + a.at[2] * anchor_a_y;
-  arms.bx = b.at[2] * anchor_b_x - b.at[3] * anchor_b_y;
-  arms.by = b.at[3] * anchor_b_x + b.at[2] * anchor_b_y;
-  arms.ex = (lanes.load(batch.center_offset_x) + (b.at[0] - a.at[0])) + (arms.bx - arms.ax);
-  arms.ey = (lanes.load(batch.center_offset_y) + (b.at[1] - a.at[1])) + (arms.by - arms.ay);
-  const RealxN share = middle_share(pair, arms);
-  arms.ax = arms.ax + share * arms.ex;
-  arms.ay = arms.ay + share * arms.ey;
-  arms.bx = arms.bx - share * arms.ex;
-  arms.by = arms.by - share * arms.ey;
+  const auto load_two = [&](const Lanes& x, const Lanes& y) -> PointPair<RealxN> {
+    return {lanes.load(x), lanes.load(y)};
+  };
+  Arms arms =
+      anchor_arms<RealxN>({a.at[0], a.at[1], a.at[2], a.at[3]}, {b.at[0], b.at[1], b.at[2], b.at[3]},
+                          load_two(batch.anchor_a_x, batch.anchor_a_y), load_two(batch.anchor_b_x, batch.anchor_b_y),
+                          load_two(batch.center_offset_x, batch.center_offset_y));
+  meet_in_the_middle(arms, middle_share(arms, pair.inv_inertia_a, pair.inv_inertia_b));
   return arms;
 }
 
@@ -75,27 +55,8 @@ TICKTRUE_INLINE Arms load_arms(const LaneRange& lanes, const Pair& pair, const R
   return arms_of(lanes, pair, a, b);
 }
 
-/// The mobility of the point: velocity per impulse (joint_rows.h, point_row).
-struct PointMobility {
-  RealxN k11, k12, k22;
-  RealxN determinant;
-  RealxN area;  // cross(arm of A, arm of B), m^2
-};
-
-TICKTRUE_INLINE PointMobility mobility_of(const Pair& pair, const Arms& arms) {
-  const RealxN inv_mass = pair.inv_mass_a + pair.inv_mass_b;
-  const RealxN ia = pair.inv_inertia_a;
-  const RealxN ib = pair.inv_inertia_b;
-  PointMobility k;
-  k.k11 = inv_mass + (ia * arms.ay * arms.ay + ib * arms.by * arms.by);
-  k.k12 = -(ia * arms.ax * arms.ay + ib * arms.bx * arms.by);
-  k.k22 = inv_mass + (ia * arms.ax * arms.ax + ib * arms.bx * arms.bx);
-  k.area = arms.ax * arms.by - arms.ay * arms.bx;
-  k.determinant =
-      inv_mass *
-          (inv_mass + (ia * (arms.ax * arms.ax + arms.ay * arms.ay) + ib * (arms.bx * arms.bx + arms.by * arms.by))) +
-      (ia * k.area) * (ib * k.area);
-  return k;
+TICKTRUE_INLINE PointMobility<RealxN> mobility_of(const Pair& pair, const Arms& arms) {
+  return point_mobility(arms, pair.inv_mass_a + pair.inv_mass_b, pair.inv_inertia_a, pair.inv_inertia_b);
 }
 
 /// Applies impulse (px, py) at the point, -on A, +on B, and writes the velocities back.
@@ -109,12 +70,6 @@ TICKTRUE_INLINE void apply_impulse(const LaneRange& lanes, Pair& pair, const Arm
   pair.b.at[2] += pair.inv_inertia_b * (arms.bx * py - arms.by * px);
   scatter4<body_record_length>(bodies, lanes.batch.write_a + lanes.first, pair.a);
   scatter4<body_record_length>(bodies, lanes.batch.write_b + lanes.first, pair.b);
-}
-
-/// 1 - cos(angle) of an arm that rotates by `angle` (joint_rows.h, arm_rotation_rate).
-TICKTRUE_INLINE RealxN versine(RealxN angle) {
-  const RealxN x2 = angle * angle;
-  return x2 / (broadcast(2) + broadcast(Real(0.5)) * x2);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION::TICKTRUE_ISA

@@ -6,8 +6,6 @@
 #include <array>
 
 #include "engine/integrators/flow.h"
-#include "engine/model/bodies.h"
-#include "engine/model/model.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
@@ -15,38 +13,38 @@ namespace {
 /// A pass over all joints, with the step of all bodies that comes before it.
 enum class Pass : std::uint8_t { save_velocities, warm_start, warm_start_again, solve, relax };
 
-void step_bodies(Scratch& scratch, Pass pass, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t* rows = plan.body_rows.data() + plan.level_bodies[level];
-  const std::size_t count = plan.level_bodies[level + 1] - plan.level_bodies[level];
+void step_bodies(const SolvedSet& solved, const LevelSchedule& schedule, const MotionWorkspace& steps, Pass pass,
+                 std::uint32_t level) {
+  const std::uint32_t* rows = schedule.body_rows.data() + schedule.level_bodies[level];
+  const std::size_t count = schedule.level_bodies[level + 1] - schedule.level_bodies[level];
   if (count == 0) return;
-  const MotionKernels& motion = scratch.kernels->motion;
-  Real* bodies = &scratch.bodies.data()->velocity.x;
+  const MotionKernels& motion = solved.kernels().motion;
+  Real* bodies = solved.bodies.lanes();
   if (pass == Pass::warm_start || pass == Pass::warm_start_again)
-    motion.step_velocities(bodies, scratch.caches.velocity_steps.rows()->gain, rows, count);
-  if (pass == Pass::relax) motion.move_bodies(bodies, rows, count, dummy_body(scratch), dummy_sink(scratch, level), h);
+    motion.step_velocities(bodies, steps.velocity_steps.rows()->gain, rows, count);
+  if (pass == Pass::relax)
+    motion.move_bodies(bodies, rows, count, dummy_body(solved.bodies), dummy_sink(solved.bodies, level), solved.set.h);
 }
 
-void do_level(Scratch& scratch, Pass pass, std::size_t front, std::uint32_t level, Real h) {
-  const JointPlan& plan = scratch.caches.joints;
-  step_bodies(scratch, pass, level, h);
-  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i) {
-    const JointRange& range = plan.ranges[i];
+void do_level(const SolvedSet& solved, JointWorkspace& work, const MotionWorkspace& steps, Pass pass, std::size_t front,
+              std::uint32_t level) {
+  step_bodies(solved, work.plan.schedule(), steps, pass, level);
+  for (const JointRange& range : work.plan.ranges_of_level(level)) {
     switch (pass) {
       case Pass::save_velocities:
-        save_velocities_of(scratch, range);
+        save_velocities_of(solved, work, range);
         break;
       case Pass::warm_start:
-        warm_start_range(scratch, range, Poses::moved, front);
+        warm_start_range(solved, work, range, Poses::moved, front);
         break;
       case Pass::warm_start_again:
-        warm_start_range(scratch, range, Poses::unmoved, front);
+        warm_start_range(solved, work, range, Poses::unmoved, front);
         break;
       case Pass::solve:
-        solve_range(scratch, range, h, Bias::on, front);
+        solve_range(solved, work, range, Bias::on, front);
         break;
       case Pass::relax:
-        solve_range(scratch, range, h, Bias::off, front);
+        solve_range(solved, work, range, Bias::off, front);
         break;
     }
   }
@@ -55,8 +53,8 @@ void do_level(Scratch& scratch, Pass pass, std::size_t front, std::uint32_t leve
 /// Calls body(first, last) for the batches of plain revolute joints of a level.
 template <typename Body>
 void for_revolutes_of(const JointPlan& plan, std::uint32_t level, const Body& body) {
-  for (std::uint32_t i = plan.level_ranges[level]; i < plan.level_ranges[level + 1]; ++i)
-    if (plan.ranges[i].path == JointPath::revolute) body(plan.ranges[i].first, plan.ranges[i].last);
+  for (const JointRange& range : plan.ranges_of_level(level))
+    if (range.path == JointPath::revolute) body(range.first, range.last);
 }
 
 constexpr std::size_t front_count_max = 64;
@@ -69,7 +67,7 @@ struct Passes {
   std::size_t count;
 
   Passes(const JointPlan& plan, int substeps) {
-    for (const JointRange& range : plan.ranges) has_springs |= range.springs;
+    for (const JointRange& range : plan.ranges()) has_springs |= range.springs;
     per_substep = has_springs ? 4 : 3;
     count = per_substep * static_cast<std::size_t>(substeps);
   }
@@ -110,35 +108,35 @@ bool allows_wavefront(const Model& model) {
   return model.scene.settings.solver == SolverKind::tgs_soft && bodies_step_alone(model) && model.light_bodies.empty();
 }
 
-bool is_left_to_joints(const Scratch& scratch, const SolverSet& set) {
-  return set.first_contact == set.contact_end && scratch.impacts.empty() && scratch.mouse_joints.empty() &&
-         !scratch.injected;
+bool is_left_to_joints(const SolvedSet& solved, const std::vector<MouseJoint>& mouse_joints) {
+  return solved.contacts().empty() && solved.tick.impacts.empty() && mouse_joints.empty() && !solved.tick.injected;
 }
 
-std::size_t front_count(const Scratch& scratch) {
-  const std::size_t width = scratch.parallel.runner == nullptr ? 1 : scratch.parallel.runner->width();
+std::size_t front_count(const Parallel& parallel) {
+  const std::size_t width = parallel.runner == nullptr ? 1 : parallel.runner->width();
   return std::min(width, front_count_max);
 }
 
-void separate_level_sinks(Scratch& scratch) {
-  JointPlan& plan = scratch.caches.joints;
-  const std::uint32_t needed = dummy_sink(scratch, plan.level_count);
-  if (scratch.bodies.size() < needed) scratch.bodies.resize(needed);
-  for (JointRange& range : plan.ranges) {
-    range.chunk_size = range.last - range.first;
+void separate_level_sinks(const SolvedSet& solved, JointWorkspace& work) {
+  const JointPlan& plan = work.plan;
+  SolverBodies& bodies = solved.bodies;
+  const std::uint32_t needed = dummy_sink(bodies, plan.level_count());
+  if (bodies.records.size() < needed) bodies.records.resize(needed);
+  for (const JointRange& range : plan.ranges()) {
     if (range.path != JointPath::scalar) continue;
     for (std::uint32_t i = range.first; i < range.last; ++i) {
-      JointWork& joint = scratch.joints[i];
-      if (joint.write_a == dummy_sink(scratch)) joint.write_a = dummy_sink(scratch, range.level);
-      if (joint.write_b == dummy_sink(scratch)) joint.write_b = dummy_sink(scratch, range.level);
+      JointWork& joint = work.joints[i];
+      if (joint.write_a == dummy_sink(bodies)) joint.write_a = dummy_sink(bodies, range.level);
+      if (joint.write_b == dummy_sink(bodies)) joint.write_b = dummy_sink(bodies, range.level);
     }
   }
 }
 
-void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
-  const JointPlan& plan = scratch.caches.joints;
-  const Passes passes(plan, set.substeps);
-  const std::size_t pass_front_count = front_count(scratch);
+void solve_wavefront(const SolvedSet& solved, JointWorkspace& work, const MotionWorkspace& motion, State& state) {
+  const JointPlan& plan = work.plan;
+  const Passes passes(plan, solved.set.substeps);
+  const std::size_t distance = plan.schedule().distance;
+  const std::size_t pass_front_count = front_count(solved.parallel());
   std::array<std::size_t, front_count_max + 1> first{};  // the first pass of each front
   std::size_t longest = 0;
   for (std::size_t front = 1; front <= pass_front_count; ++front) {
@@ -150,31 +148,32 @@ void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set) {
   if (longest == 0) return;
   const auto fill = [&](std::uint32_t level) {
     for_revolutes_of(plan, level,
-                     [&](std::size_t begin, std::size_t end) { fill_revolutes(state, scratch, begin, end, set.h); });
+                     [&](std::size_t begin, std::size_t end) { fill_revolutes(solved, work, begin, end); });
   };
   const auto store = [&](std::uint32_t level) {
-    for_revolutes_of(plan, level,
-                     [&](std::size_t begin, std::size_t end) { store_revolutes(scratch, state, begin, end, set.h); });
+    for_revolutes_of(plan, level, [&](std::size_t begin, std::size_t end) {
+      store_revolutes(work.revolutes, begin, end, solved.set.h, state);
+    });
   };
-  const std::uint32_t filled_first = plan.level_count / 2;
-  scratch.parallel.for_chunks(filled_first, scratch.parallel.chunk_size(filled_first, levels_per_chunk_least, 1),
-                              [&](const Chunk& chunk) {
-                                for (std::size_t level = chunk.begin; level < chunk.end; ++level)
-                                  fill(static_cast<std::uint32_t>(level));
-                              });
-  const Lines lines{pass_front_count + 2, plan.level_count + plan.distance * (longest - 1), plan.distance * longest};
-  scratch.parallel.for_lines(lines, [&](std::size_t front, std::size_t step) {
+  const std::uint32_t filled_first = plan.level_count() / 2;
+  solved.parallel().for_chunks(filled_first, solved.parallel().chunk_size(filled_first, levels_per_chunk_least, 1),
+                               [&](const Chunk& chunk) {
+                                 for (std::size_t level = chunk.begin; level < chunk.end; ++level)
+                                   fill(static_cast<std::uint32_t>(level));
+                               });
+  const Lines lines{pass_front_count + 2, plan.level_count() + distance * (longest - 1), distance * longest};
+  solved.parallel().for_lines(lines, [&](std::size_t front, std::size_t step) {
     const auto level = static_cast<std::uint32_t>(step);
     if (front == 0) {
-      if (level >= filled_first && level < plan.level_count) fill(level);
+      if (level >= filled_first && level < plan.level_count()) fill(level);
     } else if (front == lines.line_count - 1) {
-      if (level < plan.level_count) store(level);
+      if (level < plan.level_count()) store(level);
     } else {
       for (std::size_t i = first[front - 1]; i < first[front]; ++i) {
-        const std::size_t behind = (i - first[front - 1]) * plan.distance;
-        if (step < behind || step - behind >= plan.level_count) continue;
-        do_level(scratch, passes.of_front(i, first[front - 1]), front - 1, static_cast<std::uint32_t>(step - behind),
-                 set.h);
+        const std::size_t behind = (i - first[front - 1]) * distance;
+        if (step < behind || step - behind >= plan.level_count()) continue;
+        do_level(solved, work, motion, passes.of_front(i, first[front - 1]), front - 1,
+                 static_cast<std::uint32_t>(step - behind));
       }
     }
   });

@@ -9,21 +9,24 @@
 // front ahead. Each body meets its joints and steps in the order of plain passes: the same bits.
 #pragma once
 
-#include "engine/model/scratch.h"
+#include <cstddef>
+
+#include "engine/integrators/motion_rows.h"
+#include "engine/joints/joint_passes.h"
+#include "engine/joints/mouse_joint.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 /// Whether, in this scene, bodies between two passes over joints only take steps of their own.
 bool allows_wavefront(const Model& model);
 /// Whether in this tick nothing but joints acts on the bodies of a set.
-bool is_left_to_joints(const Scratch& scratch, const SolverSet& set);
+bool is_left_to_joints(const SolvedSet& solved, const std::vector<MouseJoint>& mouse_joints);
 /// The largest number of fronts: one for each thread.
-std::size_t front_count(const Scratch& scratch);
+std::size_t front_count(const Parallel& parallel);
 /// Gives each level a sink of its own, since several levels are solved at once. Call before batches are filled.
-void separate_level_sinks(Scratch& scratch);
+void separate_level_sinks(const SolvedSet& solved, JointWorkspace& work);
 
-/// All substeps of a set. Requires: JointPlan::uses_wavefront, is_left_to_joints; prepare_joints; the integrator's
-/// begin.
-void solve_wavefront(State& state, Scratch& scratch, const SolverSet& set);
+/// All substeps of a set. Requires: prepare_joints has set JointWorkspace::uses_wavefront; the integrator's begin.
+void solve_wavefront(const SolvedSet& solved, JointWorkspace& work, const MotionWorkspace& motion, State& state);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

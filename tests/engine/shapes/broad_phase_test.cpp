@@ -23,6 +23,12 @@ namespace {
 namespace f64 = engine::f64;
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+/// As between two ticks of a build that poisons.
+void poison(f64::TickLists& lists) {
+  list_fields(lists, engine::Poison{});
+  begin_tick(lists);
+}
+
 /// What a broad phase lists, and what it works in.
 struct Listing : f64::TickLists {
   f64::BroadPhaseWork work;
@@ -33,7 +39,7 @@ struct Following : f64::TickLists {
 
   void list(const f64::Model& model, f64::State& state, double dt) { tree.run(model, state, *this, dt); }
   void spoil() {
-    f64::poison(*this);
+    poison(*this);
     tree.poison();
   }
 };
@@ -142,7 +148,7 @@ TEST_CASE("every broad phase gives each pair of overlapping boxes once, in order
         stage->run(model, state, found, dt);
         const bool same = pairs_of(found) == touching;
         CHECK(same);
-        f64::poison(found);
+        poison(found);
         stage->poison();
       }
     }

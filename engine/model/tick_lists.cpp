@@ -1,0 +1,18 @@
+// The lists of a tick before its first stage.
+// SPDX-License-Identifier: MIT
+#include "engine/model/tick_lists.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+void begin_tick(TickLists& tick) {
+  tick.force.clear();
+  tick.torque.clear();
+  tick.proxies = {};
+  tick.pairs = {};
+  tick.has_too_many_pairs = false;
+  tick.changes = {};
+  tick.contact_pairs = {};
+  tick.has_solver_sets = false;
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,36 @@
+// What the solving stages of an engine work in.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "engine/contacts/contact_batch.h"
+#include "engine/impacts/impacts.h"
+#include "engine/impacts/shock_propagation.h"
+#include "engine/integrators/free_bodies.h"
+#include "engine/integrators/motion_rows.h"
+#include "engine/joints/joint_passes.h"
+#include "engine/joints/mouse_joint.h"
+#include "engine/model/bodies.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// The workspace of each room of the solver. Each room is handed its own.
+struct SolverWork {
+  SolverBodies bodies;
+  MotionWorkspace motion;
+  FreeBodies free_bodies;
+  ContactWorkspace contacts;
+  JointWorkspace joints;
+  std::vector<MouseJoint> mouse_joints;
+  ImpactWorkspace impacts;
+  ShockWorkspace shock;
+};
+
+template <typename Visit>
+void list_fields(SolverWork& of, const Visit& visit) {
+  auto& [bodies, motion, free_bodies, contacts, joints, mouse_joints, impacts, shock] = of;
+  visit(bodies, motion, free_bodies, contacts, joints, mouse_joints, impacts, shock);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION
