@@ -224,7 +224,8 @@ constexpr Room rooms[] = {
     {"tool/cli/session",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
-    {"tool/cli/upkeep", "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak"},
+    {"tool/cli/upkeep",
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak,tool/report_page"},
     {"bench", all_but_tests},
 };
 

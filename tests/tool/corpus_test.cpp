@@ -241,7 +241,7 @@ TEST_CASE("corpus: a stopped run leaves the rest for the next one", "[verifier][
   const Corpus corpus;
   CorpusOptions options;
   std::size_t done_count = 0;
-  options.progress = [&](std::size_t done) { done_count = done; };
+  options.progress = [&](std::size_t done, std::size_t) { done_count = done; };
   options.stops = [&] { return done_count == 2; };
   const Units stopped = corpus.verify(options);
   CHECK(count(stopped, UnitSource::verified) == 2);

@@ -187,6 +187,25 @@ void race_processes(int unit_count) {
 
 }  // namespace
 
+TEST_CASE("claims: a worker without a heartbeat thread keeps a unit as long as it beats when due",
+          "[claims][determinism]") {
+  SKIP_UNLESS(verifier::can_claim(), "this system has no claims");
+  const TemporaryFolder folder;
+  Worker owner(folder.file("store"), 1000), other(folder.file("store"));
+  REQUIRE(owner.claim(a_unit) == Answer::won);
+  constexpr double step_s = 5;
+  for (int step = 0; step < 60; ++step) {
+    owner.claims.beat_when_due();
+    CHECK(other.claim(a_unit) == Answer::busy);
+    owner.now_s += step_s;
+    other.now_s += step_s;
+  }
+  CHECK(owner.claims.is_held(a_unit));
+  other.now_s += 2 * lease_s;
+  CHECK(other.claim(a_unit) == Answer::won);
+  CHECK(!owner.claims.is_held(a_unit));
+}
+
 TEST_CASE("claims: the first worker wins, others wait, and a finished unit is free", "[verifier][claims][analytic]") {
   SKIP_UNLESS(verifier::can_claim(), "this system has no claims");
   const TemporaryFolder folder;

@@ -9,6 +9,7 @@
 #include "verifier/plugins/plugin.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/runs/plugin_isolation.h"
+#include "verifier/verify/parts.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -50,6 +51,7 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
   options.from = how.from;
   options.to = how.to;
   options.to_end = how.to_end;
+  options.part = how.part;
   options.simulation = simulation_of(reader);
   if (options.simulation != nullptr) options.tool = tool_command(options.simulation->name);
   const bool on_threads = options.simulation == nullptr || runs_on_threads(*options.simulation);
@@ -76,6 +78,13 @@ Report verify_trace(replay::TraceReader& reader, const std::string& file, const 
   return report;
 }
 
+std::size_t count_trace_parts(replay::TraceReader& reader, std::size_t count_max) {
+  VerifyOptions options;
+  options.simulation = simulation_of(reader);
+  options.in_segments = options.simulation != nullptr && runs_on_threads(*options.simulation);
+  return count_parts(reader, options, count_max);
+}
+
 bool needs_plugin(const std::string& file) {
   if (plugin_simulations().empty()) return false;
   const Result<replay::TraceReader> reader = replay::TraceReader::open(file);
@@ -84,15 +93,17 @@ bool needs_plugin(const std::string& file) {
 }
 
 PluginVerification verify_by_plugin(const std::string& file, std::string_view mode,
-                                    const std::function<Report(SharedCount& compared)>& work) {
+                                    const std::function<Report(SharedCount& compared)>& work,
+                                    const std::function<void()>& meanwhile) {
   SharedCount compared;
-  const IsolatedPart done = run_part([&] {
+  const auto part = [&] {
     try {
       return encode_report(work(compared));
     } catch (const PluginFailure& failure) {
       return encode_report(plugin_report(file, mode, failure.what(), compared));
     }
-  });
+  };
+  const IsolatedPart done = run_part(part, meanwhile);
   if (!done.message.empty()) {
     Report report = plugin_report(file, mode, done.message, compared);
     report.hint =

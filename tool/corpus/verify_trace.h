@@ -22,6 +22,7 @@ struct TraceVerification {
   std::uint64_t from = 0;
   std::optional<std::uint64_t> to;
   bool to_end = false;
+  std::optional<TracePart> part;    // of the whole trace, in segments
   bool in_segments = true;          // where the simulation runs on threads
   unsigned thread_count = 1;        // segments at once, likewise
   unsigned engine_threads = 1;      // of a tick
@@ -37,6 +38,9 @@ SimulationInfo on_engine_threads(const SimulationInfo& info, unsigned thread_cou
 /// `file` is opened again for each segment.
 Report verify_trace(replay::TraceReader& reader, const std::string& file, const TraceVerification& how);
 
+/// How many parts the trace can have, at most `count_max`; see verifier/verify/parts.h.
+std::size_t count_trace_parts(replay::TraceReader& reader, std::size_t count_max);
+
 /// Whether a plug-in runs the trace.
 bool needs_plugin(const std::string& file);
 
@@ -45,7 +49,9 @@ struct PluginVerification {
   bool is_verdict = true;  // false: the process ended, or a call took too long
 };
 /// `work` in a process of its own: what a plug-in does wrong is a finding in this file, and the next one goes on.
+/// `meanwhile`: as for run_part.
 PluginVerification verify_by_plugin(const std::string& file, std::string_view mode,
-                                    const std::function<Report(SharedCount& compared)>& work);
+                                    const std::function<Report(SharedCount& compared)>& work,
+                                    const std::function<void()>& meanwhile = {});
 
 }  // namespace ticktrue::verifier

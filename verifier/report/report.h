@@ -172,6 +172,7 @@ struct Report {
   std::uint64_t root_hash = 0;   // of the last state compared
   std::uint64_t checkpoints_compared = 0;
   ComparedParts compared;      // of these ticks
+  bool state_changed = false;  // some state outside the table `world`
   std::uint64_t segments = 1;  // walked independently, between checkpoints
   double wall_s = 0;           // how long it took; 0: not measured
   std::optional<Divergence> divergence;

@@ -99,8 +99,9 @@ void fields(Io& io, std::pair<First, Second>& x) {
 template <typename Io>
 void fields(Io& io, Report& x) {
   io(x.file, x.title, x.simulation, x.mode, x.verdict, x.reason, x.hint, x.ticks_recorded, x.ticks_compared,
-     x.first_tick, x.time_s, x.root_hash, x.checkpoints_compared, x.compared, x.segments, x.wall_s, x.divergence,
-     x.checkpoint, x.non_finite, x.end, x.warnings, x.notes, x.recorded_build, x.here_build, x.against, x.again);
+     x.first_tick, x.time_s, x.root_hash, x.checkpoints_compared, x.compared, x.state_changed, x.segments, x.wall_s,
+     x.divergence, x.checkpoint, x.non_finite, x.end, x.warnings, x.notes, x.recorded_build, x.here_build, x.against,
+     x.again);
 }
 
 template <typename T>

@@ -154,9 +154,12 @@ std::string fault_text(const ChildEnd& end, const PluginWatch& page) {
 }
 
 /// Waits for the child; kills it when one call takes too long.
-IsolatedEnd wait_for(ChildProcess& child, const PluginWatch& page) {
+IsolatedEnd wait_for(ChildProcess& child, const PluginWatch& page, const std::function<void()>& meanwhile) {
   CallClock clock(page, child.id());
-  const ChildEnd end = child.wait(std::nullopt, [&] { return clock.goes_on(); });
+  const ChildEnd end = child.wait(std::nullopt, [&] {
+    if (meanwhile) meanwhile();
+    return clock.goes_on();
+  });
   IsolatedEnd result;
   result.escaped = end.escaped;
   if (end.how == ChildEnd::How::killed_by_signal && end.signal == end.stop_signal) {
@@ -248,12 +251,12 @@ std::optional<IsolatedEnd> run_isolated(const std::string& plugin_names, std::ui
     separate_output(plugin_output);
     return std::nullopt;
   }
-  IsolatedEnd end = wait_for(process, *page);
+  IsolatedEnd end = wait_for(process, *page, {});
   end.dropped_output_size = plugin_output.dropped_size();
   return end;
 }
 
-IsolatedPart run_part(const std::function<Bytes()>& part) {
+IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>& meanwhile) {
   if (watch == nullptr) return {part(), ""};
   IsolatedPart done;
   PluginWatch* page = make_watch();
@@ -272,7 +275,7 @@ IsolatedPart run_part(const std::function<Bytes()>& part) {
   if (side == ChildProcess::Side::failed) {
     done.message = "plug-in " + isolated_names + ": the system gave no process for it: " + process.failure();
   } else {
-    const IsolatedEnd end = wait_for(process, *page);
+    const IsolatedEnd end = wait_for(process, *page, meanwhile);
     if (end.stop_signal != 0) std::raise(end.stop_signal);
     const std::string text = out.text();
     done.result.assign(text.begin(), text.end());
@@ -305,7 +308,7 @@ std::optional<IsolatedEnd> run_isolated(const std::string&, std::uint64_t) {
   return refused;
 }
 
-IsolatedPart run_part(const std::function<Bytes()>& part) {
+IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>&) {
   return {part(), ""};
 }
 

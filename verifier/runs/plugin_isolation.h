@@ -71,7 +71,8 @@ struct IsolatedPart {
 };
 
 /// Inside run_isolated: runs `part` in a separate process, so that a crash or a hang ends only that part. Elsewhere
-/// it runs `part` in this process. Requires: this process has no other threads.
-IsolatedPart run_part(const std::function<Bytes()>& part);
+/// it runs `part` in this process. `meanwhile` (may be empty) is called every 10 ms or so while this process waits.
+/// Requires: this process has no other threads.
+IsolatedPart run_part(const std::function<Bytes()>& part, const std::function<void()>& meanwhile = {});
 
 }  // namespace ticktrue::verifier

@@ -229,6 +229,13 @@ void Claims::beat() {
   for (const auto& [unit, held] : held_) held->write(held_state);
 }
 
+void Claims::beat_when_due() {
+  const double now_s = now_s_();
+  if (now_s - last_beat_s_ < lease_s_ / beats_in_lease) return;
+  last_beat_s_ = now_s;
+  beat();
+}
+
 #else
 
 struct Claims::Held {};
@@ -251,6 +258,7 @@ bool Claims::is_held(const std::string&) const {
 }
 void Claims::start_heartbeat() {}
 void Claims::beat() {}
+void Claims::beat_when_due() {}
 
 #endif
 

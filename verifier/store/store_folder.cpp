@@ -288,4 +288,13 @@ bool StoreFolder::exists(const std::string& name) const {
   return fs::exists(path_of(name), failure);
 }
 
+std::vector<std::string> StoreFolder::list(const std::string& name) const {
+  std::vector<std::string> names;
+  std::error_code failure;
+  for (fs::directory_iterator at(path_of(name), failure), end; !failure && at != end; at.increment(failure))
+    names.push_back(at->path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace ticktrue::verifier

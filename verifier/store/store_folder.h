@@ -50,6 +50,8 @@ class StoreFolder {
   void put_back(const std::string& aside, const std::string& name) const;
   void remove(const std::string& name) const;
   bool exists(const std::string& name) const;
+  /// The files of a folder, sorted by name; none where there is no such folder.
+  std::vector<std::string> list(const std::string& name) const;
 
  private:
   StoreFolder(std::string path, bool syncs);

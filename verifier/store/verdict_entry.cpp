@@ -38,8 +38,8 @@ std::optional<VerdictEntry> decode_entry(ByteView bytes) {
   ByteReader in(covered.subspan(head.size()));
   VerdictEntry entry;
   const std::uint8_t kind = in.u8();
-  if (kind != static_cast<std::uint8_t>(VerdictEntry::Kind::verdict) &&
-      kind != static_cast<std::uint8_t>(VerdictEntry::Kind::conflict))
+  if (kind < static_cast<std::uint8_t>(VerdictEntry::Kind::verdict) ||
+      kind > static_cast<std::uint8_t>(VerdictEntry::Kind::history))
     return std::nullopt;
   entry.kind = static_cast<VerdictEntry::Kind>(kind);
   entry.key = in.text(key_size);

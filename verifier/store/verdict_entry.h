@@ -1,4 +1,4 @@
-// The file of a verdict: head, kind, key, writer, content, checksum.
+// A file of the store: head, kind, key, writer, content, checksum.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -11,11 +11,11 @@
 namespace ticktrue::verifier {
 
 struct VerdictEntry {
-  enum class Kind : std::uint8_t { verdict = 1, conflict = 2 };
+  enum class Kind : std::uint8_t { verdict = 1, conflict = 2, agreement = 3, history = 4 };
   Kind kind = Kind::verdict;
   std::string key;
   std::string by;  // build and process, for people
-  Bytes content;   // of verdict: encode_report; of conflict: text
+  Bytes content;   // of verdict: encode_report; of conflict: text; else of who asks for it
 };
 
 Bytes encode_entry(const VerdictEntry& entry);

@@ -100,6 +100,7 @@ Result<FoundVerdict> VerdictStore::read_entry(const std::string& key, Bytes* rea
     found.what.assign(entry->content.begin(), entry->content.end());
     return found;
   }
+  if (entry->kind != VerdictEntry::Kind::verdict) return set_aside(key, "it is no verdict");
   Result<Report> report = decode_report(entry->content);
   if (!report) return set_aside(key, report.error().message);
   found.kind = FoundVerdict::Kind::verdict;
@@ -146,6 +147,7 @@ Result<FoundVerdict> VerdictStore::add(const std::string& key, const Report& rep
       return found;
     }
     if (found->kind != FoundVerdict::Kind::verdict) continue;
+    found->is_new = *published == StoreFolder::Publish::created;
     if (is_same_verdict(*found->report, report)) return found;
     return add_conflict(key, {*found->report, there}, {report, bytes});
   }

@@ -36,6 +36,7 @@ struct FoundVerdict {
   std::optional<Report> report;  // of verdict
   std::string file;              // its file; of damaged: where it is now; of conflict: the one that says so
   std::string what;              // of damaged and conflict: for people
+  bool is_new = false;           // of verdict, by add: the store did not have it
 };
 
 class VerdictStore {

@@ -83,7 +83,7 @@ class SegmentPool {
     SegmentReader reader(source);
     for (std::size_t i = next_.fetch_add(1); i < results_.size() && i <= first_finding_; i = next_.fetch_add(1)) {
       results_[i] = walk_one(reader, i);
-      const bool is_last = i + 1 == results_.size() || options_.to_end;
+      const bool is_last = (i + 1 == results_.size() && !plan_.stop) || options_.to_end;
       if (!is_clean(results_[i], is_last)) set_first_finding(i);
     }
   }
@@ -92,10 +92,13 @@ class SegmentPool {
     Segment segment;
     segment.start = plan_.starts[plan_.segment_begins[i]];
     if (!reader.go_to(segment.start)) return {};
-    if (!options_.to_end && i + 1 < results_.size()) segment.stop = plan_.starts[plan_.segment_begins[i + 1]].tick;
+    if (!options_.to_end && i + 1 < results_.size())
+      segment.stop = plan_.starts[plan_.segment_begins[i + 1]].tick;
+    else if (plan_.stop)
+      segment.stop = *plan_.stop;
     segment.count_from = context_.options.from;
     segment.counts = options_.counts;
-    segment.counts_load = options_.counts_load || i == 0;
+    segment.counts_load = options_.counts_load || (i == 0 && !plan_.is_continuation);
     segment.is_abandoned = [this, i] { return first_finding_.load(std::memory_order_relaxed) < i; };
     if (context_.options.progress) segment.progress = [this](std::uint64_t) { tell_progress(); };
     WalkResult result = walk(context_, reader.source(), segment);

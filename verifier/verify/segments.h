@@ -19,7 +19,13 @@ struct SegmentPlan {
   std::vector<Start> starts;                // the first start, then every later checkpoint; without images
   std::vector<std::size_t> segment_begins;  // indices into `starts`; ascending, the first is 0
   std::optional<replay::TraceTail> tail;    // absent: not read to its end (options.to)
+  std::optional<std::uint64_t> stop;        // checkpoint at which the last segment ends; absent: the end of the trace
+  bool is_continuation = false;             // another run compares the checkpoint at which the first segment begins
 };
+
+/// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking.
+/// It does not depend on the number of threads, so that the same checkpoints are loaded whatever that is.
+inline constexpr std::size_t segment_count_max = 128;
 
 /// Reads `source` from its start. Makes at most `count_max` segments, with about the same number of checkpoints each.
 SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const Start& first, std::size_t count_max);

@@ -9,6 +9,7 @@
 
 #include "verifier/locate/locate_cells.h"
 #include "verifier/verify/comparable.h"
+#include "verifier/verify/parts.h"
 #include "verifier/verify/rerun.h"
 #include "verifier/verify/segments.h"
 #include "verifier/verify/single_change.h"
@@ -20,10 +21,6 @@ namespace {
 
 using replay::CheckpointRecord;
 using replay::TraceCondition;
-
-// Enough that threads end together and a finding is met early; few enough that loading costs nothing beside walking. It
-// does not depend on the number of threads, so that the same checkpoints are loaded whatever that is.
-constexpr std::size_t segment_count_max = 128;
 
 // For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
 constexpr unsigned compared_thread_counts[] = {2, 4, 8};
@@ -58,7 +55,10 @@ class Verifier {
     if (check_comparable(context_, findings_)) {
       switch (options_.mode) {
         case VerifyMode::replay:
-          run_replay();
+          if (options_.part)
+            run_part(*options_.part);
+          else
+            run_replay();
           break;
         case VerifyMode::restore:
           run_restore();
@@ -279,6 +279,28 @@ class Verifier {
     return true;
   }
 
+  void run_part(const TracePart& part) {
+    const SegmentPlan plan = plan_of_part(plan_segments(context_, source_, Start{}, segment_count_max), part);
+    if (plan.segment_begins.empty())
+      return findings_.decide(Verdict::incomplete, "the trace has no part " + std::to_string(part.index + 1) + " of " +
+                                                       std::to_string(part.count));
+    auto results = walk_segments(context_, source_, plan, {options_.thread_count});
+    if (!results) return not_comparable(results.error().message, results.error().hint);
+    report_.first_tick = plan.starts[plan.segment_begins[0]].tick;
+    report_.segments = results->size();
+    for (std::size_t i = 0; i < results->size(); ++i) {
+      WalkResult& result = (*results)[i];
+      const Start& start = plan.starts[plan.segment_begins[i]];
+      if (!is_clean(result, i + 1 == results->size() && !plan.stop)) {
+        conclude_walk(std::move(result), start);
+        if (!findings_.decided) findings_.decide(Verdict::incomplete, "the part could not be walked to its end");
+        return;
+      }
+      take(std::move(result));
+    }
+    if (plan.tail && !report_.end) report_.end = TraceEnd{*plan.tail, ""};
+  }
+
   void run_restore() {
     if (!can_load(context_, findings_)) {
       if (!findings_.decided) refuse_loading(context_, findings_);
@@ -335,6 +357,7 @@ class Verifier {
     read_tail();
     if (!report_.ticks_recorded && report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
     if (!findings_.decided) judge_end();
+    report_.state_changed = changed_;
     report_.verdict = findings_.verdict;
     report_.reason = findings_.reason;
     report_.hint = findings_.hint;
@@ -369,10 +392,8 @@ class Verifier {
     } else {
       findings_.verdict = Verdict::match;
     }
-    if (any && !changed_)
-      findings_.warnings.push_back("no state outside table world changed in " +
-                                   count_text(report_.ticks_compared, "tick") +
-                                   ": does the simulation show all of its state?");
+    if (any && !changed_ && !options_.part)
+      findings_.warnings.push_back(unchanged_state_warning(report_.ticks_compared));
   }
 
   TraceSource& source_;
@@ -424,6 +445,11 @@ Report verify(replay::TraceReader& reader, const VerifyOptions& options) {
   report.recorded_build = reader.facts();
   suggest(reader.setup(), options, report);
   return report;
+}
+
+std::string unchanged_state_warning(std::uint64_t tick_count) {
+  return "no state outside table world changed in " + count_text(tick_count, "tick") +
+         ": does the simulation show all of its state?";
 }
 
 Report open_error_report(const std::string& file, const Error& error) {

@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "base/state/simulation.h"
@@ -36,6 +37,12 @@ inline constexpr std::array<VerifyModeInfo, 4> verify_modes{{
     {VerifyMode::threads, "threads", "run with 1, 2, 4 and 8 threads; simulations that have one refuse"},
 }};
 
+/// One of several runs that share the segments of a trace (verifier/verify/parts.h).
+struct TracePart {
+  std::size_t index = 0;
+  std::size_t count = 1;
+};
+
 struct VerifyOptions {
   const SimulationInfo* simulation = nullptr;  // null: this build has none of that name
   VerifyMode mode = VerifyMode::replay;
@@ -56,6 +63,8 @@ struct VerifyOptions {
 
   /// Replay: walks segments between checkpoints even on one thread. Several threads with `reopen` always do so.
   bool in_segments = false;
+  /// Replay of the whole: walks the segments of this part alone. What it finds is not confirmed from the setup.
+  std::optional<TracePart> part;
   /// A finding of a run from a checkpoint is confirmed by a run from the setup. Off for fault injection.
   bool confirm_from_start = true;
 
@@ -72,6 +81,9 @@ Report verify(replay::TraceReader& reader, const VerifyOptions& options);
 
 /// The same over any source of records. Fills all of the report but `file` and the build facts.
 Report verify_source(TraceSource& source, const VerifyOptions& options);
+
+/// Said where no state outside the table `world` changed in all these ticks.
+std::string unchanged_state_warning(std::uint64_t tick_count);
 
 /// The report of a trace that could not be opened.
 Report open_error_report(const std::string& file, const Error& error);

@@ -9,11 +9,11 @@
 #include "base/hash128.h"
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
+#include "tool/cli/upkeep/corpus_commands.h"
 #include "tool/corpus/corpus_run.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "verifier/corpus/trace_list.h"
-#include "verifier/plugins/plugin.h"
 #include "verifier/report/json_parts.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/runs/data_file.h"
@@ -28,7 +28,7 @@ using verifier::StoreFolder;
 using verifier::UnitSource;
 
 constexpr std::size_t job_count_max = 1024;
-constexpr std::uint64_t lease_max_s = 86'400;
+constexpr std::uint64_t part_max_s = 1'000'000;
 
 struct CorpusCommand {
   std::vector<std::string> traces;
@@ -37,8 +37,10 @@ struct CorpusCommand {
   std::string recheck = "0%";
   std::string shard;
   std::string junit;
+  std::string html;
   std::uint64_t jobs = 0;  // 0: every core
   std::uint64_t lease_s = 60;
+  std::uint64_t part_s = 60;
   bool claim = false;
   bool no_sync = false;
   bool json = false;
@@ -161,9 +163,6 @@ Status check_options(const CorpusCommand& command) {
   if (!command.claim) return {};
   if (!verifier::can_claim())
     return Error{ErrorCode::usage, "--claim: this system has no claims", "share the work by --shard I/N"};
-  if (!verifier::plugin_simulations().empty())
-    return Error{ErrorCode::usage, "--claim: found --plugin, expected none: a process with a heartbeat does not fork",
-                 "share the work by --shard I/N"};
   return {};
 }
 
@@ -177,13 +176,14 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
   if (!recheck) return fail_usage(recheck.error());
   Result<std::vector<std::string>> files = verifier::list_traces(command.traces);
   if (!files) return fail_usage(files.error());
-  if (const Status status = verifier::check_not_read(command.junit, *files); !status) return fail_usage(status.error());
+  for (const std::string& output : {command.junit, command.html})
+    if (const Status status = verifier::check_not_read(output, *files); !status) return fail_usage(status.error());
+  verifier::CorpusOptions options;
   if (!command.shard.empty()) {
     const Result<verifier::Shard> shard = verifier::parse_shard(command.shard);
     if (!shard) return fail_usage(shard.error());
-    *files = verifier::take_shard(*files, *shard);
+    options.shard = *shard;
   }
-  verifier::CorpusOptions options;
   options.mode = verify_mode_of(command.mode);
   const Result<verifier::BuildSubject> build = verifier::build_subject(options.mode);
   if (!build) return fail_usage(build.error());
@@ -194,11 +194,12 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
       command.jobs == 0 ? core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, job_count_max));
   options.claims = command.claim;
   options.lease_s = static_cast<double>(command.lease_s);
+  options.part_s = static_cast<double>(command.part_s);
   options.recheck = *recheck;
   options.stops = stop_requested;
   catch_stop_signals();
   Progress bar("corpus", files->size(), "traces");
-  options.progress = [&](std::size_t done) { bar.update(done); };
+  options.progress = [&](std::size_t done, std::size_t of) { bar.update(done, of); };
   const Result<std::vector<CorpusUnit>> units = call(*files, command.traces.front(), store, options);
   bar.finish();
   if (!units) return fail_usage(units.error());
@@ -209,10 +210,14 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
   else
     print_corpus(*units);
   int code = verifier::corpus_exit_code(*units, command.allow_truncated);
-  if (const Status status = write_junit(*units, command); !status) {
+  const auto write = [&](const Status& status) {
+    if (status) return;
     print_error(status.error());
     code = exit_usage;
-  }
+  };
+  write(write_junit(*units, command));
+  if (!command.html.empty())
+    write(write_corpus_page(*units, *build, {command.html, command.store, command.allow_truncated}));
   return code;
 }
 
@@ -247,7 +252,15 @@ void add_corpus(CLI::App& app, CliContext& context) {
   add_number(*verify, "--lease", verify_options->lease_s,
              "With --claim: seconds after which a worker that gives no sign of life has lost its traces (default 60)",
              {1, lease_max_s});
-  verify->add_option("--shard", verify_options->shard, "Part I of N of the sorted list of files")->type_name("I/N");
+  verify
+      ->add_option(
+          "--shard", verify_options->shard,
+          "Share I of N of the work, by what each trace cost before; all shards need the same store, or copies "
+          "of one")
+      ->type_name("I/N");
+  add_number(*verify, "--part-seconds", verify_options->part_s,
+             "Cut a trace that took longer than this before into parts, which workers share (default 60)",
+             {0, part_max_s});
   verify
       ->add_option("--recheck", verify_options->recheck,
                    "Read and run again this share of the traces that the store knows, chosen at random (default 0%)")
@@ -274,13 +287,19 @@ void add_corpus(CLI::App& app, CliContext& context) {
   report->add_option("STORE", report_options->store, "The store of verdicts")->required();
   report->add_option("DIR", report_options->traces, "Traces, or directories: then every *.ttr in them")->required();
   add_common(*report, *report_options);
+  report
+      ->add_option("--html", report_options->html,
+                   "Write a page with a table of the traces, in which the worst one plays, over an older file")
+      ->type_name("OUT.html");
   set_examples(*report,
                "ticktrue record 'stack?boxes=10' --ticks 60 -o stack.ttr\n"
                "ticktrue corpus verify . --cache verdicts\n"
-               "ticktrue corpus report verdicts . --junit results.xml");
+               "ticktrue corpus report verdicts . --junit results.xml --html all.html");
   report->callback([report_options, &context] {
     context.exit_code = run_corpus(*report_options, StoreFolder::Use::reading, verifier::look_up_corpus);
   });
+  add_corpus_log(*command, context);
+  add_corpus_slurm(*command, context);
 }
 
 }  // namespace ticktrue::cli

@@ -1,0 +1,57 @@
+// What each build said about a trace, and how long it took: for `corpus log`, and to plan the next run.
+// SPDX-License-Identifier: MIT
+//
+// A row is a file STORE/history/ab/cdef.../KEY: the folder is named by the trace, the file by the verdict. No verdict
+// is taken from it. Its form does not depend on the build, so any build reads the rows of all.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/hash128.h"
+#include "verifier/report/report.h"
+#include "verifier/store/store_folder.h"
+
+namespace ticktrue::verifier {
+
+struct HistoryRow {
+  std::string key;  // of the verdict
+  Hash128 engine;
+  Hash128 libraries;
+  std::string options;
+  std::string mode;
+  std::string commit;       // of the build
+  std::string build;        // one line
+  std::int64_t when_s = 0;  // since 1970 by the clock of the machine that verified
+  double seconds = 0;       // of work, for one thread
+  std::string verdict;      // its name
+  std::uint64_t ticks_recorded = 0;
+  std::uint64_t ticks_compared = 0;
+  std::uint64_t root_hash = 0;            // of the last state compared
+  std::optional<std::uint64_t> diverged;  // first tick with other bits
+};
+
+/// The name of a trace in the history.
+std::string history_name(const Hash128& trace, std::uint64_t size);
+
+struct TraceHistory {
+  std::vector<HistoryRow> rows;       // the oldest first
+  std::vector<std::string> warnings;  // rows that are damaged or cannot be read
+};
+
+class History {
+ public:
+  /// A row may be lost with the power: it only informs.
+  explicit History(const StoreFolder& folder) : folder_(folder.unsynced()) {}
+
+  /// Errors: io.
+  Status add(const std::string& trace, const HistoryRow& row) const;
+  TraceHistory find(const std::string& trace) const;
+
+ private:
+  StoreFolder folder_;
+};
+
+}  // namespace ticktrue::verifier
