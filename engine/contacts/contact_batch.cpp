@@ -135,17 +135,19 @@ void fill_extras(const SolvedSet& solved, ContactBatches& out, std::size_t i) {
 /// Fills and prepares the batches first..end-1 from the contacts in `slots`. `is_serial`: [batch].
 void make_batches(const SolvedSet& solved, const std::uint32_t* slots, const std::uint8_t* is_serial,
                   ContactBatches& out, std::size_t first, std::size_t end, std::uint32_t sink) {
-  constexpr std::size_t group_size = 4;  // batches: found points stay in the nearest cache until they are prepared
+  if (first == end) return;
+  constexpr std::size_t group_size = 8;  // batches: found points stay in the nearest cache until they are prepared
   FoundPoints found[group_size];
   const bool has_extras = (solved.model.contact_features & (contact_feature::bounce | contact_feature::surface)) != 0;
+  ContactSource source = source_of(solved, slots, is_serial, sink);
   for (std::size_t i = first; i < end; i += group_size) {
-    const std::size_t done = i - first;
     const std::size_t count = end - i < group_size ? end - i : group_size;
-    const ContactSource source = source_of(solved, slots + done * contact_lane_count, is_serial + done, sink);
     solved.kernels().filling.fill(source, out.batches.data() + i, found, count, end - i);
     if (has_extras)
       for (std::size_t k = i; k < i + count; ++k) fill_extras(solved, out, k);
     solved.kernels().contacts.prepare(work_of(solved, out, i, i + count), found);
+    source.slots += count * contact_lane_count;
+    source.is_serial += count;
   }
 }
 

@@ -7,8 +7,8 @@
 // Rigid: impulse = -mass_scale K^-1 (u + bias_rate C) - impulse_scale old; relax: impulse = -K^-1 u.
 #pragma once
 
+#include "engine/joints/batched/revolute_point.h"
 #include "engine/joints/joint.h"
-#include "engine/joints/revolute_point.h"
 #include "engine/math/trig.h"
 
 namespace ticktrue::engine::TICKTRUE_PRECISION {

@@ -3,7 +3,7 @@
 // Source: as joint_rows.h.
 #pragma once
 
-#include "engine/joints/revolute_point.h"
+#include "engine/joints/batched/revolute_point.h"
 #include "engine/model/solver_kernels.h"
 #include "engine/simd/transpose.h"
 
