@@ -17,6 +17,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/worlds.h"
 #include "tests/support/toy_simulation.h"
+#include "tool/corpus/shard_plan.h"
 #include "tool/session/input_source.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/verdict_entry.h"
@@ -214,6 +215,7 @@ void seed_verdicts() {
     seed("verdict", verifier::encode_entry(entry));
     seed("verdict", entry.content);
   }
+  seed("verdict", verifier::encode_plan({{{1, 2}, {3}, {1}, {2}}}));
 }
 
 void seed_stored() {

@@ -1,9 +1,11 @@
-// Fuzzes stored verdicts: the bytes of an entry, the same under a right checksum, and the bytes of a report alone.
+// Fuzzes files of a store: an entry, the same under a right checksum, a report, a row of the history, a plan of shards.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
 #include "tests/fuzz/fuzz.h"
+#include "tool/corpus/shard_plan.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/report/report_transfer.h"
+#include "verifier/store/history.h"
 #include "verifier/store/verdict_entry.h"
 
 namespace {
@@ -31,6 +33,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   verifier::VerdictEntry report;
   report.content = bytes;
   show(report);
+  if (const auto row = verifier::decode_history_row(bytes)) fuzz::require(row->seconds >= 0, "work takes time");
+  constexpr std::uint32_t shard_count = 3;
+  constexpr std::size_t trace_count = 4;
+  if (const auto plan = verifier::decode_plan(bytes, trace_count, shard_count))
+    fuzz::require(verifier::encode_plan(*plan) == bytes, "a plan is written as it was read");
   // The last eight bytes of a seed are its checksum.
   constexpr std::size_t checksum_size = 8;
   if (size < checksum_size) return 0;

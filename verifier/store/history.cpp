@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "base/bytes.h"
 #include "verifier/store/verdict_entry.h"
 
 namespace ticktrue::verifier {
@@ -39,7 +38,9 @@ Bytes encode_row(const HistoryRow& row) {
   return out.take();
 }
 
-std::optional<HistoryRow> decode_row(ByteView bytes) {
+}  // namespace
+
+std::optional<HistoryRow> decode_history_row(ByteView bytes) {
   ByteReader in(bytes);
   HistoryRow row;
   if (in.u64() != row_version) return std::nullopt;
@@ -60,8 +61,6 @@ std::optional<HistoryRow> decode_row(ByteView bytes) {
   if (!in.ok() || !in.at_end() || !std::isfinite(row.seconds) || row.seconds < 0) return std::nullopt;
   return row;
 }
-
-}  // namespace
 
 std::string history_name(const Hash128& trace, std::uint64_t size) {
   ByteWriter out;
@@ -90,7 +89,8 @@ TraceHistory History::find(const std::string& trace) const {
     if (bytes && !*bytes) continue;
     const std::optional<VerdictEntry> entry = bytes ? decode_entry(**bytes) : std::nullopt;
     std::optional<HistoryRow> row;
-    if (entry && entry->kind == VerdictEntry::Kind::history && entry->key == name) row = decode_row(entry->content);
+    if (entry && entry->kind == VerdictEntry::Kind::history && entry->key == name)
+      row = decode_history_row(entry->content);
     if (!row) {
       history.warnings.push_back(folder_.path_of(file) + ": damaged: " +
                                  (bytes ? "its bytes are not what was written" : bytes.error().message));

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/hash128.h"
 #include "verifier/report/report.h"
 #include "verifier/store/store_folder.h"
@@ -35,6 +36,9 @@ struct HistoryRow {
 
 /// The name of a trace in the history.
 std::string history_name(const Hash128& trace, std::uint64_t size);
+
+/// Nothing: the bytes are not what was written.
+std::optional<HistoryRow> decode_history_row(ByteView bytes);
 
 struct TraceHistory {
   std::vector<HistoryRow> rows;       // the oldest first

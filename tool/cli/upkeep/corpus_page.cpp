@@ -61,11 +61,12 @@ std::string summary(const std::vector<CorpusUnit>& units, bool allow_truncated) 
 std::string unit_row(const CorpusUnit& unit, bool allow_truncated) {
   const verifier::Report& report = unit.report;
   const bool is_missing = unit.source == verifier::UnitSource::missing;
+  const std::string what = report.divergence ? verifier::report_sentence(report) : report.reason;
   const std::string recorded = report.ticks_recorded ? std::to_string(*report.ticks_recorded) : "?";
   return fmt::format("<tr><td class={}>{}<td>{}<td class=n>{} of {}<td class=n>{:.3f}<td>{}<td><code>{}</code>\n",
                      is_ok(unit, allow_truncated) ? "ok" : "bad",
                      html_text(is_missing ? "no verdict" : verifier::verdict_info(report.verdict).name),
-                     html_text(report.file), report.ticks_compared, recorded, report.wall_s, html_text(report.reason),
+                     html_text(report.file), report.ticks_compared, recorded, report.wall_s, html_text(what),
                      html_text(unit.key));
 }
 
