@@ -31,6 +31,9 @@ Result<CheckSelection> parse_checks(const std::vector<std::string>& words) {
       return Error{ErrorCode::usage, "--checks: found \"" + word + "\", expected names of checks", "one of: " + names};
     }
     selection.wanted[static_cast<std::size_t>(found->kind)] = true;
+    const bool is_of_base_run = found->kind == CheckKind::finite || found->kind == CheckKind::zeros;
+    if (sign == std::string::npos && found->value.empty() && !is_of_base_run)
+      selection.only.push_back({found->kind, 0});
     if (sign == std::string::npos) continue;
     std::uint64_t value = 0;
     const char* end = word.data() + word.size();

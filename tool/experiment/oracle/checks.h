@@ -68,7 +68,8 @@ struct CheckSelection {
   static CheckSelection all();
   bool has(CheckKind kind) const { return wanted[static_cast<std::size_t>(kind)]; }
 };
-/// "cold,restore=57": names of checks, or variants. Errors: usage.
+/// "cold,restore=57": names of checks, or variants. A named check that has no number is made in every world; of the
+/// others a world draws some. Errors: usage.
 Result<CheckSelection> parse_checks(const std::vector<std::string>& words);
 
 /// What a check found in a world.

