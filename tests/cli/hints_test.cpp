@@ -102,9 +102,6 @@ constexpr Elsewhere elsewhere[] = {
     {"capi/comparing.cpp", "ticktrue diff A B", "A and B stand for files: traces of a session without full detail"},
     {"capi/comparing.cpp", "ticktrue recover", "tests/examples/run.sh"},
     {"tool/session/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
-    {"tool/corpus/corpus_run.cpp", "ticktrue corpus report",
-     "needs a trace of more than a minute: tests/tool/corpus_parts_test.cpp"},
-    {"tool/corpus/slurm_script.cpp", "ticktrue corpus slurm", "the first line of a script, which says what made it"},
 };
 
 bool is_elsewhere(const SourceHint& hint) {

@@ -580,7 +580,7 @@ class CorpusRun {
     }
     Report report = sum_of_parts(found);
     report.notes.push_back(std::to_string(found.size()) + " of " + std::to_string(all.size()) +
-                           " parts of the trace: `ticktrue corpus report` says whether the others are there");
+                           " parts of the trace: the report of the corpus says whether the others are there");
     done(i, UnitSource::partial, std::move(report));
   }
 

@@ -47,7 +47,7 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
   const std::string sbatch_words = job.sbatch_words.empty() ? "" : " " + job.sbatch_words;
   const std::string cpus = std::to_string(job.cpu_count);
   std::string text = "#!/bin/sh\n";
-  text += "# Made by `ticktrue corpus slurm`: " + std::to_string(std::llround(size.work_s)) + " s of work in " +
+  text += "# A corpus of traces for ticktrue: " + std::to_string(std::llround(size.work_s)) + " s of work in " +
           std::to_string(size.task_count) + " tasks with " + cpus + " processors each.\n";
   text +=
       "#   sh SCRIPT          submits the array of workers, and a report that waits for all of them\n"

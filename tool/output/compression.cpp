@@ -25,7 +25,8 @@ void append(void* to, void* data, int size) {
 
 Bytes zlib_of(Bytes bytes) {
   TICKTRUE_ASSERT(bytes.size() < std::size_t{1} << 30);
-  if (bytes.empty()) return {0x78, 0x01, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01};  // stb_image_write leaves out its one block
+  if (bytes.empty())
+    return {0x78, 0x01, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01};  // stb_image_write leaves out its one block
   int size = 0;
   unsigned char* stream = stbi_zlib_compress(bytes.data(), static_cast<int>(bytes.size()), &size, match_count);
   TICKTRUE_ASSERT(stream != nullptr);
