@@ -135,6 +135,7 @@ void apply_settings(const SceneArguments& arguments, Scene& scene) {
   if (!info_of(solvers, settings.solver).substeps) settings.substeps = 1;
   if (arguments.substeps) settings.substeps = *arguments.substeps;
   if (arguments.auto_substeps) settings.auto_substeps.emplace();
+  if (arguments.sleep) settings.sleep.reset();
   if (arguments.sleep && *arguments.sleep == 1) settings.sleep.emplace();
   if (arguments.locate_impacts) settings.locate_impacts = *arguments.locate_impacts == 1;
   if (arguments.continuous) settings.continuous = *arguments.continuous == 1;

@@ -73,6 +73,7 @@ TEST_CASE("every built-in scene takes the settings by name", "[engine][builtin_s
     CHECK(made(name + "?substeps=7").settings.substeps == 7);
     CHECK(made(name + "?locate_impacts=1").settings.locate_impacts);
     CHECK_FALSE(made(name + "?continuous=0").settings.continuous);
+    CHECK_FALSE(made(name + "?sleep=0").settings.sleep);
     CHECK(made(name + "?gravity=3.5").gravity == Point{0, -3.5});
     CHECK(made(name + "?solver=tgs_soft&substeps=2").settings.substeps == 2);
     if (!made(name).joints.empty() || name == "shapes" || name == "sensors") {
