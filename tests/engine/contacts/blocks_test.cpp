@@ -153,6 +153,35 @@ TEST_CASE("bodies follow a gravity that changes in one direction alone", "[engin
   }));
 }
 
+TEST_CASE("a press ends the solution in blocks, and a release lets it begin again", "[engine][blocks][caches]") {
+  Scene scene = empty_scene(Precision::f32);
+  scene.inputs = {engine::InputKind::press, engine::InputKind::drag, engine::InputKind::release};
+  scene.pointer.emplace();
+  scene.bodies = {ground(40)};
+  for (int stack = 0; stack < 6; ++stack)
+    for (int i = 0; i < 3; ++i) scene.bodies.push_back(body_of(box_shape(0.5, 0.5), {4.0 * stack - 10, 0.5 + i}));
+  const Session session = thirty_ticks(scene, [](std::uint64_t tick, engine::Input& input) {
+    input.kind = tick == 25 ? engine::InputKind::release : engine::InputKind::press;
+    input.values[0] = -10;
+    input.values[1] = 2.5;
+    return tick == 15 || tick == 25;
+  });
+  ChunkOrder order(false);
+  engine::EngineOptions blocks;
+  blocks.parallel = {&order, 4};  // blocks of a few contacts, in a scene this small
+  blocks.check_caches = true;
+  const auto engine = make_engine_or_fail(scene, blocks);
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    CAPTURE(tick);
+    const Status done = engine->step(input_of(session, tick), nullptr);
+    INFO((done ? "" : done.error().message));
+    REQUIRE(done.has_value());
+  }
+  constexpr auto kind = static_cast<std::size_t>(engine::CacheKind::contact_blocks);
+  CHECK(engine->cache_report()[kind].hits > 10);
+  CHECK(tick_hashes(session, 30, blocks) == tick_hashes(session, 30));
+}
+
 TEST_CASE("contacts in their places go on after a load", "[engine][blocks][restore]") {
   const Session session = disturbed_pyramids(Precision::f32, false);
   const auto original = make_engine_or_fail(session.scene);
