@@ -88,10 +88,14 @@ double momentum_bound(const Scene& scene, const StateView& state, const Bodies& 
   const double passes =
       scene.settings.solver == engine::SolverKind::pgs ? scene.settings.iterations : 4 * substeps_max(scene);
   const auto rows = constraint_rows(state);
+  // A solver without contacts in the state may resolve each body against every other one.
+  const engine::SolverInfo& solver = info_of(engine::solvers, scene.settings.solver);
+  const bool has_unseen = solver.solves_constraints && !solver.reads_contacts && !after.empty();
+  const double rows_unseen = has_unseen ? static_cast<double>(after.size() - 1) : 0;
   double sum = 0;
   for (const BodyReport& body : after) {
     const auto found = rows.find(body.id);
-    const double changes = passes * (1 + (found == rows.end() ? 0 : found->second));
+    const double changes = passes * (1 + static_cast<double>(rows_unseen) + (found == rows.end() ? 0 : found->second));
     sum += body.mass * speed * changes * 3 * epsilon_of(scene.settings.precision);
   }
   return sum;
