@@ -32,7 +32,7 @@ class Comparing {
 
   const replay::TraceSetup& setup() const { return reader_.setup(); }
 
-  /// What is known of the build of this program.
+  /// Facts about the build of this program.
   void set_facts(replay::BuildFacts facts) { report_.here_build = std::move(facts); }
   /// Whether the program is the one that recorded. False: the report says what differs.
   bool check_identity(const Identity& identity);

@@ -536,6 +536,19 @@ TEST_CASE("documents that are kept plain have sentences of at most 25 words", "[
   }
 }
 
+TEST_CASE("every file that mutants are drawn from is there", "[tidy]") {
+  const fs::path root = TICKTRUE_SOURCE_DIR;
+  std::istringstream words(read_text(root / "tests/mutants/mutants.py"));
+  int count = 0;
+  for (std::string word; words >> word;) {
+    if (!starts_with(word, "engine/")) continue;
+    CAPTURE(word);
+    CHECK(fs::exists(root / word));
+    ++count;
+  }
+  CHECK(count > 20);
+}
+
 TEST_CASE("README.md leads to every document, and the glossary has at most 15 words", "[tidy][docs]") {
   const fs::path root = TICKTRUE_SOURCE_DIR;
   const std::vector<std::string> links = links_of(read_text(root / "README.md"));

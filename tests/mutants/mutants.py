@@ -25,11 +25,12 @@ engine/broad_phase/proxy_boxes.h engine/broad_phase/sort_pairs.cpp engine/narrow
 engine/narrow_phase/contact_caches.h engine/narrow_phase/pair_block.h engine/narrow_phase/box_pairs.cpp
 engine/narrow_phase/box_pairs.h engine/contacts/contact_batch.cpp engine/contacts/contact_blocks.cpp
 engine/contacts/contact_coloring.cpp engine/contacts/contact_coloring.h engine/contacts/contact_filling.cpp
-engine/islands/solver_sets.cpp engine/joints/joint_order.cpp engine/joints/joint_plan.cpp
+engine/contacts/island_blocks.cpp engine/contacts/island_blocks.h engine/islands/solver_sets.cpp
+engine/joints/joint_order.cpp engine/joints/joint_plan.cpp engine/joints/joint_plan.h
 engine/joints/batched/driven_revolute_batch.cpp engine/joints/batched/level_schedule.cpp
 engine/joints/batched/revolute_batch.cpp engine/joints/batched/wavefront.cpp engine/model/bodies.cpp
 engine/model/bodies.h engine/integrators/flow.cpp engine/integrators/motion_rows.h engine/model/motion_bounds.cpp
-engine/model/motion_bounds.h engine/model/margins.h engine/model/scratch.cpp
+engine/model/motion_bounds.h engine/model/margins.h engine/solvers/substep_strategies.cpp
 """.split()
 
 REPLACEMENTS = {
