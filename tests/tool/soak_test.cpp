@@ -418,17 +418,17 @@ TEST_CASE("an injected fault is shrunk to few bodies and written with a command 
 
 TEST_CASE("a soak that was resumed counts the same as one that was not", "[verifier][soak][determinism]") {
   const TemporaryFolder folder, other;
-  const auto whole = run_soak(soak_options(folder, 40));
+  const auto whole = run_soak(soak_options(folder, 200));
   REQUIRE(whole);
   CHECK(whole->is_whole);
   CHECK(whole->counters.failures.empty());
-  CHECK(whole->counters.choices.at("shape/box").active == 40);
-  CHECK(whole->counters.choices.at("shape/box").effect == 40);
+  CHECK(whole->counters.choices.at("shape/box").active == 200);
+  CHECK(whole->counters.choices.at("shape/box").effect == 200);
   CHECK(whole->counters.choices.at("feature/odd").effect == 0);
 
-  SoakOptions parts = soak_options(other, 40);
+  SoakOptions parts = soak_options(other, 200);
   parts.thread_count = 3;
-  parts.progress = [](const SoakCounters& counters, double) { return counters.world_count < 21; };
+  parts.progress = [](const SoakCounters& counters, double) { return counters.world_count < 150; };
   const auto first = run_soak(parts);
   REQUIRE(first);
   CHECK_FALSE(first->is_whole);
@@ -436,7 +436,7 @@ TEST_CASE("a soak that was resumed counts the same as one that was not", "[verif
   parts.resume = true;
   const auto second = run_soak(parts);
   REQUIRE(second);
-  CHECK(second->new_worlds == 24);  // those of the second block were not kept
+  CHECK(second->new_worlds == 72);  // those of the second block were not kept
   CHECK(print_progress({}, second->counters) == print_progress({}, whole->counters));
 
   SoakReport report_a = *whole, report_b = *second;

@@ -44,7 +44,8 @@ struct SoakOptions {
   std::string checks_text;              // part of the identity of the progress
   OracleOptions oracle;
   WorldSource worlds;
-  std::function<bool(const SoakCounters& counters, double seconds)> progress;  // false stops; may be empty
+  /// Called on any thread, never on two at once; false stops; may be empty.
+  std::function<bool(const SoakCounters& counters, double seconds)> progress;
 };
 
 struct SoakReport {
@@ -61,7 +62,8 @@ std::uint64_t world_seed(std::uint64_t seed, std::uint64_t index);
 Result<SoakReport> run_soak(const SoakOptions& options);
 
 /// Worlds between two savings of the progress. Effects are counted from the state of the last saving, so that a resumed
-/// soak counts the same as an uninterrupted one.
-inline constexpr std::uint64_t worlds_per_block = 16;
+/// soak counts the same as an uninterrupted one. A block ends when its slowest world does: smaller blocks leave
+/// processors idle.
+inline constexpr std::uint64_t worlds_per_block = 128;
 
 }  // namespace ticktrue::verifier::soak
