@@ -122,14 +122,16 @@ class Workshop:
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=OFF "
                      f"-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF {launcher}")
-        for command in (configure, self.build_command()):
+        for command in (configure, self.build_command(os.cpu_count())):
             status, output = run(command, 3600)
             if status != 0:
                 sys.exit(f'mutants: error: {command}: exit {status}\n{output[-2000:]}')
         self.original = digest(self.program())
 
-    def build_command(self):
-        threads = max(1, os.cpu_count() // self.options.jobs)
+    def threads(self):
+        return max(1, os.cpu_count() // self.options.jobs)
+
+    def build_command(self, threads):
         return f"cmake --build '{self.build_dir}' -j {threads} --target {self.options.target}"
 
     def program(self):
@@ -137,14 +139,14 @@ class Workshop:
 
     def judge(self, check_seed):
         """killed, survived, same (the program has the same bytes) or unbuildable, and a word on it"""
-        status, output = run(self.build_command(), 1200)
+        status, output = run(self.build_command(self.threads()), 1200)
         if status != 0:
             return 'unbuildable', ''
         if digest(self.program()) == self.original:
             return 'same', ''
         command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
                                             out=os.path.join(self.out, 'check'), root=self.options.root,
-                                            threads=max(1, os.cpu_count() // self.options.jobs))
+                                            threads=self.threads())
         start = time.monotonic()
         status, output = run(command, self.options.time + self.options.grace)
         seconds = time.monotonic() - start
