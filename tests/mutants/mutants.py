@@ -158,6 +158,8 @@ class Workshop:
 
     def examine(self, mutant):
         """verdict and a word on it"""
+        if isinstance(mutant, Patch):
+            return self.examine_patch(mutant)
         path = os.path.join(self.tree, mutant.name)
         with open(path) as original:
             text = original.read()
@@ -172,6 +174,18 @@ class Workshop:
                 file.write(text)
 
 
+    def examine_patch(self, patch):
+        apply = f"patch -s -p1 -d '{self.tree}' {{}} < '{patch.path}'"
+        status, output = run(apply.format(''), 60)
+        if status != 0:
+            sys.exit(f'mutants: error: {patch.path}: cannot be applied\n{output}')
+        try:
+            return self.judge(patch.check_seed)
+        finally:
+            run(apply.format('-R'), 60)
+
+
+Patch = collections.namedtuple('Patch', 'draw name number before after check_seed path')
 Mutant = collections.namedtuple('Mutant', 'draw name number before after check_seed')
 
 
@@ -182,6 +196,13 @@ def draw_mutants(lines, seed):
         name, number, line = lines[source.randrange(len(lines))]
         begin, end, other = source.choice(tokens_of(line))
         yield Mutant(draw, name, number, line, line[:begin] + other + line[end:], source.randrange(1 << 32))
+
+
+def patches_of(paths, seed):
+    """Faults planted by hand, one to a file."""
+    source = random.Random(seed)
+    for draw, path in enumerate(paths, 1):
+        yield Patch(draw, path, 0, '', '', source.randrange(1 << 32), os.path.abspath(path))
 
 
 class Mutants:
@@ -212,7 +233,9 @@ class Mutants:
                 if judged + self.under_way < self.options.count:
                     if self.deadline and time.monotonic() > self.deadline:
                         return None
-                    mutant = next(mutants)
+                    mutant = next(mutants, None)
+                    if mutant is None:
+                        return None
                     if mutant.draw not in done:
                         self.under_way += 1
                         return mutant
@@ -246,7 +269,11 @@ class Mutants:
         workshops = [Workshop(options, number) for number in range(options.jobs)]
         for workshop in workshops:
             workshop.prepare()
-        mutants = draw_mutants(lines, options.seed)
+        if options.patches:
+            options.count = len(options.patches)
+            mutants = patches_of(options.patches, options.seed)
+        else:
+            mutants = draw_mutants(lines, options.seed)
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
             for worker in [pool.submit(self.work, workshop, mutants, done) for workshop in workshops]:
                 worker.result()
@@ -264,6 +291,7 @@ def main():
     parser.add_argument('--root', default='.', help='the source tree')
     parser.add_argument('--out', default='out/mutants', help='where the copy is built and results are written')
     parser.add_argument('--files', nargs='*', default=CACHE_FILES, help='files to change (default: those that cache or batch)')
+    parser.add_argument('--patches', nargs='*', help='faults planted by hand, as patches, instead of mutants')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
     parser.add_argument('--target', default='ticktrue', help='the program to build')
