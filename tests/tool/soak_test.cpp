@@ -474,6 +474,22 @@ TEST_CASE("a soak over a faulty engine says where, and ends after so many failur
   CHECK(soak_text(options, *report, {}).rfind("FOUND", 0) == 0);
 }
 
+TEST_CASE("a soak in which a cached structure was never hit is no match", "[verifier][soak][determinism]") {
+  const TemporaryFolder folder;
+  SoakOptions options = soak_options(folder, 16);
+  const auto report = run_soak(options);
+  REQUIRE(report);
+  CHECK(soak_text(options, *report, {}).rfind("match", 0) == 0);
+  options.hits_expected_after = 17;
+  CHECK(never_hit(options, report->counters).empty());
+  options.hits_expected_after = 16;
+  CHECK(never_hit(options, report->counters) ==
+        std::vector<std::string>{"manifolds", "joint_plan", "cell_side"});  // worlds of two boxes
+  const std::string text = soak_text(options, *report, {});
+  CHECK(text.rfind("FOUND", 0) == 0);
+  CHECK(text.find("cached structure that was never hit: found joint_plan") != std::string::npos);
+}
+
 TEST_CASE("counts of physics that rise are told apart from those that fall", "[verifier][soak][analytic]") {
   const KnownFile known{7, 100, {{{"pgs rk4 free", "energy"}, 3}, {{"pgs rk4 free", "overlap"}, 2}}};
   const auto read = parse_known(print_known(known), "known.tsv");
