@@ -3,6 +3,8 @@
 // Source: as direct_island.h.
 #include "engine/joints/direct/direct_island.h"
 
+#include <utility>
+
 #include "engine/math/trig.h"
 
 namespace ticktrue::engine {
@@ -17,12 +19,19 @@ constexpr double push_speed_max = 3;      // m/s, of a row
 constexpr double push_body_speed = 0.1;   // m/s: the push has at most the energy of all bodies at this speed
 constexpr double gap_of_rounding = 1e-6;  // m: taken back without that bound
 
+/// h^2 F r in units of the inertia.
+constexpr double turning_limit = 2;
+
 constexpr double miss_least = 1e-3;          // m
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
 constexpr double resting_body_speed = 0.05;  // m/s: energy that bodies at rest are taken to have
 
 double magnitude(double x) {
   return x < 0 ? -x : x;
+}
+
+double arm_of(Place p) {
+  return __builtin_sqrt(p.x * p.x + p.y * p.y);
 }
 
 double row_product(const Block& gradient, std::size_t row, const Triple& v) {
@@ -34,13 +43,18 @@ double double_energy(const DirectBody& body, const Triple& v) {
   return body.mass * (v[0] * v[0] + v[1] * v[1]) + body.inertia * (v[2] * v[2]);
 }
 
-double mobility(const DirectBody& body, const Block& gradient, std::size_t row) {
+double mobility(const DirectBody& body, const Block& gradient, std::size_t row, std::size_t other) {
   const double* g = gradient.data() + 3 * row;
-  return (g[0] * g[0] + g[1] * g[1]) * body.inv_mass + g[2] * g[2] * body.inv_inertia;
+  const double* q = gradient.data() + 3 * other;
+  return (g[0] * q[0] + g[1] * q[1]) * body.inv_mass + g[2] * q[2] * body.inv_inertia;
 }
 
 Pose pose_of(const DirectIsland& island, std::uint32_t body) {
   return body == no_direct_body ? Pose{} : island.bodies[body].pose;
+}
+
+bool is_moving(const DirectIsland& island, std::uint32_t body) {
+  return body < island.moving_count;
 }
 
 void find_moved_poses(DirectIsland& island, double h) {
@@ -65,6 +79,16 @@ double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size
   return speed;
 }
 
+/// The same of the velocities with which bodies move.
+double row_drift(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  double speed = row_speed(island, joint, row);
+  if (is_moving(island, joint.body_a))
+    speed -= row_product(joint.equations.gradient_a, row, island.bodies[joint.body_a].lag);
+  if (is_moving(island, joint.body_b))
+    speed -= row_product(joint.equations.gradient_b, row, island.bodies[joint.body_b].lag);
+  return speed;
+}
+
 void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, double impulse) {
   const double* g = gradient.data() + 3 * row;
   body.velocity[0] += g[0] * impulse * body.inv_mass;
@@ -75,11 +99,17 @@ void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, dou
 /// Changes of states in a pass. Most substeps have none.
 constexpr int state_change_max = 3;
 
-double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+/// Of the speed of one row by the impulse of another one.
+double coupling(const DirectIsland& island, const DirectJoint& joint, std::size_t row, std::size_t other) {
   double sum = 0;
-  if (joint.body_a != no_direct_body) sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row);
-  if (joint.body_b != no_direct_body) sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row);
+  if (is_moving(island, joint.body_a))
+    sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row, other);
+  if (is_moving(island, joint.body_b))
+    sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row, other);
   return sum;
+}
+double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  return coupling(island, joint, row, row);
 }
 
 DirectDrive& drive_of(DirectJoint& joint, std::size_t row) {
@@ -104,13 +134,13 @@ double target_of(const DirectIsland& island, double error, double h) {
 
 /// Solves for system.values and adds the solution to velocities and impulses.
 void add_solution(DirectIsland& island) {
-  solve(island.graph, island.system);
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
-    const Triple& change = island.system.values[island.graph.body_nodes[i]];
+  solve(*island.graph, island.system);
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const Triple& change = island.system.values[island.graph->body_nodes[i]];
     for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] += change[k];
   }
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    const Triple& change = island.system.values[island.graph.joint_nodes[i]];
+    const Triple& change = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
       island.joints[i].impulses[row] -= change[row];
   }
@@ -122,7 +152,7 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
   for (Triple& value : island.system.values) value = {};
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    Triple& value = island.system.values[island.graph.joint_nodes[i]];
+    Triple& value = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) value[row] = -residual(joint, row);
   }
 }
@@ -133,7 +163,10 @@ double residual_of(const DirectIsland& island, const DirectJoint& joint, std::si
   if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
   if (!joint.laws[row].is_in_system) return 0;
   const DirectDrive& drive = drive_of(joint, row);
-  if (!is_at_limit(drive)) return (row_speed(island, joint, row) - joint.laws[row].speed) + soft;
+  if (!is_at_limit(drive)) {
+    const double speed = acts_like_force(drive) ? row_speed(island, joint, row) : row_drift(island, joint, row);
+    return (speed - joint.laws[row].speed) + soft;
+  }
   const double limit = drive.state == DriveState::at_lower ? drive.lower : drive.upper;
   const double over = drive.start_error - limit;
   const bool is_beyond = drive.state == DriveState::at_lower ? over < 0 : over > 0;
@@ -143,7 +176,7 @@ double residual_of(const DirectIsland& island, const DirectJoint& joint, std::si
 /// One pass with the error after the move as the speeds tell, to first order.
 void pass_to_speeds(DirectIsland& island, double h) {
   set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
-    const double then = joint.equations.errors[row] + h * row_speed(island, joint, row);
+    const double then = joint.equations.errors[row] + h * row_drift(island, joint, row);
     return residual_of(island, joint, row, then, h);
   });
   add_solution(island);
@@ -156,7 +189,7 @@ void pass_to_positions(DirectIsland& island, double h) {
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
     const JointEquations then = moved_equations(island, joint);
-    Triple& value = island.system.values[island.graph.joint_nodes[i]];
+    Triple& value = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row)
       value[row] = -residual_of(island, joint, row, then.errors[row], h);
   }
@@ -165,12 +198,13 @@ void pass_to_positions(DirectIsland& island, double h) {
 
 /// Fills the system from equations and laws, and factors it.
 void factor_laws(DirectIsland& island) {
-  clear_system(island.graph, island.system);
-  for (std::uint32_t i = 0; i < island.bodies.size(); ++i)
-    set_body(island.graph, island.system, i, island.bodies[i].mass, island.bodies[i].inertia);
+  clear_system(*island.graph, island.system);
+  const auto turns = [&island](std::uint32_t body) { return island.bodies[body].inv_inertia > 0; };
+  for (std::uint32_t i = 0; i < island.moving_count; ++i)
+    set_body(*island.graph, island.system, i, island.bodies[i].mass, turns(i) ? island.bodies[i].inertia : 1);
   for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
     DirectJoint& joint = island.joints[i];
-    const bool is_redundant = island.graph.nodes[island.graph.joint_nodes[i]].is_redundant;
+    const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[i]].is_redundant;
     Block of_a = joint.equations.gradient_a;
     Block of_b = joint.equations.gradient_b;
     for (std::size_t row = 0; row < 3; ++row) {
@@ -183,12 +217,15 @@ void factor_laws(DirectIsland& island) {
       }
       for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
     }
-    set_joint(island.graph, island.system, i, joint.compliances);
+    set_joint(*island.graph, island.system, i, joint.compliances);
     std::uint32_t place = 0;
-    if (joint.body_a != no_direct_body) set_gradient(island.graph, island.system, i, place++, of_a);
-    if (joint.body_b != no_direct_body) set_gradient(island.graph, island.system, i, place, of_b);
+    for (const auto& [body, gradient] : {std::pair{joint.body_a, &of_a}, std::pair{joint.body_b, &of_b}}) {
+      if (!is_moving(island, body)) continue;
+      if (!turns(body)) (*gradient)[2] = (*gradient)[5] = (*gradient)[8] = 0;
+      set_gradient(*island.graph, island.system, i, place++, *gradient);
+    }
   }
-  factor(island.graph, island.system);
+  factor(*island.graph, island.system);
 }
 
 /// Calls body(joint, row, drive, mobility) for every row with a drive.
@@ -196,15 +233,16 @@ template <typename Body>
 void for_drives(DirectIsland& island, const Body& body) {
   for (DirectJoint& joint : island.joints)
     for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
-      const double k = mobility(island, joint, row);
-      if (k > 0 && exists(drive_of(joint, row))) body(joint, row, drive_of(joint, row), k);
+      DirectDrive& drive = drive_of(joint, row);
+      const double k = exists(drive) ? mobility(island, joint, row) : 0;
+      if (k > 0) body(joint, row, drive, drive.mobility > 0 ? drive.mobility : k);
     }
 }
 
 void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, double impulse) {
-  if (joint.body_a != no_direct_body)
+  if (is_moving(island, joint.body_a))
     apply_impulse(island.bodies[joint.body_a], joint.equations.gradient_a, row, impulse);
-  if (joint.body_b != no_direct_body)
+  if (is_moving(island, joint.body_b))
     apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
 }
 
@@ -215,7 +253,7 @@ void settle(DirectIsland& island, double h, const Pass& pass) {
   for (int change = 0; island.has_drives && change < state_change_max; ++change) {
     bool is_changed = false;
     for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
-      if (update_state(drive, k, joint.impulses[row], row_speed(island, joint, row), h)) is_changed = true;
+      if (update_state(drive, k, joint.impulses[row], row_drift(island, joint, row), h)) is_changed = true;
     });
     if (!is_changed) return;
     for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
@@ -244,7 +282,7 @@ double largest_miss(DirectIsland& island, double h) {
 
 /// Velocities and impulses: the saved ones and `share` of what was added since.
 void scale_changes(DirectIsland& island, double share) {
-  for (std::size_t i = 0; i < island.bodies.size(); ++i)
+  for (std::size_t i = 0; i < island.moving_count; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const double saved = island.saved_velocities[i][k];
       double& now = island.bodies[i].velocity[k];
@@ -280,31 +318,49 @@ void restore_velocities(DirectIsland& island) {
 }  // namespace
 
 Pose moved(const DirectBody& body, double h) {
-  const SinCos turn = sin_cos(h * body.velocity[2]);
-  return {{body.pose.position.x + h * body.velocity[0], body.pose.position.y + h * body.velocity[1]},
+  const Triple& v = body.velocity;
+  const SinCos turn = sin_cos(h * (v[2] - body.lag[2]));
+  return {{body.pose.position.x + h * (v[0] - body.lag[0]), body.pose.position.y + h * (v[1] - body.lag[1])},
           turn.cos * body.pose.c - turn.sin * body.pose.s,
           turn.sin * body.pose.c + turn.cos * body.pose.s};
 }
 
+GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns) {
+  GraphJoint row;
+  const bool a_moves = joint.body_a < moving_count;
+  const bool b_moves = joint.body_b < moving_count;
+  if (a_moves) row.bodies[row.body_count++] = joint.body_a;
+  if (b_moves) row.bodies[row.body_count++] = joint.body_b;
+  row.is_to_world = !a_moves || !b_moves;
+  const JointEquations equations = equations_of(joint.shape, Pose{}, Pose{});
+  for (std::uint32_t i = 0; i < equations.row_count; ++i) {
+    const auto acts = [i](const Block& gradient, bool moves, bool turns) {
+      return moves && (gradient[3 * i] != 0 || gradient[3 * i + 1] != 0 || (turns && gradient[3 * i + 2] != 0));
+    };
+    const bool has_effect =
+        acts(equations.gradient_a, a_moves, a_turns) || acts(equations.gradient_b, b_moves, b_turns);
+    row.row_count += has_effect ? 1u : 0u;
+  }
+  if (row.row_count == 0) row.row_count = 1;
+  return row;
+}
+
 void order_island(DirectIsland& island) {
-  std::vector<GraphJoint> joints;
+  island.moving_count = island.bodies.size();
   island.has_drives = false;
+  std::vector<GraphJoint> joints;
   for (const DirectJoint& joint : island.joints) {
-    GraphJoint row;
-    row.is_to_world = joint.body_a == no_direct_body || joint.body_b == no_direct_body;
-    for (const std::uint32_t body : {joint.body_a, joint.body_b})
-      if (body != no_direct_body) row.bodies[row.body_count++] = body;
-    row.row_count = equations_of(joint.shape, Pose{}, Pose{}).row_count;
-    joints.push_back(row);
+    joints.push_back(graph_joint(joint, island.moving_count, true, true));
     for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
   }
-  island.graph = make_joint_graph(static_cast<std::uint32_t>(island.bodies.size()), joints);
+  island.graph =
+      std::make_shared<const JointGraph>(make_joint_graph(static_cast<std::uint32_t>(island.moving_count), joints));
 }
 
 void factor_island(DirectIsland& island) {
   for (DirectBody& body : island.bodies) {
     body.inv_mass = 1 / body.mass;
-    body.inv_inertia = 1 / body.inertia;
+    body.inv_inertia = body.inertia > 0 ? 1 / body.inertia : 0;
   }
   for (DirectJoint& joint : island.joints) {
     joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
@@ -315,6 +371,68 @@ void factor_island(DirectIsland& island) {
     joint.laws[row] = law_after_move(drive, joint.impulses[row]);
   });
   factor_laws(island);
+}
+
+double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  const double k = mobility(island, joint, row);
+  const std::uint32_t rigid_count = joint.equations.rigid_count;
+  // Wheels and their chassis are sprung as if the row across the axis were not there.
+  if (rigid_count == 0 || joint.shape.kind == JointKind::wheel) return k;
+  const double k00 = mobility(island, joint, 0);
+  const double k0 = coupling(island, joint, row, 0);
+  if (rigid_count == 1) return k00 > 0 ? k - k0 * k0 / k00 : k;
+  const double k11 = mobility(island, joint, 1);
+  const double k01 = coupling(island, joint, 0, 1);
+  const double k1 = coupling(island, joint, row, 1);
+  const double determinant = k00 * k11 - k01 * k01;
+  if (determinant > 0) return k - ((k11 * k0 - k01 * k1) * k0 + (k00 * k1 - k01 * k0) * k1) / determinant;
+  return k00 > 0 ? k - k0 * k0 / k00 : k;
+}
+
+bool has_impulses(const DirectIsland& island) {
+  for (const DirectJoint& joint : island.joints)
+    for (const double impulse : joint.impulses)
+      if (impulse != 0) return true;
+  return false;
+}
+
+bool raise_inertias(DirectIsland& island, double h) {
+  std::vector<double>& angular_impulses = island.angular_impulses;
+  angular_impulses.assign(island.moving_count, 0);
+  for (const DirectJoint& joint : island.joints) {
+    const bool is_point = joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld;
+    const double across = is_point ? joint.impulses[1] : 0;
+    const double impulse = __builtin_sqrt(joint.impulses[0] * joint.impulses[0] + across * across);
+    const double ratio = joint.shape.kind == JointKind::pulley ? joint.shape.ratio : 1;
+    if (is_moving(island, joint.body_a)) angular_impulses[joint.body_a] += impulse * arm_of(joint.shape.anchor_a);
+    if (is_moving(island, joint.body_b))
+      angular_impulses[joint.body_b] += ratio * impulse * arm_of(joint.shape.anchor_b);
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const double least = h * angular_impulses[i] / turning_limit;
+    double& inertia = island.bodies[i].inertia;
+    if (!(inertia > 0) || !(least > inertia)) continue;
+    inertia = least;
+    any = true;
+  }
+  return any;
+}
+
+void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes) {
+  for (const DirectJoint& joint : island.joints)
+    for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
+      if (!acts_like_force(drive_of(joint, row))) continue;
+      const double impulse = joint.impulses[row];
+      for (const auto& [body, gradient] : {std::pair{joint.body_a, &joint.equations.gradient_a},
+                                           std::pair{joint.body_b, &joint.equations.gradient_b}}) {
+        if (!is_moving(island, body)) continue;
+        const double* g = gradient->data() + 3 * row;
+        changes[body][0] += g[0] * impulse * island.bodies[body].inv_mass;
+        changes[body][1] += g[1] * impulse * island.bodies[body].inv_mass;
+        changes[body][2] += g[2] * impulse * island.bodies[body].inv_inertia;
+      }
+    }
 }
 
 void begin_substep(DirectIsland& island, double h) {
@@ -338,11 +456,11 @@ void begin_substep(DirectIsland& island, double h) {
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
     return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
   });
-  solve(island.graph, island.system);
+  solve(*island.graph, island.system);
   double asked = 0;
   double allowed = 0;
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
-    island.push.push_back(island.system.values[island.graph.body_nodes[i]]);
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    island.push.push_back(island.system.values[island.graph->body_nodes[i]]);
     asked += double_energy(island.bodies[i], island.push[i]);
     allowed += island.bodies[i].mass * (push_body_speed * push_body_speed);
   }
@@ -381,7 +499,7 @@ PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
   }
   double asked = 0;
   double had = 0;
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
     const DirectBody& body = island.bodies[i];
     const Triple& saved = island.saved_velocities[i];
     asked +=

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/joints/direct/block_ldl.h"
@@ -27,9 +28,10 @@ inline constexpr std::uint32_t no_direct_body = 0xffffffff;
 
 struct DirectBody {
   Pose pose;
-  Triple velocity{};  // m/s, m/s, rad/s
-  double mass = 1;
-  double inertia = 1;
+  Triple velocity{};    // m/s, m/s, rad/s
+  Triple lag{};         // the velocity less that with which the body moves
+  double mass = 1;      // kg; of bodies that joints do not move: any
+  double inertia = 1;   // kg m^2; 0: the body does not turn
   double inv_mass = 1;  // filled by factor_island
   double inv_inertia = 1;
 };
@@ -48,26 +50,41 @@ struct DirectJoint {
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
 
 struct DirectIsland {
-  std::vector<DirectBody> bodies;
+  std::vector<DirectBody> bodies;  // those that joints move first
+  std::size_t moving_count = 0;    // the others have a pose and a velocity of their own
   std::vector<DirectJoint> joints;
-  JointGraph graph;
+  std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
-  std::vector<Triple> push;  // [body]; empty: none
+  std::vector<Triple> push;  // [moving body]; empty: none
   double push_share = 1;     // of what is to be taken back
   bool has_drives = false;
   std::vector<Pose> moved_poses;  // [body] by the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
   std::vector<std::array<DirectDrive, 2>> saved_drives;
+  std::vector<double> angular_impulses;  // [moving body] N m s, of its joints
 };
 
 /// The body after a substep with its velocity.
 Pose moved(const DirectBody& body, double h);
 
-/// Makes the graph. Call again when bodies or joints were added or removed.
+/// The joint as the graph sees it. Bodies below `moving_count` are moved by joints; `turns(body)`: not by linear
+/// impulses alone.
+GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns);
+/// Makes the graph of bodies that all are moved by joints. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
 /// Equations and matrix of the present poses, for project_velocities.
 void factor_island(DirectIsland& island);
+/// The mobility of a driven row while the rigid rows of its joint hold. Requires: factor_island.
+double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row);
+
+/// Whether some joint has an impulse.
+bool has_impulses(const DirectIsland& island);
+/// Raises inertias where impulses of joints turn bodies faster than substeps can follow
+/// (engine/joints/joint_inertia.h). True: some is raised. Requires: factor_island.
+bool raise_inertias(DirectIsland& island, double h);
+/// Adds the changes of velocity by rows that act like forces to those of the moving bodies.
+void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes);
 
 /// Lets the drives act, and chooses the push of this substep. Requires: factored.
 void begin_substep(DirectIsland& island, double h);

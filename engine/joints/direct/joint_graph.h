@@ -58,8 +58,9 @@ struct JointGraph {
 /// Joints beyond those of a forest. Joints to what does not move close no loop.
 std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints);
 
-/// The order depends on the indices of bodies and joints alone. Requires: a joint has bodies, and
-/// they differ.
-JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints);
+/// The order depends on the indices of bodies and joints alone. `turns`: [body] 0 if it has two degrees of freedom;
+/// empty: each has three. Requires: a joint has bodies, and they differ.
+JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints,
+                            const std::vector<std::uint8_t>& turns = {});
 
 }  // namespace ticktrue::engine
