@@ -182,17 +182,28 @@ void pass_to_speeds(DirectIsland& island, double h) {
   add_solution(island);
 }
 
-/// One pass with the error after the move.
-void pass_to_positions(DirectIsland& island, double h) {
+/// Sets the right-hand side from the errors after the move. Returns by how much the rigid rows miss their targets, m or
+/// rad.
+double set_position_residuals(DirectIsland& island, double h) {
   find_moved_poses(island, h);
   for (Triple& value : island.system.values) value = {};
+  double most = 0;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
     const JointEquations then = moved_equations(island, joint);
     Triple& value = island.system.values[island.graph->joint_nodes[i]];
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
       value[row] = -residual_of(island, joint, row, then.errors[row], h);
+      if (row >= joint.equations.rigid_count) continue;
+      const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
+      if (!(miss <= most)) most = miss;
+    }
   }
+  return most;
+}
+
+void pass_to_positions(DirectIsland& island, double h) {
+  set_position_residuals(island, h);
   add_solution(island);
 }
 
@@ -246,38 +257,28 @@ void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, 
     apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
 }
 
-/// Runs a pass, and runs it again where a drive changes its state.
-template <typename Pass>
-void settle(DirectIsland& island, double h, const Pass& pass) {
-  pass(island, h);
-  for (int change = 0; island.has_drives && change < state_change_max; ++change) {
-    bool is_changed = false;
-    for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
-      if (update_state(drive, k, joint.impulses[row], row_drift(island, joint, row), h)) is_changed = true;
-    });
-    if (!is_changed) return;
-    for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
-      joint.laws[row] = law_of(drive, k);
-      if (joint.laws[row].is_in_system) return;
-      apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
-      joint.impulses[row] = joint.laws[row].impulse;
-    });
-    factor_laws(island);
-    pass(island, h);
-  }
+/// Lets drives change their states after a pass. True: some has, and the system is factored anew.
+bool change_states(DirectIsland& island, double h) {
+  bool is_changed = false;
+  for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+    if (update_state(drive, k, joint.impulses[row], row_drift(island, joint, row), h)) is_changed = true;
+  });
+  if (!is_changed) return false;
+  for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
+    joint.laws[row] = law_of(drive, k);
+    if (joint.laws[row].is_in_system) return;
+    apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
+    joint.impulses[row] = joint.laws[row].impulse;
+  });
+  factor_laws(island);
+  return true;
 }
 
-double largest_miss(DirectIsland& island, double h) {
-  find_moved_poses(island, h);
-  double most = 0;
-  for (const DirectJoint& joint : island.joints) {
-    const JointEquations then = moved_equations(island, joint);
-    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) {
-      const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
-      if (!(miss <= most)) most = miss;
-    }
-  }
-  return most;
+/// Runs a pass again while drives change their states.
+template <typename Pass>
+void settle(DirectIsland& island, double h, const Pass& pass) {
+  if (!island.has_drives) return;
+  for (int change = 0; change < state_change_max && change_states(island, h); ++change) pass(island, h);
 }
 
 /// Velocities and impulses: the saved ones and `share` of what was added since.
@@ -487,13 +488,19 @@ void warm_start_island(DirectIsland& island, double h) {
 }
 
 void solve_velocities(DirectIsland& island, double h) {
+  pass_to_speeds(island, h);
   settle(island, h, pass_to_speeds);
 }
 
-PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
+PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max) {
   save_velocities(island);
-  for (int pass = 0; pass < pass_count; ++pass) settle(island, h, pass_to_positions);
-  if (!(largest_miss(island, h) <= miss_least)) {
+  double miss = set_position_residuals(island, h);
+  for (int pass = 0; pass < pass_max && !(miss <= tolerance); ++pass) {
+    add_solution(island);
+    settle(island, h, pass_to_positions);
+    miss = set_position_residuals(island, h);
+  }
+  if (!(miss <= miss_least)) {
     restore_velocities(island);
     return PositionOutcome::missed;
   }

@@ -7,9 +7,9 @@
 //   x' = x moved by h v'
 //   v" = v' + M^-1 G(x')^T q  with  G(x') v" = 0                     project_velocities
 //
-// The first is solved by a fixed number of passes with the matrix of the poses x; the error falls by about h w in each,
-// w the spin. Energy then oscillates and does not drift. Two guards keep it from growing: passes that miss the target
-// are taken back, which leaves G(x) v' = 0; passes that ask for more than a tenth of the kinetic energy are scaled.
+// The first is solved by a few passes with the matrix of the poses x; the error falls by about h w in each, w the spin.
+// Energy then oscillates and does not drift. Two guards keep it from growing: passes that miss the target are taken
+// back, which leaves G(x) v' = 0; passes that ask for more than a tenth of the kinetic energy are scaled.
 //
 // A gap is taken back by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
@@ -93,8 +93,9 @@ void warm_start_island(DirectIsland& island, double h);
 /// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires:
 /// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
-/// Velocities whose move meets the positions. Requires: solve_velocities.
-PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count);
+/// Velocities whose move meets the positions, to the tolerance (m, rad) or as well as so many passes do. Requires:
+/// solve_velocities.
+PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
 /// Takes the push's velocities off. Call after the move.
 void end_push(DirectIsland& island);
 /// Requires: factored at the poses after the move.

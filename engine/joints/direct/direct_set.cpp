@@ -9,8 +9,9 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 namespace {
 
-/// Passes that meet the positions: the error of each is that of the one before times the angle of a substep.
-constexpr int position_pass_count = sizeof(Real) == 4 ? 2 : 4;
+/// The error of each pass that meets the positions is that of the one before times the angle of a substep.
+constexpr int position_pass_max = 4;
+constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
 /// Turns of joints and contacts before the move, and after it.
 constexpr int turn_count_of_touched = 2;
 
@@ -200,7 +201,7 @@ void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspa
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_before_move(solved, motion, component, at);
     if (motion.drift.joint_changes.empty()) solve_velocities(at.island, static_cast<double>(solved.set.h));
-    meet_positions(at.island, static_cast<double>(solved.set.h), position_pass_count);
+    meet_positions(at.island, static_cast<double>(solved.set.h), position_tolerance, position_pass_max);
     store_before_move(solved, motion, component, at, false);
   });
 }

@@ -124,7 +124,7 @@ IslandRun run_island(DirectIsland& island, double seconds, int steps_per_second,
     kick(first_kick * h);
     warm_start_island(island, h);
     solve_velocities(island, h);
-    outcome.guarded += meet_positions(island, h, passes) != PositionOutcome::met ? 1 : 0;
+    outcome.guarded += meet_positions(island, h, 0, passes) != PositionOutcome::met ? 1 : 0;
     for (DirectBody& body : island.bodies) body.pose = moved(body, h);
     end_push(island);
     factor_island(island);
