@@ -333,14 +333,16 @@ GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool 
   if (a_moves) row.bodies[row.body_count++] = joint.body_a;
   if (b_moves) row.bodies[row.body_count++] = joint.body_b;
   row.is_to_world = !a_moves || !b_moves;
+  row.is_last = joint.shape.kind == JointKind::pulley;  // a short side has no direction
   const JointEquations equations = equations_of(joint.shape, Pose{}, Pose{});
   for (std::uint32_t i = 0; i < equations.row_count; ++i) {
     const auto acts = [i](const Block& gradient, bool moves, bool turns) {
       return moves && (gradient[3 * i] != 0 || gradient[3 * i + 1] != 0 || (turns && gradient[3 * i + 2] != 0));
     };
-    const bool has_effect =
-        acts(equations.gradient_a, a_moves, a_turns) || acts(equations.gradient_b, b_moves, b_turns);
-    row.row_count += has_effect ? 1u : 0u;
+    const bool acts_on_a = acts(equations.gradient_a, a_moves, a_turns);
+    const bool acts_on_b = acts(equations.gradient_b, b_moves, b_turns);
+    if (acts_on_a || acts_on_b) ++row.row_count;
+    if (a_moves && b_moves && acts_on_a != acts_on_b) row.is_last = true;
   }
   if (row.row_count == 0) row.row_count = 1;
   return row;

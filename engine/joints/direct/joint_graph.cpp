@@ -114,6 +114,7 @@ class Elimination {
     bool is_held = row.is_to_world;
     for (std::uint32_t i = 0; i < row.body_count; ++i) {
       if (!is_done_[row.bodies[i]]) {
+        if (row.is_last) return false;
         is_held = true;
         continue;
       }

@@ -7,6 +7,7 @@
 // node of 3 rows, each joint a node of 1 to 3 rows. In a tree the order below adds no block.
 //
 // A joint may follow when the bodies eliminated around it have as many degrees of freedom left as the joint has rows.
+// So each row must act on each of the eliminated bodies, or the joint follows all of its bodies.
 // An eliminated body brings 3, an eliminated joint takes its rows, and joined bodies share theirs. Bodies that nothing
 // else holds keep 3, their common motion. Without this rule the pivot of a joint in a loop would be a rounding error.
 #pragma once
@@ -28,6 +29,7 @@ struct GraphJoint {
   std::uint32_t body_count = 0;
   std::uint32_t row_count = 0;  // 1..3
   bool is_to_world = false;     // some of its bodies does not move
+  bool is_last = false;         // some row may act on a part of its bodies alone: it follows all of them
 };
 
 struct GraphNode {
