@@ -151,6 +151,7 @@ void DirectComponents::finish(const Model& model, const State& state) {
       shape.shape = shape_of(model.joints[places_[joint].joint]);
       shape.body_a = index_of(places_[joint].body_a);
       shape.body_b = index_of(places_[joint].body_b);
+      shape.shape.meets_in_middle = shape.body_a < component.moving_count && shape.body_b < component.moving_count;
       const auto body_turns = [&](std::uint32_t body) { return body < turns.size() && turns[body] != 0; };
       joints.push_back(graph_joint(shape, component.moving_count, body_turns(shape.body_a), body_turns(shape.body_b)));
       component.shapes.push_back(shape);

@@ -463,13 +463,15 @@ void begin_substep(DirectIsland& island, double h) {
   double asked = 0;
   double allowed = 0;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
-    island.push.push_back(island.system.values[island.graph->body_nodes[i]]);
-    asked += double_energy(island.bodies[i], island.push[i]);
+    asked += double_energy(island.bodies[i], island.system.values[island.graph->body_nodes[i]]);
     allowed += island.bodies[i].mass * (push_body_speed * push_body_speed);
   }
   if (asked > allowed) island.push_share = __builtin_sqrt(allowed / asked);
-  for (Triple& velocity : island.push)
-    for (double& component : velocity) component *= island.push_share;
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    Triple impulses = island.system.values[island.graph->joint_nodes[i]];
+    for (double& impulse : impulses) impulse *= -island.push_share;
+    island.push.push_back(impulses);
+  }
 }
 
 void warm_start_island(DirectIsland& island, double h) {
@@ -523,7 +525,8 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
 
 void end_push(DirectIsland& island) {
   for (std::size_t i = 0; i < island.push.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] -= island.push[i][k];
+    for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
+      apply_row(island, island.joints[i], row, -island.push[i][row]);
   island.push.clear();
 }
 

@@ -55,7 +55,7 @@ struct DirectIsland {
   std::vector<DirectJoint> joints;
   std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
-  std::vector<Triple> push;  // [moving body]; empty: none
+  std::vector<Triple> push;  // [joint] impulses; empty: none
   double push_share = 1;     // of what is to be taken back
   bool has_drives = false;
   std::vector<Pose> moved_poses;  // [body] by the present velocities
@@ -96,7 +96,7 @@ void solve_velocities(DirectIsland& island, double h);
 /// Velocities whose move meets the positions, to the tolerance (m, rad) or as well as so many passes do. Requires:
 /// solve_velocities.
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
-/// Takes the push's velocities off. Call after the move.
+/// Takes the push's impulses off. Requires: factored at the poses after the move.
 void end_push(DirectIsland& island);
 /// Requires: factored at the poses after the move.
 void project_velocities(DirectIsland& island);

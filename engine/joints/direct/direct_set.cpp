@@ -210,8 +210,8 @@ void end_direct_move(const SolvedSet& solved, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_poses(solved, component, at.island);
     load_velocities(solved, component, at);
-    end_push(at.island);
     factor_island(at.island);
+    end_push(at.island);
     store_velocities_of(solved, component, at);
   });
 }

@@ -45,8 +45,11 @@ class Rows {
 
   void point() {
     const Place d = gap();
-    add(d.x, {-1, 0}, arm_a_.y, {1, 0}, -arm_b_.y);
-    add(d.y, {0, -1}, -arm_a_.x, {0, 1}, arm_b_.x);
+    const double share = shape_.meets_in_middle ? middle_share(d) : 0;
+    const Place a = arm_a_ + share * d;
+    const Place b = arm_b_ - share * d;
+    add(d.x, {-1, 0}, a.y, {1, 0}, -b.y);
+    add(d.y, {0, -1}, -a.x, {0, 1}, b.x);
   }
   void angle() {
     const double c = a_.c * b_.c + a_.s * b_.s;
@@ -81,6 +84,14 @@ class Rows {
  private:
   static constexpr double side_share_least = 1.0 / 200;  // of the rope; shorter sides have no direction
 
+  /// Half, while the gap is small; less where it is wider than the longer arm, so that a wide gap is no lever.
+  double middle_share(Place d) const {
+    const double of_a = dot(arm_a_, arm_a_);
+    const double of_b = dot(arm_b_, arm_b_);
+    const double arm2 = of_a > of_b ? of_a : of_b;
+    const double gap2 = 0.25 * dot(d, d);
+    return arm2 > 0 && gap2 > arm2 ? 0.5 * (arm2 / gap2) : 0.5;
+  }
   Place direction_of(Place side) const {
     const double length = length_of(side);
     return length > side_share_least * shape_.length ? Place{side.x / length, side.y / length} : Place{0, 0};

@@ -3,7 +3,8 @@
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009; pulley: Box2D 2.4.1, b2_pulley_joint.cpp.
 //
 // Gradients are those of the errors themselves, with the angle of a body as its third coordinate: the solver meets the
-// positions at the end of a substep, so an anchor's gap turns with the body. Rigid rows come first.
+// positions at the end of a substep, so an anchor's gap turns with the body. With `meets_in_middle` they are those of
+// anchors without a gap. Rigid rows come first.
 //
 // | kind      | rigid rows             | rows of the degree of freedom, where something acts on it |
 // |-----------|------------------------|------------------------------------------------------------|
@@ -43,8 +44,9 @@ struct JointShape {
   Place ground_a;     // pulley: points of the world, m
   Place ground_b;
   double ratio = 1;
-  bool is_driven = false;     // a spring, limits or a motor act on the degree of freedom (wheel: along the axis)
-  bool turns_driven = false;  // wheel: a motor acts on the angle
+  bool is_driven = false;        // a spring, limits or a motor act on the degree of freedom (wheel: along the axis)
+  bool turns_driven = false;     // wheel: a motor acts on the angle
+  bool meets_in_middle = false;  // point: impulses act between the anchors, which keeps angular momentum across a gap
 };
 
 struct JointEquations {

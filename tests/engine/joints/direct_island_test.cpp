@@ -126,8 +126,8 @@ IslandRun run_island(DirectIsland& island, double seconds, int steps_per_second,
     solve_velocities(island, h);
     outcome.guarded += meet_positions(island, h, 0, passes) != PositionOutcome::met ? 1 : 0;
     for (DirectBody& body : island.bodies) body.pose = moved(body, h);
-    end_push(island);
     factor_island(island);
+    end_push(island);
     kick((1 - first_kick) * h);
     project_velocities(island);
     outcome.gap = std::max(outcome.gap, gap_of(island));
