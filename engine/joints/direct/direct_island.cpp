@@ -49,8 +49,13 @@ double mobility(const DirectBody& body, const Block& gradient, std::size_t row, 
   return (g[0] * q[0] + g[1] * q[1]) * body.inv_mass + g[2] * q[2] * body.inv_inertia;
 }
 
-Pose pose_of(const DirectIsland& island, std::uint32_t body) {
-  return body == no_direct_body ? Pose{} : island.bodies[body].pose;
+/// sin_cos, faster for the angles of most substeps.
+SinCos turn_by(double angle) {
+  if (!(magnitude(angle) < 0.125)) return sin_cos(angle);
+  const double z = angle * angle;  // the terms left out are below 1e-18
+  const double sine = (((1.0 / 362880 * z - 1.0 / 5040) * z + 1.0 / 120) * z - 1.0 / 6) * z;
+  const double cosine = ((((-1.0 / 3628800 * z + 1.0 / 40320) * z - 1.0 / 720) * z + 1.0 / 24) * z - 0.5) * z;
+  return {angle + angle * sine, 1 + cosine};
 }
 
 bool is_moving(const DirectIsland& island, std::uint32_t body) {
@@ -58,16 +63,18 @@ bool is_moving(const DirectIsland& island, std::uint32_t body) {
 }
 
 void find_moved_poses(DirectIsland& island, double h) {
-  island.moved_poses.clear();
-  for (const DirectBody& body : island.bodies) island.moved_poses.push_back(moved(body, h));
+  island.moved_poses.resize(island.bodies.size());
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) island.moved_poses[i] = moved(island.bodies[i], h);
 }
 
-/// The joint's equations after the move. Requires: find_moved_poses.
-JointEquations moved_equations(const DirectIsland& island, const DirectJoint& joint) {
-  const auto pose = [&island](std::uint32_t body) {
-    return body == no_direct_body ? Pose{} : island.moved_poses[body];
-  };
-  return equations_of(joint.shape, pose(joint.body_a), pose(joint.body_b));
+/// The errors of the joint's rows after the move. Requires: find_moved_poses.
+Triple moved_errors(const DirectIsland& island, const DirectJoint& joint) {
+  constexpr Pose world;
+  const Pose& a = joint.body_a == no_direct_body ? world : island.moved_poses[joint.body_a];
+  const Pose& b = joint.body_b == no_direct_body ? world : island.moved_poses[joint.body_b];
+  if (!is_point(joint.shape)) return equations_of(joint.shape, a, b).errors;
+  const Place gap = point_gap(joint.shape, a, b);
+  return {gap.x, gap.y, 0};
 }
 
 double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
@@ -132,13 +139,18 @@ double target_of(const DirectIsland& island, double error, double h) {
   return error - island.push_share * taken_back(error, h);
 }
 
-/// Solves for system.values and adds the solution to velocities and impulses.
-void add_solution(DirectIsland& island) {
+/// Solves for system.values and adds the solution to velocities.
+void add_velocities(DirectIsland& island) {
   solve(*island.graph, island.system);
   for (std::size_t i = 0; i < island.moving_count; ++i) {
     const Triple& change = island.system.values[island.graph->body_nodes[i]];
     for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] += change[k];
   }
+}
+
+/// The same, and to impulses.
+void add_solution(DirectIsland& island) {
+  add_velocities(island);
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const Triple& change = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
@@ -190,12 +202,12 @@ double set_position_residuals(DirectIsland& island, double h) {
   double most = 0;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    const JointEquations then = moved_equations(island, joint);
+    const Triple then = moved_errors(island, joint);
     Triple& value = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
-      value[row] = -residual_of(island, joint, row, then.errors[row], h);
+      value[row] = -residual_of(island, joint, row, then[row], h);
       if (row >= joint.equations.rigid_count) continue;
-      const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
+      const double miss = magnitude(then[row] - target_of(island, joint.equations.errors[row], h));
       if (!(miss <= most)) most = miss;
     }
   }
@@ -213,28 +225,41 @@ void factor_laws(DirectIsland& island) {
   const auto turns = [&island](std::uint32_t body) { return island.bodies[body].inv_inertia > 0; };
   for (std::uint32_t i = 0; i < island.moving_count; ++i)
     set_body(*island.graph, island.system, i, island.bodies[i].mass, turns(i) ? island.bodies[i].inertia : 1);
+  const auto set_gradients = [&](std::uint32_t joint, const Block& of_a, const Block& of_b) {
+    std::uint32_t place = 0;
+    for (const auto& [body, gradient] :
+         {std::pair{island.joints[joint].body_a, &of_a}, std::pair{island.joints[joint].body_b, &of_b}})
+      if (is_moving(island, body)) set_gradient(*island.graph, island.system, joint, place++, *gradient);
+  };
   for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
     DirectJoint& joint = island.joints[i];
     const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[i]].is_redundant;
-    Block of_a = joint.equations.gradient_a;
-    Block of_b = joint.equations.gradient_b;
+    const double share = is_redundant ? redundant_compliance_share : compliance_share;
+    const auto stays = [&](std::uint32_t body) { return is_moving(island, body) && !turns(body); };
+    bool is_whole = !stays(joint.body_a) && !stays(joint.body_b);  // the gradients are those of the system
     for (std::size_t row = 0; row < 3; ++row) {
-      const double k = row < joint.equations.row_count ? mobility(island, joint, row) : 0;
       joint.compliances[row] = 1;
-      if (k > 0 && joint.laws[row].is_in_system) {
-        const double least = (is_redundant ? redundant_compliance_share : compliance_share) * k;
-        joint.compliances[row] = joint.laws[row].compliance > least ? joint.laws[row].compliance : least;
-        continue;
-      }
-      for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
+      if (row >= joint.equations.row_count) continue;
+      const double k = joint.laws[row].is_in_system ? mobility(island, joint, row) : 0;
+      if (k > 0)
+        joint.compliances[row] = joint.laws[row].compliance > share * k ? joint.laws[row].compliance : share * k;
+      else
+        is_whole = false;
     }
     set_joint(*island.graph, island.system, i, joint.compliances);
-    std::uint32_t place = 0;
-    for (const auto& [body, gradient] : {std::pair{joint.body_a, &of_a}, std::pair{joint.body_b, &of_b}}) {
-      if (!is_moving(island, body)) continue;
-      if (!turns(body)) (*gradient)[2] = (*gradient)[5] = (*gradient)[8] = 0;
-      set_gradient(*island.graph, island.system, i, place++, *gradient);
+    if (is_whole) {
+      set_gradients(i, joint.equations.gradient_a, joint.equations.gradient_b);
+      continue;
     }
+    Block of_a = joint.equations.gradient_a;
+    Block of_b = joint.equations.gradient_b;
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
+      if (joint.laws[row].is_in_system && mobility(island, joint, row) > 0) continue;
+      for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
+    }
+    if (stays(joint.body_a)) of_a[2] = of_a[5] = of_a[8] = 0;
+    if (stays(joint.body_b)) of_b[2] = of_b[5] = of_b[8] = 0;
+    set_gradients(i, of_a, of_b);
   }
   factor(*island.graph, island.system);
 }
@@ -298,21 +323,21 @@ void scale_changes(DirectIsland& island, double share) {
 }
 
 void save_velocities(DirectIsland& island) {
-  island.saved_velocities.clear();
-  island.saved_impulses.clear();
-  for (const DirectBody& body : island.bodies) island.saved_velocities.push_back(body.velocity);
-  island.saved_drives.clear();
-  for (const DirectJoint& joint : island.joints) {
-    island.saved_impulses.push_back(joint.impulses);
-    island.saved_drives.push_back(joint.drives);
+  island.saved_velocities.resize(island.moving_count);
+  for (std::size_t i = 0; i < island.moving_count; ++i) island.saved_velocities[i] = island.bodies[i].velocity;
+  island.saved_impulses.resize(island.joints.size());
+  island.saved_drives.resize(island.has_drives ? island.joints.size() : 0);
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    island.saved_impulses[i] = island.joints[i].impulses;
+    if (island.has_drives) island.saved_drives[i] = island.joints[i].drives;
   }
 }
 
 void restore_velocities(DirectIsland& island) {
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) island.bodies[i].velocity = island.saved_velocities[i];
+  for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = island.saved_velocities[i];
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     island.joints[i].impulses = island.saved_impulses[i];
-    island.joints[i].drives = island.saved_drives[i];
+    if (island.has_drives) island.joints[i].drives = island.saved_drives[i];
   }
 }
 
@@ -320,7 +345,7 @@ void restore_velocities(DirectIsland& island) {
 
 Pose moved(const DirectBody& body, double h) {
   const Triple& v = body.velocity;
-  const SinCos turn = sin_cos(h * (v[2] - body.lag[2]));
+  const SinCos turn = turn_by(h * (v[2] - body.lag[2]));
   return {{body.pose.position.x + h * (v[0] - body.lag[0]), body.pose.position.y + h * (v[1] - body.lag[1])},
           turn.cos * body.pose.c - turn.sin * body.pose.s,
           turn.sin * body.pose.c + turn.cos * body.pose.s};
@@ -344,6 +369,7 @@ GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool 
     if (acts_on_a || acts_on_b) ++row.row_count;
     if (a_moves && b_moves && acts_on_a != acts_on_b) row.is_last = true;
   }
+  row.dimension = equations.row_count > 0 ? equations.row_count : 1;
   if (row.row_count == 0) row.row_count = 1;
   return row;
 }
@@ -366,9 +392,11 @@ void factor_island(DirectIsland& island) {
     body.inv_inertia = body.inertia > 0 ? 1 / body.inertia : 0;
   }
   for (DirectJoint& joint : island.joints) {
-    joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
-    joint.laws = {};
-    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) joint.laws[row].is_in_system = true;
+    constexpr Pose world;
+    const Pose& a = joint.body_a == no_direct_body ? world : island.bodies[joint.body_a].pose;
+    const Pose& b = joint.body_b == no_direct_body ? world : island.bodies[joint.body_b].pose;
+    find_equations(joint.shape, a, b, joint.equations);
+    for (std::size_t row = 0; row < 3; ++row) joint.laws[row] = {row < joint.equations.rigid_count, 0, 0, 0};
   }
   for_drives(island, [](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
     joint.laws[row] = law_after_move(drive, joint.impulses[row]);
@@ -397,6 +425,10 @@ bool has_impulses(const DirectIsland& island) {
     for (const double impulse : joint.impulses)
       if (impulse != 0) return true;
   return false;
+}
+
+void clear_impulses(DirectIsland& island) {
+  for (DirectJoint& joint : island.joints) joint.impulses = {};
 }
 
 bool raise_inertias(DirectIsland& island, double h) {
@@ -480,7 +512,7 @@ void warm_start_island(DirectIsland& island, double h) {
       double spin = 0;
       if (joint.body_a != no_direct_body) spin += 0.5 * island.bodies[joint.body_a].velocity[2];
       if (joint.body_b != no_direct_body) spin += 0.5 * island.bodies[joint.body_b].velocity[2];
-      const SinCos turn = sin_cos(h * spin);
+      const SinCos turn = turn_by(h * spin);
       const double x = joint.impulses[0];
       const double y = joint.impulses[1];
       joint.impulses[0] = turn.cos * x - turn.sin * y;
@@ -531,12 +563,10 @@ void end_push(DirectIsland& island) {
 }
 
 void project_velocities(DirectIsland& island) {
-  save_velocities(island);
   set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
     return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
   });
-  add_solution(island);
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
+  add_velocities(island);
 }
 
 }  // namespace ticktrue::engine

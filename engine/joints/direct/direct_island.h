@@ -80,6 +80,7 @@ double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std:
 
 /// Whether some joint has an impulse.
 bool has_impulses(const DirectIsland& island);
+void clear_impulses(DirectIsland& island);
 /// Raises inertias where impulses of joints turn bodies faster than substeps can follow
 /// (engine/joints/joint_inertia.h). True: some is raised. Requires: factor_island.
 bool raise_inertias(DirectIsland& island, double h);

@@ -183,7 +183,10 @@ void warm_start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectW
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_velocities(solved, component, at);
     at.changes.assign(component.moving_count, Triple{});
-    warm_start_island(at.island, static_cast<double>(solved.set.h));
+    if (work.turn_count == 1 && !at.island.has_drives)
+      clear_impulses(at.island);  // nothing waits for them: the first pass finds them all
+    else
+      warm_start_island(at.island, static_cast<double>(solved.set.h));
     store_before_move(solved, motion, component, at, true);
   });
 }

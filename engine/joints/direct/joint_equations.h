@@ -60,7 +60,23 @@ struct JointEquations {
 /// Has equations here: kinds that hold bodies, not those that drive them with bounded forces.
 bool has_equations(JointKind kind);
 
+/// A revolute joint without a drive has the rows of a point alone, which are worth a way of their own.
+inline bool is_point(const JointShape& shape) {
+  return shape.kind == JointKind::revolute && !shape.is_driven;
+}
+/// From A's anchor to B's: the errors of a point.
+inline Place point_gap(const JointShape& shape, const Pose& a, const Pose& b) {
+  const auto rotate = [](const Pose& pose, Place arm) -> Place {
+    return {pose.c * arm.x - pose.s * arm.y, pose.s * arm.x + pose.c * arm.y};
+  };
+  const Place arm_a = rotate(a, shape.anchor_a);
+  const Place arm_b = rotate(b, shape.anchor_b);
+  return {(b.position.x - a.position.x) + (arm_b.x - arm_a.x), (b.position.y - a.position.y) + (arm_b.y - arm_a.y)};
+}
+
 /// Requires: has_equations(shape.kind). Pose of the world: Pose{}.
 JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b);
+/// The same, into equations of this shape at other poses or into new ones.
+void find_equations(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations);
 
 }  // namespace ticktrue::engine

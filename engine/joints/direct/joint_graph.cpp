@@ -80,7 +80,8 @@ class Elimination {
     for (std::size_t left = neighbours_.size(); left > 0; --left) {
       const auto [node, is_redundant] = choose();
       order_.push_back(node);
-      graph_.nodes.push_back({is_joint(node), is_redundant, is_joint(node) ? node - body_count_ : node});
+      const std::uint32_t index = is_joint(node) ? node - body_count_ : node;
+      graph_.nodes.push_back({is_joint(node), is_redundant, index, is_joint(node) ? joints_[index].dimension : 3});
       patterns.push_back(neighbours_[node]);
       eliminate(node);
     }

@@ -28,6 +28,7 @@ struct GraphJoint {
   std::array<std::uint32_t, joint_body_max> bodies{};  // the moving ones, by index
   std::uint32_t body_count = 0;
   std::uint32_t row_count = 0;  // 1..3
+  std::uint32_t dimension = 3;  // of its blocks: rows beyond are not used
   bool is_to_world = false;     // some of its bodies does not move
   bool is_last = false;         // some row may act on a part of its bodies alone: it follows all of them
 };
@@ -36,6 +37,7 @@ struct GraphNode {
   bool is_joint = false;
   bool is_redundant = false;       // a joint whose rows follow from others, as far as the count tells
   std::uint32_t index = 0;         // of the body or joint
+  std::uint32_t dimension = 3;     // of its blocks; 3 of a body
   std::uint32_t first_block = 0;   // the blocks below the diagonal, one for each later node that is coupled
   std::uint32_t block_count = 0;   // their rows ascend
   std::uint32_t first_target = 0;  // for i < j in these blocks, in order: the block of rows j and columns i
