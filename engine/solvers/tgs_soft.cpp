@@ -25,7 +25,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
     apply_impacts(solved, tick.impacts, motion.drift, impacts);
     begin_resting_impacts(solved, tick.resting_impacts, contacts);
     warm_start_joints(solved, joints);
-    warm_start_direct(solved, motion, direct);
+    start_direct(solved, motion, direct);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
     for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something touches direct joints

@@ -24,6 +24,8 @@ constexpr double turning_limit = 2;
 
 constexpr double miss_least = 1e-3;          // m
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
+constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
+constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
 constexpr double resting_body_speed = 0.05;  // m/s: energy that bodies at rest are taken to have
 
 double magnitude(double x) {
@@ -341,6 +343,63 @@ void restore_velocities(DirectIsland& island) {
   }
 }
 
+/// Twice the energies of the changes since save_velocities, and before them, J.
+struct EnergyDemand {
+  double asked = 0;
+  double had = 0;
+};
+
+/// `speed`: bodies are taken to have at least the energy of this speed besides their own, m/s.
+EnergyDemand energy_demand(const DirectIsland& island, double speed) {
+  EnergyDemand demand;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    const Triple& saved = island.saved_velocities[i];
+    demand.asked +=
+        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
+    demand.had += double_energy(body, saved) + body.mass * (speed * speed);
+  }
+  return demand;
+}
+
+/// What rows ask for besides rest, m/s.
+struct AskedSpeed {
+  double sum = 0;
+  bool is_driven = false;  // by a body that joints do not move
+};
+
+AskedSpeed asked_speed(const DirectIsland& island) {
+  AskedSpeed asked;
+  const auto consider = [&](std::uint32_t body, Place anchor) {
+    if (body == no_direct_body || is_moving(island, body)) return;
+    const Triple& v = island.bodies[body].velocity;
+    const double speed = __builtin_sqrt(v[0] * v[0] + v[1] * v[1]) + magnitude(v[2]) * arm_of(anchor);
+    asked.is_driven = asked.is_driven || speed > 0;
+    if (speed > asked.sum) asked.sum = speed;
+  };
+  for (const DirectJoint& joint : island.joints) {
+    consider(joint.body_a, joint.shape.anchor_a);
+    consider(joint.body_b, joint.shape.anchor_b);
+  }
+  asked.sum += push_body_speed + resting_body_speed;
+  for (const DirectJoint& joint : island.joints)
+    for (const DirectDrive& drive : joint.drives) {
+      if (drive.has_spring) asked.sum += drive.pull * magnitude(drive.start_error);
+      if (drive.has_motor) asked.sum += magnitude(drive.motor_speed);
+      if (drive.has_limits) asked.sum += push_speed_max;
+    }
+  return asked;
+}
+
+/// Rows take velocities away, apart from what they ask for. Changes beyond that are of rows that contradict each other:
+/// a gap opens instead. Requires: save_velocities before the changes.
+void bound_changes(DirectIsland& island) {
+  const AskedSpeed speed = asked_speed(island);
+  const EnergyDemand demand = energy_demand(island, speed.sum);
+  const double allowed = (speed.is_driven ? driven_energy_share : own_energy_share) * demand.had;
+  if (demand.asked > allowed) scale_changes(island, __builtin_sqrt(allowed / demand.asked));
+}
+
 }  // namespace
 
 Pose moved(const DirectBody& body, double h) {
@@ -427,10 +486,6 @@ bool has_impulses(const DirectIsland& island) {
   return false;
 }
 
-void clear_impulses(DirectIsland& island) {
-  for (DirectJoint& joint : island.joints) joint.impulses = {};
-}
-
 bool raise_inertias(DirectIsland& island, double h) {
   std::vector<double>& angular_impulses = island.angular_impulses;
   angular_impulses.assign(island.moving_count, 0);
@@ -477,7 +532,6 @@ void begin_substep(DirectIsland& island, double h) {
       drive.start_speed = row_speed(island, joint, row);
       if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
       joint.laws[row] = law_of(drive, k);
-      if (!joint.laws[row].is_in_system) joint.impulses[row] = joint.laws[row].impulse;
     });
     factor_laws(island);
   }
@@ -495,37 +549,33 @@ void begin_substep(DirectIsland& island, double h) {
   double asked = 0;
   double allowed = 0;
   for (std::size_t i = 0; i < island.moving_count; ++i) {
-    asked += double_energy(island.bodies[i], island.system.values[island.graph->body_nodes[i]]);
+    island.push.push_back(island.system.values[island.graph->body_nodes[i]]);
+    asked += double_energy(island.bodies[i], island.push[i]);
     allowed += island.bodies[i].mass * (push_body_speed * push_body_speed);
   }
   if (asked > allowed) island.push_share = __builtin_sqrt(allowed / asked);
-  for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    Triple impulses = island.system.values[island.graph->joint_nodes[i]];
-    for (double& impulse : impulses) impulse *= -island.push_share;
-    island.push.push_back(impulses);
-  }
+  for (Triple& velocity : island.push)
+    for (double& component : velocity) component *= island.push_share;
+  island.push_impulses.resize(island.joints.size());
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    for (std::size_t row = 0; row < 3; ++row)
+      island.push_impulses[i][row] = -island.push_share * island.system.values[island.graph->joint_nodes[i]][row];
 }
 
-void warm_start_island(DirectIsland& island, double h) {
-  for (DirectJoint& joint : island.joints) {
-    if (joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld) {
-      double spin = 0;
-      if (joint.body_a != no_direct_body) spin += 0.5 * island.bodies[joint.body_a].velocity[2];
-      if (joint.body_b != no_direct_body) spin += 0.5 * island.bodies[joint.body_b].velocity[2];
-      const SinCos turn = turn_by(h * spin);
-      const double x = joint.impulses[0];
-      const double y = joint.impulses[1];
-      joint.impulses[0] = turn.cos * x - turn.sin * y;
-      joint.impulses[1] = turn.sin * x + turn.cos * y;
+void start_impulses(DirectIsland& island) {
+  for (DirectJoint& joint : island.joints)
+    for (std::size_t row = 0; row < joint.impulses.size(); ++row) {
+      const bool is_given = row < joint.equations.row_count && !joint.laws[row].is_in_system;
+      joint.impulses[row] = is_given ? joint.laws[row].impulse : 0;
+      if (joint.impulses[row] != 0) apply_row(island, joint, row, joint.impulses[row]);
     }
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
-      apply_row(island, joint, row, joint.impulses[row]);
-  }
 }
 
 void solve_velocities(DirectIsland& island, double h) {
+  save_velocities(island);
   pass_to_speeds(island, h);
   settle(island, h, pass_to_speeds);
+  bound_changes(island);
 }
 
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max) {
@@ -540,15 +590,9 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
     restore_velocities(island);
     return PositionOutcome::missed;
   }
-  double asked = 0;
-  double had = 0;
-  for (std::size_t i = 0; i < island.moving_count; ++i) {
-    const DirectBody& body = island.bodies[i];
-    const Triple& saved = island.saved_velocities[i];
-    asked +=
-        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
-    had += double_energy(body, saved) + body.mass * (resting_body_speed * resting_body_speed);
-  }
+  const EnergyDemand demand = energy_demand(island, resting_body_speed);
+  const double asked = demand.asked;
+  const double had = demand.had;
   const double allowed = hard_energy_share * had;
   if (!(asked > allowed)) return PositionOutcome::met;
   scale_changes(island, __builtin_sqrt(allowed / asked));
@@ -556,17 +600,31 @@ PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance,
 }
 
 void end_push(DirectIsland& island) {
-  for (std::size_t i = 0; i < island.push.size(); ++i)
+  if (island.push.empty()) return;
+  save_velocities(island);
+  double pushed = 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    pushed += double_energy(body, island.push[i]) + body.mass * (push_body_speed * push_body_speed);
+  }
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
     for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
-      apply_row(island, island.joints[i], row, -island.push[i][row]);
+      apply_row(island, island.joints[i], row, -island.push_impulses[i][row]);
+  // Rows that contradict each other have impulses without bound, which cancel at the old poses alone.
+  if (!(energy_demand(island, 0).asked <= own_energy_share * pushed))
+    for (std::size_t i = 0; i < island.moving_count; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        island.bodies[i].velocity[k] = island.saved_velocities[i][k] - island.push[i][k];
   island.push.clear();
 }
 
 void project_velocities(DirectIsland& island) {
+  save_velocities(island);
   set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
     return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
   });
   add_velocities(island);
+  bound_changes(island);
 }
 
 }  // namespace ticktrue::engine

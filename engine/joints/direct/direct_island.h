@@ -41,7 +41,7 @@ struct DirectJoint {
   std::uint32_t body_a = no_direct_body;
   std::uint32_t body_b = no_direct_body;
   std::array<DirectDrive, 2> drives;  // of the rows after the rigid ones
-  Triple impulses{};                  // before the move: the first guess of the next substep
+  Triple impulses{};                  // of this substep, before the move
   JointEquations equations;           // at the poses of the last factor_island
   std::array<RowLaw, 3> laws;
   Triple compliances{};  // 1/kg or alike
@@ -55,8 +55,9 @@ struct DirectIsland {
   std::vector<DirectJoint> joints;
   std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
-  std::vector<Triple> push;  // [joint] impulses; empty: none
-  double push_share = 1;     // of what is to be taken back
+  std::vector<Triple> push;           // [moving body] velocities; empty: none
+  std::vector<Triple> push_impulses;  // [joint]
+  double push_share = 1;              // of what is to be taken back
   bool has_drives = false;
   std::vector<Pose> moved_poses;  // [body] by the present velocities
   std::vector<Triple> saved_velocities;
@@ -80,7 +81,6 @@ double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std:
 
 /// Whether some joint has an impulse.
 bool has_impulses(const DirectIsland& island);
-void clear_impulses(DirectIsland& island);
 /// Raises inertias where impulses of joints turn bodies faster than substeps can follow
 /// (engine/joints/joint_inertia.h). True: some is raised. Requires: factor_island.
 bool raise_inertias(DirectIsland& island, double h);
@@ -89,15 +89,17 @@ void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& cha
 
 /// Lets the drives act, and chooses the push of this substep. Requires: factored.
 void begin_substep(DirectIsland& island, double h);
-/// Applies the impulses of the last substep, turned with the bodies. The passes below add to them.
-void warm_start_island(DirectIsland& island, double h);
+/// Takes the impulses of the last substep away and applies those of bounded motors at their bounds. The passes below
+/// find the others anew: those of rows that follow from others have no bound, and would be kicks in the next substep.
+void start_impulses(DirectIsland& island);
 /// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires:
 /// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
 /// Velocities whose move meets the positions, to the tolerance (m, rad) or as well as so many passes do. Requires:
 /// solve_velocities.
 PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
-/// Takes the push's impulses off. Requires: factored at the poses after the move.
+/// Takes the push off: its impulses, at the new poses, which keeps angular momentum. Requires: factored at the poses
+/// after the move.
 void end_push(DirectIsland& island);
 /// Requires: factored at the poses after the move.
 void project_velocities(DirectIsland& island);

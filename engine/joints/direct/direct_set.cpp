@@ -179,14 +179,11 @@ void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work) {
   });
 }
 
-void warm_start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
+void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
   for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
     load_velocities(solved, component, at);
     at.changes.assign(component.moving_count, Triple{});
-    if (work.turn_count == 1 && !at.island.has_drives)
-      clear_impulses(at.island);  // nothing waits for them: the first pass finds them all
-    else
-      warm_start_island(at.island, static_cast<double>(solved.set.h));
+    start_impulses(at.island);
     store_before_move(solved, motion, component, at, true);
   });
 }

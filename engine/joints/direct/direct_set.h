@@ -26,10 +26,10 @@ void list_fields(BlockSystem& of, const Visit& visit) {
 
 template <typename Visit>
 void list_fields(DirectIsland& of, const Visit& visit) {
-  auto& [bodies, moving_count, joints, graph, system, push, push_share, has_drives, moved_poses, saved_velocities,
-         saved_impulses, saved_drives, angular_impulses] = of;
-  visit(bodies, moving_count, joints, system, push, push_share, has_drives, moved_poses, saved_velocities,
-        saved_impulses, saved_drives, angular_impulses);
+  auto& [bodies, moving_count, joints, graph, system, push, push_impulses, push_share, has_drives, moved_poses,
+         saved_velocities, saved_impulses, saved_drives, angular_impulses] = of;
+  visit(bodies, moving_count, joints, system, push, push_impulses, push_share, has_drives, moved_poses,
+        saved_velocities, saved_impulses, saved_drives, angular_impulses);
 }
 
 }  // namespace ticktrue::engine
@@ -73,7 +73,8 @@ void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::v
                     MotionWorkspace& motion, DirectWorkspace& work);
 /// Lets springs, motors and limits act. Call before the integrator predicts.
 void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work);
-void warm_start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
+/// Applies impulses that are given: of motors at their bounds. Call after the integrator has predicted.
+void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
 /// Velocities that keep the joints, for passes that take turns with contacts.
 void solve_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
 /// Velocities with which the bodies' move meets the joints. Call last before the move.

@@ -122,7 +122,7 @@ IslandRun run_island(DirectIsland& island, double seconds, int steps_per_second,
   for (int i = 0; i < static_cast<int>(seconds * steps_per_second + 0.5); ++i) {
     begin_substep(island, h);
     kick(first_kick * h);
-    warm_start_island(island, h);
+    start_impulses(island);
     solve_velocities(island, h);
     outcome.guarded += meet_positions(island, h, 0, passes) != PositionOutcome::met ? 1 : 0;
     for (DirectBody& body : island.bodies) body.pose = moved(body, h);
