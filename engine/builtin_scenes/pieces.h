@@ -27,6 +27,7 @@ struct SceneArguments {
   std::optional<IntegratorKind> integrator;
   std::optional<BroadPhaseKind> broad_phase;
   std::optional<ClockKind> clock;
+  std::optional<JointSolverKind> joints;
   std::optional<double> gravity;
 
   double real(std::string_view name) const {

@@ -56,6 +56,7 @@ void begin_motion(const State& state, MotionWorkspace& work) {
   work.previous_accelerations.clear();
   for (const AccelerationRow& row : state.accelerations)
     work.previous_accelerations.push_back({row.linear, row.angular});
+  work.drift.joint_changes.clear();
   work.unconverged = 0;
 }
 
@@ -163,29 +164,40 @@ void save_start(const SolvedSet& solved, MotionWorkspace& work) {
   for (const std::uint32_t row : solved.rows) work.stages[row] = {solved.bodies.records[row], {}, {}};
 }
 
+Twist drift_velocity(const MotionWorkspace& work, std::size_t row, const MovingBody& body, Real share) {
+  const Twist& predicted = work.drift.predicted[row];
+  const Twist& offset = work.drift.offsets[row];
+  Vec2 change = body.velocity - predicted.linear;
+  Real spin_change = body.angular_velocity - predicted.angular;
+  if (!work.drift.joint_changes.empty()) {
+    change = change - work.drift.joint_changes[row].linear;
+    spin_change -= work.drift.joint_changes[row].angular;
+  }
+  Vec2 changed = share * change;
+  Real spun = share * spin_change;
+  const Real size = length(changed);
+  const Real limit = force_like * length(offset.linear);
+  if (size > limit) changed = (limit / size) * changed;
+  const Real spin_limit = force_like * absolute(offset.angular);
+  spun = smaller(larger(spun, -spin_limit), spin_limit);
+  return {(body.velocity - offset.linear) - changed, (body.angular_velocity - offset.angular) - spun};
+}
+
 void move_bodies_by_drift(const SolvedSet& solved, MotionWorkspace& work, Real h, Real share) {
   for (const std::uint32_t row : solved.rows) {
     MovingBody& body = solved.bodies.records[row];
-    const Twist& predicted = work.drift.predicted[row];
-    const Twist& offset = work.drift.offsets[row];
-    Vec2 changed = share * (body.velocity - predicted.linear);
-    Real spun = share * (body.angular_velocity - predicted.angular);
-    const Real size = length(changed);
-    const Real limit = force_like * length(offset.linear);
-    if (size > limit) changed = (limit / size) * changed;
-    const Real spin_limit = force_like * absolute(offset.angular);
-    spun = smaller(larger(spun, -spin_limit), spin_limit);
-    body.delta_position = body.delta_position + h * ((body.velocity - offset.linear) - changed);
-    body.delta_rotation = rotation_by(h * ((body.angular_velocity - offset.angular) - spun)) * body.delta_rotation;
+    const Twist drift = drift_velocity(work, row, body, share);
+    body.delta_position = body.delta_position + h * drift.linear;
+    body.delta_rotation = rotation_by(h * drift.angular) * body.delta_rotation;
   }
 }
 
 void drift_on_mean(const SolvedSet& solved, MotionWorkspace& work, Real h) {
-  move_bodies_by_drift(solved, work, h, Real(0.5));
+  move_bodies_by_drift(solved, work, h, share_of_mean);
 }
 
 void drift_on_start(const SolvedSet& solved, MotionWorkspace& work, Real h) {
-  move_bodies_by_drift(solved, work, h, Real(1));
+  move_bodies_by_drift(solved, work, h, share_of_start);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

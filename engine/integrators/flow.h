@@ -44,9 +44,15 @@ inline void drift_with(const SolvedSet& solved, MotionWorkspace& work, std::size
   work.drift.offsets[row] = {body.velocity - drift.linear, body.angular_velocity - drift.angular};
 }
 
-/// x' = x + h d, with d the drift velocity plus the changes by constraints since predict. An impulse that acts like a
-/// force (a resting contact) changes the drift velocity as a force would: by `share` less than the end velocity. A much
-/// larger one (an impact) changes both alike.
+/// How much less a force changes the drift velocity than the end velocity: of drift_on_mean and drift_on_start.
+inline constexpr Real share_of_mean = Real(0.5);
+inline constexpr Real share_of_start = 1;
+
+/// The drift velocity plus the changes by constraints since predict. An impulse that acts like a force (a resting
+/// contact) changes the drift velocity as a force would: by `share` less than the end velocity. A much larger one (an
+/// impact) changes both alike, and so do joints that are solved directly.
+Twist drift_velocity(const MotionWorkspace& work, std::size_t row, const MovingBody& body, Real share);
+/// x' = x + h d, with d as above.
 void move_bodies_by_drift(const SolvedSet& solved, MotionWorkspace& work, Real h, Real share);
 
 /// The drift of schemes whose drift velocity takes half of a constant acceleration, and of those where it takes none.

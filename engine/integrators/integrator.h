@@ -16,6 +16,7 @@ struct Integrator {
   void (*begin)(const SolvedSet& solved, MotionWorkspace& work, Real h);
   void (*predict)(const SolvedSet& solved, MotionWorkspace& work, Real h);
   void (*drift)(const SolvedSet& solved, MotionWorkspace& work, Real h);
+  Real drift_share;  // of move_bodies_by_drift; 0: bodies move with the end velocity
 };
 
 const Integrator& integrator(IntegratorKind kind);

@@ -125,14 +125,15 @@ class VelocitySteps final : public TickCache {
 
 /// Velocities of schemes that move bodies with another velocity than that of the end of the substep.
 struct DriftVelocities {
-  std::vector<Twist> predicted;  // [body] velocity at the end of the substep, without constraints
-  std::vector<Twist> offsets;    // [body] velocity at the end of the substep, less the drift velocity
+  std::vector<Twist> predicted;      // [body] velocity at the end of the substep, without constraints
+  std::vector<Twist> offsets;        // [body] velocity at the end of the substep, less the drift velocity
+  std::vector<Twist> joint_changes;  // [body] by joints since predict, which the drift takes whole; empty: none
 };
 
 template <typename Visit>
 void list_fields(DriftVelocities& of, const Visit& visit) {
-  auto& [predicted, offsets] = of;
-  visit(predicted, offsets);
+  auto& [predicted, offsets, joint_changes] = of;
+  visit(predicted, offsets, joint_changes);
 }
 
 /// What integrators work in, and what they cache.

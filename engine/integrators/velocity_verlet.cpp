@@ -28,7 +28,7 @@ void predict_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Rea
 }
 
 void drift_velocity_verlet(const SolvedSet& solved, MotionWorkspace& work, Real h) {
-  move_bodies_by_drift(solved, work, h, Real(0.5));
+  move_bodies_by_drift(solved, work, h, share_of_mean);
   if (solved.model.position_forces == nullptr && !solved.model.has_velocity_forces) return;
   // The second kick again with the forces where the bodies are now, and what constraints have changed.
   for (const std::uint32_t row : solved.rows) {

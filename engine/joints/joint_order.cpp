@@ -38,7 +38,8 @@ std::uint32_t row_of_body(const State& state, std::uint32_t id) {
   return is_row ? id : static_cast<std::uint32_t>(state.find_body(id));
 }
 
-void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWork& work, JointOrder& out) {
+void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
+                  JointOrderWork& work, JointOrder& out) {
   const Model& model = solved.model;
   const State& state = solved.state;
   const std::vector<BodyMass>& masses = solved.bodies.masses;
@@ -49,6 +50,7 @@ void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWor
   work.body_levels.assign(state.bodies.size(), 0);
   std::size_t in_batches = 0;
   for (std::uint32_t i = 0; i < state.joints.size(); ++i) {
+    if (!left_out.empty() && left_out[i] != 0) continue;
     const JointModel& joint = model.joints[state.joints[i].joint];
     const std::uint32_t b = row_of_body(state, state.joints[i].body_b);
     const std::uint32_t a = joint.body_a == no_reference ? no_reference : row_of_body(state, joint.body_a);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/math/vec2.h"
@@ -73,7 +74,9 @@ void list_fields(JointOrderWork& of, const Visit& visit) {
 std::uint32_t row_of_body(const State& state, std::uint32_t id);
 
 /// Orders the joints of the set as they are prepared: by level and path, or in scene order. `may_use_wavefront`: tries
-/// to schedule levels for a wavefront sweep (wavefront.h). Requires: prepare_bodies, enter_solver_set.
-void order_joints(const SolvedSet& solved, bool may_use_wavefront, JointOrderWork& work, JointOrder& out);
+/// to schedule levels for a wavefront sweep (wavefront.h). `left_out`: [row of a joint] 1 if it is solved otherwise;
+/// empty: none is. Requires: prepare_bodies, enter_solver_set.
+void order_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
+                  JointOrderWork& work, JointOrder& out);
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

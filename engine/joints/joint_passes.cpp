@@ -22,10 +22,11 @@ void for_revolutes(const Parallel& parallel, std::size_t count, const Body& body
 
 }  // namespace
 
-void plan_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work) {
+void plan_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
+                 JointWorkspace& work) {
   work.uses_wavefront = false;
   if (solved.state.joints.empty()) return work.plan.clear();
-  work.plan.follow(solved, work.order);
+  work.plan.follow(solved, left_out, work.order);
   const LevelSchedule& schedule = work.plan.schedule();
   work.uses_wavefront =
       schedule.exists && may_use_wavefront && schedule.body_rows.size() == solved.rows.size();  // each has joints

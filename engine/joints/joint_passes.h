@@ -33,8 +33,9 @@ void list_fields(JointWorkspace& of, const Visit& visit) {
 }
 
 /// Orders the joints of a set. `may_use_wavefront`: nothing but joints acts on its bodies in this tick. Requires:
-/// prepare_bodies.
-void plan_joints(const SolvedSet& solved, bool may_use_wavefront, JointWorkspace& work);
+/// prepare_bodies. `left_out`: as for order_joints.
+void plan_joints(const SolvedSet& solved, bool may_use_wavefront, std::span<const std::uint8_t> left_out,
+                 JointWorkspace& work);
 /// Prepares the joints of a set. Requires: plan_joints.
 void prepare_joints(const SolvedSet& solved, JointWorkspace& work);
 /// Saves the velocities before a substep. Call before the integrator predicts.

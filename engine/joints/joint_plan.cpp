@@ -39,16 +39,17 @@ void JointPlan::clear() {
   level_ranges_.clear();
 }
 
-void JointPlan::follow(const SolvedSet& solved, JointOrderWork& work) {
+void JointPlan::follow(const SolvedSet& solved, std::span<const std::uint8_t> left_out, JointOrderWork& work) {
   const JointPlanKey key{follows_from_scene(solved.model, solved.state)};
   const bool is_hit = valid_for(key);
   count_use(is_hit);
-  if (!is_hit) rebuild(key, solved, work);
+  if (!is_hit) rebuild(key, solved, left_out, work);
 }
 
-void JointPlan::rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work) {
+void JointPlan::rebuild(const JointPlanKey& key, const SolvedSet& solved, std::span<const std::uint8_t> left_out,
+                        JointOrderWork& work) {
   follows_from_scene_ = key.follows_from_scene;
-  order_joints(solved, key.follows_from_scene && allows_wavefront(solved.model), work, order_);
+  order_joints(solved, key.follows_from_scene && allows_wavefront(solved.model), left_out, work, order_);
   // Several threads or a wavefront sweep need ranges that end with levels.
   by_level_ = order_.in_levels && (solved.parallel().runner != nullptr || order_.schedule.exists);
   make_ranges(solved.model, solved.parallel());

@@ -25,8 +25,9 @@ class JointPlan final : public TickCache {
   JointPlan() : TickCache(CacheKind::joint_plan) {}
 
   bool valid_for(const JointPlanKey& key) const { return key.follows_from_scene && follows_from_scene_; }
-  /// Makes the plan for the set that is being solved, unless it holds. Requires: prepare_bodies, enter_solver_set.
-  void follow(const SolvedSet& solved, JointOrderWork& work);
+  /// Makes the plan for the set that is being solved, unless it holds. `left_out`: as for order_joints, which follows
+  /// from the scene alone where the plan does. Requires: prepare_bodies, enter_solver_set.
+  void follow(const SolvedSet& solved, std::span<const std::uint8_t> left_out, JointOrderWork& work);
   void invalidate() override { follows_from_scene_ = false; }
   /// A plan without joints.
   void clear();
@@ -45,7 +46,8 @@ class JointPlan final : public TickCache {
   }
 
  private:
-  void rebuild(const JointPlanKey& key, const SolvedSet& solved, JointOrderWork& work);
+  void rebuild(const JointPlanKey& key, const SolvedSet& solved, std::span<const std::uint8_t> left_out,
+               JointOrderWork& work);
   void make_ranges(const Model& model, const Parallel& parallel);
 
   bool follows_from_scene_ = false;  // key

@@ -22,11 +22,12 @@ enum class CacheKind : std::uint8_t {
   velocity_steps,  // gravity and damping over one substep, per body
   free_motion,     // decay and gain over one substep, per body of the scene
   joint_plan,      // the order and the batches of joints
+  joint_graph,     // which bodies are solved directly with their joints, and in which order they are eliminated
   contact_colors,  // colours and slots of contacts
   contact_blocks,  // which islands are solved together
   cell_side,       // side of the cells of neighbour_cells
 };
-inline constexpr std::size_t cache_kind_count = 13;
+inline constexpr std::size_t cache_kind_count = 14;
 
 struct CacheInfo {
   CacheKind kind;
@@ -43,6 +44,7 @@ inline constexpr std::array<CacheInfo, cache_kind_count> cache_kinds{{
     {CacheKind::velocity_steps, "velocity_steps"},
     {CacheKind::free_motion, "free_motion"},
     {CacheKind::joint_plan, "joint_plan"},
+    {CacheKind::joint_graph, "joint_graph"},
     {CacheKind::contact_colors, "contact_colors"},
     {CacheKind::contact_blocks, "contact_blocks"},
     {CacheKind::cell_side, "cell_side"},

@@ -28,6 +28,8 @@ enum class IntegratorKind : std::uint8_t {
   thesis_rk4
 };
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune, uniform_grid, aabb_tree };
+/// How joints are solved. Not every solver has a choice.
+enum class JointSolverKind : std::uint8_t { iterative, direct };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
 enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
@@ -50,13 +52,29 @@ struct SolverInfo : Choice<SolverKind> {
   bool solves_constraints;  // false: a scene whose shapes may collide, or with a pointer, is refused
   bool solves_joints;       // false: a scene with joints is refused
   bool substeps;            // false: settings.substeps must be 1
+  bool chooses_joints;      // false: settings.joints must be `iterative`
   bool reads_contacts;      // false: every shape but circle and sharp polygon, filters, sensors, events are refused
 };
 inline constexpr std::array<SolverInfo, 4> solvers{{
-    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false},
-    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"}, true, false, false, false},
-    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"}, true, true, true, true},
-    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"}, true, true, false, true},
+    {{SolverKind::free_flight, "free_flight", "integrates; nothing collides"}, false, false, true, false, false},
+    {{SolverKind::impulse, "impulse", "the thesis' single-point, single-pass impulses"},
+     true,
+     false,
+     false,
+     false,
+     false},
+    {{SolverKind::tgs_soft, "tgs_soft", "substeps, soft constraints, warm starting, relax"},
+     true,
+     true,
+     true,
+     true,
+     true},
+    {{SolverKind::pgs, "pgs", "sequential impulses: iterations, warm starting, Baumgarte"},
+     true,
+     true,
+     false,
+     false,
+     true},
 }};
 
 inline constexpr double always_stable = std::numeric_limits<double>::infinity();
@@ -100,6 +118,11 @@ inline constexpr std::array<Choice<MixRule>, 4> mix_rules{{
     {MixRule::maximum, "max", "the larger"},
     {MixRule::minimum, "min", "the smaller, as in the thesis"},
     {MixRule::average, "average", "(a + b) / 2"},
+}};
+
+inline constexpr std::array<Choice<JointSolverKind>, 2> joint_solvers{{
+    {JointSolverKind::iterative, "iterative", "one joint after the other, as soft rows"},
+    {JointSolverKind::direct, "direct", "bodies that joints connect are solved as one, unless they have many loops"},
 }};
 
 inline constexpr std::array<Choice<BodyType>, 3> body_types{{
@@ -212,6 +235,7 @@ struct Tables {
   static constexpr const auto& of(SolverKind) { return solvers; }
   static constexpr const auto& of(IntegratorKind) { return integrators; }
   static constexpr const auto& of(BroadPhaseKind) { return broad_phases; }
+  static constexpr const auto& of(JointSolverKind) { return joint_solvers; }
   static constexpr const auto& of(MixRule) { return mix_rules; }
   static constexpr const auto& of(BodyType) { return body_types; }
 };

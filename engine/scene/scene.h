@@ -216,6 +216,7 @@ struct Settings {
   std::optional<SleepSettings> sleep;  // present: islands at rest sleep
   bool events = false;                 // begin and end of contacts are part of the state
   ClockSettings clock;
+  JointSolverKind joints = JointSolverKind::iterative;
   bool operator==(const Settings&) const = default;
 };
 

@@ -13,8 +13,22 @@
 namespace ticktrue::engine {
 namespace {
 
-// Version of this encoding alone. docs/engine_setup.md says what each byte means.
-constexpr std::uint16_t encoding_version = 2;
+// Versions of this encoding alone. docs/engine_setup.md says what each byte means. A scene is written in the first
+// version that can tell it, so that its bytes stay those of older programs.
+constexpr std::uint16_t first_version = 2;
+constexpr std::uint16_t last_version = 3;
+
+/// The first version that has all fields of the settings that differ from their defaults.
+std::uint16_t version_of(const Scene& scene) {
+  std::uint16_t version = first_version;
+  const Settings unset;
+  visit_fields(
+      [&](const FieldInfo& field, const auto& value, const auto& default_value) {
+        if (field.since > version && !same_bits(value, default_value)) version = field.since;
+      },
+      scene.settings, unset);
+  return version;
+}
 
 // Whether a field that only some kinds have is stored. Joints of every kind store those up to `collide_connected`.
 bool is_stored(const Joint& joint, JointField field) {
@@ -41,7 +55,8 @@ struct NoRow {
 class SceneWriter {
  public:
   void write(const Scene& scene) {
-    out_.u16(encoding_version);
+    version_ = version_of(scene);
+    out_.u16(version_);
     write_fields(scene);
   }
 
@@ -105,7 +120,11 @@ class SceneWriter {
  private:
   template <typename Struct>
   void write_fields(const Struct& object) {
-    visit_fields([&](const auto&, const auto& value) { write(value); }, object);
+    visit_fields(
+        [&](const FieldInfo& field, const auto& value) {
+          if (field.since <= version_) write(value);
+        },
+        object);
   }
   template <typename Struct>
   void write_own_fields(const Struct& object) {
@@ -117,6 +136,7 @@ class SceneWriter {
   }
 
   ByteWriter out_;
+  std::uint16_t version_ = first_version;
 };
 
 /// Size of an element with every field unset, in bytes. A count that could not fit is refused before memory is
@@ -137,14 +157,15 @@ class SceneReader {
   explicit SceneReader(ByteView bytes) : in_(bytes) {}
 
   Result<Scene> read() {
-    const std::uint16_t version = in_.u16();
-    if (in_.ok() && version != encoding_version)
+    version_ = in_.u16();
+    if (in_.ok() && (version_ < first_version || version_ > last_version))
       return Error{ErrorCode::incompatible,
-                   "setup: unknown encoding of the scene: found version " + std::to_string(version) + ", expected " +
-                       std::to_string(encoding_version),
+                   "setup: unknown encoding of the scene: found version " + std::to_string(version_) + ", expected " +
+                       std::to_string(first_version) + " or " + std::to_string(last_version),
                    "use a newer ticktrue"};
     Scene scene;
     read_fields(scene);
+    if (in_.ok() && version_ != version_of(scene)) in_.fail();  // equal scenes have equal bytes
 
     if (!limit_message_.empty()) return Error{ErrorCode::limit, limit_message_, ""};
     if (!in_.ok())
@@ -241,7 +262,11 @@ class SceneReader {
   }
   template <typename Struct>
   void read_fields(Struct& object) {
-    visit_fields([&](const auto& field, auto& value) { read(value, field.range); }, object);
+    visit_fields(
+        [&](const FieldInfo& field, auto& value) {
+          if (field.since <= version_) read(value, field.range);
+        },
+        object);
   }
   template <typename Struct, typename Row>
   void read_own_fields(Struct& object, const Row& row) {
@@ -253,6 +278,7 @@ class SceneReader {
   }
 
   ByteReader in_;
+  std::uint16_t version_ = first_version;
   std::string limit_message_;
 };
 

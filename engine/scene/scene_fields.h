@@ -17,8 +17,9 @@ namespace ticktrue::engine {
 struct FieldInfo {
   std::string_view name;  // JSON key; empty: JSON has none
   FieldRange range{};
-  const char* hint = "";  // if the value is out of range
-  bool required = false;  // in JSON
+  const char* hint = "";    // if the value is out of range
+  bool required = false;    // in JSON
+  std::uint16_t since = 0;  // version of the binary form; versions before it, and their JSON, mean the default
   static constexpr bool is_body = false;
 };
 
@@ -234,6 +235,7 @@ struct Fields<Settings> {
     visit(FieldInfo{"sleep"}, &Settings::sleep);
     visit(FieldInfo{"events"}, &Settings::events);
     visit(FieldInfo{"clock"}, &Settings::clock);
+    visit(FieldInfo{"joints", {}, "", false, 3}, &Settings::joints);
   }
 };
 

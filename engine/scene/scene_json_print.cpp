@@ -192,8 +192,10 @@ class Printer {
   }
   void put(const Settings& settings) {
     open();
+    const Settings unset;
     visit_fields(
-        [&](const FieldInfo& field, const auto& value) {
+        [&](const FieldInfo& field, const auto& value, const auto& default_value) {
+          if (field.since > 0 && same_bits(value, default_value)) return;
           if (field.name == "dt")
             add_dt(settings.dt);
           else if (field.name == "substeps")
@@ -201,7 +203,7 @@ class Printer {
           else
             add(field.name, value);
         },
-        settings);
+        settings, unset);
     close();
   }
   void put(const ClockSettings& clock) { put_of_kind(clock, info_of(clock_kinds, clock.kind), true); }

@@ -82,6 +82,12 @@ bool SceneRules::check_choices() {
                      : collide       ? "bodies that may collide"
                                      : "a pointer"),
                 "use " + names_where(integrators, [](const IntegratorInfo& i) { return i.carries_constraints; }));
+  if (!solver.chooses_joints && scene_.settings.joints != JointSolverKind::iterative)
+    return fail(
+        ErrorCode::incompatible, "settings.joints",
+        name_of_solver + " solves joints one after the other, if at all: found " +
+            std::string(info_of(joint_solvers, scene_.settings.joints).name) + ", expected iterative",
+        "leave joints out, or use " + names_where(solvers, [](const SolverInfo& s) { return s.chooses_joints; }));
   return true;
 }
 

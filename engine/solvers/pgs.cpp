@@ -23,7 +23,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const SolvedSet solved = enter_solver_set(model, state, tick, work.bodies, i, dt);
     prepare_mouse_joints(solved, mouse_joints);
-    plan_joints(solved, false, joints);
+    plan_joints(solved, false, {}, joints);
     prepare_joints(solved, joints);
     solved.set.stiffness = baumgarte_contacts(dt);
     color_contacts(solved, false, work.contacts);

@@ -13,6 +13,7 @@ void Restitution::run(const Model& model, State& state, TickLists& tick, Real) {
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const SolvedSet solved = solver_set(model, state, tick, work_->bodies, i);
     if (!bounce_contacts(solved, batches, model.restitution_threshold)) continue;
+    project_direct_again(solved, work_->direct);
     store_contacts(solved, batches, state);
     any = true;
   }

@@ -9,6 +9,7 @@
 #include "engine/impacts/shock_propagation.h"
 #include "engine/integrators/free_bodies.h"
 #include "engine/integrators/motion_rows.h"
+#include "engine/joints/direct/direct_set.h"
 #include "engine/joints/joint_passes.h"
 #include "engine/joints/mouse_joint.h"
 #include "engine/model/bodies.h"
@@ -22,6 +23,7 @@ struct SolverWork {
   FreeBodies free_bodies;
   ContactWorkspace contacts;
   JointWorkspace joints;
+  DirectWorkspace direct;
   std::vector<MouseJoint> mouse_joints;
   ImpactWorkspace impacts;
   ShockWorkspace shock;
@@ -29,8 +31,8 @@ struct SolverWork {
 
 template <typename Visit>
 void list_fields(SolverWork& of, const Visit& visit) {
-  auto& [bodies, motion, free_bodies, contacts, joints, mouse_joints, impacts, shock] = of;
-  visit(bodies, motion, free_bodies, contacts, joints, mouse_joints, impacts, shock);
+  auto& [bodies, motion, free_bodies, contacts, joints, direct, mouse_joints, impacts, shock] = of;
+  visit(bodies, motion, free_bodies, contacts, joints, direct, mouse_joints, impacts, shock);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -12,32 +12,43 @@
 namespace ticktrue::engine::TICKTRUE_PRECISION {
 
 void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& state) {
-  auto& [bodies, motion, free_bodies, contact_work, joints, mouse_joints, impacts, shock] = work;
+  auto& [bodies, motion, free_bodies, contact_work, joints, direct, mouse_joints, impacts, shock] = work;
   const Integrator& scheme = integrator(solved.model.scene.settings.integrator);
   const SolverSet& set = solved.set;
   ContactBatches& contacts = contact_work.batches;
   prepare_contacts(solved, contact_work.colors, contacts);
   for (int substep = 0; substep < set.substeps; ++substep) {
     save_joint_velocities(solved, joints);
+    begin_direct_substep(solved, direct);
     save_impact_velocities(solved, impacts);
     scheme.predict(solved, motion, set.h);  // v += h a
     apply_impacts(solved, tick.impacts, motion.drift, impacts);
     begin_resting_impacts(solved, tick.resting_impacts, contacts);
     warm_start_joints(solved, joints);
+    start_direct(solved, motion, direct);
     warm_start_mouse_joints(mouse_joints, bodies);
     warm_start_contacts(solved, contacts);
-    for (std::uint32_t i = 0; i < set.joint_iterations; ++i) solve_joints(solved, joints, Bias::on);
-    solve_mouse_joints(mouse_joints, bodies);
-    solve_contacts(solved, contacts, poses_before_solve(solved, substep));
+    for (int turn = 0; turn < direct.turn_count; ++turn) {  // one, unless something touches direct joints
+      if (direct.turn_count > 1) solve_direct(solved, motion, direct);
+      for (std::uint32_t i = 0; i < set.joint_iterations; ++i) solve_joints(solved, joints, Bias::on);
+      solve_mouse_joints(mouse_joints, bodies);
+      solve_contacts(solved, contacts, turn > 0 ? Poses::unmoved : poses_before_solve(solved, substep));
+    }
     Real settled = settled_speed(solved);  // 0 unless an impact on bodies at rest has hit
     propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
+    meet_direct(solved, motion, direct);
     scheme.drift(solved, motion, set.h);  // x += h v
     finish_impacts(solved, impacts);
-    solve_joints(solved, joints, Bias::off);
-    relax_contacts(solved, contacts);
+    end_direct_move(solved, direct);
+    for (int turn = 0; turn < direct.turn_count; ++turn) {
+      if (turn > 0) project_direct(solved, direct);
+      solve_joints(solved, joints, Bias::off);
+      relax_contacts(solved, contacts);
+    }
     if (!(settled > 0)) settled = settled_speed(solved);
     propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
     if (settled > 0) limit_impulses(set, contacts);
+    project_direct(solved, direct);
     after_substep(solved, substep);
   }
   store_contacts(solved, contacts, state);
@@ -48,6 +59,7 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
   begin_motion(state, work.motion);
   if (!tick.has_solver_sets) put_all_into_one_set(model, state, work.bodies, tick);
   clear_contacts(work.contacts.batches);
+  find_direct_joints(model, state, work.direct);
   const bool some_are_free = find_constrained(model, state, tick, work.free_bodies);
   for (std::uint32_t i = 0; i < tick.solver_sets.size(); ++i) {
     const Real h = dt / static_cast<Real>(tick.solver_sets[i].substeps);  // s
@@ -56,10 +68,12 @@ void solve_tgs_soft(const Model& model, State& state, TickLists& tick, SolverWor
     prepare_mouse_joints(solved, work.mouse_joints);
     const SubstepStrategy solve_substeps = plan_substeps(solved, some_are_free, work);
     prepare_joints(solved, work.joints);
+    prepare_direct(solved, work.joints.plan, work.mouse_joints, work.motion, work.direct);
     integrator(model.scene.settings.integrator).begin(solved, work.motion, h);
     solve_substeps(solved, tick, work, state);
     store_mouse_joints(work.mouse_joints, state, h);  // forces, since the next tick may have another h
     store_joints(solved, work.joints, state);
+    store_direct(solved, work.direct, state);
   }
   store_bodies(work.bodies, tick, state);
   store_motion(work.motion, state);

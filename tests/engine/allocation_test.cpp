@@ -104,6 +104,8 @@ TEST_CASE("a tick of a settled scene allocates nothing", "[engine][allocation]")
                            "circles?columns=6&rows=4&locate_impacts=1",
                            "bridge",
                            "chain",
+                           "bridge?joints=direct",
+                           "chain?joints=direct&integrator=velocity_verlet",
                            "joint_grid?columns=8",
                            "projectile",
                            "slide",

@@ -69,11 +69,11 @@ TEST_CASE("a solver lists each of its caches once, and poison leaves them", "[en
   list_fields(work, engine::ListCaches{caches});
   engine::CacheSet kinds = 0;
   for (const engine::TickCache* cache : caches) kinds |= engine::cache_bit(cache->kind());
-  CHECK(caches.size() == 5);
+  CHECK(caches.size() == 6);
   CHECK(kinds ==
         (engine::cache_bit(engine::CacheKind::free_motion) | engine::cache_bit(engine::CacheKind::velocity_steps) |
-         engine::cache_bit(engine::CacheKind::joint_plan) | engine::cache_bit(engine::CacheKind::contact_colors) |
-         engine::cache_bit(engine::CacheKind::contact_blocks)));
+         engine::cache_bit(engine::CacheKind::joint_plan) | engine::cache_bit(engine::CacheKind::joint_graph) |
+         engine::cache_bit(engine::CacheKind::contact_colors) | engine::cache_bit(engine::CacheKind::contact_blocks)));
   const f64::VelocityStepKey key{1, {0, -10}, 0.25};
   const auto follow = [&] {
     work.motion.velocity_steps.follow(key, true, Parallel{}, 1, [](std::size_t) { return f64::VelocityStep{}; });

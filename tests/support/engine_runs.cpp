@@ -332,10 +332,10 @@ std::vector<Session> property_sessions() {
   std::vector<Session> sessions;
   for (const engine::Choice<Precision>& precision : engine::precisions) {
     const std::string suffix = "precision=" + std::string(precision.name);
-    for (const char* text :
-         {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&", "projectile?",
-          "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&", "bridge?planks=8&",
-          "joint_grid?columns=8&", "stack?boxes=4&solver=impulse&", "gas?bodies=150&"}) {
+    for (const char* text : {"stack?boxes=6&jitter=0.01&", "pyramid?base=6&", "circles?", "mixed_pile?bodies=50&",
+                             "projectile?", "billiards?", "shapes?bodies=30&", "slide?", "pendulum?", "chain?angle=1&",
+                             "bridge?planks=8&", "bridge?planks=8&joints=direct&", "joint_grid?columns=8&",
+                             "stack?boxes=4&solver=impulse&", "gas?bodies=150&"}) {
       const auto scene = engine::make_builtin_scene(text + suffix);
       INFO(text << suffix << ": " << (scene ? "" : scene.error().message));
       REQUIRE(scene.has_value());
@@ -371,6 +371,11 @@ std::vector<Session> property_sessions() {
     sessions.push_back({"playground forces " + suffix, forced, random_inputs(forced, 11, 400), {}});
     const engine::Scene jointed = jointed_playground(precision.kind);
     sessions.push_back({"jointed playground " + suffix, jointed, random_inputs(jointed, 11, 400), {}});
+    engine::Scene direct = jointed;
+    direct.settings.joints = engine::JointSolverKind::direct;
+    sessions.push_back({"direct joints " + suffix, direct, random_inputs(direct, 21, 400), {}});
+    direct.settings.integrator = engine::IntegratorKind::velocity_verlet;
+    sessions.push_back({"direct joints velocity_verlet " + suffix, direct, random_inputs(direct, 22, 400), {}});
     engine::Scene iterated = jointed;
     iterated.settings.solver = engine::SolverKind::pgs;
     iterated.settings.substeps = 1;
@@ -386,6 +391,8 @@ std::vector<Session> property_sessions() {
     nodding.settings.events = true;
     nodding.bodies[3].angular_velocity = 0;
     sessions.push_back({"nodding joints " + suffix, nodding, sparse_inputs(nodding, 14, 400, 31), {}});
+    nodding.settings.joints = engine::JointSolverKind::direct;
+    sessions.push_back({"nodding direct joints " + suffix, nodding, sparse_inputs(nodding, 23, 400, 31), {}});
     const engine::Scene heaps = merging_heaps(precision.kind);
     sessions.push_back({"merging heaps " + suffix, heaps, sparse_inputs(heaps, 15, 400, 17), {}});
     for (const engine::ClockKindInfo& clock : engine::clock_kinds) {

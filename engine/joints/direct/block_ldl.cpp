@@ -4,64 +4,147 @@
 // 2006 (fill and elimination).
 #include "engine/joints/direct/block_ldl.h"
 
+#include <type_traits>
+
 namespace ticktrue::engine {
 namespace {
 
 constexpr std::size_t n = 3;
 
-/// The inverse of a symmetric block by its own LDL^T. Requires: definite.
-Block inverse_of(const Block& a) {
+/// Replaces the leading symmetric block of this dimension, of which the lower half is read, by its inverse by LDL^T.
+/// Requires: definite.
+template <std::size_t dimension>
+[[gnu::always_inline]] inline void invert(Block& a) {
   const double inv_0 = 1 / a[0];
+  if constexpr (dimension == 1) {
+    a[0] = inv_0;
+    return;
+  }
   const double l_10 = a[3] * inv_0;
-  const double l_20 = a[6] * inv_0;
   const double inv_1 = 1 / (a[4] - l_10 * a[3]);
+  if constexpr (dimension == 2) {
+    a[0] = inv_0 + l_10 * l_10 * inv_1;
+    a[1] = a[3] = -(l_10 * inv_1);
+    a[4] = inv_1;
+    return;
+  }
+  const double l_20 = a[6] * inv_0;
   const double below = a[7] - l_20 * a[3];
   const double l_21 = below * inv_1;
   const double inv_2 = 1 / ((a[8] - l_20 * a[6]) - l_21 * below);
   const double m_20 = l_10 * l_21 - l_20;  // of L^-1
-  const double r_01 = -(l_10 * inv_1) - m_20 * l_21 * inv_2;
-  const double r_02 = m_20 * inv_2;
-  const double r_12 = -(l_21 * inv_2);
-  return {(inv_0 + l_10 * l_10 * inv_1) + m_20 * m_20 * inv_2,
-          r_01,
-          r_02,
-          r_01,
-          inv_1 + l_21 * l_21 * inv_2,
-          r_12,
-          r_02,
-          r_12,
-          inv_2};
+  a[0] = (inv_0 + l_10 * l_10 * inv_1) + m_20 * m_20 * inv_2;
+  a[1] = a[3] = -(l_10 * inv_1) - m_20 * l_21 * inv_2;
+  a[2] = a[6] = m_20 * inv_2;
+  a[4] = inv_1 + l_21 * l_21 * inv_2;
+  a[5] = a[7] = -(l_21 * inv_2);
+  a[8] = inv_2;
 }
 
-Block product(const Block& a, const Block& b) {
-  Block r;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k)
-      r[n * i + k] = (a[n * i] * b[k] + a[n * i + 1] * b[n + k]) + a[n * i + 2] * b[2 * n + k];
-  return r;
+template <std::size_t dimension>
+using Dimension = std::integral_constant<std::size_t, dimension>;
+
+/// Calls body with the dimension as a constant, so that its loops have no ends to look up.
+template <typename Body>
+[[gnu::always_inline]] inline void with_dimension(std::uint32_t dimension, const Body& body) {
+  if (dimension == 3)
+    body(Dimension<3>{});
+  else if (dimension == 2)
+    body(Dimension<2>{});
+  else
+    body(Dimension<1>{});
 }
 
-/// r -= a b^T
-void subtract_product(Block& r, const Block& a, const Block& b) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k)
-      r[n * i + k] -= (a[n * i] * b[n * k] + a[n * i + 1] * b[n * k + 1]) + a[n * i + 2] * b[n * k + 2];
+template <std::size_t count>
+[[gnu::always_inline]] inline double row_product(const double* a, const double* b) {
+  double sum = a[0] * b[0];
+  for (std::size_t j = 1; j < count; ++j) sum += a[j] * b[j];
+  return sum;
 }
 
-Triple product(const Block& a, const Triple& v) {
-  Triple r;
-  for (std::size_t i = 0; i < n; ++i) r[i] = (a[n * i] * v[0] + a[n * i + 1] * v[1]) + a[n * i + 2] * v[2];
-  return r;
+/// a b
+template <std::size_t rows, std::size_t columns>
+[[gnu::always_inline]] inline void set_product(Block& r, const Block& a, const Block& b) {
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k < columns; ++k) {
+      double sum = a[n * i] * b[k];
+      for (std::size_t j = 1; j < columns; ++j) sum += a[n * i + j] * b[n * j + k];
+      r[n * i + k] = sum;
+    }
 }
 
-Triple transposed_product(const Block& a, const Triple& v) {
-  Triple r;
-  for (std::size_t i = 0; i < n; ++i) r[i] = (a[i] * v[0] + a[n + i] * v[1]) + a[2 * n + i] * v[2];
-  return r;
+/// r -= a b^T, with a and b of so many columns.
+template <std::size_t columns, std::size_t rows_a, std::size_t rows_b>
+[[gnu::always_inline]] inline void subtract_product(Block& r, const Block& a, const Block& b) {
+  for (std::size_t i = 0; i < rows_a; ++i)
+    for (std::size_t k = 0; k < rows_b; ++k) r[n * i + k] -= row_product<columns>(&a[n * i], &b[n * k]);
 }
 
-void subtract(Triple& r, const Triple& v) {
-  for (std::size_t i = 0; i < n; ++i) r[i] -= v[i];
+/// The same of a symmetric block: its lower half, which inverses are made of.
+template <std::size_t columns, std::size_t rows>
+[[gnu::always_inline]] inline void subtract_lower(Block& r, const Block& a, const Block& b) {
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k <= i; ++k) r[n * i + k] -= row_product<columns>(&a[n * i], &b[n * k]);
+}
+
+template <std::size_t columns>
+[[gnu::always_inline]] inline void factor_node(const JointGraph& graph, BlockSystem& system, std::size_t at) {
+  const GraphNode& node = graph.nodes[at];
+  Block& inverse = system.diagonal[at];
+  invert<columns>(inverse);
+  Block* const blocks = system.blocks.data() + node.first_block;
+  const std::uint32_t* const rows = graph.block_rows.data() + node.first_block;
+  system.column.assign(blocks, blocks + node.block_count);
+  const Block* const column = system.column.data();
+  const auto dimension = [&](std::uint32_t i) { return graph.nodes[rows[i]].dimension; };
+  std::uint32_t target = node.first_target;
+  for (std::uint32_t i = 0; i < node.block_count; ++i)
+    with_dimension(dimension(i), [&](auto r) { set_product<r.value, columns>(blocks[i], column[i], inverse); });
+  for (std::uint32_t i = 0; i < node.block_count; ++i)
+    with_dimension(dimension(i), [&](auto c) {
+      subtract_lower<columns, c.value>(system.diagonal[rows[i]], blocks[i], column[i]);
+      for (std::uint32_t k = i + 1; k < node.block_count; ++k) {
+        Block& block = system.blocks[graph.targets[target++]];
+        with_dimension(dimension(k),
+                       [&](auto r) { subtract_product<columns, r.value, c.value>(block, blocks[k], column[i]); });
+      }
+    });
+}
+
+template <std::size_t columns>
+[[gnu::always_inline]] inline void solve_forward(const JointGraph& graph, BlockSystem& system, std::size_t at) {
+  const GraphNode& node = graph.nodes[at];
+  double value[columns];  // element by element: whole ones would be copied through memory
+  for (std::size_t k = 0; k < columns; ++k) value[k] = system.values[at][k];
+  for (std::uint32_t i = node.first_block; i < node.first_block + node.block_count; ++i) {
+    const std::uint32_t row = graph.block_rows[i];
+    const Block& block = system.blocks[i];
+    Triple& of_row = system.values[row];
+    with_dimension(graph.nodes[row].dimension, [&](auto rows) {
+      for (std::size_t k = 0; k < rows.value; ++k) of_row[k] -= row_product<columns>(&block[n * k], value);
+    });
+  }
+}
+
+template <std::size_t columns>
+[[gnu::always_inline]] inline void solve_backward(const JointGraph& graph, BlockSystem& system, std::size_t at) {
+  const GraphNode& node = graph.nodes[at];
+  const Block& inverse = system.diagonal[at];
+  Triple value{};
+  for (std::size_t k = 0; k < columns; ++k) value[k] = row_product<columns>(&inverse[n * k], system.values[at].data());
+  for (std::uint32_t i = node.first_block; i < node.first_block + node.block_count; ++i) {
+    const std::uint32_t row = graph.block_rows[i];
+    const Block& block = system.blocks[i];
+    const Triple& of_row = system.values[row];
+    with_dimension(graph.nodes[row].dimension, [&](auto rows) {
+      for (std::size_t k = 0; k < columns; ++k) {
+        double sum = block[k] * of_row[0];
+        for (std::size_t j = 1; j < rows.value; ++j) sum += block[n * j + k] * of_row[j];
+        value[k] -= sum;
+      }
+    });
+  }
+  for (std::size_t k = 0; k < columns; ++k) system.values[at][k] = value[k];
 }
 
 }  // namespace
@@ -90,38 +173,15 @@ void set_gradient(const JointGraph& graph, BlockSystem& system, std::uint32_t jo
 }
 
 void factor(const JointGraph& graph, BlockSystem& system) {
-  for (std::size_t at = 0; at < graph.nodes.size(); ++at) {
-    const GraphNode& node = graph.nodes[at];
-    const Block inverse = inverse_of(system.diagonal[at]);
-    system.diagonal[at] = inverse;
-    const auto begin = system.blocks.begin() + node.first_block;
-    system.column.assign(begin, begin + node.block_count);
-    for (std::uint32_t i = 0; i < node.block_count; ++i)
-      system.blocks[node.first_block + i] = product(system.column[i], inverse);
-    std::uint32_t target = node.first_target;
-    for (std::uint32_t i = 0; i < node.block_count; ++i) {
-      const std::uint32_t block = node.first_block + i;
-      subtract_product(system.diagonal[graph.block_rows[block]], system.blocks[block], system.column[i]);
-      for (std::uint32_t k = i + 1; k < node.block_count; ++k)
-        subtract_product(system.blocks[graph.targets[target++]], system.blocks[node.first_block + k], system.column[i]);
-    }
-  }
+  for (std::size_t at = 0; at < graph.nodes.size(); ++at)
+    with_dimension(graph.nodes[at].dimension, [&](auto columns) { factor_node<columns.value>(graph, system, at); });
 }
 
 void solve(const JointGraph& graph, BlockSystem& system) {
-  for (std::size_t at = 0; at < graph.nodes.size(); ++at) {
-    const GraphNode& node = graph.nodes[at];
-    const Triple value = system.values[at];
-    for (std::uint32_t i = node.first_block; i < node.first_block + node.block_count; ++i)
-      subtract(system.values[graph.block_rows[i]], product(system.blocks[i], value));
-  }
-  for (std::size_t at = graph.nodes.size(); at-- > 0;) {
-    const GraphNode& node = graph.nodes[at];
-    Triple value = product(system.diagonal[at], system.values[at]);
-    for (std::uint32_t i = node.first_block; i < node.first_block + node.block_count; ++i)
-      subtract(value, transposed_product(system.blocks[i], system.values[graph.block_rows[i]]));
-    system.values[at] = value;
-  }
+  for (std::size_t at = 0; at < graph.nodes.size(); ++at)
+    with_dimension(graph.nodes[at].dimension, [&](auto columns) { solve_forward<columns.value>(graph, system, at); });
+  for (std::size_t at = graph.nodes.size(); at-- > 0;)
+    with_dimension(graph.nodes[at].dimension, [&](auto columns) { solve_backward<columns.value>(graph, system, at); });
 }
 
 }  // namespace ticktrue::engine

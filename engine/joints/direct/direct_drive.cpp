@@ -80,6 +80,12 @@ RowLaw law_after_move(const DirectDrive& drive, double impulse) {
   return {false, 0, 0, impulse};
 }
 
+double motor_impulse(const DirectDrive& drive, double mobility, double impulse) {
+  if (drive.state == DriveState::motor) return motor_share(drive, mobility, impulse);
+  if (drive.state == DriveState::motor_at_most) return drive.motor_impulse_max;
+  return drive.state == DriveState::motor_at_least ? -drive.motor_impulse_max : 0;
+}
+
 bool update_state(DirectDrive& drive, double mobility, double impulse, double speed, double h) {
   const DriveState before = drive.state;
   drive.state = next_state(drive, mobility, impulse, speed);

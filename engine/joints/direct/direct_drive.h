@@ -16,6 +16,7 @@ namespace ticktrue::engine {
 enum class DriveState : std::uint8_t { free, motor, motor_at_most, motor_at_least, at_lower, at_upper };
 
 struct DirectDrive {
+  double mobility = 0;  // K; 0: of the row alone
   bool has_spring = false;
   double loss = 0;  // of SpringStep, for the row's mobility and this substep
   double pull = 0;  // 1/s
@@ -42,6 +43,11 @@ struct RowLaw {
 inline bool is_at_limit(const DirectDrive& drive) {
   return drive.state == DriveState::at_lower || drive.state == DriveState::at_upper;
 }
+/// Rows that hold a speed or a position move the body by the whole of their impulse, as rigid rows do. The others act
+/// like forces.
+inline bool acts_like_force(const DirectDrive& drive) {
+  return drive.state != DriveState::motor && !is_at_limit(drive);
+}
 inline bool exists(const DirectDrive& drive) {
   return drive.has_spring || drive.has_motor || drive.has_limits;
 }
@@ -50,6 +56,9 @@ inline bool exists(const DirectDrive& drive) {
 RowLaw law_of(const DirectDrive& drive, double mobility);
 /// In the pass after the move springs and bounded motors rest: their rows are outside, with the impulse they have.
 RowLaw law_after_move(const DirectDrive& drive, double impulse);
+
+/// The motor's part of a row's impulse.
+double motor_impulse(const DirectDrive& drive, double mobility, double impulse);
 
 /// Sets the state for a row with this impulse and speed, over a substep of length h. True: it changed.
 bool update_state(DirectDrive& drive, double mobility, double impulse, double speed, double h);

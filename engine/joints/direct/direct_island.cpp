@@ -3,6 +3,8 @@
 // Source: as direct_island.h.
 #include "engine/joints/direct/direct_island.h"
 
+#include <utility>
+
 #include "engine/math/trig.h"
 
 namespace ticktrue::engine {
@@ -17,12 +19,21 @@ constexpr double push_speed_max = 3;      // m/s, of a row
 constexpr double push_body_speed = 0.1;   // m/s: the push has at most the energy of all bodies at this speed
 constexpr double gap_of_rounding = 1e-6;  // m: taken back without that bound
 
+/// h^2 F r in units of the inertia.
+constexpr double turning_limit = 2;
+
 constexpr double miss_least = 1e-3;          // m
 constexpr double hard_energy_share = 0.1;    // of the kinetic energy
+constexpr double own_energy_share = 4;       // of the kinetic energy, for changes by rows
+constexpr double driven_energy_share = 100;  // the same where a body drives others through levers
 constexpr double resting_body_speed = 0.05;  // m/s: energy that bodies at rest are taken to have
 
 double magnitude(double x) {
   return x < 0 ? -x : x;
+}
+
+double arm_of(Place p) {
+  return __builtin_sqrt(p.x * p.x + p.y * p.y);
 }
 
 double row_product(const Block& gradient, std::size_t row, const Triple& v) {
@@ -34,26 +45,38 @@ double double_energy(const DirectBody& body, const Triple& v) {
   return body.mass * (v[0] * v[0] + v[1] * v[1]) + body.inertia * (v[2] * v[2]);
 }
 
-double mobility(const DirectBody& body, const Block& gradient, std::size_t row) {
+double mobility(const DirectBody& body, const Block& gradient, std::size_t row, std::size_t other) {
   const double* g = gradient.data() + 3 * row;
-  return (g[0] * g[0] + g[1] * g[1]) * body.inv_mass + g[2] * g[2] * body.inv_inertia;
+  const double* q = gradient.data() + 3 * other;
+  return (g[0] * q[0] + g[1] * q[1]) * body.inv_mass + g[2] * q[2] * body.inv_inertia;
 }
 
-Pose pose_of(const DirectIsland& island, std::uint32_t body) {
-  return body == no_direct_body ? Pose{} : island.bodies[body].pose;
+/// sin_cos, faster for the angles of most substeps.
+SinCos turn_by(double angle) {
+  if (!(magnitude(angle) < 0.125)) return sin_cos(angle);
+  const double z = angle * angle;  // the terms left out are below 1e-18
+  const double sine = (((1.0 / 362880 * z - 1.0 / 5040) * z + 1.0 / 120) * z - 1.0 / 6) * z;
+  const double cosine = ((((-1.0 / 3628800 * z + 1.0 / 40320) * z - 1.0 / 720) * z + 1.0 / 24) * z - 0.5) * z;
+  return {angle + angle * sine, 1 + cosine};
+}
+
+bool is_moving(const DirectIsland& island, std::uint32_t body) {
+  return body < island.moving_count;
 }
 
 void find_moved_poses(DirectIsland& island, double h) {
-  island.moved_poses.clear();
-  for (const DirectBody& body : island.bodies) island.moved_poses.push_back(moved(body, h));
+  island.moved_poses.resize(island.bodies.size());
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) island.moved_poses[i] = moved(island.bodies[i], h);
 }
 
-/// The joint's equations after the move. Requires: find_moved_poses.
-JointEquations moved_equations(const DirectIsland& island, const DirectJoint& joint) {
-  const auto pose = [&island](std::uint32_t body) {
-    return body == no_direct_body ? Pose{} : island.moved_poses[body];
-  };
-  return equations_of(joint.shape, pose(joint.body_a), pose(joint.body_b));
+/// The errors of the joint's rows after the move. Requires: find_moved_poses.
+Triple moved_errors(const DirectIsland& island, const DirectJoint& joint) {
+  constexpr Pose world;
+  const Pose& a = joint.body_a == no_direct_body ? world : island.moved_poses[joint.body_a];
+  const Pose& b = joint.body_b == no_direct_body ? world : island.moved_poses[joint.body_b];
+  if (!is_point(joint.shape)) return equations_of(joint.shape, a, b).errors;
+  const Place gap = point_gap(joint.shape, a, b);
+  return {gap.x, gap.y, 0};
 }
 
 double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
@@ -62,6 +85,16 @@ double row_speed(const DirectIsland& island, const DirectJoint& joint, std::size
     speed += row_product(joint.equations.gradient_a, row, island.bodies[joint.body_a].velocity);
   if (joint.body_b != no_direct_body)
     speed += row_product(joint.equations.gradient_b, row, island.bodies[joint.body_b].velocity);
+  return speed;
+}
+
+/// The same of the velocities with which bodies move.
+double row_drift(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  double speed = row_speed(island, joint, row);
+  if (is_moving(island, joint.body_a))
+    speed -= row_product(joint.equations.gradient_a, row, island.bodies[joint.body_a].lag);
+  if (is_moving(island, joint.body_b))
+    speed -= row_product(joint.equations.gradient_b, row, island.bodies[joint.body_b].lag);
   return speed;
 }
 
@@ -75,11 +108,17 @@ void apply_impulse(DirectBody& body, const Block& gradient, std::size_t row, dou
 /// Changes of states in a pass. Most substeps have none.
 constexpr int state_change_max = 3;
 
-double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+/// Of the speed of one row by the impulse of another one.
+double coupling(const DirectIsland& island, const DirectJoint& joint, std::size_t row, std::size_t other) {
   double sum = 0;
-  if (joint.body_a != no_direct_body) sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row);
-  if (joint.body_b != no_direct_body) sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row);
+  if (is_moving(island, joint.body_a))
+    sum += mobility(island.bodies[joint.body_a], joint.equations.gradient_a, row, other);
+  if (is_moving(island, joint.body_b))
+    sum += mobility(island.bodies[joint.body_b], joint.equations.gradient_b, row, other);
   return sum;
+}
+double mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  return coupling(island, joint, row, row);
 }
 
 DirectDrive& drive_of(DirectJoint& joint, std::size_t row) {
@@ -102,15 +141,20 @@ double target_of(const DirectIsland& island, double error, double h) {
   return error - island.push_share * taken_back(error, h);
 }
 
-/// Solves for system.values and adds the solution to velocities and impulses.
-void add_solution(DirectIsland& island) {
-  solve(island.graph, island.system);
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
-    const Triple& change = island.system.values[island.graph.body_nodes[i]];
+/// Solves for system.values and adds the solution to velocities.
+void add_velocities(DirectIsland& island) {
+  solve(*island.graph, island.system);
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const Triple& change = island.system.values[island.graph->body_nodes[i]];
     for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] += change[k];
   }
+}
+
+/// The same, and to impulses.
+void add_solution(DirectIsland& island) {
+  add_velocities(island);
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
-    const Triple& change = island.system.values[island.graph.joint_nodes[i]];
+    const Triple& change = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
       island.joints[i].impulses[row] -= change[row];
   }
@@ -122,7 +166,7 @@ void set_residuals(DirectIsland& island, const Residual& residual) {
   for (Triple& value : island.system.values) value = {};
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    Triple& value = island.system.values[island.graph.joint_nodes[i]];
+    Triple& value = island.system.values[island.graph->joint_nodes[i]];
     for (std::size_t row = 0; row < joint.equations.row_count; ++row) value[row] = -residual(joint, row);
   }
 }
@@ -133,7 +177,10 @@ double residual_of(const DirectIsland& island, const DirectJoint& joint, std::si
   if (row < joint.equations.rigid_count) return (then - target_of(island, joint.equations.errors[row], h)) / h + soft;
   if (!joint.laws[row].is_in_system) return 0;
   const DirectDrive& drive = drive_of(joint, row);
-  if (!is_at_limit(drive)) return (row_speed(island, joint, row) - joint.laws[row].speed) + soft;
+  if (!is_at_limit(drive)) {
+    const double speed = acts_like_force(drive) ? row_speed(island, joint, row) : row_drift(island, joint, row);
+    return (speed - joint.laws[row].speed) + soft;
+  }
   const double limit = drive.state == DriveState::at_lower ? drive.lower : drive.upper;
   const double over = drive.start_error - limit;
   const bool is_beyond = drive.state == DriveState::at_lower ? over < 0 : over > 0;
@@ -143,52 +190,80 @@ double residual_of(const DirectIsland& island, const DirectJoint& joint, std::si
 /// One pass with the error after the move as the speeds tell, to first order.
 void pass_to_speeds(DirectIsland& island, double h) {
   set_residuals(island, [&island, h](const DirectJoint& joint, std::size_t row) {
-    const double then = joint.equations.errors[row] + h * row_speed(island, joint, row);
+    const double then = joint.equations.errors[row] + h * row_drift(island, joint, row);
     return residual_of(island, joint, row, then, h);
   });
   add_solution(island);
 }
 
-/// One pass with the error after the move.
-void pass_to_positions(DirectIsland& island, double h) {
+/// Sets the right-hand side from the errors after the move. Returns by how much the rigid rows miss their targets, m or
+/// rad.
+double set_position_residuals(DirectIsland& island, double h) {
   find_moved_poses(island, h);
   for (Triple& value : island.system.values) value = {};
+  double most = 0;
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     const DirectJoint& joint = island.joints[i];
-    const JointEquations then = moved_equations(island, joint);
-    Triple& value = island.system.values[island.graph.joint_nodes[i]];
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
-      value[row] = -residual_of(island, joint, row, then.errors[row], h);
+    const Triple then = moved_errors(island, joint);
+    Triple& value = island.system.values[island.graph->joint_nodes[i]];
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
+      value[row] = -residual_of(island, joint, row, then[row], h);
+      if (row >= joint.equations.rigid_count) continue;
+      const double miss = magnitude(then[row] - target_of(island, joint.equations.errors[row], h));
+      if (!(miss <= most)) most = miss;
+    }
   }
+  return most;
+}
+
+void pass_to_positions(DirectIsland& island, double h) {
+  set_position_residuals(island, h);
   add_solution(island);
 }
 
 /// Fills the system from equations and laws, and factors it.
 void factor_laws(DirectIsland& island) {
-  clear_system(island.graph, island.system);
-  for (std::uint32_t i = 0; i < island.bodies.size(); ++i)
-    set_body(island.graph, island.system, i, island.bodies[i].mass, island.bodies[i].inertia);
+  clear_system(*island.graph, island.system);
+  const auto turns = [&island](std::uint32_t body) { return island.bodies[body].inv_inertia > 0; };
+  for (std::uint32_t i = 0; i < island.moving_count; ++i)
+    set_body(*island.graph, island.system, i, island.bodies[i].mass, turns(i) ? island.bodies[i].inertia : 1);
+  const auto set_gradients = [&](std::uint32_t joint, const Block& of_a, const Block& of_b) {
+    std::uint32_t place = 0;
+    for (const auto& [body, gradient] :
+         {std::pair{island.joints[joint].body_a, &of_a}, std::pair{island.joints[joint].body_b, &of_b}})
+      if (is_moving(island, body)) set_gradient(*island.graph, island.system, joint, place++, *gradient);
+  };
   for (std::uint32_t i = 0; i < island.joints.size(); ++i) {
     DirectJoint& joint = island.joints[i];
-    const bool is_redundant = island.graph.nodes[island.graph.joint_nodes[i]].is_redundant;
+    const bool is_redundant = island.graph->nodes[island.graph->joint_nodes[i]].is_redundant;
+    const double share = is_redundant ? redundant_compliance_share : compliance_share;
+    const auto stays = [&](std::uint32_t body) { return is_moving(island, body) && !turns(body); };
+    bool is_whole = !stays(joint.body_a) && !stays(joint.body_b);  // the gradients are those of the system
+    for (std::size_t row = 0; row < 3; ++row) {
+      joint.compliances[row] = 1;
+      if (row >= joint.equations.row_count) continue;
+      const double k = joint.laws[row].is_in_system ? mobility(island, joint, row) : 0;
+      if (k > 0)
+        joint.compliances[row] = joint.laws[row].compliance > share * k ? joint.laws[row].compliance : share * k;
+      else
+        is_whole = false;
+    }
+    set_joint(*island.graph, island.system, i, joint.compliances);
+    if (is_whole) {
+      set_gradients(i, joint.equations.gradient_a, joint.equations.gradient_b);
+      continue;
+    }
     Block of_a = joint.equations.gradient_a;
     Block of_b = joint.equations.gradient_b;
-    for (std::size_t row = 0; row < 3; ++row) {
-      const double k = row < joint.equations.row_count ? mobility(island, joint, row) : 0;
-      joint.compliances[row] = 1;
-      if (k > 0 && joint.laws[row].is_in_system) {
-        const double least = (is_redundant ? redundant_compliance_share : compliance_share) * k;
-        joint.compliances[row] = joint.laws[row].compliance > least ? joint.laws[row].compliance : least;
-        continue;
-      }
+    for (std::size_t row = 0; row < joint.equations.row_count; ++row) {
+      if (joint.laws[row].is_in_system && mobility(island, joint, row) > 0) continue;
       for (std::size_t column = 0; column < 3; ++column) of_a[3 * row + column] = of_b[3 * row + column] = 0;
     }
-    set_joint(island.graph, island.system, i, joint.compliances);
-    std::uint32_t place = 0;
-    if (joint.body_a != no_direct_body) set_gradient(island.graph, island.system, i, place++, of_a);
-    if (joint.body_b != no_direct_body) set_gradient(island.graph, island.system, i, place, of_b);
+    if (stays(joint.body_a)) of_a[2] = of_a[5] = of_a[8] = 0;
+    if (stays(joint.body_b)) of_b[2] = of_b[5] = of_b[8] = 0;
+    set_gradients(i, of_a, of_b);
   }
-  factor(island.graph, island.system);
+  factor(*island.graph, island.system);
 }
 
 /// Calls body(joint, row, drive, mobility) for every row with a drive.
@@ -196,55 +271,46 @@ template <typename Body>
 void for_drives(DirectIsland& island, const Body& body) {
   for (DirectJoint& joint : island.joints)
     for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
-      const double k = mobility(island, joint, row);
-      if (k > 0 && exists(drive_of(joint, row))) body(joint, row, drive_of(joint, row), k);
+      DirectDrive& drive = drive_of(joint, row);
+      const double k = exists(drive) ? mobility(island, joint, row) : 0;
+      if (k > 0) body(joint, row, drive, drive.mobility > 0 ? drive.mobility : k);
     }
 }
 
 void apply_row(DirectIsland& island, const DirectJoint& joint, std::size_t row, double impulse) {
-  if (joint.body_a != no_direct_body)
+  if (is_moving(island, joint.body_a))
     apply_impulse(island.bodies[joint.body_a], joint.equations.gradient_a, row, impulse);
-  if (joint.body_b != no_direct_body)
+  if (is_moving(island, joint.body_b))
     apply_impulse(island.bodies[joint.body_b], joint.equations.gradient_b, row, impulse);
 }
 
-/// Runs a pass, and runs it again where a drive changes its state.
-template <typename Pass>
-void settle(DirectIsland& island, double h, const Pass& pass) {
-  pass(island, h);
-  for (int change = 0; island.has_drives && change < state_change_max; ++change) {
-    bool is_changed = false;
-    for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
-      if (update_state(drive, k, joint.impulses[row], row_speed(island, joint, row), h)) is_changed = true;
-    });
-    if (!is_changed) return;
-    for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
-      joint.laws[row] = law_of(drive, k);
-      if (joint.laws[row].is_in_system) return;
-      apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
-      joint.impulses[row] = joint.laws[row].impulse;
-    });
-    factor_laws(island);
-    pass(island, h);
-  }
+/// Lets drives change their states after a pass. True: some has, and the system is factored anew.
+bool change_states(DirectIsland& island, double h) {
+  bool is_changed = false;
+  for_drives(island, [&](const DirectJoint& joint, std::size_t row, DirectDrive& drive, double k) {
+    if (update_state(drive, k, joint.impulses[row], row_drift(island, joint, row), h)) is_changed = true;
+  });
+  if (!is_changed) return false;
+  for_drives(island, [&](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double k) {
+    joint.laws[row] = law_of(drive, k);
+    if (joint.laws[row].is_in_system) return;
+    apply_row(island, joint, row, joint.laws[row].impulse - joint.impulses[row]);
+    joint.impulses[row] = joint.laws[row].impulse;
+  });
+  factor_laws(island);
+  return true;
 }
 
-double largest_miss(DirectIsland& island, double h) {
-  find_moved_poses(island, h);
-  double most = 0;
-  for (const DirectJoint& joint : island.joints) {
-    const JointEquations then = moved_equations(island, joint);
-    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) {
-      const double miss = magnitude(then.errors[row] - target_of(island, joint.equations.errors[row], h));
-      if (!(miss <= most)) most = miss;
-    }
-  }
-  return most;
+/// Runs a pass again while drives change their states.
+template <typename Pass>
+void settle(DirectIsland& island, double h, const Pass& pass) {
+  if (!island.has_drives) return;
+  for (int change = 0; change < state_change_max && change_states(island, h); ++change) pass(island, h);
 }
 
 /// Velocities and impulses: the saved ones and `share` of what was added since.
 void scale_changes(DirectIsland& island, double share) {
-  for (std::size_t i = 0; i < island.bodies.size(); ++i)
+  for (std::size_t i = 0; i < island.moving_count; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const double saved = island.saved_velocities[i][k];
       double& now = island.bodies[i].velocity[k];
@@ -259,62 +325,204 @@ void scale_changes(DirectIsland& island, double share) {
 }
 
 void save_velocities(DirectIsland& island) {
-  island.saved_velocities.clear();
-  island.saved_impulses.clear();
-  for (const DirectBody& body : island.bodies) island.saved_velocities.push_back(body.velocity);
-  island.saved_drives.clear();
-  for (const DirectJoint& joint : island.joints) {
-    island.saved_impulses.push_back(joint.impulses);
-    island.saved_drives.push_back(joint.drives);
+  island.saved_velocities.resize(island.moving_count);
+  for (std::size_t i = 0; i < island.moving_count; ++i) island.saved_velocities[i] = island.bodies[i].velocity;
+  island.saved_impulses.resize(island.joints.size());
+  island.saved_drives.resize(island.has_drives ? island.joints.size() : 0);
+  for (std::size_t i = 0; i < island.joints.size(); ++i) {
+    island.saved_impulses[i] = island.joints[i].impulses;
+    if (island.has_drives) island.saved_drives[i] = island.joints[i].drives;
   }
 }
 
 void restore_velocities(DirectIsland& island) {
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) island.bodies[i].velocity = island.saved_velocities[i];
+  for (std::size_t i = 0; i < island.moving_count; ++i) island.bodies[i].velocity = island.saved_velocities[i];
   for (std::size_t i = 0; i < island.joints.size(); ++i) {
     island.joints[i].impulses = island.saved_impulses[i];
-    island.joints[i].drives = island.saved_drives[i];
+    if (island.has_drives) island.joints[i].drives = island.saved_drives[i];
   }
+}
+
+/// Twice the energies of the changes since save_velocities, and before them, J.
+struct EnergyDemand {
+  double asked = 0;
+  double had = 0;
+};
+
+/// `speed`: bodies are taken to have at least the energy of this speed besides their own, m/s.
+EnergyDemand energy_demand(const DirectIsland& island, double speed) {
+  EnergyDemand demand;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    const Triple& saved = island.saved_velocities[i];
+    demand.asked +=
+        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
+    demand.had += double_energy(body, saved) + body.mass * (speed * speed);
+  }
+  return demand;
+}
+
+/// What rows ask for besides rest, m/s.
+struct AskedSpeed {
+  double sum = 0;
+  bool is_driven = false;  // by a body that joints do not move
+};
+
+AskedSpeed asked_speed(const DirectIsland& island) {
+  AskedSpeed asked;
+  const auto consider = [&](std::uint32_t body, Place anchor) {
+    if (body == no_direct_body || is_moving(island, body)) return;
+    const Triple& v = island.bodies[body].velocity;
+    const double speed = __builtin_sqrt(v[0] * v[0] + v[1] * v[1]) + magnitude(v[2]) * arm_of(anchor);
+    asked.is_driven = asked.is_driven || speed > 0;
+    if (speed > asked.sum) asked.sum = speed;
+  };
+  for (const DirectJoint& joint : island.joints) {
+    consider(joint.body_a, joint.shape.anchor_a);
+    consider(joint.body_b, joint.shape.anchor_b);
+  }
+  asked.sum += push_body_speed + resting_body_speed;
+  for (const DirectJoint& joint : island.joints)
+    for (const DirectDrive& drive : joint.drives) {
+      if (drive.has_spring) asked.sum += drive.pull * magnitude(drive.start_error);
+      if (drive.has_motor) asked.sum += magnitude(drive.motor_speed);
+      if (drive.has_limits) asked.sum += push_speed_max;
+    }
+  return asked;
+}
+
+/// Rows take velocities away, apart from what they ask for. Changes beyond that are of rows that contradict each other:
+/// a gap opens instead. Requires: save_velocities before the changes.
+void bound_changes(DirectIsland& island) {
+  const AskedSpeed speed = asked_speed(island);
+  const EnergyDemand demand = energy_demand(island, speed.sum);
+  const double allowed = (speed.is_driven ? driven_energy_share : own_energy_share) * demand.had;
+  if (demand.asked > allowed) scale_changes(island, __builtin_sqrt(allowed / demand.asked));
 }
 
 }  // namespace
 
 Pose moved(const DirectBody& body, double h) {
-  const SinCos turn = sin_cos(h * body.velocity[2]);
-  return {{body.pose.position.x + h * body.velocity[0], body.pose.position.y + h * body.velocity[1]},
+  const Triple& v = body.velocity;
+  const SinCos turn = turn_by(h * (v[2] - body.lag[2]));
+  return {{body.pose.position.x + h * (v[0] - body.lag[0]), body.pose.position.y + h * (v[1] - body.lag[1])},
           turn.cos * body.pose.c - turn.sin * body.pose.s,
           turn.sin * body.pose.c + turn.cos * body.pose.s};
 }
 
+GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns) {
+  GraphJoint row;
+  const bool a_moves = joint.body_a < moving_count;
+  const bool b_moves = joint.body_b < moving_count;
+  if (a_moves) row.bodies[row.body_count++] = joint.body_a;
+  if (b_moves) row.bodies[row.body_count++] = joint.body_b;
+  row.is_to_world = !a_moves || !b_moves;
+  row.is_last = joint.shape.kind == JointKind::pulley;  // a short side has no direction
+  const JointEquations equations = equations_of(joint.shape, Pose{}, Pose{});
+  for (std::uint32_t i = 0; i < equations.row_count; ++i) {
+    const auto acts = [i](const Block& gradient, bool moves, bool turns) {
+      return moves && (gradient[3 * i] != 0 || gradient[3 * i + 1] != 0 || (turns && gradient[3 * i + 2] != 0));
+    };
+    const bool acts_on_a = acts(equations.gradient_a, a_moves, a_turns);
+    const bool acts_on_b = acts(equations.gradient_b, b_moves, b_turns);
+    if (acts_on_a || acts_on_b) ++row.row_count;
+    if (a_moves && b_moves && acts_on_a != acts_on_b) row.is_last = true;
+  }
+  row.dimension = equations.row_count > 0 ? equations.row_count : 1;
+  if (row.row_count == 0) row.row_count = 1;
+  return row;
+}
+
 void order_island(DirectIsland& island) {
-  std::vector<GraphJoint> joints;
+  island.moving_count = island.bodies.size();
   island.has_drives = false;
+  std::vector<GraphJoint> joints;
   for (const DirectJoint& joint : island.joints) {
-    GraphJoint row;
-    row.is_to_world = joint.body_a == no_direct_body || joint.body_b == no_direct_body;
-    for (const std::uint32_t body : {joint.body_a, joint.body_b})
-      if (body != no_direct_body) row.bodies[row.body_count++] = body;
-    row.row_count = equations_of(joint.shape, Pose{}, Pose{}).row_count;
-    joints.push_back(row);
+    joints.push_back(graph_joint(joint, island.moving_count, true, true));
     for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
   }
-  island.graph = make_joint_graph(static_cast<std::uint32_t>(island.bodies.size()), joints);
+  island.graph =
+      std::make_shared<const JointGraph>(make_joint_graph(static_cast<std::uint32_t>(island.moving_count), joints));
 }
 
 void factor_island(DirectIsland& island) {
   for (DirectBody& body : island.bodies) {
     body.inv_mass = 1 / body.mass;
-    body.inv_inertia = 1 / body.inertia;
+    body.inv_inertia = body.inertia > 0 ? 1 / body.inertia : 0;
   }
   for (DirectJoint& joint : island.joints) {
-    joint.equations = equations_of(joint.shape, pose_of(island, joint.body_a), pose_of(island, joint.body_b));
-    joint.laws = {};
-    for (std::size_t row = 0; row < joint.equations.rigid_count; ++row) joint.laws[row].is_in_system = true;
+    constexpr Pose world;
+    const Pose& a = joint.body_a == no_direct_body ? world : island.bodies[joint.body_a].pose;
+    const Pose& b = joint.body_b == no_direct_body ? world : island.bodies[joint.body_b].pose;
+    find_equations(joint.shape, a, b, joint.equations);
+    for (std::size_t row = 0; row < 3; ++row) joint.laws[row] = {row < joint.equations.rigid_count, 0, 0, 0};
   }
   for_drives(island, [](DirectJoint& joint, std::size_t row, const DirectDrive& drive, double) {
     joint.laws[row] = law_after_move(drive, joint.impulses[row]);
   });
   factor_laws(island);
+}
+
+double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row) {
+  const double k = mobility(island, joint, row);
+  const std::uint32_t rigid_count = joint.equations.rigid_count;
+  // Wheels and their chassis are sprung as if the row across the axis were not there.
+  if (rigid_count == 0 || joint.shape.kind == JointKind::wheel) return k;
+  const double k00 = mobility(island, joint, 0);
+  const double k0 = coupling(island, joint, row, 0);
+  if (rigid_count == 1) return k00 > 0 ? k - k0 * k0 / k00 : k;
+  const double k11 = mobility(island, joint, 1);
+  const double k01 = coupling(island, joint, 0, 1);
+  const double k1 = coupling(island, joint, row, 1);
+  const double determinant = k00 * k11 - k01 * k01;
+  if (determinant > 0) return k - ((k11 * k0 - k01 * k1) * k0 + (k00 * k1 - k01 * k0) * k1) / determinant;
+  return k00 > 0 ? k - k0 * k0 / k00 : k;
+}
+
+bool has_impulses(const DirectIsland& island) {
+  for (const DirectJoint& joint : island.joints)
+    for (const double impulse : joint.impulses)
+      if (impulse != 0) return true;
+  return false;
+}
+
+bool raise_inertias(DirectIsland& island, double h) {
+  std::vector<double>& angular_impulses = island.angular_impulses;
+  angular_impulses.assign(island.moving_count, 0);
+  for (const DirectJoint& joint : island.joints) {
+    const bool is_point = joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld;
+    const double across = is_point ? joint.impulses[1] : 0;
+    const double impulse = __builtin_sqrt(joint.impulses[0] * joint.impulses[0] + across * across);
+    const double ratio = joint.shape.kind == JointKind::pulley ? joint.shape.ratio : 1;
+    if (is_moving(island, joint.body_a)) angular_impulses[joint.body_a] += impulse * arm_of(joint.shape.anchor_a);
+    if (is_moving(island, joint.body_b))
+      angular_impulses[joint.body_b] += ratio * impulse * arm_of(joint.shape.anchor_b);
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const double least = h * angular_impulses[i] / turning_limit;
+    double& inertia = island.bodies[i].inertia;
+    if (!(inertia > 0) || !(least > inertia)) continue;
+    inertia = least;
+    any = true;
+  }
+  return any;
+}
+
+void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes) {
+  for (const DirectJoint& joint : island.joints)
+    for (std::size_t row = joint.equations.rigid_count; row < joint.equations.row_count; ++row) {
+      if (!acts_like_force(drive_of(joint, row))) continue;
+      const double impulse = joint.impulses[row];
+      for (const auto& [body, gradient] : {std::pair{joint.body_a, &joint.equations.gradient_a},
+                                           std::pair{joint.body_b, &joint.equations.gradient_b}}) {
+        if (!is_moving(island, body)) continue;
+        const double* g = gradient->data() + 3 * row;
+        changes[body][0] += g[0] * impulse * island.bodies[body].inv_mass;
+        changes[body][1] += g[1] * impulse * island.bodies[body].inv_mass;
+        changes[body][2] += g[2] * impulse * island.bodies[body].inv_inertia;
+      }
+    }
 }
 
 void begin_substep(DirectIsland& island, double h) {
@@ -324,7 +532,6 @@ void begin_substep(DirectIsland& island, double h) {
       drive.start_speed = row_speed(island, joint, row);
       if (drive.state == DriveState::free && drive.has_motor) drive.state = DriveState::motor;
       joint.laws[row] = law_of(drive, k);
-      if (!joint.laws[row].is_in_system) joint.impulses[row] = joint.laws[row].impulse;
     });
     factor_laws(island);
   }
@@ -338,56 +545,54 @@ void begin_substep(DirectIsland& island, double h) {
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
     return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
   });
-  solve(island.graph, island.system);
+  solve(*island.graph, island.system);
   double asked = 0;
   double allowed = 0;
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
-    island.push.push_back(island.system.values[island.graph.body_nodes[i]]);
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    island.push.push_back(island.system.values[island.graph->body_nodes[i]]);
     asked += double_energy(island.bodies[i], island.push[i]);
     allowed += island.bodies[i].mass * (push_body_speed * push_body_speed);
   }
   if (asked > allowed) island.push_share = __builtin_sqrt(allowed / asked);
   for (Triple& velocity : island.push)
     for (double& component : velocity) component *= island.push_share;
+  island.push_impulses.resize(island.joints.size());
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    for (std::size_t row = 0; row < 3; ++row)
+      island.push_impulses[i][row] = -island.push_share * island.system.values[island.graph->joint_nodes[i]][row];
 }
 
-void warm_start_island(DirectIsland& island, double h) {
-  for (DirectJoint& joint : island.joints) {
-    if (joint.shape.kind == JointKind::revolute || joint.shape.kind == JointKind::weld) {
-      double spin = 0;
-      if (joint.body_a != no_direct_body) spin += 0.5 * island.bodies[joint.body_a].velocity[2];
-      if (joint.body_b != no_direct_body) spin += 0.5 * island.bodies[joint.body_b].velocity[2];
-      const SinCos turn = sin_cos(h * spin);
-      const double x = joint.impulses[0];
-      const double y = joint.impulses[1];
-      joint.impulses[0] = turn.cos * x - turn.sin * y;
-      joint.impulses[1] = turn.sin * x + turn.cos * y;
+void start_impulses(DirectIsland& island) {
+  for (DirectJoint& joint : island.joints)
+    for (std::size_t row = 0; row < joint.impulses.size(); ++row) {
+      const bool is_given = row < joint.equations.row_count && !joint.laws[row].is_in_system;
+      joint.impulses[row] = is_given ? joint.laws[row].impulse : 0;
+      if (joint.impulses[row] != 0) apply_row(island, joint, row, joint.impulses[row]);
     }
-    for (std::size_t row = 0; row < joint.equations.row_count; ++row)
-      apply_row(island, joint, row, joint.impulses[row]);
-  }
 }
 
 void solve_velocities(DirectIsland& island, double h) {
+  save_velocities(island);
+  pass_to_speeds(island, h);
   settle(island, h, pass_to_speeds);
+  bound_changes(island);
 }
 
-PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
+PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max) {
   save_velocities(island);
-  for (int pass = 0; pass < pass_count; ++pass) settle(island, h, pass_to_positions);
-  if (!(largest_miss(island, h) <= miss_least)) {
+  double miss = set_position_residuals(island, h);
+  for (int pass = 0; pass < pass_max && !(miss <= tolerance); ++pass) {
+    add_solution(island);
+    settle(island, h, pass_to_positions);
+    miss = set_position_residuals(island, h);
+  }
+  if (!(miss <= miss_least)) {
     restore_velocities(island);
     return PositionOutcome::missed;
   }
-  double asked = 0;
-  double had = 0;
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {
-    const DirectBody& body = island.bodies[i];
-    const Triple& saved = island.saved_velocities[i];
-    asked +=
-        double_energy(body, {body.velocity[0] - saved[0], body.velocity[1] - saved[1], body.velocity[2] - saved[2]});
-    had += double_energy(body, saved) + body.mass * (resting_body_speed * resting_body_speed);
-  }
+  const EnergyDemand demand = energy_demand(island, resting_body_speed);
+  const double asked = demand.asked;
+  const double had = demand.had;
   const double allowed = hard_energy_share * had;
   if (!(asked > allowed)) return PositionOutcome::met;
   scale_changes(island, __builtin_sqrt(allowed / asked));
@@ -395,8 +600,21 @@ PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count) {
 }
 
 void end_push(DirectIsland& island) {
-  for (std::size_t i = 0; i < island.push.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] -= island.push[i][k];
+  if (island.push.empty()) return;
+  save_velocities(island);
+  double pushed = 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const DirectBody& body = island.bodies[i];
+    pushed += double_energy(body, island.push[i]) + body.mass * (push_body_speed * push_body_speed);
+  }
+  for (std::size_t i = 0; i < island.joints.size(); ++i)
+    for (std::size_t row = 0; row < island.joints[i].equations.row_count; ++row)
+      apply_row(island, island.joints[i], row, -island.push_impulses[i][row]);
+  // Rows that contradict each other have impulses without bound, which cancel at the old poses alone.
+  if (!(energy_demand(island, 0).asked <= own_energy_share * pushed))
+    for (std::size_t i = 0; i < island.moving_count; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        island.bodies[i].velocity[k] = island.saved_velocities[i][k] - island.push[i][k];
   island.push.clear();
 }
 
@@ -405,8 +623,8 @@ void project_velocities(DirectIsland& island) {
   set_residuals(island, [&island](const DirectJoint& joint, std::size_t row) {
     return joint.laws[row].is_in_system ? row_speed(island, joint, row) - joint.laws[row].speed : 0;
   });
-  add_solution(island);
-  for (std::size_t i = 0; i < island.joints.size(); ++i) island.joints[i].impulses = island.saved_impulses[i];
+  add_velocities(island);
+  bound_changes(island);
 }
 
 }  // namespace ticktrue::engine

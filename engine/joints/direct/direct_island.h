@@ -7,14 +7,15 @@
 //   x' = x moved by h v'
 //   v" = v' + M^-1 G(x')^T q  with  G(x') v" = 0                     project_velocities
 //
-// The first is solved by a fixed number of passes with the matrix of the poses x; the error falls by about h w in each,
-// w the spin. Energy then oscillates and does not drift. Two guards keep it from growing: passes that miss the target
-// are taken back, which leaves G(x) v' = 0; passes that ask for more than a tenth of the kinetic energy are scaled.
+// The first is solved by a few passes with the matrix of the poses x; the error falls by about h w in each, w the spin.
+// Energy then oscillates and does not drift. Two guards keep it from growing: passes that miss the target are taken
+// back, which leaves G(x) v' = 0; passes that ask for more than a tenth of the kinetic energy are scaled.
 //
 // A gap is taken back by a velocity of bounded energy that bodies have during the move alone (the push).
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/joints/direct/block_ldl.h"
@@ -27,9 +28,10 @@ inline constexpr std::uint32_t no_direct_body = 0xffffffff;
 
 struct DirectBody {
   Pose pose;
-  Triple velocity{};  // m/s, m/s, rad/s
-  double mass = 1;
-  double inertia = 1;
+  Triple velocity{};    // m/s, m/s, rad/s
+  Triple lag{};         // the velocity less that with which the body moves
+  double mass = 1;      // kg; of bodies that joints do not move: any
+  double inertia = 1;   // kg m^2; 0: the body does not turn
   double inv_mass = 1;  // filled by factor_island
   double inv_inertia = 1;
 };
@@ -39,7 +41,7 @@ struct DirectJoint {
   std::uint32_t body_a = no_direct_body;
   std::uint32_t body_b = no_direct_body;
   std::array<DirectDrive, 2> drives;  // of the rows after the rigid ones
-  Triple impulses{};                  // before the move: the first guess of the next substep
+  Triple impulses{};                  // of this substep, before the move
   JointEquations equations;           // at the poses of the last factor_island
   std::array<RowLaw, 3> laws;
   Triple compliances{};  // 1/kg or alike
@@ -48,37 +50,56 @@ struct DirectJoint {
 enum class PositionOutcome : std::uint8_t { met, scaled, missed };
 
 struct DirectIsland {
-  std::vector<DirectBody> bodies;
+  std::vector<DirectBody> bodies;  // those that joints move first
+  std::size_t moving_count = 0;    // the others have a pose and a velocity of their own
   std::vector<DirectJoint> joints;
-  JointGraph graph;
+  std::shared_ptr<const JointGraph> graph;
   BlockSystem system;
-  std::vector<Triple> push;  // [body]; empty: none
-  double push_share = 1;     // of what is to be taken back
+  std::vector<Triple> push;           // [moving body] velocities; empty: none
+  std::vector<Triple> push_impulses;  // [joint]
+  double push_share = 1;              // of what is to be taken back
   bool has_drives = false;
   std::vector<Pose> moved_poses;  // [body] by the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
   std::vector<std::array<DirectDrive, 2>> saved_drives;
+  std::vector<double> angular_impulses;  // [moving body] N m s, of its joints
 };
 
 /// The body after a substep with its velocity.
 Pose moved(const DirectBody& body, double h);
 
-/// Makes the graph. Call again when bodies or joints were added or removed.
+/// The joint as the graph sees it. Bodies below `moving_count` are moved by joints; `turns(body)`: not by linear
+/// impulses alone.
+GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns);
+/// Makes the graph of bodies that all are moved by joints. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
 /// Equations and matrix of the present poses, for project_velocities.
 void factor_island(DirectIsland& island);
+/// The mobility of a driven row while the rigid rows of its joint hold. Requires: factor_island.
+double drive_mobility(const DirectIsland& island, const DirectJoint& joint, std::size_t row);
+
+/// Whether some joint has an impulse.
+bool has_impulses(const DirectIsland& island);
+/// Raises inertias where impulses of joints turn bodies faster than substeps can follow
+/// (engine/joints/joint_inertia.h). True: some is raised. Requires: factor_island.
+bool raise_inertias(DirectIsland& island, double h);
+/// Adds the changes of velocity by rows that act like forces to those of the moving bodies.
+void add_force_like_changes(const DirectIsland& island, std::vector<Triple>& changes);
 
 /// Lets the drives act, and chooses the push of this substep. Requires: factored.
 void begin_substep(DirectIsland& island, double h);
-/// Applies the impulses of the last substep, turned with the bodies. The passes below add to them.
-void warm_start_island(DirectIsland& island, double h);
+/// Takes the impulses of the last substep away and applies those of bounded motors at their bounds. The passes below
+/// find the others anew: those of rows that follow from others have no bound, and would be kicks in the next substep.
+void start_impulses(DirectIsland& island);
 /// Velocities that keep the rows at the push's speed: for passes that alternate with contacts. Requires:
 /// begin_substep.
 void solve_velocities(DirectIsland& island, double h);
-/// Velocities whose move meets the positions. Requires: solve_velocities.
-PositionOutcome meet_positions(DirectIsland& island, double h, int pass_count);
-/// Takes the push's velocities off. Call after the move.
+/// Velocities whose move meets the positions, to the tolerance (m, rad) or as well as so many passes do. Requires:
+/// solve_velocities.
+PositionOutcome meet_positions(DirectIsland& island, double h, double tolerance, int pass_max);
+/// Takes the push off: its impulses, at the new poses, which keeps angular momentum. Requires: factored at the poses
+/// after the move.
 void end_push(DirectIsland& island);
 /// Requires: factored at the poses after the move.
 void project_velocities(DirectIsland& island);

@@ -34,6 +34,36 @@ Place rotate(const Pose& pose, Place a) {
   return {pose.c * a.x - pose.s * a.y, pose.s * a.x + pose.c * a.y};
 }
 
+/// The share of a gap by which arms are lengthened to meet: half, while it is small; less where it is wider than the
+/// longer arm, so that a wide gap is no lever.
+double middle_share(Place arm_a, Place arm_b, Place d) {
+  const double of_a = dot(arm_a, arm_a);
+  const double of_b = dot(arm_b, arm_b);
+  const double arm2 = of_a > of_b ? of_a : of_b;
+  const double gap2 = 0.25 * dot(d, d);
+  return arm2 > 0 && gap2 > arm2 ? 0.5 * (arm2 / gap2) : 0.5;
+}
+
+/// Writes the first two rows, of a point. The other entries of their gradients are 0.
+void write_point(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations) {
+  Place arm_a = rotate(a, shape.anchor_a);
+  Place arm_b = rotate(b, shape.anchor_b);
+  const Place d = point_gap(shape, a, b);
+  if (shape.meets_in_middle) {
+    const double share = middle_share(arm_a, arm_b, d);
+    arm_a = arm_a + share * d;
+    arm_b = arm_b - share * d;
+  }
+  equations.errors[0] = d.x;
+  equations.errors[1] = d.y;
+  equations.gradient_a[0] = equations.gradient_a[4] = -1;
+  equations.gradient_a[2] = arm_a.y;
+  equations.gradient_a[5] = -arm_a.x;
+  equations.gradient_b[0] = equations.gradient_b[4] = 1;
+  equations.gradient_b[2] = -arm_b.y;
+  equations.gradient_b[5] = arm_b.x;
+}
+
 /// Writes one row after the other.
 class Rows {
  public:
@@ -41,12 +71,12 @@ class Rows {
       : shape_(shape), a_(a), b_(b), arm_a_(rotate(a, shape.anchor_a)), arm_b_(rotate(b, shape.anchor_b)) {}
 
   /// From A's anchor to B's. The positions first: far from the origin, their difference is exact.
-  Place gap() const { return (b_.position - a_.position) + (arm_b_ - arm_a_); }
+  Place gap() const { return point_gap(shape_, a_, b_); }
 
+  /// Requires: no row is written yet.
   void point() {
-    const Place d = gap();
-    add(d.x, {-1, 0}, arm_a_.y, {1, 0}, -arm_b_.y);
-    add(d.y, {0, -1}, -arm_a_.x, {0, 1}, arm_b_.x);
+    write_point(shape_, a_, b_, equations_);
+    equations_.row_count = 2;
   }
   void angle() {
     const double c = a_.c * b_.c + a_.s * b_.s;
@@ -163,6 +193,15 @@ JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& 
   Rows rows(shape, a, b);
   info_of(joint_equations, shape.kind).write(shape, rows);
   return rows.equations();
+}
+
+void find_equations(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations) {
+  if (!is_point(shape)) {
+    equations = equations_of(shape, a, b);
+    return;
+  }
+  write_point(shape, a, b, equations);
+  equations.rigid_count = equations.row_count = 2;
 }
 
 }  // namespace ticktrue::engine

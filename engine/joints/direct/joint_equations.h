@@ -3,7 +3,8 @@
 // Source: Catto, "Modeling and Solving Constraints", GDC 2009; pulley: Box2D 2.4.1, b2_pulley_joint.cpp.
 //
 // Gradients are those of the errors themselves, with the angle of a body as its third coordinate: the solver meets the
-// positions at the end of a substep, so an anchor's gap turns with the body. Rigid rows come first.
+// positions at the end of a substep, so an anchor's gap turns with the body. With `meets_in_middle` they are those of
+// anchors without a gap. Rigid rows come first.
 //
 // | kind      | rigid rows             | rows of the degree of freedom, where something acts on it |
 // |-----------|------------------------|------------------------------------------------------------|
@@ -43,8 +44,9 @@ struct JointShape {
   Place ground_a;     // pulley: points of the world, m
   Place ground_b;
   double ratio = 1;
-  bool is_driven = false;     // a spring, limits or a motor act on the degree of freedom (wheel: along the axis)
-  bool turns_driven = false;  // wheel: a motor acts on the angle
+  bool is_driven = false;        // a spring, limits or a motor act on the degree of freedom (wheel: along the axis)
+  bool turns_driven = false;     // wheel: a motor acts on the angle
+  bool meets_in_middle = false;  // point: impulses act between the anchors, which keeps angular momentum across a gap
 };
 
 struct JointEquations {
@@ -58,7 +60,23 @@ struct JointEquations {
 /// Has equations here: kinds that hold bodies, not those that drive them with bounded forces.
 bool has_equations(JointKind kind);
 
+/// A revolute joint without a drive has the rows of a point alone, which are worth a way of their own.
+inline bool is_point(const JointShape& shape) {
+  return shape.kind == JointKind::revolute && !shape.is_driven;
+}
+/// From A's anchor to B's: the errors of a point.
+inline Place point_gap(const JointShape& shape, const Pose& a, const Pose& b) {
+  const auto rotate = [](const Pose& pose, Place arm) -> Place {
+    return {pose.c * arm.x - pose.s * arm.y, pose.s * arm.x + pose.c * arm.y};
+  };
+  const Place arm_a = rotate(a, shape.anchor_a);
+  const Place arm_b = rotate(b, shape.anchor_b);
+  return {(b.position.x - a.position.x) + (arm_b.x - arm_a.x), (b.position.y - a.position.y) + (arm_b.y - arm_a.y)};
+}
+
 /// Requires: has_equations(shape.kind). Pose of the world: Pose{}.
 JointEquations equations_of(const JointShape& shape, const Pose& a, const Pose& b);
+/// The same, into equations of this shape at other poses or into new ones.
+void find_equations(const JointShape& shape, const Pose& a, const Pose& b, JointEquations& equations);
 
 }  // namespace ticktrue::engine

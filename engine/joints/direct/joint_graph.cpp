@@ -24,8 +24,12 @@ struct Freedom {
 /// Sets of bodies that eliminated joints tie together.
 class Components {
  public:
-  explicit Components(std::uint32_t body_count) : parent_(body_count), freedom_(body_count) {
-    for (std::uint32_t body = 0; body < body_count; ++body) parent_[body] = body;
+  Components(std::uint32_t body_count, const std::vector<std::uint8_t>& turns)
+      : parent_(body_count), freedom_(body_count) {
+    for (std::uint32_t body = 0; body < body_count; ++body) {
+      parent_[body] = body;
+      if (!turns.empty() && turns[body] == 0) --freedom_[body].degrees;
+    }
   }
 
   std::uint32_t find(std::uint32_t body) {
@@ -56,10 +60,10 @@ class Components {
 /// Bodies are the nodes 0 .. body_count - 1, joints the nodes from body_count on.
 class Elimination {
  public:
-  Elimination(std::uint32_t body_count, const std::vector<GraphJoint>& joints)
+  Elimination(std::uint32_t body_count, const std::vector<GraphJoint>& joints, const std::vector<std::uint8_t>& turns)
       : body_count_(body_count),
         joints_(joints),
-        components_(body_count),
+        components_(body_count, turns),
         tied_(body_count),
         neighbours_(body_count + joints.size()),
         is_done_(body_count + joints.size(), false) {
@@ -76,7 +80,8 @@ class Elimination {
     for (std::size_t left = neighbours_.size(); left > 0; --left) {
       const auto [node, is_redundant] = choose();
       order_.push_back(node);
-      graph_.nodes.push_back({is_joint(node), is_redundant, is_joint(node) ? node - body_count_ : node});
+      const std::uint32_t index = is_joint(node) ? node - body_count_ : node;
+      graph_.nodes.push_back({is_joint(node), is_redundant, index, is_joint(node) ? joints_[index].dimension : 3});
       patterns.push_back(neighbours_[node]);
       eliminate(node);
     }
@@ -110,6 +115,7 @@ class Elimination {
     bool is_held = row.is_to_world;
     for (std::uint32_t i = 0; i < row.body_count; ++i) {
       if (!is_done_[row.bodies[i]]) {
+        if (row.is_last) return false;
         is_held = true;
         continue;
       }
@@ -233,7 +239,7 @@ class Elimination {
 }  // namespace
 
 std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints) {
-  Components components(body_count);
+  Components components(body_count, {});
   std::uint32_t loop_count = 0;
   for (const GraphJoint& joint : joints)
     for (std::uint32_t i = 1; i < joint.body_count; ++i)
@@ -241,8 +247,9 @@ std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint
   return loop_count;
 }
 
-JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints) {
-  return Elimination(body_count, joints).run();
+JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints,
+                            const std::vector<std::uint8_t>& turns) {
+  return Elimination(body_count, joints, turns).run();
 }
 
 }  // namespace ticktrue::engine

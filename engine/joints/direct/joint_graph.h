@@ -7,6 +7,7 @@
 // node of 3 rows, each joint a node of 1 to 3 rows. In a tree the order below adds no block.
 //
 // A joint may follow when the bodies eliminated around it have as many degrees of freedom left as the joint has rows.
+// So each row must act on each of the eliminated bodies, or the joint follows all of its bodies.
 // An eliminated body brings 3, an eliminated joint takes its rows, and joined bodies share theirs. Bodies that nothing
 // else holds keep 3, their common motion. Without this rule the pivot of a joint in a loop would be a rounding error.
 #pragma once
@@ -27,13 +28,16 @@ struct GraphJoint {
   std::array<std::uint32_t, joint_body_max> bodies{};  // the moving ones, by index
   std::uint32_t body_count = 0;
   std::uint32_t row_count = 0;  // 1..3
+  std::uint32_t dimension = 3;  // of its blocks: rows beyond are not used
   bool is_to_world = false;     // some of its bodies does not move
+  bool is_last = false;         // some row may act on a part of its bodies alone: it follows all of them
 };
 
 struct GraphNode {
   bool is_joint = false;
   bool is_redundant = false;       // a joint whose rows follow from others, as far as the count tells
   std::uint32_t index = 0;         // of the body or joint
+  std::uint32_t dimension = 3;     // of its blocks; 3 of a body
   std::uint32_t first_block = 0;   // the blocks below the diagonal, one for each later node that is coupled
   std::uint32_t block_count = 0;   // their rows ascend
   std::uint32_t first_target = 0;  // for i < j in these blocks, in order: the block of rows j and columns i
@@ -58,8 +62,9 @@ struct JointGraph {
 /// Joints beyond those of a forest. Joints to what does not move close no loop.
 std::uint32_t count_loops(std::uint32_t body_count, const std::vector<GraphJoint>& joints);
 
-/// The order depends on the indices of bodies and joints alone. Requires: a joint has bodies, and
-/// they differ.
-JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints);
+/// The order depends on the indices of bodies and joints alone. `turns`: [body] 0 if it has two degrees of freedom;
+/// empty: each has three. Requires: a joint has bodies, and they differ.
+JointGraph make_joint_graph(std::uint32_t body_count, const std::vector<GraphJoint>& joints,
+                            const std::vector<std::uint8_t>& turns = {});
 
 }  // namespace ticktrue::engine

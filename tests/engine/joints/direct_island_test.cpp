@@ -122,12 +122,12 @@ IslandRun run_island(DirectIsland& island, double seconds, int steps_per_second,
   for (int i = 0; i < static_cast<int>(seconds * steps_per_second + 0.5); ++i) {
     begin_substep(island, h);
     kick(first_kick * h);
-    warm_start_island(island, h);
+    start_impulses(island);
     solve_velocities(island, h);
-    outcome.guarded += meet_positions(island, h, passes) != PositionOutcome::met ? 1 : 0;
+    outcome.guarded += meet_positions(island, h, 0, passes) != PositionOutcome::met ? 1 : 0;
     for (DirectBody& body : island.bodies) body.pose = moved(body, h);
-    end_push(island);
     factor_island(island);
+    end_push(island);
     kick((1 - first_kick) * h);
     project_velocities(island);
     outcome.gap = std::max(outcome.gap, gap_of(island));

@@ -137,7 +137,7 @@ int run_scenes(const ScenesOptions& options) {
   else
     print(
         "Each also takes precision, dt, substeps (a number or auto), solver, integrator, broad_phase, gravity,\n"
-        "clock, and as 0 or 1 sleep, locate_impacts and continuous.\n");
+        "clock, joints, and as 0 or 1 sleep, locate_impacts and continuous.\n");
   return exit_ok;
 }
 

@@ -1,0 +1,170 @@
+// Components of jointed bodies, and the joints of a scene as the direct solver sees them.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/direct/direct_components.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/islands/union_find.h"
+#include "engine/joints/joint_order.h"
+#include "engine/model/model.h"
+#include "engine/model/state.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// What a joint is to a component.
+enum class JointRole : std::uint8_t {
+  rows,       // solved directly
+  force,      // bounded or soft: acts on the component from outside
+  iterative,  // has rigid rows that have no equations here
+};
+
+JointRole role_of(const JointModel& joint) {
+  if (!has_equations(joint.kind)) return JointRole::force;
+  if (joint.kind != JointKind::weld || joint.rigid) return JointRole::rows;
+  return joint.rigid_angle ? JointRole::iterative : JointRole::force;
+}
+
+Place place_of(Vec2 v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y)};
+}
+
+JointShape shape_of(const JointModel& joint) {
+  JointShape shape;
+  shape.kind = joint.kind;
+  shape.anchor_a = place_of(joint.anchor_a);
+  shape.anchor_b = place_of(joint.anchor_b);
+  shape.axis = place_of(joint.axis);
+  shape.reference_c = static_cast<double>(joint.reference.c);
+  shape.reference_s = static_cast<double>(joint.reference.s);
+  shape.length = static_cast<double>(joint.length);
+  shape.ground_a = place_of(joint.ground_a);
+  shape.ground_b = place_of(joint.ground_b);
+  shape.ratio = static_cast<double>(joint.ratio);
+  shape.is_driven = joint.spring.exists || joint.has_limits || joint.has_motor;
+  if (joint.kind == JointKind::wheel) {
+    shape.is_driven = joint.spring.exists || joint.has_limits;
+    shape.turns_driven = joint.has_motor;
+  }
+  if (joint.kind == JointKind::distance) shape.is_driven = !joint.rigid;
+  // A weld with a spring of the angle is a revolute joint with one.
+  if (joint.kind == JointKind::weld && !joint.rigid_angle) shape.kind = JointKind::revolute;
+  return shape;
+}
+
+bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
+  return row != no_reference && model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
+}
+
+}  // namespace
+
+void DirectComponents::clear() {
+  invalidate();
+  places_.clear();
+  components_.clear();
+  is_direct_.clear();
+  component_of_.clear();
+}
+
+void DirectComponents::follow(const Model& model, const State& state, std::vector<DirectPlace>& places) {
+  places.clear();
+  for (const JointRow& joint : state.joints) {
+    const std::uint32_t body_a = model.joints[joint.joint].body_a;
+    places.push_back({joint.joint, body_a == no_reference ? no_reference : row_of_body(state, body_a),
+                      row_of_body(state, joint.body_b)});
+  }
+  const bool is_hit = valid_for(places);
+  count_use(is_hit);
+  if (is_hit) return;
+  places_ = places;
+  rebuild(model, state);
+}
+
+void DirectComponents::rebuild(const Model& model, const State& state) {
+  is_valid_ = true;
+  components_.clear();
+  is_direct_.assign(places_.size(), 0);
+  component_of_.assign(state.bodies.size(), none);
+  group_joints(model, state);
+  finish(model, state);
+}
+
+/// Fills the joints of components, and of those that are not left to iteration the bodies.
+void DirectComponents::group_joints(const Model& model, const State& state) {
+  std::vector<std::uint32_t> parent(state.bodies.size());
+  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
+  for (const DirectPlace& place : places_)
+    if (role_of(model.joints[place.joint]) != JointRole::force && is_dynamic(model, state, place.body_a) &&
+        is_dynamic(model, state, place.body_b))
+      unite(parent, place.body_a, place.body_b);
+  std::vector<std::uint32_t> of_root(state.bodies.size(), none);
+  std::vector<bool> is_left_out;
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    const DirectPlace& place = places_[i];
+    const JointRole role = role_of(model.joints[place.joint]);
+    const bool b_moves = is_dynamic(model, state, place.body_b);
+    if (role == JointRole::force || (!b_moves && !is_dynamic(model, state, place.body_a))) continue;
+    std::uint32_t& component = of_root[find_root(parent, b_moves ? place.body_b : place.body_a)];
+    if (component == none) {
+      component = static_cast<std::uint32_t>(components_.size());
+      components_.emplace_back();
+      is_left_out.push_back(false);
+    }
+    components_[component].joints.push_back(i);
+    if (role == JointRole::iterative) is_left_out[component] = true;
+  }
+  for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
+    const std::uint32_t component = of_root[find_root(parent, row)];
+    if (component == none || !is_dynamic(model, state, row)) continue;
+    component_of_[row] = component;
+    if (!is_left_out[component]) components_[component].bodies.push_back(row);
+  }
+}
+
+/// Orders the components that are solved directly, and drops the others.
+void DirectComponents::finish(const Model& model, const State& state) {
+  std::vector<std::uint32_t> index(state.bodies.size());  // [row] in the component's bodies
+  std::vector<std::uint32_t> new_number(components_.size(), none);
+  std::uint32_t count = 0;
+  for (std::uint32_t old = 0; old < components_.size(); ++old) {
+    DirectComponent& component = components_[old];
+    component.moving_count = component.bodies.size();
+    if (component.moving_count == 0) continue;
+    std::vector<std::uint8_t> turns;
+    for (std::uint32_t i = 0; i < component.bodies.size(); ++i) {
+      index[component.bodies[i]] = i;
+      turns.push_back(model.bodies[state.bodies[component.bodies[i]].source].inv_inertia > 0 ? 1 : 0);
+    }
+    const auto index_of = [&](std::uint32_t row) {
+      if (row == no_reference) return no_direct_body;
+      if (component_of_[row] == old) return index[row];
+      const auto begin = component.bodies.begin() + static_cast<std::ptrdiff_t>(component.moving_count);
+      const auto found = std::find(begin, component.bodies.end(), row);
+      const auto at = static_cast<std::uint32_t>(found - component.bodies.begin());
+      if (found == component.bodies.end()) component.bodies.push_back(row);
+      return at;
+    };
+    std::vector<GraphJoint> joints;
+    for (const std::uint32_t joint : component.joints) {
+      DirectJoint shape;
+      shape.shape = shape_of(model.joints[places_[joint].joint]);
+      shape.body_a = index_of(places_[joint].body_a);
+      shape.body_b = index_of(places_[joint].body_b);
+      shape.shape.meets_in_middle = shape.body_a < component.moving_count && shape.body_b < component.moving_count;
+      const auto body_turns = [&](std::uint32_t body) { return body < turns.size() && turns[body] != 0; };
+      joints.push_back(graph_joint(shape, component.moving_count, body_turns(shape.body_a), body_turns(shape.body_b)));
+      component.shapes.push_back(shape);
+    }
+    const auto moving_count = static_cast<std::uint32_t>(component.moving_count);
+    if (count_loops(moving_count, joints) > direct_loop_max) continue;
+    component.graph = std::make_shared<const JointGraph>(make_joint_graph(moving_count, joints, turns));
+    for (const std::uint32_t joint : component.joints) is_direct_[joint] = 1;
+    new_number[old] = count++;
+  }
+  for (std::uint32_t& component : component_of_)
+    if (component != none) component = new_number[component];
+  std::erase_if(components_, [](const DirectComponent& component) { return component.graph == nullptr; });
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

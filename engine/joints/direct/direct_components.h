@@ -1,0 +1,70 @@
+// Which joints are solved directly: components of bodies that joints connect, with their order of elimination.
+// SPDX-License-Identifier: MIT
+//
+// A component is made of dynamic bodies and the joints between them that hold them by rows. Bodies that joints do not
+// move, and contacts, connect nothing. A component with more than `direct_loop_max` loops, or with a joint that has no
+// rows here, is left to iteration. Joints of bounded force alternate with the direct solve, as contacts do.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/joints/direct/direct_island.h"
+#include "engine/joints/joint_model.h"
+#include "engine/model/caches.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+struct Model;
+struct State;
+
+/// A joint and the rows of its bodies; no_reference: the world.
+struct DirectPlace {
+  std::uint32_t joint;  // in Model::joints
+  std::uint32_t body_a;
+  std::uint32_t body_b;
+  bool operator==(const DirectPlace&) const = default;
+};
+
+struct DirectComponent {
+  std::vector<std::uint32_t> joints;  // rows in State::joints
+  std::vector<std::uint32_t> bodies;  // rows; those that joints move first, ascending
+  std::size_t moving_count = 0;
+  std::vector<DirectJoint> shapes;  // [joint] shape and bodies, nothing else
+  std::shared_ptr<const JointGraph> graph;
+};
+
+/// The components of a world. Key: the joints that exist, with the rows of their bodies.
+class DirectComponents final : public TickCache {
+ public:
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  DirectComponents() : TickCache(CacheKind::joint_graph) {}
+
+  /// Finds the components, unless they hold. `places` is overwritten.
+  void follow(const Model& model, const State& state, std::vector<DirectPlace>& places);
+  void invalidate() override { is_valid_ = false; }
+  /// No components.
+  void clear();
+
+  std::span<const DirectComponent> components() const { return components_; }
+  /// [row of a joint] 1: it belongs to a component; empty: none does.
+  std::span<const std::uint8_t> direct_joints() const { return is_direct_; }
+  std::uint32_t component_of(std::size_t row) const { return row < component_of_.size() ? component_of_[row] : none; }
+
+ private:
+  bool valid_for(const std::vector<DirectPlace>& places) const { return is_valid_ && places_ == places; }
+  void rebuild(const Model& model, const State& state);
+  void group_joints(const Model& model, const State& state);
+  void finish(const Model& model, const State& state);
+
+  bool is_valid_ = false;
+  std::vector<DirectPlace> places_;  // key
+  std::vector<DirectComponent> components_;
+  std::vector<std::uint8_t> is_direct_;
+  std::vector<std::uint32_t> component_of_;  // [row of a body]
+};
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

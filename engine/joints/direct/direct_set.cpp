@@ -1,0 +1,237 @@
+// The direct joint solver in a solver set: what goes in and out of its islands.
+// SPDX-License-Identifier: MIT
+#include "engine/joints/direct/direct_set.h"
+
+#include "engine/integrators/flow.h"
+#include "engine/integrators/integrator.h"
+#include "engine/joints/direct/direct_joints.h"
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+namespace {
+
+/// The error of each pass that meets the positions is that of the one before times the angle of a substep.
+constexpr int position_pass_max = 4;
+constexpr double position_tolerance = sizeof(Real) == 4 ? 1e-8 : 1e-12;  // m, rad; below the rounding of poses
+/// Turns of joints and contacts before the move, and after it.
+constexpr int turn_count_of_touched = 2;
+
+Triple velocity_of(const MovingBody& body) {
+  return {static_cast<double>(body.velocity.x), static_cast<double>(body.velocity.y),
+          static_cast<double>(body.angular_velocity)};
+}
+
+Twist twist_of(const Triple& v) {
+  return {{static_cast<Real>(v[0]), static_cast<Real>(v[1])}, static_cast<Real>(v[2])};
+}
+
+/// Calls body(component, island) for the islands of the set.
+template <typename Body>
+void for_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& body) {
+  const std::size_t count = work.set_components.size();
+  solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 1, 1), [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const std::uint32_t component = work.set_components[i];
+      body(work.components.components()[component], work.islands[component]);
+    }
+  });
+}
+
+void list_set_components(const SolvedSet& solved, DirectWorkspace& work) {
+  work.set_components.clear();
+  const std::span<const DirectComponent> components = work.components.components();
+  for (std::uint32_t i = 0; i < components.size(); ++i)
+    if (solved.has_body(components[i].bodies[0])) work.set_components.push_back(i);
+}
+
+void load_velocities(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
+  at.loaded.clear();
+  for (std::size_t i = 0; i < component.bodies.size(); ++i) {
+    DirectBody& body = at.island.bodies[i];
+    body.velocity = velocity_of(solved.bodies.records[solved.bodies.masses[component.bodies[i]].read]);
+    body.lag = {};
+    if (i < component.moving_count) at.loaded.push_back(body.velocity);
+  }
+}
+
+void store_velocities_of(const SolvedSet& solved, const DirectComponent& component, const DirectSetIsland& at) {
+  for (std::size_t i = 0; i < component.moving_count; ++i) {
+    const Twist velocity = twist_of(at.island.bodies[i].velocity);
+    MovingBody& record = solved.bodies.records[component.bodies[i]];
+    record.velocity = velocity.linear;
+    record.angular_velocity = velocity.angular;
+  }
+}
+
+/// Loads velocities, and how far behind them bodies move.
+void load_before_move(const SolvedSet& solved, const MotionWorkspace& motion, const DirectComponent& component,
+                      DirectSetIsland& at) {
+  load_velocities(solved, component, at);
+  if (motion.drift.joint_changes.empty()) return;
+  const Real share = integrator(solved.model.scene.settings.integrator).drift_share;
+  for (std::size_t i = 0; i < component.moving_count; ++i) {
+    const std::uint32_t row = component.bodies[i];
+    const MovingBody& record = solved.bodies.records[row];
+    const Twist drift = drift_velocity(motion, row, record, share);
+    at.island.bodies[i].lag =
+        velocity_of({record.velocity - drift.linear, record.angular_velocity - drift.angular, {}, {}});
+  }
+}
+
+/// Stores velocities. The integrator is told of changes that move bodies by their whole. `springs_act`: the impulses of
+/// springs may have changed.
+void store_before_move(const SolvedSet& solved, MotionWorkspace& motion, const DirectComponent& component,
+                       DirectSetIsland& at, bool springs_act) {
+  store_velocities_of(solved, component, at);
+  if (motion.drift.joint_changes.empty()) return;
+  if (springs_act && at.island.has_drives) {
+    at.forces.assign(component.moving_count, Triple{});
+    add_force_like_changes(at.island, at.forces);
+  }
+  for (std::size_t i = 0; i < component.moving_count; ++i) {
+    Triple whole{};
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+      at.changes[i][k] += at.island.bodies[i].velocity[k] - at.loaded[i][k];
+      whole[k] = at.changes[i][k] - at.forces[i][k];
+    }
+    motion.drift.joint_changes[component.bodies[i]] = twist_of(whole);
+  }
+}
+
+void load_poses(const SolvedSet& solved, const DirectComponent& component, DirectIsland& island) {
+  for (std::size_t i = 0; i < component.bodies.size(); ++i) {
+    const std::uint32_t row = component.bodies[i];
+    island.bodies[i].pose = pose_of(solved.state.bodies[row], solved.bodies.records[solved.bodies.masses[row].read]);
+  }
+}
+
+bool is_touched(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
+                const DirectComponents& components) {
+  const auto is_direct = [&](std::uint32_t row) { return components.component_of(row) != DirectComponents::none; };
+  for (const std::uint32_t contact : solved.contacts()) {
+    const ContactPair& pair = solved.tick.contact_pairs[contact];
+    if (is_direct(pair.body_a) || is_direct(pair.body_b)) return true;
+  }
+  for (const JointPlace& place : plan.places())
+    if (is_direct(place.body_a) || is_direct(place.body_b)) return true;
+  for (const MouseJoint& joint : mouse_joints)
+    if (is_direct(joint.body)) return true;
+  return false;
+}
+
+void fill_island(const SolvedSet& solved, const DirectComponent& component, DirectSetIsland& at) {
+  DirectIsland& island = at.island;
+  island.graph = component.graph;
+  island.moving_count = component.moving_count;
+  island.bodies.resize(component.bodies.size());
+  for (std::size_t i = 0; i < component.bodies.size(); ++i) {
+    const BodyMass& mass = solved.bodies.masses[component.bodies[i]];
+    DirectBody& body = island.bodies[i];
+    body = {};
+    if (i >= component.moving_count) continue;
+    body.mass = 1 / static_cast<double>(mass.inv_mass);
+    body.inertia = mass.inv_inertia > 0 ? 1 / static_cast<double>(mass.inv_inertia) : 0;
+  }
+  load_poses(solved, component, island);
+  load_velocities(solved, component, at);
+  fill_joints(solved, component, island);
+  factor_island(island);
+  fill_springs(solved, component, island);
+  if (!has_impulses(island)) find_first_impulses(solved, component, island);
+  if (raise_inertias(island, static_cast<double>(solved.set.h))) {
+    for (std::size_t i = 0; i < component.moving_count; ++i) {
+      const double inertia = island.bodies[i].inertia;
+      if (inertia > 0) solved.bodies.masses[component.bodies[i]].inv_inertia = static_cast<Real>(1 / inertia);
+    }
+    factor_island(island);
+  }
+  at.changes.assign(component.moving_count, Triple{});
+  at.forces.assign(component.moving_count, Triple{});
+}
+
+}  // namespace
+
+void find_direct_joints(const Model& model, const State& state, DirectWorkspace& work) {
+  work.set_components.clear();
+  work.turn_count = 1;
+  if (model.scene.settings.joints == JointSolverKind::iterative || state.joints.empty()) return work.components.clear();
+  work.components.follow(model, state, work.places);
+  if (work.islands.size() < work.components.components().size())
+    work.islands.resize(work.components.components().size());
+}
+
+void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
+                    MotionWorkspace& motion, DirectWorkspace& work) {
+  work.turn_count = 1;
+  list_set_components(solved, work);
+  motion.drift.joint_changes.clear();
+  if (work.set_components.empty()) return;
+  if (is_touched(solved, plan, mouse_joints, work.components)) work.turn_count = turn_count_of_touched;
+  if (integrator(solved.model.scene.settings.integrator).drift_share > 0)
+    motion.drift.joint_changes.assign(solved.state.bodies.size(), Twist{});
+  for_islands(solved, work,
+              [&](const DirectComponent& component, DirectSetIsland& at) { fill_island(solved, component, at); });
+}
+
+void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work) {
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_velocities(solved, component, at);
+    begin_substep(at.island, static_cast<double>(solved.set.h));
+  });
+}
+
+void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_velocities(solved, component, at);
+    at.changes.assign(component.moving_count, Triple{});
+    start_impulses(at.island);
+    store_before_move(solved, motion, component, at, true);
+  });
+}
+
+void solve_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_before_move(solved, motion, component, at);
+    solve_velocities(at.island, static_cast<double>(solved.set.h));
+    store_before_move(solved, motion, component, at, true);
+  });
+}
+
+void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work) {
+  if (!motion.drift.joint_changes.empty()) solve_direct(solved, motion, work);  // drifts follow the springs
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_before_move(solved, motion, component, at);
+    if (motion.drift.joint_changes.empty()) solve_velocities(at.island, static_cast<double>(solved.set.h));
+    meet_positions(at.island, static_cast<double>(solved.set.h), position_tolerance, position_pass_max);
+    store_before_move(solved, motion, component, at, false);
+  });
+}
+
+void end_direct_move(const SolvedSet& solved, DirectWorkspace& work) {
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_poses(solved, component, at.island);
+    load_velocities(solved, component, at);
+    factor_island(at.island);
+    end_push(at.island);
+    store_velocities_of(solved, component, at);
+  });
+}
+
+void project_direct(const SolvedSet& solved, DirectWorkspace& work) {
+  for_islands(solved, work, [&](const DirectComponent& component, DirectSetIsland& at) {
+    load_velocities(solved, component, at);
+    project_velocities(at.island);
+    store_velocities_of(solved, component, at);
+  });
+}
+
+void project_direct_again(const SolvedSet& solved, DirectWorkspace& work) {
+  list_set_components(solved, work);
+  project_direct(solved, work);
+}
+
+void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state) {
+  for (const std::uint32_t component : work.set_components)
+    store_joint_forces(solved, work.components.components()[component], work.islands[component].island, state);
+}
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

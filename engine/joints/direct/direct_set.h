@@ -1,0 +1,91 @@
+// The direct joint solver in a solver set: islands of jointed bodies, filled from the state and the bodies' records.
+// SPDX-License-Identifier: MIT
+//
+// Contacts and joints of bounded force alternate with the direct solve. An island of jointed bodies is independent of
+// the others and is computed in doubles, so neither the number of threads nor their order changes a bit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/integrators/motion_rows.h"
+#include "engine/joints/direct/direct_components.h"
+#include "engine/joints/joint_plan.h"
+#include "engine/joints/mouse_joint.h"
+#include "engine/model/poison.h"
+#include "engine/model/solved_set.h"
+
+namespace ticktrue::engine {
+
+template <typename Visit>
+void list_fields(BlockSystem& of, const Visit& visit) {
+  auto& [diagonal, blocks, values, column] = of;
+  visit(diagonal, blocks, values, column);
+}
+
+template <typename Visit>
+void list_fields(DirectIsland& of, const Visit& visit) {
+  auto& [bodies, moving_count, joints, graph, system, push, push_impulses, push_share, has_drives, moved_poses,
+         saved_velocities, saved_impulses, saved_drives, angular_impulses] = of;
+  visit(bodies, moving_count, joints, system, push, push_impulses, push_share, has_drives, moved_poses,
+        saved_velocities, saved_impulses, saved_drives, angular_impulses);
+}
+
+}  // namespace ticktrue::engine
+
+namespace ticktrue::engine::TICKTRUE_PRECISION {
+
+/// The island of a component, and how its joints have changed its bodies' velocities in this substep.
+struct DirectSetIsland {
+  DirectIsland island;
+  std::vector<Triple> loaded;   // [moving body] velocities when they were loaded
+  std::vector<Triple> changes;  // [moving body] by all joints
+  std::vector<Triple> forces;   // [moving body] by rows that act like forces
+};
+
+template <typename Visit>
+void list_fields(DirectSetIsland& of, const Visit& visit) {
+  auto& [island, loaded, changes, forces] = of;
+  visit(island, loaded, changes, forces);
+}
+
+struct DirectWorkspace {
+  DirectComponents components;
+  std::vector<DirectPlace> places;
+  std::vector<DirectSetIsland> islands;       // [component]
+  std::vector<std::uint32_t> set_components;  // of the set that is being solved
+  int turn_count = 1;                         // how often joints and contacts take turns in the set
+};
+
+template <typename Visit>
+void list_fields(DirectWorkspace& of, const Visit& visit) {
+  auto& [components, places, islands, set_components, turn_count] = of;
+  visit(components, places, in_place(islands), set_components, turn_count);
+}
+
+/// Finds out which joints are solved directly in this tick.
+void find_direct_joints(const Model& model, const State& state, DirectWorkspace& work);
+
+/// Fills the islands of a set. `plan`: of the joints that are solved by iteration. Requires: prepare_joints,
+/// prepare_mouse_joints.
+void prepare_direct(const SolvedSet& solved, const JointPlan& plan, const std::vector<MouseJoint>& mouse_joints,
+                    MotionWorkspace& motion, DirectWorkspace& work);
+/// Lets springs, motors and limits act. Call before the integrator predicts.
+void begin_direct_substep(const SolvedSet& solved, DirectWorkspace& work);
+/// Applies impulses that are given: of motors at their bounds. Call after the integrator has predicted.
+void start_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
+/// Velocities that keep the joints, for passes that take turns with contacts.
+void solve_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
+/// Velocities with which the bodies' move meets the joints. Call last before the move.
+void meet_direct(const SolvedSet& solved, MotionWorkspace& motion, DirectWorkspace& work);
+/// Takes the new poses, and takes off what was added for the move alone.
+void end_direct_move(const SolvedSet& solved, DirectWorkspace& work);
+/// Velocities that keep the joints at the present poses. Requires: end_direct_move.
+void project_direct(const SolvedSet& solved, DirectWorkspace& work);
+/// The same of a set after the solver has ended.
+void project_direct_again(const SolvedSet& solved, DirectWorkspace& work);
+/// Impulses back to state.joints, as forces.
+void store_direct(const SolvedSet& solved, const DirectWorkspace& work, State& state);
+
+}  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -1,0 +1,481 @@
+// Joints that the solver set solves directly: gaps, energy, order, momentum, drives, and what stays iterative.
+// SPDX-License-Identifier: MIT
+//
+// Bars: a gap below 1e-4 of the size in f32 and 1e-9 in f64; energy without friction within 1 % (docs/physics.md).
+// That ticks, threads, caches and images give the same bits is tested for all sessions (tests/support/engine_runs.h).
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "engine/builtin_scenes/builtin_scenes.h"
+#include "engine/math/trig.h"
+#include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+using engine::IntegratorKind;
+using engine::JointSolverKind;
+using engine::pi;
+
+namespace {
+
+constexpr double gap_max_f32 = 1e-4;  // m, of bodies of 1 m
+constexpr double gap_max_f64 = 1e-9;
+
+double gap_max(Precision precision) {
+  return precision == Precision::f32 ? gap_max_f32 : gap_max_f64;
+}
+
+Scene direct_scene(Precision precision) {
+  Scene scene = empty_scene(precision);
+  scene.settings.joints = JointSolverKind::direct;
+  return scene;
+}
+
+/// A rod of 1 m and `mass` around this place. It touches nothing.
+Body rod(Point center, double angle, double mass = 1) {
+  Body body = body_of(box_shape(0.5, 0.05), center);
+  body.angle = angle;
+  body.mass = engine::ExplicitMass{mass, mass / 12, {}};
+  body.shapes[0].filter.mask = 0;
+  return body;
+}
+
+Body silent_peg(Point position) {
+  Body body = peg(position);
+  body.shapes[0].filter.mask = 0;
+  return body;
+}
+
+/// Rods on a peg, `angle` from hanging down.
+Scene chain_of(Precision precision, int count, double angle, double end_mass = 1) {
+  Scene scene = direct_scene(precision);
+  scene.bodies.push_back(silent_peg({0, 0}));
+  const Point along{std::sin(angle), -std::cos(angle)};
+  for (int i = 0; i < count; ++i) {
+    const double middle = i + 0.5;
+    scene.bodies.push_back(rod({middle * along.x, middle * along.y}, angle - 0.5 * pi, i + 1 == count ? end_mass : 1));
+    const auto number = static_cast<std::uint32_t>(i);
+    scene.joints.push_back(joint_of(JointKind::revolute, number, number + 1));
+    scene.joints.back().anchor_a = i == 0 ? Point{0, 0} : Point{0.5, 0};
+    scene.joints.back().anchor_b = {-0.5, 0};
+  }
+  return scene;
+}
+
+/// A floating hub with rods around it, all turning as one.
+Scene hub_of(Precision precision, int rod_count, double spin) {
+  Scene scene = direct_scene(precision);
+  scene.gravity = {0, 0};
+  scene.bodies.push_back(rod({0, 0}, 0));
+  for (int i = 0; i < rod_count; ++i) {
+    const double angle = 2 * pi * i / rod_count;
+    const Point out{std::cos(angle), std::sin(angle)};
+    scene.bodies.push_back(rod({0.7 * out.x, 0.7 * out.y}, angle));
+    scene.joints.push_back(joint_of(JointKind::revolute, 0, static_cast<std::uint32_t>(i) + 1));
+    scene.joints.back().anchor_a = {0.2 * out.x, 0.2 * out.y};
+    scene.joints.back().anchor_b = {-0.5, 0};
+  }
+  for (Body& body : scene.bodies) {
+    body.velocity = {-spin * body.position.y, spin * body.position.x};
+    body.angular_velocity = spin;
+  }
+  return scene;
+}
+
+double energy_of(const Engine& engine) {
+  const Point gravity = engine.scene().gravity;
+  double sum = 0;
+  for (const BodyReport& body : engine.bodies()) {
+    const Point v = body.velocity;
+    sum +=
+        0.5 * body.mass * (v.x * v.x + v.y * v.y) + 0.5 * body.inertia * body.angular_velocity * body.angular_velocity;
+    sum -= body.mass * (gravity.x * body.center.x + gravity.y * body.center.y);
+  }
+  return sum;
+}
+
+Point point_of(const BodyReport& body, Point anchor) {
+  const double c = std::cos(body.angle);
+  const double s = std::sin(body.angle);
+  return {body.origin.x + c * anchor.x - s * anchor.y, body.origin.y + s * anchor.x + c * anchor.y};
+}
+
+/// The largest distance of the anchors of a point joint, or the most by which a rod has another length.
+double gap_of(const Engine& engine) {
+  const std::vector<BodyReport> bodies = engine.bodies();
+  double most = 0;
+  for (const Joint& joint : engine.scene().joints) {
+    const Point a = point_of(bodies[joint.body_a], joint.anchor_a);
+    const Point b = point_of(bodies[joint.body_b], joint.anchor_b);
+    const double distance = std::hypot(b.x - a.x, b.y - a.y);
+    if (joint.kind == JointKind::revolute || joint.kind == JointKind::weld) most = std::max(most, distance);
+    if (joint.kind == JointKind::distance && !joint.spring && !joint.limits)
+      most = std::max(most, std::fabs(distance - joint.length));
+  }
+  return most;
+}
+
+struct DirectRun {
+  double gap = 0;
+  double energy_least = 0;  // change since the start
+  double energy_most = 0;
+};
+
+DirectRun run_scene(const Scene& scene, double seconds) {
+  const auto engine = make_engine_or_fail(scene);
+  const double start = energy_of(*engine);
+  DirectRun run;
+  for (int tick = 0; tick < static_cast<int>(seconds / dt + 0.5); ++tick) {
+    run_ticks(*engine, 1);
+    run.gap = std::max(run.gap, gap_of(*engine));
+    const double change = energy_of(*engine) - start;
+    run.energy_least = std::min(run.energy_least, change);
+    run.energy_most = std::max(run.energy_most, change);
+  }
+  return run;
+}
+
+/// A body that swings, slides or rolls under gravity on a joint of this kind, or one of two on a rope.
+Scene swinging(JointKind kind) {
+  Scene scene = direct_scene(Precision::f64);
+  scene.bodies = {silent_peg({0, 0}), rod({1, 0.3}, 0.4)};
+  Joint joint = joint_of(kind, 0, 1);
+  joint.anchor_b = {-0.4, 0};
+  const Point end{1 - 0.4 * std::cos(0.4), 0.3 - 0.4 * std::sin(0.4)};
+  joint.anchor_a = end;
+  if (kind == JointKind::distance) {
+    joint.anchor_a = {0, 0};
+    joint.length = std::hypot(end.x, end.y);
+  }
+  if (kind == JointKind::prismatic) joint.reference_angle = 0.4;
+  if (kind == JointKind::prismatic || kind == JointKind::wheel) {
+    joint.axis = {0.8, 0.6};
+    joint.limits = engine::Range{-1e6, 1e6};
+    scene.gravity = {-3, 4};  // across the axis
+  }
+  if (kind == JointKind::weld) {  // to a rod that swings
+    scene.bodies.push_back(rod({2, 0.3}, 0.4));
+    scene.joints = {joint_of(JointKind::revolute, 0, 1)};
+    scene.joints[0].anchor_a = end;
+    scene.joints[0].anchor_b = {-0.4, 0};
+    joint.body_a = 1;
+    joint.body_b = 2;
+    const double c = std::cos(0.4), s = std::sin(0.4);
+    joint.anchor_a = {0.5 * c, -0.5 * s};
+    joint.anchor_b = {-0.5 * c, 0.5 * s};
+  }
+  if (kind == JointKind::pulley) {
+    scene.bodies[0] = rod({-1, 0.3}, 0);
+    joint.anchor_a = {0.1, 0};
+    joint.ground_anchor_a = {-1.5, 4};
+    joint.ground_anchor_b = {1.5, 4};
+    joint.length = std::hypot(-0.9 + 1.5, 0.3 - 4) + std::hypot(end.x - 1.5, end.y - 4);
+  }
+  drop_unused_fields(joint);
+  scene.joints.push_back(joint);
+  return scene;
+}
+
+constexpr std::pair<IntegratorKind, int> integrators_that_gain_nothing[] = {
+    {IntegratorKind::semi_implicit_euler, 1},
+    {IntegratorKind::velocity_verlet, 2},
+    {IntegratorKind::position_verlet, 2},
+    {IntegratorKind::rk4, 2},
+};
+
+/// Where the end of a chain of three rods is after half a second.
+Point end_of_chain(IntegratorKind integrator, int substeps) {
+  Scene scene = chain_of(Precision::f64, 3, 1);
+  scene.settings.integrator = integrator;
+  scene.settings.substeps = substeps;
+  const auto engine = make_engine_or_fail(scene);
+  run_ticks(*engine, 30);
+  return engine->bodies().back().center;
+}
+
+/// Planks between two pegs under a box that falls; `slack` 0 is a bridge without sag.
+Scene bridge_under_box(Precision precision, int planks, double half_edge, double height) {
+  Scene scene = direct_scene(precision);
+  scene.bodies.push_back(silent_peg({0, 0}));
+  for (int i = 0; i < planks; ++i) {
+    Body plank = body_of(box_shape(0.5, 0.1), {i + 0.5, 0});
+    plank.shapes[0].filter.group = -1;
+    scene.bodies.push_back(plank);
+    const auto number = static_cast<std::uint32_t>(i);
+    scene.joints.push_back(joint_of(JointKind::revolute, number, number + 1));
+    scene.joints.back().anchor_a = i == 0 ? Point{0, 0} : Point{0.5, 0};
+    scene.joints.back().anchor_b = {-0.5, 0};
+  }
+  scene.bodies.push_back(silent_peg({static_cast<double>(planks), 0}));
+  const auto last = static_cast<std::uint32_t>(planks);
+  scene.joints.push_back(joint_of(JointKind::revolute, last, last + 1));
+  scene.joints.back().anchor_a = {0.5, 0};
+  scene.bodies.push_back(body_of(box_shape(half_edge, half_edge), {0.4 * planks, 0.1 + half_edge + height}));
+  scene.bodies.back().angle = 0.1;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a hanging chain holds a hundred times its mass without a gap", "[engine][joints][direct][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    CHECK(run_scene(chain_of(precision, 100, 0, 100), 2).gap < gap_max(precision));
+  }
+}
+
+TEST_CASE("a chain with a million times the mass at its end keeps its energy", "[engine][joints][direct][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    const double fall = 1e6 * 10 * 20 * (1 - std::cos(0.3));  // J
+    const DirectRun run = run_scene(chain_of(precision, 20, 0.3, 1e6), 5);
+    CHECK(run.gap < gap_max_f32);
+    CHECK(run.energy_most < 0.01 * fall);
+    CHECK(run.energy_least > -0.01 * fall);
+  }
+}
+
+TEST_CASE("hubs with rods neither gain nor lose, floating or pinned", "[engine][joints][direct][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int rods : {3, 12})
+      for (const double spin : {5.0, 20.0, 50.0})
+        for (const bool is_pinned : {false, true}) {
+          Scene scene = hub_of(precision, rods, spin);
+          if (is_pinned) {
+            scene.bodies.push_back(silent_peg({0, 0}));
+            scene.joints.push_back(joint_of(JointKind::revolute, static_cast<std::uint32_t>(rods) + 1, 0));
+          }
+          CAPTURE(precision, rods, spin, is_pinned);
+          const double energy = energy_of(*make_engine_or_fail(scene));
+          const DirectRun run = run_scene(scene, 10);
+          CHECK(run.gap < 1e-5);
+          CHECK(run.energy_most < 0.01 * energy);
+          CHECK(run.energy_least > -0.01 * energy);
+        }
+}
+
+TEST_CASE("a chain of fifty swings for ten seconds and keeps its energy", "[engine][joints][direct][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    CAPTURE(precision);
+    const double fall = 50 * 10 * 25 * 0.5;  // J, down to hanging
+    const DirectRun run = run_scene(chain_of(precision, 50, pi / 3), 10);
+    CHECK(run.gap < gap_max_f32);
+    CHECK(run.energy_most < 0.01 * fall);
+    CHECK(run.energy_least > -0.01 * fall);
+  }
+}
+
+TEST_CASE("four integrators gain nothing in a minute, with each kind of joint",
+          "[engine][joints][direct][conservation]") {
+  for (const auto& [integrator, order] : integrators_that_gain_nothing)
+    for (const JointKind kind : {JointKind::revolute, JointKind::distance, JointKind::weld, JointKind::prismatic,
+                                 JointKind::wheel, JointKind::pulley}) {
+      Scene scene = swinging(kind);
+      scene.settings.integrator = integrator;
+      CAPTURE(info_of(engine::integrators, integrator).name, info_of(engine::joint_kinds, kind).name);
+      const DirectRun run = run_scene(scene, 60);
+      const double turned_over = 10;  // J, between kinetic and potential energy
+      CHECK(run.energy_most < (order == 1 ? 0.05 : 0.01) * turned_over);
+      CHECK(run.energy_least > (order == 1 ? -0.05 : -0.01) * turned_over);
+      CHECK(run.gap < 1e-7);
+    }
+}
+
+TEST_CASE("the order of integrators with direct joints", "[engine][joints][direct][analytic]") {
+  for (const auto& [integrator, order] : integrators_that_gain_nothing) {
+    CAPTURE(info_of(engine::integrators, integrator).name);
+    const Point exact = end_of_chain(IntegratorKind::velocity_verlet, 256);
+    const auto error = [&, kind = integrator](int substeps) {
+      const Point p = end_of_chain(kind, substeps);
+      return std::hypot(p.x - exact.x, p.y - exact.y);
+    };
+    CHECK(std::log2(error(8) / error(16)) == Approx(order).margin(0.2));
+  }
+}
+
+TEST_CASE("two bodies on a direct joint alone keep their momentum", "[engine][joints][direct][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const auto& info : engine::joint_kinds) {
+      if (!info.traits.conserves_momentum) continue;
+      for (const bool is_driven : {false, true}) {
+        Scene scene = direct_scene(precision);
+        scene.gravity = {0, 0};
+        scene.bodies = {rod({0, 0}, 0.3, 2), rod({1, 0.2}, -0.2)};
+        scene.bodies[0].velocity = {1, -0.5};
+        scene.bodies[1].velocity = {-0.5, 2};
+        scene.bodies[1].angular_velocity = 3;
+        Joint joint = joint_of(info.kind, 0, 1);
+        joint.anchor_a = {0.5, 0};
+        joint.anchor_b = {-0.5, 0.1};
+        joint.length = 0.5;
+        joint.force_max = 20;
+        joint.torque_max = 2;
+        if (is_driven) {
+          joint.spring = absolute_spring(30, 0.1);
+          joint.motor = engine::JointMotor{2, 3};
+          joint.limits = engine::Range{info.kind == JointKind::distance ? 0.2 : -0.5, 0.6};
+        }
+        drop_unused_fields(joint);
+        scene.joints = {joint};
+        CAPTURE(precision, info.name, is_driven);
+        const auto momentum = [](const Engine& engine) {
+          std::array<double, 3> sum{};
+          for (const BodyReport& body : engine.bodies()) {
+            sum[0] += body.mass * body.velocity.x;
+            sum[1] += body.mass * body.velocity.y;
+            sum[2] += body.inertia * body.angular_velocity +
+                      body.mass * (body.center.x * body.velocity.y - body.center.y * body.velocity.x);
+          }
+          return sum;
+        };
+        const auto engine = make_engine_or_fail(scene);
+        const auto before = momentum(*engine);
+        run_ticks(*engine, 120);
+        const auto after = momentum(*engine);
+        const double tolerance = precision == Precision::f32 ? 1e-4 : 1e-10;
+        for (std::size_t i = 0; i < 2; ++i) CHECK(after[i] == Approx(before[i]).margin(tolerance));
+        CHECK(after[2] == Approx(before[2]).margin(tolerance));
+      }
+    }
+}
+
+TEST_CASE("a direct spring carries its load at rest, under each integrator", "[engine][joints][direct][analytic]") {
+  for (const auto& [integrator, order] : integrators_that_gain_nothing) {
+    Scene scene = direct_scene(Precision::f64);
+    scene.settings.integrator = integrator;
+    scene.bodies = {silent_peg({0, 0}), rod({0, 0}, 0, 2)};
+    scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+    scene.joints[0].axis = {0, 1};
+    scene.joints[0].spring = absolute_spring(400, 40);
+    CAPTURE(info_of(engine::integrators, integrator).name, order);
+    const auto engine = make_engine_or_fail(scene);
+    run_ticks(*engine, 600);
+    CHECK(engine->bodies()[1].center.y == Approx(-2 * 10 / 400.0).epsilon(1e-4));
+    CHECK(std::fabs(engine->bodies()[1].velocity.y) < 1e-6);
+    CHECK(joint_value(*engine, 0, "spring_force") == Approx(20).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("a direct motor reaches its speed, or pushes with all its force", "[engine][joints][direct][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const double force : {100.0, 10.0}) {
+      Scene scene = direct_scene(precision);
+      scene.bodies = {silent_peg({0, 0}), rod({0, 0}, 0, 2)};
+      scene.joints = {joint_of(JointKind::prismatic, 0, 1)};
+      scene.joints[0].axis = {0, 1};
+      scene.joints[0].motor = engine::JointMotor{1, force};
+      CAPTURE(precision, force);
+      const auto engine = make_engine_or_fail(scene);
+      run_ticks(*engine, 30);
+      const double expected = force > 20 ? 1 : 0.5 * (force / 2 - 10);
+      CHECK(engine->bodies()[1].velocity.y == Approx(expected).epsilon(1e-5));
+      CHECK(joint_value(*engine, 0, "motor_force") == Approx(force > 20 ? 20 : force).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("direct limits hold a pendulum, and let it go", "[engine][joints][direct][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = chain_of(precision, 2, 0);
+    for (Joint& joint : scene.joints) joint.limits = engine::Range{-0.25, 0.25};
+    scene.joints[0].reference_angle = -0.5 * pi;
+    scene.bodies[1].velocity = {1, 0};
+    scene.bodies[1].angular_velocity = 2;
+    scene.bodies[2].velocity = {3, 0};
+    scene.bodies[2].angular_velocity = 2;
+    CAPTURE(precision);
+    const auto engine = make_engine_or_fail(scene);
+    double widest = 0;
+    bool was_held = false;
+    bool was_free = false;
+    for (int tick = 0; tick < 120; ++tick) {
+      run_ticks(*engine, 1);
+      const std::vector<BodyReport> bodies = engine->bodies();
+      widest = std::max(widest, std::fabs(bodies[1].angle + 0.5 * pi));
+      const bool is_held = joint_value(*engine, 0, "upper_force") > 0 || joint_value(*engine, 0, "lower_force") > 0;
+      was_free = was_free || (was_held && !is_held);
+      was_held = was_held || is_held;
+    }
+    CHECK(was_held);
+    CHECK(was_free);
+    CHECK(widest == Approx(0.25).margin(1e-5));
+  }
+}
+
+TEST_CASE("what falls on a direct bridge gains nothing", "[engine][joints][direct][contacts][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int planks : {4, 9, 16})
+      for (const auto& [half_edge, height] : {std::pair{0.1, 5.0}, std::pair{0.4, 2.0}, std::pair{0.7, 0.5}}) {
+        const Scene scene = bridge_under_box(precision, planks, half_edge, height);
+        CAPTURE(precision, planks, half_edge, height);
+        const DirectRun run = run_scene(scene, 5);
+        CHECK(run.gap < 0.05);
+        CHECK(run.energy_most < 0.01 * 4 * half_edge * half_edge * 10 * height);
+      }
+}
+
+TEST_CASE("direct joints to what moves by itself follow it", "[engine][joints][direct][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = chain_of(precision, 5, 0.5);
+    scene.bodies[0].type = BodyType::kinematic_body;
+    scene.bodies[0].velocity = {2, 0.5};
+    scene.bodies[0].angular_velocity = 3;
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].velocity = {2, 0.5};
+    CAPTURE(precision);
+    CHECK(run_scene(scene, 3).gap < 2e-6);
+  }
+}
+
+TEST_CASE("bodies that do not turn hang from each other on direct joints", "[engine][joints][direct][analytic]") {
+  Scene scene = chain_of(Precision::f64, 6, 0);
+  for (std::size_t i = 1; i < scene.bodies.size(); i += 2) scene.bodies[i].fixed_rotation = true;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].mass.reset();
+  scene.joints[2].kind = JointKind::weld;
+  scene.bodies[6].velocity = {3, 0};
+  scene.bodies[6].angular_velocity = 6;
+  CHECK(run_scene(scene, 3).gap < 1e-8);
+}
+
+TEST_CASE("nets with many loops and scenes without joints are solved as before",
+          "[engine][joints][direct][equivalence]") {
+  for (const char* text : {"joint_grid?columns=6", "pyramid?base=5"}) {
+    const Session iterative{text, *engine::make_builtin_scene(text), {}};
+    Session direct = iterative;
+    direct.scene.settings.joints = JointSolverKind::direct;
+    CAPTURE(text);
+    CHECK(tick_hashes(direct, 30) == tick_hashes(iterative, 30));
+  }
+}
+
+TEST_CASE("the order of elimination is found once, and again when a body goes", "[engine][joints][direct][caches]") {
+  Scene scene = chain_of(Precision::f32, 5, 0.5);
+  scene.inputs = {engine::InputKind::remove};
+  const auto engine = make_engine_or_fail(scene);
+  constexpr auto kind = static_cast<std::size_t>(engine::CacheKind::joint_graph);
+  run_ticks(*engine, 10);
+  CHECK(engine->cache_report()[kind].invalidations == 1);
+  CHECK(engine->cache_report()[kind].hits == 9);
+  engine::Input input;
+  input.kind = engine::InputKind::remove;
+  input.body = 3;
+  Bytes bytes;
+  engine::encode_inputs({input}, bytes);
+  REQUIRE(engine->step({dt, bytes}, nullptr));
+  CHECK(engine->cache_report()[kind].invalidations == 2);
+  run_ticks(*engine, 5);
+  CHECK(engine->cache_report()[kind].invalidations == 2);
+}
+
+TEST_CASE("a solver that cannot solve joints directly refuses to", "[engine][joints][direct][scene]") {
+  Scene scene = chain_of(Precision::f32, 2, 0);
+  scene.settings.solver = engine::SolverKind::pgs;
+  scene.settings.substeps = 1;
+  const Status status = check_scene(scene, "x.json");
+  REQUIRE_FALSE(status);
+  CHECK(status.error().message ==
+        "x.json: settings.joints: pgs solves joints one after the other, if at all: found direct, expected iterative");
+}
