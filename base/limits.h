@@ -54,9 +54,12 @@ constexpr std::uint64_t image_held_max(std::uint64_t file_size) {
 constexpr std::uint64_t images_unpacked_max(std::uint64_t file_size) {
   return (1u << 30) + 256 * file_size;
 }
-inline constexpr std::size_t table_count_max = 64;
-inline constexpr std::size_t registered_table_count_max = 4'096;    // of a program; the traces of today hold fewer
-inline constexpr std::size_t registered_column_count_max = 65'536;  // of all its tables
+// A composed state or the parts of one checkpoint (state, shown image, save) count together as one image there.
+inline constexpr std::size_t shown_size_max = 256u << 20;           // shown image of one state
+inline constexpr std::size_t save_size_max = 256u << 20;            // save of one checkpoint
+inline constexpr std::size_t table_count_max = 64;                  // of a trace of format versions 1 and 2
+inline constexpr std::size_t registered_table_count_max = 4'096;    // of a program, and of a trace of version 3
+inline constexpr std::size_t registered_column_count_max = 65'536;  // of all these tables
 inline constexpr std::size_t column_count_max = 256;                // per table
 inline constexpr std::size_t row_size_max = 4'096;                  // bytes
 inline constexpr std::size_t row_count_max = 1u << 26;              // rows of one table

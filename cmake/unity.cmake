@@ -25,7 +25,7 @@ if(TICKTRUE_UNITY)
       engine/scene/scene_json.cpp
       engine/solvers/solver.cpp
       engine/stages/inputs.cpp
-      replay/trace_chunks.cpp
+      replay/trace_ticks.cpp
       tool/import/import_rube.cpp)
     string(REGEX MATCH "^[a-z]+" folder ${source})
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} DIRECTORY ${folder}

@@ -43,8 +43,8 @@ class Recording {
       if (!input->has_value()) return finish(EndReason::complete, "");
       if (const Status status = simulation_.accept(**input); !status) return refuse(status.error());
       if (const Status status = writer_.begin_tick(**input); !status) return writer_.abandon(status.error());
-      const bool is_full = writer_.wants_full();
-      if (const Status status = step(**input, is_full); !status) return give_up(status.error());
+      const bool has_stages = writer_.wants_stages();
+      if (const Status status = step(**input, has_stages); !status) return give_up(status.error());
       if (const std::optional<StatePlace> place = find_non_finite(simulation_.state()))
         return finish(EndReason::non_finite, non_finite_text(simulation_, tick, *place));
       result_.root_hash = root_hash(simulation_.state());
@@ -66,10 +66,10 @@ class Recording {
     return std::move(result_);
   }
 
-  Status step(const TickInput& input, bool is_full) {
+  Status step(const TickInput& input, bool has_stages) {
     stage_hashes_.clear();
     const auto before = std::chrono::steady_clock::now();
-    Status did = simulation_.step(input, is_full ? &stage_hashes_ : nullptr);
+    Status did = simulation_.step(input, has_stages ? &stage_hashes_ : nullptr);
     result_.simulate_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return did;
   }
@@ -112,7 +112,7 @@ class Recording {
   InputSource& source_;
   TraceWriter& writer_;
   const RecordOptions& options_;
-  StageHashes stage_hashes_;  // of the ticks that are stored in full
+  StageHashes stage_hashes_;  // of the ticks that store them
   RecordResult result_;
 };
 

@@ -13,17 +13,34 @@
 namespace ticktrue::replay {
 namespace {
 
+Status copy_checkpoint(const CheckpointRecord& checkpoint, TraceWriter& writer) {
+  // The time of a first checkpoint that comes late is in it alone.
+  if (!writer.has_checkpoint() && checkpoint.tick > 0) writer.begin_at(checkpoint.tick, checkpoint.time_s.value_or(0));
+  if (const Status status = writer.checkpoint_encoded(checkpoint.image, checkpoint.root_hash); !status) return status;
+  if (checkpoint.shown)
+    if (const Status status = writer.shown(*checkpoint.shown); !status) return status;
+  return checkpoint.save ? writer.save(*checkpoint.save) : Status();
+}
+
 Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
-  if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item))
-    return writer.checkpoint_encoded(checkpoint->image, checkpoint->root_hash);
+  if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) return copy_checkpoint(*checkpoint, writer);
   const auto& tick = std::get<TickRecord>(item);
   if (const Status status = writer.begin_tick({tick.dt, tick.inputs}); !status) return status;
-  return writer.end_tick_encoded(tick.root_hash, tick.stage_hashes, tick.image, tick.cells);
+  for (const BoundRecord& record : tick.bound)
+    if (const Status status = writer.bound_record(static_cast<RecordTag>(record.tag), record.body); !status)
+      return status;
+  Bytes image;
+  if (tick.image) image = tick.image->joined();
+  if (const Status status = writer.end_tick_encoded(
+          tick.root_hash, tick.stage_hashes, tick.image ? std::optional<ByteView>(image) : std::nullopt, tick.cells);
+      !status)
+    return status;
+  return tick.shown ? writer.shown(*tick.shown) : Status();
 }
 
 /// A trace without ticks is useless, unless it was recorded without ticks.
-bool nothing_saved(const TraceWriter& writer, const TraceTail& tail) {
-  return writer.tick_count() == 0 && tail.condition != TraceCondition::complete;
+bool nothing_saved(const TraceWriter& writer, std::uint64_t first_tick, const TraceTail& tail) {
+  return (!writer.has_checkpoint() || writer.tick_count() == first_tick) && tail.condition != TraceCondition::complete;
 }
 
 /// A tick that is written only after enough later ticks have been read without damage.
@@ -78,7 +95,7 @@ Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) 
   if (tail.condition == TraceCondition::damaged && !tail.end)
     if (const Status status = salvage(input, reader.setup(), tail.offset, writer); !status) return status;
   if (const Status same = reader.check_unchanged(); !same) return same;
-  if (nothing_saved(writer, tail)) return {};
+  if (nothing_saved(writer, reader.first_tick(), tail)) return {};
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
   // With its end record, no tick was lost: only index or footer were.
@@ -97,14 +114,16 @@ Result<RecoverResult> recover_trace(const std::string& input, const std::string&
   WriterOptions options;
   options.overwrite = overwrite;
   options.compress = reader->is_compressed();
+  options.allow_third = true;  // what the trace has already
   Result<TraceWriter> writer = TraceWriter::create(output, reader->setup(), reader->facts(), options);
   if (!writer) return writer.error();
   if (const Status status = copy(*reader, input, *writer); !status) {
     writer->discard();
     return status.error();
   }
-  if (nothing_saved(*writer, reader->tail())) writer->discard();
-  return RecoverResult{reader->tail(), writer->tick_count()};
+  if (nothing_saved(*writer, reader->first_tick(), reader->tail())) writer->discard();
+  const std::uint64_t first_tick = writer->has_checkpoint() ? reader->first_tick() : 0;
+  return RecoverResult{reader->tail(), writer->tick_count() - first_tick};
 }
 
 }  // namespace ticktrue::replay

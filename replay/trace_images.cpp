@@ -1,7 +1,9 @@
 // Reads state images part by part. The memory held and unpacked is bounded by the size of the file.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <utility>
 
+#include "base/assert.h"
 #include "base/limits.h"
 #include "replay/trace_reader_impl.h"
 
@@ -38,40 +40,79 @@ Status TraceReader::Impl::check_image_limits(const ImagePart& part, std::uint64_
   return {};
 }
 
+Status TraceReader::Impl::check_shape(const ImagePart& part) {
+  if (version < format_version_third) return cursor.shape.pass(setup.schema, image, part.image_size);
+  if (part.offset == 0 && !image.empty()) {
+    const bool is_image = cursor.part_kind == static_cast<std::uint8_t>(ChunkKind::image);
+    cursor.base = is_image && composed.holds(cursor.tick - 1) ? ListBase::before : ListBase::nothing;
+    // Read from the middle, the state before is not known: the list says what it is relative to.
+    if (is_image && !cursor.state_is_known)
+      cursor.base = image[0] == static_cast<std::uint8_t>(ListBase::before) ? ListBase::before : ListBase::nothing;
+  }
+  return cursor.list.pass(setup.schema, image, part.image_size, cursor.base);
+}
+
+Status TraceReader::Impl::take_image(std::uint64_t image_end) {
+  if (version < format_version_third) return {};
+  if (cursor.base == ListBase::nothing) {
+    composed.take_whole(setup.schema, cursor.list, cursor.tick, image);
+    cursor.state_is_known = true;
+    return {};
+  }
+  if (!cursor.state_is_known) return {};
+  const std::uint64_t size_max =
+      std::min<std::uint64_t>(limits::state_image_size_max, limits::image_held_max(image_end));
+  return composed.replace(setup.schema, cursor.list, cursor.tick, image, size_max);
+}
+
+StoredState TraceReader::Impl::stored_state() {
+  if (version >= format_version_third) return {composed.tables(), composed.listed()};
+  Result<std::vector<ImageTable>> split = split_image(setup.schema, image);
+  TICKTRUE_ASSERT(split.has_value());  // its shape was checked part by part
+  tables = std::move(*split);
+  return {tables, all_tables};
+}
+
 Step TraceReader::Impl::read_image_part(const ChunkHeader& header) {
   const std::optional<ByteView> payload = read_payload(header, chunk_kind_info(header.kind)->payload_size_max);
   if (!payload) return Step::stop;
-  const Result<ImagePart> part = decode_image_part(*payload);
-  if (!part) return damaged(cursor.offset, chunk_text(header.kind) + ": " + part.error().message);
+  const auto wrong = [&](const std::string& what) {
+    return damaged(cursor.offset, chunk_text(header.kind) + ": " + what);
+  };
+  const Result<ImagePart> part = decode_image_part(*payload, version);
+  if (!part) return wrong(part.error().message);
   const ImagePart& before = cursor.part;
   const bool is_first = cursor.part_kind == 0;
   if (is_first ? part->offset != 0
                : part->offset != before.offset + before.size || part->image_size != before.image_size ||
-                     part->root_hash != before.root_hash)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": state image: a part of another place or image");
-  if (const Status status = check_image_limits(*part, cursor.offset + whole_size(header)); !status)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
+                     part->root_hash != before.root_hash || bits_of(part->time_s) != bits_of(before.time_s))
+    return wrong("state image: a part of another place or image");
+  const std::uint64_t image_end = cursor.offset + whole_size(header);
+  if (const Status status = check_image_limits(*part, image_end); !status) return wrong(status.error().message);
   if (is_first) {
     image.clear();
     image.reserve(static_cast<std::size_t>(std::min(part->image_size, limits::image_held_max(file.size()))));
     image_start = cursor;
     cursor.shape = {};
+    cursor.list = {};
   }
   const std::size_t raw_offset = image.size();
-  if (const Status status = unpack_image_part(*part, image); !status)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
+  if (const Status status = unpack_image_part(*part, image); !status) return wrong(status.error().message);
   unpacked_size += part->size;
-  if (const Status status = cursor.shape.pass(setup.schema, image, part->image_size); !status)
-    return damaged(cursor.offset, chunk_text(header.kind) + ": " + status.error().message);
-  cursor.chain = extend_chain(header, payload->first(image_part_fields_size), ByteView(image).subspan(raw_offset));
-  pass(header);
+  cursor.part_kind = header.kind;
+  if (const Status status = check_shape(*part); !status) return wrong(status.error().message);
+  const std::uint64_t chain =
+      extend_chain(header, payload->first(image_fields_size(version)), ByteView(image).subspan(raw_offset), version);
   cursor.part = *part;
   cursor.part.stored = {};
-  if (part->offset + part->size < part->image_size) {
-    cursor.part_kind = header.kind;
-    return Step::passed;
-  }
+  const bool is_whole = part->offset + part->size == part->image_size;
+  if (is_whole)
+    if (const Status status = take_image(image_end); !status) return wrong(status.error().message);
+  cursor.chain = chain;
+  pass(header);
+  if (!is_whole) return Step::passed;
   cursor.part_kind = 0;
+  cursor.state_kind = header.kind;
   if (header.kind == static_cast<std::uint8_t>(ChunkKind::image)) {
     cursor.expects_image = false;
     return Step::image;

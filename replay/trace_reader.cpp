@@ -23,7 +23,7 @@ Status TraceReader::Impl::read_start() {
                      std::to_string(found.size()) + " bytes, expected " + std::to_string(file_header_size),
                  ""};
   ByteReader in(found.subspan(magic.size()));
-  const std::uint16_t version = in.u16();
+  version = in.u16();
   const std::uint16_t flags = in.u16();
   const std::uint32_t check = in.u32();
   if (check != static_cast<std::uint32_t>(hash64(found.first(12))))
@@ -51,19 +51,35 @@ Status TraceReader::Impl::read_start() {
     return start_error();
   }
   setup = std::move(*decoded);
-  cursor.chain = extend_chain(*header, {}, *payload);
+  cursor.chain = extend_chain(*header, {}, *payload, version);
   seed = cursor.chain;
   pass(*header);
+  begin_states();
 
   read_facts();
   if (!has_codec(facts.codec))
     return Error{ErrorCode::unsupported, name + ": build facts: state images are compressed with zstd",
                  "use a build with zstd"};
+  find_first_tick();
   start = cursor;
   start_fault = fault;
   window = {};  // it held the setup, which may be large
   rewind();
   return {};
+}
+
+void TraceReader::Impl::begin_states() {
+  for (std::uint32_t t = 0; t < setup.schema.tables.size(); ++t) all_tables.push_back(t);
+  if (version < format_version_third) return;
+  composed.reset(setup.schema.tables.size());
+  if (setup.detail == Detail::cells) cell_layout.emplace(setup.schema);
+}
+
+void TraceReader::Impl::find_first_tick() {
+  if (!setup.has(Feature::tail) || fault || remaining() < chunk_header_size) return;
+  const std::optional<ChunkHeader> header = decode_chunk_header(view(cursor.offset, chunk_header_size), seed);
+  if (!header || header->kind != static_cast<std::uint8_t>(ChunkKind::checkpoint)) return;
+  if (header->tick <= limits::tick_count_max) first_tick = cursor.tick = header->tick;
 }
 
 Error TraceReader::Impl::start_error() const {
@@ -96,7 +112,7 @@ void TraceReader::Impl::read_facts() {
   // The header is damaged: the following chunks are found by their own headers.
   std::uint64_t offset = cursor.offset;
   while (std::optional<ChunkHeader> next = find_header(offset)) {
-    if (next->sequence == 2 && next->chain == cursor.chain && next->tick == 0) {
+    if (next->sequence == 2 && next->chain == cursor.chain && (next->tick == 0 || setup.has(Feature::tail))) {
       cursor.offset = offset;
       cursor.sequence = 2;
       return;
@@ -113,6 +129,7 @@ void TraceReader::Impl::rewind() {
   is_sequential = true;
   seen = {};
   unpacked_size = 0;
+  composed.reset(setup.schema.tables.size());
   end.reset();
   index_check.reset();
   walk_offset = walk_end = 0;
@@ -131,6 +148,14 @@ const TraceReader::Item& TraceReader::Impl::next() {
         record.tick = cursor.tick;
         record.root_hash = cursor.part.root_hash;
         record.image = image;
+        if (version >= format_version_third) {
+          record.time_s = cursor.part.time_s;
+          join_image(composed.tables(), joined);
+          record.image = joined;
+          read_contents();
+          record.shown = shown_image();
+          if (cursor.has_save) record.save = ByteView(save_bytes);
+        }
         item_offset = cursor.offset;
         return item = record;
       }
@@ -144,6 +169,17 @@ const TraceReader::Item& TraceReader::Impl::next() {
   }
 }
 
+/// The cells of a record that was checked.
+const StateCells* TraceReader::Impl::read_cells(ByteView body) {
+  if (!cell_layout) {
+    decode_cells(setup.schema, body, cells);
+    return &cells;
+  }
+  const bool is_right = walk_cells.apply(*cell_layout, body);
+  TICKTRUE_ASSERT(is_right);
+  return &walk_cells.cells();
+}
+
 const TraceReader::Item& TraceReader::Impl::walk() {
   if (!std::holds_alternative<TickRecord>(item)) item = TickRecord{};
   TickRecord& record = std::get<TickRecord>(item);
@@ -151,16 +187,19 @@ const TraceReader::Item& TraceReader::Impl::walk() {
   record.inputs = {};
   record.stage_hashes.clear();
   record.image.reset();
-  record.cells = {};
+  record.shown.reset();
+  record.cells = nullptr;
+  record.bound.clear();
   for (;;) {
-    const Record part = parse_record(ByteView(records).subspan(walk_offset), nullptr);
+    const Record part = parse_record(ByteView(records).subspan(walk_offset), nullptr, version);
     TICKTRUE_ASSERT(part.fault == RecordFault::none);
     walk_offset += part.size;
     ByteReader in(part.body);
     const auto tag = static_cast<RecordTag>(part.tag);
     if (tag == RecordTag::dt) walk_dt = in.f64();
     if (tag == RecordTag::inputs) record.inputs = part.body;
-    if (tag == RecordTag::cells) record.cells = part.body;
+    if (tag == RecordTag::cells) record.cells = read_cells(part.body);
+    if (is_bound_tag(part.tag) && walk_has_bound) record.bound.push_back({part.tag, part.body});
     if (tag == RecordTag::stages)
       while (!in.at_end()) record.stage_hashes.push_back(in.u64());
     if (tag != RecordTag::root && tag != RecordTag::root_image) continue;
@@ -171,7 +210,9 @@ const TraceReader::Item& TraceReader::Impl::walk() {
       Step step = read_chunk();
       while (step == Step::passed) step = read_chunk();
       if (step == Step::image) {
-        record.image = ByteView(image);
+        record.image = stored_state();
+        read_contents();
+        record.shown = shown_image();
         item_offset = cursor.offset;
       }
     }
@@ -223,6 +264,15 @@ const BuildFacts& TraceReader::facts() const {
 }
 const std::string& TraceReader::name() const {
   return impl_->name;
+}
+std::uint64_t TraceReader::first_tick() const {
+  return impl_->first_tick;
+}
+Status TraceReader::check_from_start() const {
+  if (impl_->first_tick == 0) return {};
+  return Error{ErrorCode::incompatible,
+               impl_->name + ": begins at tick " + std::to_string(impl_->first_tick) + ": cannot be run from its setup",
+               "verify begins at its first checkpoint; show and diff take it as well"};
 }
 std::uint64_t TraceReader::size() const {
   return impl_->file.size();

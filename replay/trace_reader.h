@@ -30,6 +30,10 @@ class TraceReader {
   const std::string& name() const;
   std::uint64_t size() const;  // bytes of the file
   bool is_compressed() const;  // whether its state images may be
+  /// The tick of the first checkpoint: 0, but of a trace that begins late.
+  std::uint64_t first_tick() const;
+  /// Refuses a trace that begins late: for what runs it from its setup. Errors: incompatible.
+  Status check_from_start() const;
 
   using Item = std::variant<std::monostate, TickRecord, CheckpointRecord>;
   /// The next tick or checkpoint, in file order; monostate when there is no more: then see tail(). A tick is returned

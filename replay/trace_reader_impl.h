@@ -14,6 +14,7 @@
 #include "replay/file/file.h"
 #include "replay/format/chunk.h"
 #include "replay/format/payload.h"
+#include "replay/format/table_list.h"
 #include "replay/trace_reader.h"
 
 namespace ticktrue::replay {
@@ -52,9 +53,21 @@ struct Cursor {
   std::uint64_t last_checkpoint = 0;
 
   // A state image whose parts are being read.
-  std::uint8_t part_kind = 0;  // 0: none
-  ImagePart part;              // the part before; `stored` is not used
-  ImageShape shape;            // of the image, as far as it was read
+  std::uint8_t part_kind = 0;         // 0: none
+  ImagePart part;                     // the part before; `stored` is not used
+  ImageShape shape;                   // of the image, as far as it was read
+  TableListShape list;                // the same, version 3
+  ListBase base = ListBase::nothing;  // of the list
+  bool state_is_known = true;         // false: read from the middle, so that lists of changes cannot be composed
+
+  // Shown image and save of the state before.
+  std::uint8_t state_kind = 0;    // of that state: checkpoint or image; 0: another chunk came since
+  std::uint8_t content_kind = 0;  // whose parts are being read; 0: none
+  ImagePart content_part;         // the part before
+  bool has_shown = false;         // seen, whole
+  bool has_save = false;
+  bool has_gap = false;  // a chunk outside of the chain is damaged or missing
+  std::size_t peer_count = 0;
 
   bool expects_image = false;  // the last tick said that its image follows
   bool has_pending = false;    // inputs of a tick without hash stand at the end of the last ticks chunk
@@ -62,10 +75,14 @@ struct Cursor {
   Bytes pending_inputs;
 };
 
+struct TicksScan;
+
 struct TraceReader::Impl {
   InputFile file;
   std::string name;
+  std::uint16_t version = format_version_first;
   TraceSetup setup;
+  std::uint64_t first_tick = 0;  // of the first checkpoint
   FactsPayload facts;
   std::uint64_t facts_check = 0;
   std::uint64_t seed = 0;            // of header checks, from the setup on
@@ -78,6 +95,7 @@ struct TraceReader::Impl {
   std::optional<Fault> fault;         // why reading stopped
   std::optional<Fault> first_damage;  // damage that did not stop it
   bool is_sequential = true;          // read from the start, so that the index can be compared
+  bool is_searching = false;          // for intact ranges behind damage
   CheckpointIndex seen;
   std::optional<EndRecord> end;
   std::uint64_t index_offset = 0;
@@ -94,9 +112,20 @@ struct TraceReader::Impl {
   std::size_t walk_end = 0;  // behind the last root record
   std::uint64_t walk_tick = 0;
   double walk_dt = 0;
-  std::uint64_t walk_file_offset = 0;  // of records[0]
+  std::uint64_t walk_file_offset = 0;     // of records[0]
+  bool walk_has_bound = true;             // false: damaged, and not given out
+  StateCells cells;                       // versions 1 and 2
+  std::optional<CellLayout> cell_layout;  // from here on version 3, where the trace has cells
+  ComposedCells walk_cells;
+  ComposedCells checked_cells;
 
   Bytes image;
+  std::vector<ImageTable> tables;         // of `image`, versions 1 and 2
+  std::vector<std::uint32_t> all_tables;  // their numbers
+  ComposedState composed;                 // version 3
+  Bytes joined;                           // its tables as one image
+  Bytes shown_bytes;
+  Bytes save_bytes;
   std::uint64_t unpacked_size = 0;  // of images, since the last rewind
   Item item;
   std::uint64_t item_offset = 0;
@@ -132,6 +161,10 @@ struct TraceReader::Impl {
   // ---- Setup and build facts ----
 
   Status read_start();
+  /// Prepares what states and cells are composed in.
+  void begin_states();
+  /// Reads the tick of the first checkpoint of a trace that begins late.
+  void find_first_tick();
   /// The stop while reading the setup, as an error of open().
   Error start_error() const;
   void read_facts();
@@ -145,20 +178,39 @@ struct TraceReader::Impl {
   const char* wanted_kind(const ChunkHeader& header) const;
   Step read_private(const ChunkHeader& header);
   Step read_image_part(const ChunkHeader& header);
+  /// Checks what was read of a state image so far.
+  Status check_shape(const ImagePart& part);
+  /// Takes over an image that was read whole.
+  Status take_image(std::uint64_t image_end);
+  /// A part of a shown image or of a save.
+  Step read_content_part(const ChunkHeader& header);
+  Step read_peer(const ChunkHeader& header);
+  /// Goes on behind a chunk outside of the chain whose payload is damaged.
+  Step lose(const ChunkHeader& header);
+  /// After damage to a header: the next one, if all that is missing before it is outside of the chain.
+  std::optional<ChunkHeader> find_behind_lost();
+  /// Reads the shown image and the save that stand behind a state.
+  void read_contents();
+  std::optional<ByteView> shown_image() const {
+    return cursor.has_shown ? std::optional<ByteView>(shown_bytes) : std::nullopt;
+  }
+  StoredState stored_state();
   /// Whether the part, which ends at `end` in the file, is within the limits for a file of that size.
   Status check_image_limits(const ImagePart& part, std::uint64_t part_end) const;
   /// Verifies a ticks chunk record by record and stores its records for walk(). At the end of a truncated file the
   /// complete records are stored.
   Step read_ticks(const ChunkHeader& header);
-  bool is_full(std::uint64_t tick) const;
-  /// Whether records that were read again, up to `end`, are still those whose checks gave `running`: others may write
-  /// to the file. `check` is that of the header.
-  static bool is_as_read(ByteView bytes, std::size_t end, std::uint64_t check, std::uint64_t running);
+  std::string check_record(const Record& record, std::size_t offset, TicksScan& scan);
+  static void end_scanned_tick(std::size_t tick_end, TicksScan& scan);
+  std::string check_close(const Record& record, const TicksScan& scan) const;
+  /// Whether records that were read again, `size` bytes with the header, are still those whose checks gave `running`:
+  /// others may write to the file.
+  bool is_as_read(ByteView bytes, std::size_t size, const ChunkHeader& header, const Running& running) const;
   Step changed(const ChunkHeader& header) {
     return damaged(cursor.offset, chunk_text(header.kind) + ": the file changed while it was read");
   }
-  static std::string fault_text(const Record& record);
-  void set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick);
+  std::string fault_text(const Record& record) const;
+  void set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick, bool has_bound);
   void set_pending(double dt, ByteView inputs);
   Step read_end(const ChunkHeader& header);
   Step read_index(const ChunkHeader& header);
@@ -173,6 +225,7 @@ struct TraceReader::Impl {
   const Item& next();
   /// Returns the next tick of the verified chunk in `records`.
   const Item& walk();
+  const StateCells* read_cells(ByteView body);
   void make_tail();
   /// Finds the intact ranges after the damage at the cursor.
   std::vector<IntactRange> find_intact();

@@ -51,6 +51,7 @@ std::vector<IntactRange> TraceReader::Impl::find_intact() {
   const auto saved_end = end;
   const auto saved_damage = first_damage;
   const bool saved_sequential = std::exchange(is_sequential, false);
+  is_searching = true;
   std::vector<IntactRange> ranges;
   std::uint64_t offset = cursor.offset + 1;
   int failed_try_count = 0;
@@ -63,12 +64,12 @@ std::vector<IntactRange> TraceReader::Impl::find_intact() {
     bool is_whole = false;
     std::optional<std::uint64_t> checkpoint;  // the first in this range
     for (;;) {
-      const std::uint64_t first_tick = cursor.tick;
+      const std::uint64_t tick_before = cursor.tick;
       const Step step = read_chunk();
       if (step == Step::stop || fault) break;  // a chunk that is cut off is not whole
       is_whole = true;
       if (step == Step::ticks) {
-        if (!has_ticks) range.first_tick = first_tick;
+        if (!has_ticks) range.first_tick = tick_before;
         has_ticks = true;
         range.last_tick = cursor.tick - 1;
       }
@@ -88,6 +89,7 @@ std::vector<IntactRange> TraceReader::Impl::find_intact() {
   end = saved_end;
   first_damage = saved_damage;
   is_sequential = saved_sequential;
+  is_searching = false;
   return ranges;
 }
 
@@ -99,7 +101,8 @@ void TraceReader::Impl::resume_at(std::uint64_t offset, const ChunkHeader& heade
   cursor.tick = header.tick;
   cursor.has_checkpoint = true;
   const bool is_checkpoint = header.kind == static_cast<std::uint8_t>(ChunkKind::checkpoint);
-  if (is_checkpoint && header.tick == 0) cursor.has_checkpoint = false;
+  cursor.state_is_known = is_checkpoint;
+  if (is_checkpoint && header.tick == first_tick) cursor.has_checkpoint = false;
   if (is_checkpoint && header.tick > 0) cursor.last_checkpoint = header.tick - 1;
   if (header.kind == static_cast<std::uint8_t>(ChunkKind::index)) cursor.phase = Phase::index;
   if (header.kind == static_cast<std::uint8_t>(ChunkKind::footer)) cursor.phase = Phase::footer;

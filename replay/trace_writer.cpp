@@ -13,6 +13,7 @@
 #include "replay/file/file.h"
 #include "replay/format/chunk.h"
 #include "replay/format/payload.h"
+#include "replay/format/table_list.h"
 
 namespace ticktrue::replay {
 namespace {
@@ -20,25 +21,39 @@ namespace {
 // A fast recording passes many checkpoints a second, and each sync costs milliseconds.
 constexpr std::chrono::seconds sync_interval{1};
 
+/// Version 3 is written where a test asks for it alone: its number must not go out before all of it is built.
+Error refuse_third(const TraceSetup& setup, const std::string& path) {
+  if (setup.schema.tables.size() > limits::table_count_max)
+    return {ErrorCode::limit,
+            path + ": tables: found " + std::to_string(setup.schema.tables.size()) + ", expected at most " +
+                std::to_string(limits::table_count_max) + ": a trace holds no more",
+            "put rows of equal columns into one table, with a column that tells them apart"};
+  return {ErrorCode::unsupported,
+          path +
+              ": setup: format version 3 is needed (features, stage_interval, a type above f64, child tables or "
+              "shown columns), which is read and not written yet",
+          ""};
+}
+
 }  // namespace
 
 struct TraceWriter::Impl {
   OutputFile file;
   WriterOptions options;
   // Of the setup: what later calls need.
-  Detail detail = Detail::root;
+  TraceSetup setup;  // without the bytes of the simulation's own
+  std::uint16_t version = format_version_first;
   std::optional<CellHasher> cell_hasher;  // with Detail::cells
-  StateSchema schema;                     // with Detail::cells
-  std::uint64_t full_first = 0;
-  std::uint64_t full_last = 0;
-  std::uint32_t checkpoint_interval = 0;
-  std::size_t stage_count = 0;
+  std::optional<CellLayout> cell_layout;  // the same, in version 3
   std::uint64_t setup_dt_bits = 0;
 
   std::uint64_t seed = 0;      // of header checks
   std::uint64_t chain = 0;     // after the last whole chunk
   std::uint32_t sequence = 0;  // of the next chunk
+  std::uint64_t first_tick = 0;
   std::uint64_t tick_count = 0;
+  double time_s = 0;  // simulated in these ticks
+  double tick_dt = 0;
   std::uint64_t size = 0;
   std::uint64_t unpacked_size = 0;  // of all state images
   std::uint64_t facts_check = 0;
@@ -51,15 +66,25 @@ struct TraceWriter::Impl {
 
   // The open ticks chunk.
   bool is_open = false;
-  std::uint64_t running = 0;
+  Running running;
   std::uint64_t dt_bits = 0;
   std::uint32_t chunk_ticks = 0;
-  std::size_t chunk_size = 0;
+  std::size_t chunk_size = 0;     // without records outside of the chain: they must not move the next chunk
+  std::size_t bound_size = 0;     // of those
+  std::size_t bound_in_out = 0;   // of those in `out`
+  bool has_cells_before = false;  // of a tick of this chunk
+  StateCells cells_before;
 
   ByteWriter out;  // what the current call hands over
   Bytes image;
   StateCells cells;
   ByteWriter cells_out;
+
+  // Version 3.
+  LastState last;
+  std::vector<std::uint32_t> changed;  // tables of the state that is written
+  Bytes canonical;                     // its rows, where the machine is big-endian
+  std::uint64_t held = 0;              // bytes of all tables of the state written last, with what stands behind it
 
   explicit Impl(OutputFile opened) : file(std::move(opened)) {}
 
@@ -67,11 +92,12 @@ struct TraceWriter::Impl {
     const Status status = file.append(out.view());
     if (status) {
       size += out.size();
-      if (is_open) chunk_size += out.size();
+      if (is_open) chunk_size += out.size() - bound_in_out;
     } else {
       failure = status.error();
     }
     out.clear();
+    bound_in_out = 0;
     return status;
   }
 
@@ -96,24 +122,30 @@ struct TraceWriter::Impl {
 
   void open_chunk() {
     if (is_open) return;
-    running = encode_chunk_header(next_header(ChunkKind::ticks, streamed_size), seed, out);
+    ChunkHeader header = next_header(ChunkKind::ticks, streamed_size);
+    header.check = encode_chunk_header(header, seed, out);
+    running = begin_running(header, version);
     is_open = true;
     dt_bits = setup_dt_bits;
     chunk_ticks = 0;
-    chunk_size = 0;
+    chunk_size = bound_size = 0;
+    has_cells_before = false;
   }
 
   /// Appends the closing record of the open chunk to `out`.
   void close_chunk() {
     if (!is_open) return;
-    append_close(chunk_ticks, running, out);
-    chain = running;
+    if (version < format_version_third)
+      append_close(chunk_ticks, running.chained, out);
+    else
+      append_close(chunk_ticks, running, out);
+    chain = running.chained;
     is_open = false;
   }
 
-  /// Whether a reader accepts the part even in the smallest possible file.
-  bool may_compress(const ImagePart& part) const {
-    return part.offset + part.size <= limits::image_held_max(size) &&
+  /// Whether a reader accepts the part even in the smallest possible file. `beside`: what is held with its image.
+  bool may_compress(const ImagePart& part, std::uint64_t beside) const {
+    return beside + part.offset + part.size <= limits::image_held_max(size) &&
            unpacked_size + part.size <= limits::images_unpacked_max(size);
   }
 
@@ -121,20 +153,77 @@ struct TraceWriter::Impl {
     ImagePart part;
     part.root_hash = root_hash;
     part.image_size = bytes.size();
+    part.time_s = time_s;
+    // A list of changes is held with the tables that it does not change.
+    const std::uint64_t beside = held > bytes.size() ? held - bytes.size() : 0;
     do {
       part.size = static_cast<std::uint32_t>(std::min<std::size_t>(image_part_size, bytes.size()));
       const ByteView raw = bytes.first(part.size);
       bytes = bytes.subspan(part.size);
       ByteWriter payload;
-      encode_image_part(part, raw, options.compress && may_compress(part), payload);
+      encode_image_part(part, raw, options.compress && may_compress(part, beside), payload, version);
       unpacked_size += part.size;
       const ChunkHeader header = next_header(kind, payload.size());
       put_chunk(header, payload.view());
-      chain = extend_chain(header, payload.view().first(image_part_fields_size), raw);
+      chain = extend_chain(header, payload.view().first(image_fields_size(version)), raw, version);
       if (const Status status = flush(); !status) return status;
       part.offset += part.size;
     } while (!bytes.empty());
     return {};
+  }
+
+  /// A shown image or a save: outside of the chain.
+  Status write_content(ChunkKind kind, ByteView bytes, std::size_t size_max) {
+    TICKTRUE_ASSERT(!in_tick && !is_open && index.checkpoint_count > 0);
+    if (failure) return *failure;
+    if (bytes.size() > size_max)
+      return Error{ErrorCode::limit,
+                   file.path() + ": " + std::string(chunk_kind_info(static_cast<std::uint8_t>(kind))->name) +
+                       ": bytes: found " + std::to_string(bytes.size()) + ", expected at most " +
+                       std::to_string(size_max),
+                   ""};
+    ImagePart part;
+    part.root_hash = content_hash(bytes);
+    part.image_size = bytes.size();
+    do {
+      part.size = static_cast<std::uint32_t>(std::min<std::size_t>(image_part_size, bytes.size()));
+      ByteWriter payload;
+      encode_image_part(part, bytes.first(part.size), options.compress && may_compress(part, held), payload);
+      bytes = bytes.subspan(part.size);
+      unpacked_size += part.size;
+      put_chunk(next_header(kind, payload.size()), payload.view());
+      if (const Status status = flush(); !status) return status;
+      part.offset += part.size;
+    } while (!bytes.empty());
+    held += part.image_size;
+    return {};
+  }
+
+  /// The bytes that stand for the state with so many ticks done: an image, in version 3 a list of tables. Valid until
+  /// the next call.
+  ByteView encode_state(const StateView& state, ChunkKind kind, std::uint64_t ticks_done) {
+    if (version >= format_version_third) return encode_tables(canonical_tables(state, canonical), kind, ticks_done);
+    encode_image(state, image);
+    return image;
+  }
+  Result<ByteView> encode_state(ByteView whole, ChunkKind kind, std::uint64_t ticks_done) {
+    if (version < format_version_third) return whole;
+    const Result<std::vector<ImageTable>> tables = split_image(setup.schema, whole);
+    if (!tables) return tables.error();
+    return encode_tables(*tables, kind, ticks_done);
+  }
+  ByteView encode_tables(std::span<const ImageTable> tables, ChunkKind kind, std::uint64_t ticks_done) {
+    const bool is_whole = kind == ChunkKind::checkpoint || ticks_done == 0 || !last.holds(ticks_done - 1);
+    last.find_changed(tables, is_whole, changed);
+    encode_table_list(is_whole ? ListBase::nothing : ListBase::before, tables, changed, image);
+    held = 0;
+    for (const ImageTable& table : tables) held += row_count_size + table.rows.size();
+    // Only the image of the next tick asks for it.
+    if (setup.is_full(ticks_done))
+      last.keep(tables, changed, is_whole, ticks_done);
+    else
+      last.forget();
+    return image;
   }
 
   Status sync(bool now) {
@@ -147,7 +236,7 @@ struct TraceWriter::Impl {
     return status;
   }
 
-  Status check_image_size(std::size_t bytes) const {
+  Status check_image_size(std::uint64_t bytes) const {
     if (bytes <= limits::state_image_size_max) return {};
     return Error{ErrorCode::limit,
                  file.path() + ": state image: size: found " + std::to_string(bytes) + ", expected at most " +
@@ -155,13 +244,11 @@ struct TraceWriter::Impl {
                  ""};
   }
 
-  bool wants_full() const { return detail == Detail::full && full_first <= tick_count && tick_count <= full_last; }
-
   Status write_checkpoint(ByteView bytes, std::uint64_t root_hash) {
     TICKTRUE_ASSERT(!in_tick);
-    TICKTRUE_ASSERT(index.checkpoint_count == 0 ? tick_count == 0 : tick_count > last_checkpoint);
+    TICKTRUE_ASSERT(index.checkpoint_count == 0 ? tick_count == first_tick : tick_count > last_checkpoint);
     if (failure) return *failure;
-    if (const Status status = check_image_size(bytes.size()); !status) return status;
+    if (const Status status = check_image_size(std::max<std::uint64_t>(bytes.size(), held)); !status) return status;
     close_chunk();
     index.add({tick_count, size + out.size()});
     last_checkpoint = tick_count;
@@ -169,33 +256,46 @@ struct TraceWriter::Impl {
     return sync(false);
   }
 
+  void append_cells(const StateCells& of_state) {
+    cells_out.clear();
+    if (cell_layout) {
+      encode_cell_list(*cell_layout, of_state, has_cells_before ? &cells_before : nullptr, cells_out);
+      cells_before = of_state;
+      has_cells_before = true;
+    } else {
+      encode_cells(of_state, setup.schema, cells_out);
+    }
+    append_record(RecordTag::cells, cells_out.view(), running.chained, out);
+  }
+
   Status write_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, std::optional<ByteView> bytes,
-                    ByteView cells_body) {
+                    const StateCells* of_state) {
     TICKTRUE_ASSERT(in_tick);
     if (failure) return *failure;
     if (bytes)
-      if (const Status status = check_image_size(bytes->size()); !status) return status;
+      if (const Status status = check_image_size(std::max<std::uint64_t>(bytes->size(), held)); !status) return status;
     open_chunk();
-    const bool is_full = wants_full();
-    if (is_full && !stage_hashes.empty()) {
-      TICKTRUE_ASSERT(stage_hashes.size() == stage_count);
+    if (setup.has_stages(tick_count) && !stage_hashes.empty()) {
+      TICKTRUE_ASSERT(stage_hashes.size() == setup.stages.size());
       ByteWriter body;
       for (const std::uint64_t hash : stage_hashes) body.u64(hash);
-      append_record(RecordTag::stages, body.view(), running, out);
+      append_record(RecordTag::stages, body.view(), running.chained, out);
     }
-    if (detail == Detail::cells && !cells_body.empty()) append_record(RecordTag::cells, cells_body, running, out);
-    const bool has_image = is_full && bytes.has_value();
+    if (setup.detail == Detail::cells && of_state != nullptr) append_cells(*of_state);
+    const bool has_image = setup.is_full(tick_count) && bytes.has_value();
     ByteWriter body;
     body.u64(root_hash);
-    append_record(has_image ? RecordTag::root_image : RecordTag::root, body.view(), running, out);
+    append_record(has_image ? RecordTag::root_image : RecordTag::root, body.view(), running.chained, out);
     in_tick = false;
     ++tick_count;
     ++chunk_ticks;
-    if (has_image || chunk_ticks == chunk_tick_count || chunk_size + out.size() >= chunk_close_size) close_chunk();
+    if (has_image || chunk_ticks == chunk_tick_count || chunk_size + out.size() - bound_in_out >= chunk_close_size)
+      close_chunk();
     if (const Status status = flush(); !status) {
       --tick_count;  // it is not in the file
       return status;
     }
+    time_s += tick_dt;
     return has_image ? write_image(ChunkKind::image, *bytes, root_hash) : Status();
   }
 };
@@ -209,22 +309,19 @@ Result<TraceWriter> TraceWriter::create(const std::string& path, const TraceSetu
                                         const WriterOptions& options) {
   if (const Status status = check_setup(setup, path); !status) return status.error();
   if (const Status status = check_facts(facts, path); !status) return status.error();
+  const std::uint16_t version = version_of(setup);
+  if (version == format_version_third && !options.allow_third) return refuse_third(setup, path);
   Result<OutputFile> file = OutputFile::create(path, options.overwrite);
   if (!file) return file.error();
   auto impl = std::make_unique<Impl>(std::move(*file));
   impl->options = options;
   impl->options.compress = options.compress && has_codec(Codec::zstd);
-  impl->detail = setup.detail;
-  const std::uint16_t version = detail_info(setup.detail).format_version;
+  impl->version = version;
   impl->seed = impl->chain = chain_start(version);
-  if (setup.detail == Detail::cells) {
-    impl->schema = setup.schema;
-    impl->cell_hasher.emplace(setup.schema);
-  }
-  impl->full_first = setup.full_first;
-  impl->full_last = setup.full_last;
-  impl->checkpoint_interval = setup.checkpoint_interval;
-  impl->stage_count = setup.stages.size();
+  if (setup.detail == Detail::cells) impl->cell_hasher.emplace(setup.schema);
+  if (setup.detail == Detail::cells && version == format_version_third) impl->cell_layout.emplace(setup.schema);
+  impl->setup = setup;
+  impl->setup.setup = {};
   impl->setup_dt_bits = bits_of(setup.dt);
 
   encode_file_header(impl->out, version);
@@ -232,7 +329,7 @@ Result<TraceWriter> TraceWriter::create(const std::string& path, const TraceSetu
   encode_setup(setup, payload);
   const ChunkHeader setup_header = impl->next_header(ChunkKind::setup, payload.size());
   impl->put_chunk(setup_header, payload.view());
-  impl->chain = extend_chain(setup_header, {}, payload.view());
+  impl->chain = extend_chain(setup_header, {}, payload.view(), version);
   impl->seed = impl->chain;
 
   payload.clear();
@@ -256,59 +353,104 @@ Status TraceWriter::begin_tick(const TickInput& input) {
   if (impl.tick_count >= limits::tick_count_max)
     return Error{ErrorCode::limit, impl.file.path() + ": tick count: reached " + std::to_string(impl.tick_count), ""};
   impl.in_tick = true;
+  impl.tick_dt = input.dt;
   const std::uint64_t dt_bits = bits_of(input.dt);
   if (dt_bits == (impl.is_open ? impl.dt_bits : impl.setup_dt_bits) && input.inputs.empty()) return {};
   impl.open_chunk();
   if (dt_bits != impl.dt_bits) {
     ByteWriter body;
     body.u64(dt_bits);
-    append_record(RecordTag::dt, body.view(), impl.running, impl.out);
+    append_record(RecordTag::dt, body.view(), impl.running.chained, impl.out);
     impl.dt_bits = dt_bits;
   }
-  if (!input.inputs.empty()) append_record(RecordTag::inputs, input.inputs, impl.running, impl.out);
+  if (!input.inputs.empty()) append_record(RecordTag::inputs, input.inputs, impl.running.chained, impl.out);
   return impl.flush();
 }
 
 Status TraceWriter::end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
                              const StateView* state) {
   Impl& impl = *impl_;
-  if (state == nullptr || !wants_state()) return impl.write_tick(root_hash, stage_hashes, std::nullopt, {});
+  if (state == nullptr || !wants_state()) return impl.write_tick(root_hash, stage_hashes, std::nullopt, nullptr);
   if (impl.cell_hasher) {
     impl.cell_hasher->hash(*state, 0, impl.cells);
-    impl.cells_out.clear();
-    encode_cells(impl.cells, impl.schema, impl.cells_out);
-    return impl.write_tick(root_hash, stage_hashes, std::nullopt, impl.cells_out.view());
+    return impl.write_tick(root_hash, stage_hashes, std::nullopt, &impl.cells);
   }
-  encode_image(*state, impl.image);
-  return impl.write_tick(root_hash, stage_hashes, ByteView(impl.image), {});
+  return impl.write_tick(root_hash, stage_hashes, impl.encode_state(*state, ChunkKind::image, impl.tick_count + 1),
+                         nullptr);
 }
 
 Status TraceWriter::end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                                     std::optional<ByteView> image, ByteView cells) {
-  return impl_->write_tick(root_hash, stage_hashes, image, cells);
+                                     std::optional<ByteView> image, const StateCells* cells) {
+  Impl& impl = *impl_;
+  if (image && impl.setup.is_full(impl.tick_count)) {
+    const Result<ByteView> encoded = impl.encode_state(*image, ChunkKind::image, impl.tick_count + 1);
+    if (!encoded) return encoded.error();
+    image = *encoded;
+  }
+  return impl.write_tick(root_hash, stage_hashes, image, cells);
+}
+
+void TraceWriter::begin_at(std::uint64_t tick, double time_s) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.setup.has(Feature::tail) && impl.index.checkpoint_count == 0);
+  impl.first_tick = impl.tick_count = tick;
+  impl.time_s = time_s;
+}
+
+Status TraceWriter::bound_record(RecordTag tag, ByteView body) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.in_tick && impl.version == format_version_third);
+  if (impl.failure) return *impl.failure;
+  impl.open_chunk();
+  const std::size_t start = impl.out.size();
+  constexpr std::size_t frame_size_max = 8;  // tag, size, check
+  if (impl.bound_size + body.size() + frame_size_max > bound_size_max)
+    return Error{ErrorCode::limit,
+                 impl.file.path() + ": tick " + std::to_string(impl.tick_count) +
+                     ": notes and marks: reached the limit of a chunk",
+                 ""};
+  append_record(tag, body, impl.running.outside, impl.out);
+  impl.bound_in_out += impl.out.size() - start;
+  impl.bound_size += impl.out.size() - start;
+  return impl.flush();
 }
 
 bool TraceWriter::wants_full() const {
-  return impl_->wants_full();
+  return impl_->setup.is_full(impl_->tick_count);
+}
+
+bool TraceWriter::wants_stages() const {
+  return impl_->setup.has_stages(impl_->tick_count);
 }
 
 bool TraceWriter::wants_state() const {
-  return impl_->cell_hasher.has_value() || impl_->wants_full();
+  return impl_->cell_hasher.has_value() || wants_full();
 }
 
 bool TraceWriter::wants_checkpoint() const {
   if (impl_->index.checkpoint_count == 0) return true;
-  return impl_->checkpoint_interval != 0 && impl_->tick_count % impl_->checkpoint_interval == 0 &&
-         impl_->tick_count != impl_->last_checkpoint;
+  const std::uint32_t interval = impl_->setup.checkpoint_interval;
+  return interval != 0 && impl_->tick_count % interval == 0 && impl_->tick_count != impl_->last_checkpoint;
 }
 
 Status TraceWriter::checkpoint(const StateView& state, std::uint64_t root_hash) {
-  encode_image(state, impl_->image);
-  return impl_->write_checkpoint(impl_->image, root_hash);
+  return impl_->write_checkpoint(impl_->encode_state(state, ChunkKind::checkpoint, impl_->tick_count), root_hash);
 }
 
 Status TraceWriter::checkpoint_encoded(ByteView image, std::uint64_t root_hash) {
-  return impl_->write_checkpoint(image, root_hash);
+  const Result<ByteView> encoded = impl_->encode_state(image, ChunkKind::checkpoint, impl_->tick_count);
+  if (!encoded) return encoded.error();
+  return impl_->write_checkpoint(*encoded, root_hash);
+}
+
+Status TraceWriter::shown(ByteView bytes) {
+  TICKTRUE_ASSERT(impl_->setup.has(Feature::shown));
+  return impl_->write_content(ChunkKind::shown, bytes, limits::shown_size_max);
+}
+
+Status TraceWriter::save(ByteView bytes) {
+  TICKTRUE_ASSERT(impl_->setup.has(Feature::saves) && impl_->tick_count == impl_->last_checkpoint);
+  return impl_->write_content(ChunkKind::save, bytes, limits::save_size_max);
 }
 
 Status TraceWriter::finish(EndReason reason, const std::string& note) {
@@ -319,7 +461,7 @@ Status TraceWriter::finish(EndReason reason, const std::string& note) {
   encode_end({reason, impl.tick_count, note}, payload);
   const ChunkHeader end_header = impl.next_header(ChunkKind::end, payload.size());
   impl.put_chunk(end_header, payload.view());
-  impl.chain = extend_chain(end_header, {}, payload.view());
+  impl.chain = extend_chain(end_header, {}, payload.view(), impl.version);
 
   Footer footer;
   footer.index_offset = impl.size + impl.out.size();
@@ -346,14 +488,14 @@ Error TraceWriter::abandon(Error error) {
   OutputFile& file = impl_->file;
   if (impl_->file_is_closed || !file.check_in_place()) return error;  // it may be another program's by now
   const auto add = [&](const std::string& text) { error.hint += (error.hint.empty() ? "" : "; ") + text; };
-  if (impl_->tick_count == 0) {
+  if (impl_->tick_count == impl_->first_tick) {
     const bool had_old = !file.old_path().empty();
     discard();
     add(had_old ? "no tick was recorded: the file from before is back"
                 : "no tick was recorded: no file was left behind");
     return error;
   }
-  add(std::to_string(impl_->tick_count) + " ticks are whole in it: `ticktrue recover` saves them");
+  add(std::to_string(impl_->tick_count - impl_->first_tick) + " ticks are whole in it: `ticktrue recover` saves them");
   if (!file.old_path().empty()) add("the file from before is " + file.old_path());
   return error;
 }

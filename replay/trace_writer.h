@@ -10,14 +10,16 @@
 
 #include "base/result.h"
 #include "base/state/simulation.h"
+#include "replay/format/chunk.h"
 #include "replay/format/trace.h"
 
 namespace ticktrue::replay {
 
 struct WriterOptions {
-  bool overwrite = false;  // replace an existing file; else it is an error
-  bool compress = true;    // checkpoints and images with zstd where the build has it
-  bool sync = true;        // fsync at checkpoints (at most one a second) and at the end (power loss)
+  bool overwrite = false;    // replace an existing file; else it is an error
+  bool compress = true;      // checkpoints and images with zstd where the build has it
+  bool sync = true;          // fsync at checkpoints (at most one a second) and at the end (power loss)
+  bool allow_third = false;  // format version 3 where the setup needs it: not all of it is built yet
 };
 
 /// Order of calls: create, checkpoint (tick 0), then begin_tick / end_tick for each tick, checkpoint in between where
@@ -33,19 +35,28 @@ class TraceWriter {
   TraceWriter& operator=(TraceWriter&&) noexcept;
   ~TraceWriter();  // leaves the file as it is: truncated, unless finished
 
+  /// The trace begins with so many ticks done. Requires: Feature::tail, no checkpoint yet.
+  void begin_at(std::uint64_t tick, double time_s);
+
   /// Hands dt (if it changed) and inputs (if any) to the operating system. Call before the tick runs.
   Status begin_tick(const TickInput& input);
 
-  /// Hands the hashes of the tick to the operating system. `stage_hashes` count only for ticks stored in full
-  /// (wants_full()), `state`, after the tick, also with detail cells (wants_state()); else it may be null.
+  /// Hands a record outside of the chain to the operating system. Requires: a tick begun, the feature.
+  /// Errors: limit (those of the chunk are too many; nothing is written).
+  Status bound_record(RecordTag tag, ByteView body);
+
+  /// Hands the hashes of the tick to the operating system. `stage_hashes` count only where they are stored
+  /// (wants_stages()), `state`, after the tick, also with detail cells (wants_state()); else it may be null.
   Status end_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, const StateView* state);
 
   /// The same with an encoded image, for recovery.
   Status end_tick_encoded(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes,
-                          std::optional<ByteView> image, ByteView cells = {});
+                          std::optional<ByteView> image, const StateCells* cells = nullptr);
 
   /// Whether the tick that is in flight or begins next is to be stored in full.
   bool wants_full() const;
+  /// Whether the hash after each of its stages is stored.
+  bool wants_stages() const;
   /// Whether more than hashes is stored of that tick.
   bool wants_state() const;
 
@@ -54,6 +65,11 @@ class TraceWriter {
   /// Requires: no tick begun; the first at tick 0, later ones ascending.
   Status checkpoint(const StateView& state, std::uint64_t root_hash);
   Status checkpoint_encoded(ByteView image, std::uint64_t root_hash);
+  /// The shown image of the state that was written last, as a checkpoint or with a tick. Requires: Feature::shown.
+  Status shown(ByteView bytes);
+  /// What brings the program back to the state of the checkpoint that was written last. Requires: Feature::saves, no
+  /// tick begun since.
+  Status save(ByteView bytes);
 
   /// Writes end record, index and footer and closes the file.
   Status finish(EndReason reason, const std::string& note);

@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::uint64_t multiplier = 0xd6e8feb86659fd93u;  // odd, bits without pattern
 constexpr std::uint32_t no_owner = 0xffffffffu;
+// From so many tables on, rows are kept: in a tick of a program with many tables, most of them do not change. Below,
+// nearly all change, and comparing and copying them would cost more than hashing.
+constexpr std::size_t kept_table_count_min = 65;
 
 /// One step of a chain; a bijection of `hash` for each `word` and of `word` for each `hash`.
 std::uint64_t mix(std::uint64_t hash, std::uint64_t word) {
@@ -144,6 +147,9 @@ CellHasher::CellHasher(const StateSchema& schema) : schema_(schema) {
         tables_[t].references.push_back({tables_[t].column_word[c] + lane, target});
       is_target_[target] = true;
     }
+  if (tables_.size() < kept_table_count_min) return;
+  for (std::size_t t = 0; t < tables_.size(); ++t) tables_[t].is_kept = tables_[t].owns && !is_target_[t];
+  kept_columns_.resize(column_count_);
 }
 
 /// The words of all rows: the rows themselves, or an expanded copy.
@@ -232,6 +238,7 @@ void CellHasher::prepare(const StateView& state) {
   TICKTRUE_ASSERT(state.tables.size() == tables_.size());
   std::size_t owner_count = 0;
   for (std::size_t t = 0; t < tables_.size(); ++t) {
+    if (tables_[t].is_unchanged) continue;
     words_[t] = words_of(t, state.tables[t]);
     first_owner_[t] = owner_count;
     if (tables_[t].owns) owner_count += state.tables[t].row_count;
@@ -262,32 +269,94 @@ CellPlace place_of(const CellOwner& owner, std::uint32_t partition_cells) {
 }  // namespace
 
 void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, StateCells& out) {
-  TICKTRUE_ASSERT(partition_cells <= partition_cells_max);
-  prepare(state);
-  out.partition_cells = partition_cells == 0 ? partition_cells_for(values_.size() / 2) : partition_cells;
+  TICKTRUE_ASSERT(partition_cells <= partition_cells_max && state.tables.size() == tables_.size());
+  std::uint64_t owner_count = 0;
+  for (std::size_t t = 0; t < tables_.size(); ++t)
+    if (tables_[t].owns) owner_count += state.tables[t].row_count;
+  out.partition_cells = partition_cells == 0 ? partition_cells_for(owner_count) : partition_cells;
   out.cells.assign(partition_count * out.partition_cells, 0);
   out.row_counts.clear();
-  out.columns.assign(column_count_, 0);
-  if (places_cells_ != out.partition_cells)
+  if (places_cells_ != out.partition_cells) {
     for (Table& table : tables_) table.places.clear();
-  places_cells_ = out.partition_cells;
+    places_cells_ = out.partition_cells;
+    forget_rows();
+  }
+  find_unchanged(state);
+  prepare(state);
+  hashed_table_count_ = 0;
+  out.columns.assign(column_count_, 0);
   for (const bool owns : {true, false}) {
     std::uint32_t* columns = out.columns.data();
     for (std::size_t t = 0; t < tables_.size(); ++t) {
-      if (tables_[t].owns == owns && state.tables[t].row_count > 0)
+      const Table& table = tables_[t];
+      const bool is_hashed =
+          table.owns == owns && !table.is_unchanged && (table.is_kept || state.tables[t].row_count > 0);
+      hashed_table_count_ += is_hashed ? 1 : 0;
+      if (is_hashed && table.is_kept)
+        replace_kept(t, state.tables[t], kept_columns_.data() + (columns - out.columns.data()));
+      else if (is_hashed)
         hash_table(t, state.tables[t].row_count, columns, out);
-      columns += tables_[t].column_word.size() - 1;
+      columns += table.column_word.size() - 1;
     }
   }
+  // Those of all other tables are 0 there.
+  for (std::size_t c = 0; c < kept_columns_.size(); ++c) out.columns[c] |= kept_columns_[c];
+  for (std::size_t i = 0; i < kept_cells_.size(); ++i)
+    out.cells[i] = static_cast<std::uint16_t>(out.cells[i] ^ kept_cells_[i]);
   for (std::size_t t = 0; t < tables_.size(); ++t) {
     out.row_counts.push_back(state.tables[t].row_count);
-    if (!tables_[t].owns) continue;
+    if (!tables_[t].owns || tables_[t].is_kept) continue;
     const CellPlace* places = tables_[t].places.data();
     const std::uint64_t* values = values_.data() + first_owner_[t];
     const std::uint64_t* more = values + values_.size() / 2;
     for (std::size_t row = 0; row < state.tables[t].row_count; ++row)
       put_value(out.cells.data(), out.partition_cells, places[row], values[row] + more[row]);
   }
+}
+
+void CellHasher::forget_rows() {
+  for (Table& table : tables_) table.has_rows = false;
+  if (kept_columns_.empty()) return;
+  kept_cells_.assign(partition_count * places_cells_, 0);
+  kept_columns_.assign(column_count_, 0);
+}
+
+void CellHasher::find_unchanged(const StateView& state) {
+  if (kept_columns_.empty()) return;
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    Table& table = tables_[t];
+    if (!table.is_kept) continue;
+    const std::size_t size = std::size_t{state.tables[t].row_count} * schema_.tables[t].row_size;
+    table.is_unchanged = table.has_rows && table.rows.size() == size &&
+                         (size == 0 || std::memcmp(table.rows.data(), state.tables[t].data, size) == 0);
+  }
+}
+
+/// Puts the values of the rows into the kept cells; a second time takes them out again. Requires: their places.
+void CellHasher::fold_kept(std::size_t index, const TableRows& rows) {
+  const Table& table = tables_[index];
+  hashes_.resize(rows.row_count);
+  hash_rows(short_rows, words_of(index, rows), table.words, rows.row_count, table.seed, hashes_.data());
+  for (std::size_t row = 0; row < rows.row_count; ++row)
+    put_value(kept_cells_.data(), places_cells_, table.places[row], hashes_[row]);
+}
+
+/// The rows of a kept table by others, in its copy, its cells and its columns.
+void CellHasher::replace_kept(std::size_t index, const TableRows& rows, std::uint32_t* columns) {
+  Table& table = tables_[index];
+  const std::uint32_t row_size = schema_.tables[index].row_size;
+  if (table.has_rows) fold_kept(index, {table.rows.data(), static_cast<std::uint32_t>(table.rows.size() / row_size)});
+  words_[index] = words_of(index, rows);
+  keep_places(index, rows.row_count);
+  fold_kept(index, rows);
+  std::fill(columns, columns + (table.column_word.size() - 1), 0u);
+  if (rows.row_count > 0) {
+    sums_.assign(table.words, 0);
+    add_products(table, words_[index], 0, rows.row_count);
+    hash_columns(table, rows.row_count, columns);
+  }
+  table.rows.assign(rows.data, rows.data + std::size_t{rows.row_count} * row_size);
+  table.has_rows = true;
 }
 
 /// Columns and rows of a table, some rows at a time: what is read once stays in the nearest cache for the rest.
@@ -372,6 +441,7 @@ void CellHasher::fold_rows(std::size_t index, std::size_t first, std::size_t row
 }
 
 const std::vector<CellOwner>& CellHasher::owners(const StateView& state) {
+  for (Table& table : tables_) table.is_unchanged = false;
   prepare(state);
   owners_.clear();
   for (std::size_t t = 0; t < tables_.size(); ++t)
@@ -384,6 +454,7 @@ const std::vector<CellOwner>& CellHasher::owners(const StateView& state) {
 }
 
 std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t table, std::size_t row) {
+  for (Table& each : tables_) each.is_unchanged = false;
   prepare(state);
   const std::uint32_t* words = words_[table] + row * tables_[table].words;
   if (tables_[table].owns || !find_owners(tables_[table], words))

@@ -48,13 +48,17 @@ struct CellPlace {
   bool is_known = false;
 };
 
-/// Computes the cells of states of one schema; reuses its buffers between calls.
+/// Computes the cells of states of one schema; reuses its buffers between calls. Where the schema has many tables, it
+/// keeps a copy of the last state and hashes the tables whose rows differ from it.
 class CellHasher {
  public:
   explicit CellHasher(const StateSchema& schema);
 
   /// `partition_cells` 0: as many as partition_cells_for says. Requires: a state of the schema.
   void hash(const StateView& state, std::uint32_t partition_cells, StateCells& out);
+
+  /// How many tables the last call hashed: all that have rows, but for those that did not change and were left out.
+  std::size_t hashed_table_count() const { return hashed_table_count_; }
 
   /// Every owner of the state, in table and row order. Valid until the next call.
   const std::vector<CellOwner>& owners(const StateView& state);
@@ -78,6 +82,10 @@ class CellHasher {
     std::size_t key_words = 0;
     std::vector<CellPlace> places;  // [row], of an owning table
     bool places_are_dense = false;  // their keys are those of a dense lookup
+    bool is_kept = false;           // its rows are in no value but their own, and `rows` is a copy of the last ones
+    bool is_unchanged = false;      // its rows are those of `rows`
+    bool has_rows = false;          // `rows` is known
+    Bytes rows;
   };
   /// Finds the row with an id.
   struct Lookup {
@@ -94,6 +102,10 @@ class CellHasher {
   void make_lookup(const Table& table, const std::uint32_t* words, std::size_t row_count, Lookup& lookup);
   static std::uint64_t key_of(const Table& table, const std::uint32_t* row_words, std::size_t row);
   void prepare(const StateView& state);
+  void find_unchanged(const StateView& state);
+  void forget_rows();
+  void fold_kept(std::size_t table, const TableRows& rows);
+  void replace_kept(std::size_t table, const TableRows& rows, std::uint32_t* columns);
   void hash_table(std::size_t table, std::size_t row_count, std::uint32_t* columns, StateCells& out);
   void keep_places(std::size_t table, std::size_t row_count);
   void fold_rows(std::size_t table, std::size_t first, std::size_t row_count, StateCells& out);
@@ -109,10 +121,13 @@ class CellHasher {
   std::vector<std::size_t> first_owner_;              // [table], index of its first row in values_
   std::vector<std::uint64_t> values_;                 // [owner], twice: the two are added
   std::uint32_t places_cells_ = 0;                    // the cells of a partition that places are of
-  std::vector<std::size_t> found_;                    // owners of one row
-  std::vector<std::uint64_t> sums_;                   // [word]
-  std::vector<std::uint64_t> block_sums_;             // [word]
-  std::vector<std::uint64_t> hashes_;                 // [row]
+  std::vector<std::uint32_t> kept_columns_;           // [column], of tables whose rows are kept
+  std::size_t hashed_table_count_ = 0;
+  std::vector<std::uint16_t> kept_cells_;  // of all these tables
+  std::vector<std::size_t> found_;         // owners of one row
+  std::vector<std::uint64_t> sums_;        // [word]
+  std::vector<std::uint64_t> block_sums_;  // [word]
+  std::vector<std::uint64_t> hashes_;      // [row]
   std::vector<CellOwner> owners_;
 };
 

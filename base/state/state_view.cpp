@@ -17,17 +17,6 @@
 namespace ticktrue {
 namespace {
 
-constexpr std::array<ScalarInfo, 8> scalars{{
-    {ScalarType::u8, "u8", 1, false},
-    {ScalarType::u16, "u16", 2, false},
-    {ScalarType::u32, "u32", 4, false},
-    {ScalarType::u64, "u64", 8, false},
-    {ScalarType::i32, "i32", 4, false},
-    {ScalarType::i64, "i64", 8, false},
-    {ScalarType::f32, "f32", 4, true},
-    {ScalarType::f64, "f64", 8, true},
-}};
-
 constexpr std::size_t hash_block_size = 16 * 1024;
 
 std::size_t scalar_size(ScalarType type) {
@@ -46,6 +35,12 @@ bool is_finite_bits(ScalarType type, std::uint64_t bits) {
   return true;
 }
 
+/// The value of a signed integer of `size` bytes.
+std::int64_t signed_value(std::uint64_t bits, std::size_t size) {
+  const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
+  return static_cast<std::int64_t>((bits ^ sign) - sign);
+}
+
 /// The value of a lane for range checks. Integers beyond 2^53 lose low bits, which no range of ours looks at.
 double lane_value(ScalarType type, std::uint64_t bits) {
   switch (type) {
@@ -53,13 +48,11 @@ double lane_value(ScalarType type, std::uint64_t bits) {
       return float_of_bits(static_cast<std::uint32_t>(bits));
     case ScalarType::f64:
       return double_of_bits(bits);
-    case ScalarType::i32:
-      return static_cast<std::int32_t>(static_cast<std::uint32_t>(bits));
-    case ScalarType::i64:
-      return static_cast<double>(static_cast<std::int64_t>(bits));
     default:
-      return static_cast<double>(bits);
+      break;
   }
+  const ScalarInfo& info = *scalar_info(type);
+  return info.is_signed ? static_cast<double>(signed_value(bits, info.size)) : static_cast<double>(bits);
 }
 
 /// Rows in canonical byte order: the machine's own where that is little-endian, else a swapped copy in `buffer`.
@@ -85,34 +78,6 @@ std::strong_ordering compare_keys(const TableSchema& table, const std::uint8_t* 
   return std::strong_ordering::equal;
 }
 
-Error schema_error(const std::string& what) {
-  return {ErrorCode::corrupt, "schema: " + what, ""};
-}
-
-/// Two places with one name: the first that has a place before it. Sorted, since all pairs of thousands are millions.
-struct Duplicate {
-  std::size_t first = 0;
-  std::size_t second = std::numeric_limits<std::size_t>::max();  // none
-};
-template <typename Item>
-Duplicate find_duplicate(const std::vector<Item>& items) {
-  std::vector<std::size_t> order(items.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&items](std::size_t a, std::size_t b) {
-    const int compared = items[a].name.compare(items[b].name);
-    return compared != 0 ? compared < 0 : a < b;
-  });
-  Duplicate found;
-  for (std::size_t i = 1; i < order.size(); ++i)
-    if (order[i] < found.second && items[order[i]].name == items[order[i - 1]].name) found = {order[i - 1], order[i]};
-  return found;
-}
-
-std::string duplicate_text(const char* what, const Duplicate& duplicate) {
-  return std::string(": stands twice: as ") + what + " " + std::to_string(duplicate.first) + " and as " + what + " " +
-         std::to_string(duplicate.second) + ", counted from 0";
-}
-
 std::string place_text(const TableSchema& table, std::size_t row, const Column& column, std::size_t lane) {
   std::string text = table.name + "[" + std::to_string(row) + "]." + column.name;
   if (column.lane_count > 1) text += "[" + std::to_string(lane) + "]";
@@ -120,131 +85,6 @@ std::string place_text(const TableSchema& table, std::size_t row, const Column& 
 }
 
 }  // namespace
-
-const ScalarInfo* scalar_info(ScalarType type) {
-  for (const ScalarInfo& info : scalars)
-    if (info.type == type) return &info;
-  return nullptr;
-}
-
-std::optional<std::size_t> StateSchema::find_table(std::string_view name) const {
-  for (std::size_t i = 0; i < tables.size(); ++i)
-    if (tables[i].name == name) return i;
-  return std::nullopt;
-}
-
-bool owns_rows(const StateSchema& schema, std::size_t table) {
-  return std::none_of(
-      schema.tables[table].columns.begin(), schema.tables[table].columns.end(),
-      [&](const Column& column) { return column.target >= 0 && column.target != static_cast<int>(table); });
-}
-
-Status check_schema(const StateSchema& schema) {
-  if (schema.tables.empty() || schema.tables.size() > limits::table_count_max)
-    return schema_error("table count: found " + std::to_string(schema.tables.size()) + ", expected 1.." +
-                        std::to_string(limits::table_count_max));
-  const Duplicate same_table = find_duplicate(schema.tables);
-  for (std::size_t t = 0; t < schema.tables.size(); ++t) {
-    const TableSchema& table = schema.tables[t];
-    if (table.name.empty() || table.name.size() > limits::name_size_max)
-      return schema_error("table " + std::to_string(t) + ": name is empty or too long");
-    if (t == same_table.second) return schema_error("table " + table.name + duplicate_text("table", same_table));
-    if (table.columns.empty() || table.columns.size() > limits::column_count_max)
-      return schema_error("table " + table.name + ": column count: found " + std::to_string(table.columns.size()) +
-                          ", expected 1.." + std::to_string(limits::column_count_max));
-    if (table.row_size == 0 || table.row_size > limits::row_size_max)
-      return schema_error("table " + table.name + ": row size: found " + std::to_string(table.row_size) +
-                          ", expected 1.." + std::to_string(limits::row_size_max));
-    if (table.key_column_count > table.columns.size())
-      return schema_error("table " + table.name + ": more key columns than columns");
-    const Duplicate same_column = find_duplicate(table.columns);
-    std::size_t end = 0;
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const Column& column = table.columns[c];
-      const std::string place = "table " + table.name + ": column " + column.name;
-      if (column.name.empty() || column.name.size() > limits::name_size_max)
-        return schema_error("table " + table.name + ": column " + std::to_string(c) + ": name is empty or too long");
-      if (c == same_column.second) return schema_error(place + duplicate_text("column", same_column));
-      const ScalarInfo* info = scalar_info(column.type);
-      if (info == nullptr) return schema_error(place + ": unknown scalar type");
-      if (column.lane_count == 0) return schema_error(place + ": no lanes");
-      if (column.offset != end)
-        return schema_error(place + ": offset: found " + std::to_string(column.offset) + ", expected " +
-                            std::to_string(end) + " (columns must cover the row without gaps)");
-      end += static_cast<std::size_t>(info->size) * column.lane_count;
-      if (c < table.key_column_count && (info->is_float || column.lane_count != 1 || column.type == ScalarType::i32 ||
-                                         column.type == ScalarType::i64))
-        return schema_error(place + ": a key column must be one unsigned integer");
-      if (column.target < -1 || column.target >= static_cast<int>(schema.tables.size()))
-        return schema_error(place + ": refers to no table");
-      if (column.target >= 0 &&
-          (column.type != ScalarType::u32 ||
-           schema.tables[static_cast<std::size_t>(column.target)].key_column_count != 1 ||
-           schema.tables[static_cast<std::size_t>(column.target)].columns.empty() ||
-           schema.tables[static_cast<std::size_t>(column.target)].columns[0].type != ScalarType::u32))
-        return schema_error(place + ": a reference must be u32, to a table with one u32 key");
-      if (!(column.min <= column.max)) return schema_error(place + ": empty range");
-    }
-    if (end != table.row_size)
-      return schema_error("table " + table.name + ": row size: found " + std::to_string(table.row_size) +
-                          ", columns cover " + std::to_string(end));
-  }
-  return {};
-}
-
-void encode_schema(const StateSchema& schema, ByteWriter& out) {
-  out.u16(static_cast<std::uint16_t>(schema.tables.size()));
-  for (const TableSchema& table : schema.tables) {
-    out.text(table.name);
-    out.u32(table.row_size);
-    out.u8(table.key_column_count);
-    out.u16(static_cast<std::uint16_t>(table.columns.size()));
-    for (const Column& column : table.columns) {
-      out.text(column.name);
-      out.u8(static_cast<std::uint8_t>(column.type));
-      out.u8(column.lane_count);
-      out.u16(column.offset);
-      out.f64(column.min);
-      out.f64(column.max);
-      out.u16(static_cast<std::uint16_t>(column.target + 1));
-      out.u8(column.optional ? 1 : 0);
-    }
-  }
-}
-
-Result<StateSchema> decode_schema(ByteReader& in) {
-  StateSchema schema;
-  const std::size_t table_count = in.u16();
-  if (table_count > limits::table_count_max) return schema_error("too many tables");
-  for (std::size_t t = 0; t < table_count && in.ok(); ++t) {
-    TableSchema table;
-    table.name = in.text(limits::name_size_max);
-    table.row_size = in.u32();
-    table.key_column_count = in.u8();
-    const std::size_t column_count = in.u16();
-    if (column_count > limits::column_count_max) return schema_error("too many columns");
-    for (std::size_t c = 0; c < column_count && in.ok(); ++c) {
-      Column column;
-      column.name = in.text(limits::name_size_max);
-      column.type = static_cast<ScalarType>(in.u8());
-      column.lane_count = in.u8();
-      column.offset = in.u16();
-      column.min = in.f64();
-      column.max = in.f64();
-      const std::uint16_t target = in.u16();
-      if (target > limits::table_count_max) return schema_error("a column refers to no table");
-      column.target = static_cast<std::int16_t>(target - 1);
-      const std::uint8_t optional = in.u8();
-      if (optional > 1) return schema_error("a flag is neither 0 nor 1");
-      column.optional = optional == 1;
-      table.columns.push_back(std::move(column));
-    }
-    schema.tables.push_back(std::move(table));
-  }
-  if (!in.ok()) return schema_error("ends early");
-  if (const Status status = check_schema(schema); !status) return status.error();
-  return schema;
-}
 
 std::uint64_t root_hash(const StateView& state) {
   ByteWriter digest;
@@ -269,6 +109,29 @@ void encode_image(const StateView& state, Bytes& out) {
     for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::uint8_t>(row_count >> (8 * i)));
     out.insert(out.end(), rows.begin(), rows.end());
   }
+}
+
+void join_image(std::span<const ImageTable> tables, Bytes& out) {
+  out.clear();
+  for (const ImageTable& table : tables) {
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::uint8_t>(table.row_count >> (8 * i)));
+    out.insert(out.end(), table.rows.begin(), table.rows.end());
+  }
+}
+
+std::vector<ImageTable> canonical_tables(const StateView& state, Bytes& buffer) {
+  std::vector<ImageTable> tables;
+  tables.reserve(state.tables.size());
+  if constexpr (machine_is_little_endian) {
+    for (std::size_t t = 0; t < state.tables.size(); ++t) {
+      const TableRows& rows = state.tables[t];
+      const std::size_t size = static_cast<std::size_t>(rows.row_count) * state.schema->tables[t].row_size;
+      tables.push_back({{rows.data, size}, rows.row_count});
+    }
+    return tables;
+  }
+  encode_image(state, buffer);
+  return *split_image(*state.schema, buffer);
 }
 
 Result<std::vector<ImageTable>> split_image(const StateSchema& schema, ByteView image) {
@@ -451,10 +314,8 @@ std::string lane_text(ScalarType type, std::uint64_t bits) {
       std::snprintf(text, sizeof text, "%.*g", digits, value);
       if (std::strtod(text, nullptr) == value) break;
     }
-  } else if (type == ScalarType::i32) {
-    return std::to_string(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits)));
-  } else if (type == ScalarType::i64) {
-    return std::to_string(static_cast<std::int64_t>(bits));
+  } else if (const ScalarInfo& info = *scalar_info(type); info.is_signed) {
+    return std::to_string(signed_value(bits, info.size));
   } else {
     return std::to_string(bits);
   }
@@ -478,8 +339,8 @@ std::optional<std::uint64_t> ulp_distance(ScalarType type, std::uint64_t a, std:
   return magnitude_a + magnitude_b;
 }
 
-std::vector<LaneDifference> diff_images(const StateSchema& schema, const std::vector<ImageTable>& expected,
-                                        const std::vector<ImageTable>& got, std::size_t count_max) {
+std::vector<LaneDifference> diff_images(const StateSchema& schema, std::span<const ImageTable> expected,
+                                        std::span<const ImageTable> got, std::size_t count_max) {
   std::vector<LaneDifference> differences;
   for (std::size_t t = 0; t < schema.tables.size(); ++t) {
     const TableSchema& table = schema.tables[t];

@@ -13,27 +13,43 @@ namespace {
 constexpr std::uint8_t flag_streamed = 1;
 constexpr std::size_t record_check_size = 2;
 
-bool has_size_field(std::uint8_t tag) {
+bool has_size_field(std::uint8_t tag, std::uint16_t version) {
   return tag == static_cast<std::uint8_t>(RecordTag::inputs) || tag == static_cast<std::uint8_t>(RecordTag::stages) ||
-         tag == static_cast<std::uint8_t>(RecordTag::cells) || tag >= private_kind_first;
+         tag == static_cast<std::uint8_t>(RecordTag::cells) || tag >= private_kind_first ||
+         (version >= format_version_third && tag >= bound_tag_first &&
+          tag <= static_cast<std::uint8_t>(RecordTag::note));
 }
 
-std::size_t body_size_max(std::uint8_t tag) {
-  if (tag == static_cast<std::uint8_t>(RecordTag::inputs)) return input_size_max;
-  if (tag == static_cast<std::uint8_t>(RecordTag::stages)) return limits::stage_count_max * 8;
-  if (tag == static_cast<std::uint8_t>(RecordTag::cells)) return cells_size_max;
-  return limits::record_size_max;
+std::size_t body_size_max(std::uint8_t tag, std::uint16_t version) {
+  switch (static_cast<RecordTag>(tag)) {
+    case RecordTag::inputs:
+      return input_size_max;
+    case RecordTag::stages:
+      return limits::stage_count_max * 8;
+    case RecordTag::cells:
+      return version >= format_version_third ? cell_list_size_max : cells_size_max;
+    case RecordTag::name:
+      return limits::name_size_max;
+    case RecordTag::marks:
+      return marks_size_max;
+    case RecordTag::mark_list:
+      return mark_list_size_max;
+    case RecordTag::note:
+      return 4 + topic_size_max + note_body_size_max;
+    default:
+      return limits::record_size_max;
+  }
 }
 
 /// Size of the body of a tag without size field; 0 for an unknown tag.
-std::size_t fixed_body_size(std::uint8_t tag) {
+std::size_t fixed_body_size(std::uint8_t tag, std::uint16_t version) {
   switch (static_cast<RecordTag>(tag)) {
     case RecordTag::dt:
     case RecordTag::root:
     case RecordTag::root_image:
       return 8;
     case RecordTag::close:
-      return 12;
+      return version >= format_version_third ? 20 : 12;
     default:
       return 0;
   }
@@ -48,6 +64,16 @@ void encode_header_fields(const ChunkHeader& header, ByteWriter& out) {
   out.u32(header.size);
   out.u64(header.tick);
   out.u64(header.chain);
+}
+
+/// The chain value before, bound to the kind and the place of a chunk. In version 3 the sequence number is left out:
+/// chunks outside of the chain have one too.
+std::uint64_t link_of(const ChunkHeader& header, std::uint16_t version) {
+  ByteWriter link;
+  link.u8(header.kind);
+  if (version < format_version_third) link.u32(header.sequence);
+  link.u64(header.tick);
+  return hash64(link.view(), header.chain);
 }
 
 }  // namespace
@@ -100,29 +126,40 @@ std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t see
   return header;
 }
 
-bool may_begin_chunk(ByteView part, const ChunkHeader& expected) {
+bool may_begin_chunk(ByteView part, const ChunkHeader& expected, bool knows_tick) {
   ByteWriter fields;
   encode_header_fields(expected, fields);
   for (std::size_t i = 0; i < part.size() && i < fields.size(); ++i) {
-    const bool is_unknown = i == 4 || i == 5 || (i >= 12 && i < 16);  // kind, flags and size are not known before
+    // Kind, flags and size are not known before.
+    const bool is_unknown = i == 4 || i == 5 || (i >= 12 && i < 16) || (!knows_tick && i >= 16 && i < 24);
     if (!is_unknown && part[i] != fields.view()[i]) return false;
   }
   return true;
 }
 
-std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data) {
-  ByteWriter link;
-  link.u8(header.kind);
-  link.u32(header.sequence);
-  link.u64(header.tick);
-  return hash64(data, hash64(fields, hash64(link.view(), header.chain)));
+std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data, std::uint16_t version) {
+  return hash64(data, hash64(fields, link_of(header, version)));
+}
+
+std::uint64_t content_hash(ByteView bytes) {
+  constexpr std::size_t block_size = 16 * 1024;
+  ByteWriter digest;
+  digest.u64(bytes.size());
+  for (std::size_t offset = 0; offset < bytes.size(); offset += block_size)
+    digest.u64(hash64(bytes.subspan(offset, std::min(block_size, bytes.size() - offset))));
+  return hash64(digest.view());
+}
+
+Running begin_running(const ChunkHeader& header, std::uint16_t version) {
+  if (version < format_version_third) return {header.check, 0};
+  return {link_of(header, version), header.check};
 }
 
 void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out) {
   const std::size_t start = out.size();
   const auto tag_byte = static_cast<std::uint8_t>(tag);
   out.u8(tag_byte);
-  if (has_size_field(tag_byte)) out.varint(body.size());
+  if (has_size_field(tag_byte, format_version)) out.varint(body.size());
   out.bytes(body);
   running = hash64(out.view().subspan(start), running);
   out.u16(static_cast<std::uint16_t>(running));
@@ -136,7 +173,48 @@ void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& 
   out.u64(running);
 }
 
-Record parse_record(ByteView bytes, std::uint64_t* running) {
+void append_close(std::uint32_t tick_count, Running& running, ByteWriter& out) {
+  const std::size_t start = out.size();
+  out.u8(static_cast<std::uint8_t>(RecordTag::close));
+  out.u32(tick_count);
+  running.outside = hash64(out.view().subspan(start), running.outside);
+  running.chained = hash64(out.view().subspan(start), running.chained);
+  out.u64(running.outside);
+  out.u64(running.chained);
+}
+
+namespace {
+
+/// Checks the whole `record`, which begins `bytes`, and updates the values.
+void check_record(ByteView bytes, Running& running, std::uint16_t version, Record& record) {
+  const bool is_close = record.tag == static_cast<std::uint8_t>(RecordTag::close);
+  const bool has_outside = version >= format_version_third;
+  const std::size_t checks_size = !is_close ? record_check_size : has_outside ? 16 : 8;
+  const ByteView checked = bytes.first(record.size - checks_size);
+  ByteReader in(bytes.subspan(checked.size(), checks_size));
+  const auto is_right = [&](std::uint64_t value) {
+    record.check_found = is_close ? in.u64() : in.u16();
+    record.check_expected = is_close ? value : value & 0xffff;
+    return record.check_found == record.check_expected;
+  };
+  if (has_outside && (is_close || is_bound_tag(record.tag))) {
+    running.outside = hash64(checked, running.outside);
+    if (!is_right(running.outside)) record.fault = RecordFault::bad_outside;
+    if (!is_close) return;
+  }
+  const std::uint64_t value = hash64(checked, running.chained);
+  const Record of_outside = record;
+  if (!is_right(value)) {
+    record.fault = RecordFault::bad_check;
+    return;
+  }
+  running.chained = value;
+  if (of_outside.fault == RecordFault::bad_outside) record = of_outside;
+}
+
+}  // namespace
+
+Record parse_record(ByteView bytes, Running* running, std::uint16_t version) {
   Record record;
   if (bytes.empty()) {
     record.fault = RecordFault::ends_early;
@@ -145,8 +223,8 @@ Record parse_record(ByteView bytes, std::uint64_t* running) {
   }
   record.tag = bytes[0];
   std::size_t body_offset = 1;
-  std::size_t body_size = fixed_body_size(record.tag);
-  if (has_size_field(record.tag)) {
+  std::size_t body_size = fixed_body_size(record.tag, version);
+  if (has_size_field(record.tag, version)) {
     ByteReader in(bytes.subspan(1));
     const std::uint64_t size = in.varint();
     if (!in.ok()) {
@@ -157,7 +235,7 @@ Record parse_record(ByteView bytes, std::uint64_t* running) {
       record.size = bytes.size() + 1;
       return record;
     }
-    if (size > body_size_max(record.tag) || (size == 0 && record.tag < private_kind_first)) {
+    if (size > body_size_max(record.tag, version) || (size == 0 && record.tag < private_kind_first)) {
       record.fault = RecordFault::bad_size;
       return record;
     }
@@ -174,17 +252,7 @@ Record parse_record(ByteView bytes, std::uint64_t* running) {
     return record;
   }
   record.body = bytes.subspan(body_offset, body_size);
-  if (running == nullptr) return record;
-  const std::size_t check_size = is_close ? 8 : record_check_size;
-  const ByteView checked = bytes.first(record.size - check_size);
-  const std::uint64_t value = hash64(checked, *running);
-  ByteReader in(bytes.subspan(checked.size(), check_size));
-  record.check_found = is_close ? in.u64() : in.u16();
-  record.check_expected = is_close ? value : value & 0xffff;
-  if (record.check_found != record.check_expected)
-    record.fault = RecordFault::bad_check;
-  else
-    *running = value;
+  if (running != nullptr) check_record(bytes, *running, version, record);
   return record;
 }
 

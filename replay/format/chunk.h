@@ -23,20 +23,42 @@ inline constexpr std::size_t chunk_header_size = 40;
 inline constexpr std::size_t chunk_trailer_size = 8;
 inline constexpr std::uint32_t streamed_size = 0xffffffffu;  // of a ticks chunk: its records say where it ends
 
-inline constexpr std::size_t cells_size_max = 128u << 10;    // 64 KiB of column hashes, 32 KiB of cells, counts
-inline constexpr std::size_t input_size_max = 8u << 20;      // bytes of one tick: inputs_per_tick_max of 128 B
-inline constexpr std::uint32_t chunk_tick_count = 1024;      // the writer closes a ticks chunk at so many ticks
-inline constexpr std::size_t chunk_close_size = 256u << 10;  // or at so many bytes
-inline constexpr std::size_t image_part_size = 1u << 20;     // raw bytes of a state image in one chunk
+inline constexpr std::size_t cells_size_max = 128u << 10;      // 64 KiB of column hashes, 32 KiB of cells, counts
+inline constexpr std::size_t cell_list_size_max = 512u << 10;  // of version 3: 256 KiB of column hashes
+inline constexpr std::size_t input_size_max = 8u << 20;        // bytes of one tick: inputs_per_tick_max of 128 B
+inline constexpr std::uint32_t chunk_tick_count = 1024;        // the writer closes a ticks chunk at so many ticks
+inline constexpr std::size_t chunk_close_size = 256u << 10;    // or at so many bytes
+inline constexpr std::size_t image_part_size = 1u << 20;       // raw bytes of a state image in one chunk
 inline constexpr std::size_t index_entry_count_max = 65'536;
 
-enum class ChunkKind : std::uint8_t { setup = 1, facts, checkpoint, ticks, image, end, index, footer };
+// Of records outside of the chain.
+inline constexpr std::size_t bound_size_max = 4u << 20;  // bytes of a chunk
+inline constexpr std::size_t mark_name_count_max = 1'024;
+inline constexpr std::size_t marks_size_max = 16u << 10;
+inline constexpr std::size_t mark_list_size_max = 1u << 20;  // of a tick
+inline constexpr std::size_t topic_size_max = 64;
+inline constexpr std::size_t note_body_size_max = 4'096;
+inline constexpr std::size_t peer_count_max = 255;
+
+enum class ChunkKind : std::uint8_t {
+  setup = 1,
+  facts,
+  checkpoint,
+  ticks,
+  image,
+  end,
+  index,
+  footer,
+  shown,  // from here on in version 3
+  save,
+  peer,
+};
 struct ChunkKindInfo {
   ChunkKind kind;
   std::string_view name;
   std::size_t payload_size_max;
 };
-inline constexpr std::array<ChunkKindInfo, 8> chunk_kinds{{
+inline constexpr std::array<ChunkKindInfo, 11> chunk_kinds{{
     {ChunkKind::setup, "setup", limits::setup_size_max},
     {ChunkKind::facts, "build facts", 4u << 20},
     {ChunkKind::checkpoint, "checkpoint", image_part_size + 64},
@@ -45,10 +67,17 @@ inline constexpr std::array<ChunkKindInfo, 8> chunk_kinds{{
     {ChunkKind::end, "end", 64u << 10},
     {ChunkKind::index, "index", 2u << 20},
     {ChunkKind::footer, "footer", 24},
+    {ChunkKind::shown, "shown", image_part_size + 64},
+    {ChunkKind::save, "save", image_part_size + 64},
+    {ChunkKind::peer, "peer", 4u << 20},
 }};
 /// Null for a kind that is unknown or private.
 const ChunkKindInfo* chunk_kind_info(std::uint8_t kind);
 inline constexpr std::uint8_t private_kind_first = 0x80;  // kinds and tags from here on are skipped by readers
+inline constexpr std::uint8_t bound_tag_first = 64;       // tags from here to the private ones are outside of the chain
+constexpr bool is_bound_tag(std::uint8_t tag) {
+  return tag >= bound_tag_first && tag < private_kind_first;
+}
 
 struct ChunkHeader {
   std::uint8_t kind = 0;
@@ -67,11 +96,15 @@ std::uint64_t chain_start(std::uint16_t version = format_version_first);
 std::uint64_t encode_chunk_header(const ChunkHeader& header, std::uint64_t seed, ByteWriter& out);
 /// Nothing if the marker, the reserved bits or the check are wrong. Requires: chunk_header_size bytes.
 std::optional<ChunkHeader> decode_chunk_header(ByteView bytes, std::uint64_t seed);
-/// Whether the first bytes of a truncated header are valid.
-bool may_begin_chunk(ByteView part, const ChunkHeader& expected);
+/// Whether the first bytes of a truncated header are valid. `knows_tick`: false where any tick may stand in it.
+bool may_begin_chunk(ByteView part, const ChunkHeader& expected, bool knows_tick = true);
 
 /// Chain value after a chunk with this content: `fields`, then `data`.
-std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data);
+std::uint64_t extend_chain(const ChunkHeader& header, ByteView fields, ByteView data,
+                           std::uint16_t version = format_version_first);
+
+/// What proves the bytes of a shown image and of a save.
+std::uint64_t content_hash(ByteView bytes);
 
 /// In the order in which the records of a tick stand; `root` or `root_image` ends it.
 enum class RecordTag : std::uint8_t {
@@ -82,14 +115,35 @@ enum class RecordTag : std::uint8_t {
   root = 5,
   root_image = 6,  // root, and the image of the state follows in image chunks
   close = 15,
+  name = 64,       // of marks: the next name of the chunk
+  marks = 65,      // of a tick: counts and hashes
+  mark_list = 66,  // of a tick: each mark
+  note = 67,       // a topic and its text
 };
+
+/// The values that the records of a ticks chunk move.
+struct Running {
+  std::uint64_t chained = 0;  // by all records but bound ones; behind the close record the chain value
+  std::uint64_t outside = 0;  // version 3: by bound records and the close record
+};
+/// What they begin as. Requires: the header with its check.
+Running begin_running(const ChunkHeader& header, std::uint16_t version);
 
 /// Appends a record (not `close`) and updates the running value. A tag with a size field gets the size first.
 void append_record(RecordTag tag, ByteView body, std::uint64_t& running, ByteWriter& out);
 /// Appends the record that closes a ticks chunk; `running` becomes the chain value after it.
 void append_close(std::uint32_t tick_count, std::uint64_t& running, ByteWriter& out);
+/// That of version 3.
+void append_close(std::uint32_t tick_count, Running& running, ByteWriter& out);
 
-enum class RecordFault : std::uint8_t { none, ends_early, unknown_tag, bad_size, bad_check };
+enum class RecordFault : std::uint8_t {
+  none,
+  ends_early,
+  unknown_tag,
+  bad_size,
+  bad_check,
+  bad_outside,  // the check of a bound record, or that value of a close record: all else is right
+};
 struct Record {
   RecordFault fault = RecordFault::none;
   std::uint8_t tag = 0;
@@ -98,8 +152,8 @@ struct Record {
   std::uint64_t check_found = 0;  // with bad_check
   std::uint64_t check_expected = 0;
 };
-/// The record at the start of `bytes`. With a running value the record is checked; if it is valid, the value is
-/// updated.
-Record parse_record(ByteView bytes, std::uint64_t* running);
+/// The record at the start of `bytes`. With running values the record is checked; if it is valid, they are updated.
+/// With bad_outside, they are updated as well: the records behind it can be checked.
+Record parse_record(ByteView bytes, Running* running, std::uint16_t version = format_version_first);
 
 }  // namespace ticktrue::replay

@@ -30,7 +30,47 @@ bool is_dt(double dt) {
   return std::isfinite(dt) && dt >= 0;
 }
 
+/// Of a setup that states version 3.
+Status check_features(const TraceSetup& setup, const std::string& place) {
+  if ((setup.features & ~feature_mask) != 0) {
+    std::uint32_t bit = feature_count;
+    while ((setup.features >> bit & 1) == 0) ++bit;
+    return Error{ErrorCode::limit,
+                 place + ": setup: features: found bit " + std::to_string(bit) + ", expected bits 0.." +
+                     std::to_string(feature_count - 1),
+                 "use a newer ticktrue"};
+  }
+  if (setup.has(Feature::shown) != setup.whole_schema.has_value())
+    return Error{ErrorCode::limit,
+                 place + ": setup: features: bit 0 (shown columns) is " +
+                     (setup.has(Feature::shown) ? "1, and the schema has none" : "0, and the schema has some"),
+                 ""};
+  if (!setup.whole_schema) return {};
+  if (const Status status = check_schema(*setup.whole_schema, SchemaLayout::third); !status)
+    return Error{status.error().code, place + ": setup: " + status.error().message, status.error().hint};
+  if (!(judged_schema(*setup.whole_schema) == setup.schema))
+    return Error{ErrorCode::usage, place + ": setup: schema: is not the judged part of the one with shown columns", ""};
+  return {};
+}
+
+SchemaLayout layout_of_version(std::uint16_t version) {
+  return version >= format_version_third ? SchemaLayout::third : SchemaLayout::first;
+}
+
 }  // namespace
+
+std::uint16_t version_of(const TraceSetup& setup) {
+  if (setup.features != 0 || setup.stage_interval != 0 || setup.whole_schema ||
+      layout_of(setup.schema) == SchemaLayout::third)
+    return format_version_third;
+  return detail_info(setup.detail).format_version;
+}
+
+Bytes StoredState::joined() const {
+  Bytes image;
+  join_image(tables, image);
+  return image;
+}
 
 bool has_codec(Codec codec) {
 #ifdef TICKTRUE_HAS_ZSTD
@@ -59,8 +99,9 @@ Status check_setup(const TraceSetup& setup, const std::string& place) {
   for (const std::string& stage : setup.stages)
     if (stage.size() > limits::name_size_max)
       return over_limit(place, "setup: bytes of a stage name", stage.size(), limits::name_size_max);
-  if (const Status status = check_schema(setup.schema); !status)
+  if (const Status status = check_schema(setup.schema, layout_of_version(version_of(setup))); !status)
     return Error{status.error().code, place + ": setup: " + status.error().message, status.error().hint};
+  if (const Status status = check_features(setup, place); !status) return status;
   // The fields before it are far below a megabyte per schema table.
   if (setup.setup.size() > limits::setup_size_max - (16u << 20))
     return over_limit(place, "setup: bytes", setup.setup.size(), limits::setup_size_max - (16u << 20));
@@ -76,7 +117,12 @@ void encode_setup(const TraceSetup& setup, ByteWriter& out) {
   out.u64(setup.full_first);
   out.u64(setup.full_last);
   out.u32(setup.checkpoint_interval);
-  encode_schema(setup.schema, out);
+  const std::uint16_t version = version_of(setup);
+  if (version >= format_version_third) {
+    out.u32(setup.features);
+    out.u32(setup.stage_interval);
+  }
+  encode_schema(setup.whole_schema ? *setup.whole_schema : setup.schema, out, layout_of_version(version));
   out.u16(static_cast<std::uint16_t>(setup.stages.size()));
   for (const std::string& stage : setup.stages) out.text(stage);
   out.u32(static_cast<std::uint32_t>(setup.setup.size()));
@@ -94,15 +140,24 @@ Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version) {
   setup.full_first = in.u64();
   setup.full_last = in.u64();
   setup.checkpoint_interval = in.u32();
+  if (version >= format_version_third) {
+    setup.features = in.u32();
+    setup.stage_interval = in.u32();
+  }
   if (!in.ok()) return corrupt("setup: ends early");
   const auto is_known = [&](const DetailInfo& info) { return info.detail == detail && info.format_version <= version; };
   if (std::none_of(details.begin(), details.end(), is_known))
     return corrupt("setup: detail: found " + std::to_string(static_cast<unsigned>(detail)) + ", expected " +
                    (version == 1 ? "1 or 3 in format version 1" : "1..3"));
   setup.detail = detail;
-  Result<StateSchema> schema = decode_schema(in);
+  Result<StateSchema> schema = decode_schema(in, layout_of_version(version));
   if (!schema) return corrupt("setup: " + schema.error().message);
-  setup.schema = std::move(*schema);
+  if (has_shown_columns(*schema)) {
+    setup.schema = judged_schema(*schema);
+    setup.whole_schema = std::move(*schema);
+  } else {
+    setup.schema = std::move(*schema);
+  }
   const std::size_t stage_count = in.u16();
   if (stage_count > limits::stage_count_max) return corrupt("setup: too many stages");
   for (std::size_t i = 0; i < stage_count && in.ok(); ++i) setup.stages.push_back(in.text(limits::name_size_max));
@@ -159,16 +214,22 @@ bool check_cells(const StateSchema& schema, ByteView body) {
   return size != 0 && in.remaining() == size;
 }
 
-StateCells decode_cells(const StateSchema& schema, ByteView body) {
-  StateCells cells;
+void decode_cells(const StateSchema& schema, ByteView body, StateCells& out) {
   ByteReader in(body);
-  const std::size_t size = cells_size(schema, in, &cells);
+  out.row_counts.clear();
+  const std::size_t size = cells_size(schema, in, &out);
   TICKTRUE_ASSERT(size != 0 && in.remaining() == size);
+  out.columns.clear();
   for (std::size_t t = 0; t < schema.tables.size(); ++t)
     for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c)
-      cells.columns.push_back(cells.row_counts[t] > 0 ? in.u32() : 0);
-  cells.cells.resize(partition_count * cells.partition_cells);
-  for (std::uint16_t& cell : cells.cells) cell = in.u16();
+      out.columns.push_back(out.row_counts[t] > 0 ? in.u32() : 0);
+  out.cells.resize(partition_count * out.partition_cells);
+  for (std::uint16_t& cell : out.cells) cell = in.u16();
+}
+
+StateCells decode_cells(const StateSchema& schema, ByteView body) {
+  StateCells cells;
+  decode_cells(schema, body, cells);
   return cells;
 }
 
@@ -213,11 +274,12 @@ Result<FactsPayload> decode_facts(ByteView payload) {
   return facts;
 }
 
-void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out) {
+void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out, std::uint16_t version) {
   out.u64(part.root_hash);
   out.u64(part.image_size);
   out.u64(part.offset);
   out.u32(part.size);
+  if (version >= format_version_third) out.f64(part.time_s);
 #ifdef TICKTRUE_HAS_ZSTD
   if (compress && !raw.empty()) {
     Bytes packed(ZSTD_compressBound(raw.size()));
@@ -236,27 +298,40 @@ void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteW
   out.bytes(raw);
 }
 
-Result<ImagePart> decode_image_part(ByteView payload) {
+namespace {
+
+Result<ImagePart> decode_part(ByteView payload, const std::string& what, std::size_t size_max, bool has_time) {
   ByteReader in(payload);
   ImagePart part;
   part.root_hash = in.u64();
   part.image_size = in.u64();
   part.offset = in.u64();
   part.size = in.u32();
+  if (has_time) part.time_s = in.f64();
   const std::uint8_t codec = in.u8();
-  if (!in.ok()) return corrupt("state image: ends early");
-  if (part.image_size > limits::state_image_size_max)
-    return over_limit("state image", "size", part.image_size, limits::state_image_size_max);
+  if (!in.ok()) return corrupt(what + ": ends early");
+  if (part.image_size > size_max) return over_limit(what, "size", part.image_size, size_max);
   if (part.offset > part.image_size ||
       part.size != std::min<std::uint64_t>(image_part_size, part.image_size - part.offset) ||
       (part.size == 0 && part.image_size != 0))
-    return corrupt("state image: parts do not add up: found " + std::to_string(part.size) + " bytes at " +
+    return corrupt(what + ": parts do not add up: found " + std::to_string(part.size) + " bytes at " +
                    std::to_string(part.offset) + " of " + std::to_string(part.image_size));
+  if (!is_dt(part.time_s)) return corrupt(what + ": time: found no finite length of time");
   if (codec > static_cast<std::uint8_t>(Codec::zstd))
-    return corrupt("state image: codec: found " + std::to_string(codec) + ", expected 0 or 1");
+    return corrupt(what + ": codec: found " + std::to_string(codec) + ", expected 0 or 1");
   part.codec = static_cast<Codec>(codec);
   part.stored = in.bytes(in.remaining());
   return part;
+}
+
+}  // namespace
+
+Result<ImagePart> decode_image_part(ByteView payload, std::uint16_t version) {
+  return decode_part(payload, "state image", limits::state_image_size_max, version >= format_version_third);
+}
+
+Result<ImagePart> decode_content_part(ByteView payload, const std::string& what, std::size_t size_max) {
+  return decode_part(payload, what, size_max, false);
 }
 
 Status unpack_image_part(const ImagePart& part, Bytes& out) {

@@ -25,6 +25,7 @@ bool has_codec(Codec codec);
 
 /// Errors: limit, incompatible parts. `place` begins the messages.
 Status check_setup(const TraceSetup& setup, const std::string& place);
+/// In the layout of version_of(setup).
 void encode_setup(const TraceSetup& setup, ByteWriter& out);
 /// Errors: corrupt.
 Result<TraceSetup> decode_setup(ByteView payload, std::uint16_t version = format_version);
@@ -44,14 +45,23 @@ struct ImagePart {
   std::uint64_t image_size = 0;
   std::uint64_t offset = 0;  // of this part in the image
   std::uint32_t size = 0;    // raw
+  double time_s = 0;         // in version 3: simulated before this state
   Codec codec = Codec::none;
   ByteView stored;
 };
 inline constexpr std::size_t image_part_fields_size = 28;  // what of them counts for the chain
-/// Appends the part, compressed if that is smaller.
-void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out);
+inline constexpr std::size_t image_part_fields_size_third = 36;
+constexpr std::size_t image_fields_size(std::uint16_t version) {
+  return version >= format_version_third ? image_part_fields_size_third : image_part_fields_size;
+}
+/// Appends the part, compressed if that is smaller. Parts of shown images and saves have the layout of version 1, with
+/// the content hash instead of the root hash.
+void encode_image_part(const ImagePart& part, ByteView raw, bool compress, ByteWriter& out,
+                       std::uint16_t version = format_version_first);
 /// Errors: corrupt, limit.
-Result<ImagePart> decode_image_part(ByteView payload);
+Result<ImagePart> decode_image_part(ByteView payload, std::uint16_t version = format_version_first);
+/// `what` begins messages. Errors: corrupt, limit.
+Result<ImagePart> decode_content_part(ByteView payload, const std::string& what, std::size_t size_max);
 /// Appends the part's raw bytes, exactly part.size, to `out`. Errors: corrupt, unsupported.
 Status unpack_image_part(const ImagePart& part, Bytes& out);
 
@@ -59,6 +69,7 @@ void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter
 /// Whether a cells record of this schema can have this body.
 bool check_cells(const StateSchema& schema, ByteView body);
 /// Requires: check_cells.
+void decode_cells(const StateSchema& schema, ByteView body, StateCells& out);
 StateCells decode_cells(const StateSchema& schema, ByteView body);
 
 void encode_end(const EndRecord& end, ByteWriter& out);

@@ -5,18 +5,22 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/state/cells.h"
 #include "base/state/state_view.h"
 
 namespace ticktrue::replay {
 
 inline constexpr std::uint16_t format_version_first = 1;
-inline constexpr std::uint16_t format_version = 2;  // the newest: adds detail cells
+inline constexpr std::uint16_t format_version_third = 3;  // adds bound content, lists of tables, traces that begin late
+inline constexpr std::uint16_t format_version = format_version_third;  // the newest that is read
+inline constexpr std::uint16_t format_version_written = 2;  // the newest that a recorder states: 3 is not all built
 
 /// How much is stored of each tick.
 enum class Detail : std::uint8_t { root = 1, cells = 2, full = 3 };
@@ -33,6 +37,11 @@ inline constexpr std::array<DetailInfo, 3> details{{
 }};
 const DetailInfo& detail_info(Detail detail);
 
+/// What a trace of version 3 may hold. A chunk or record of a feature that is off is refused.
+enum class Feature : std::uint32_t { shown = 1, saves = 2, marks = 4, notes = 8, tail = 16, peers = 32 };
+inline constexpr std::uint32_t feature_mask = 63;
+inline constexpr std::uint32_t feature_count = 6;
+
 /// Everything needed to create the simulation and to read its state images. Equal on every platform for the
 /// same recording.
 struct TraceSetup {
@@ -44,13 +53,41 @@ struct TraceSetup {
   std::uint64_t full_first = 0;  // with Detail::full: ticks full_first..full_last (inclusive) are stored in full
   std::uint64_t full_last = 0;
   std::uint32_t checkpoint_interval = 0;  // ticks between checkpoints, 0: only the one at tick 0
-  StateSchema schema;
+  std::uint32_t features = 0;             // bits of Feature
+  std::uint32_t stage_interval = 0;       // > 0: also ticks that it divides store the hash after each stage
+  StateSchema schema;                     // the judged columns: what states, hashes and cells are of
+  /// With the shown columns too, where there are any: `schema` is its judged schema.
+  std::optional<StateSchema> whole_schema = std::nullopt;
   std::vector<std::string> stages;  // Simulation::stage_names()
   Bytes setup;                      // the simulation's own
+
+  bool has(Feature feature) const { return (features & static_cast<std::uint32_t>(feature)) != 0; }
+  bool is_full(std::uint64_t tick) const { return detail == Detail::full && full_first <= tick && tick <= full_last; }
+  bool has_stages(std::uint64_t tick) const {
+    return is_full(tick) || (stage_interval != 0 && tick % stage_interval == 0);
+  }
 };
+/// The version that a trace with this setup states: the oldest that can hold it.
+std::uint16_t version_of(const TraceSetup& setup);
 
 /// Facts about the recording build: name, value. Outside the chain of checksums that identifies the content.
 using BuildFacts = std::vector<std::pair<std::string, std::string>>;
+
+/// A state as stored: its tables, and for which of them it stores the rows. The rows of the others are as in the state
+/// one tick before. Views are valid until the reader advances.
+struct StoredState {
+  std::span<const ImageTable> tables;          // [table]
+  std::span<const std::uint32_t> stored = {};  // ascending
+
+  /// As one image.
+  Bytes joined() const;
+};
+
+/// A record outside of the chain: a name, marks, a note.
+struct BoundRecord {
+  std::uint8_t tag = 0;
+  ByteView body;
+};
 
 /// One tick as recorded. Views are valid until the reader advances.
 struct TickRecord {
@@ -58,16 +95,21 @@ struct TickRecord {
   double dt = 0;           // s
   ByteView inputs;
   std::uint64_t root_hash = 0;              // of the state after the tick
-  std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored in full
-  std::optional<ByteView> image;            // state image after the tick; absent unless stored in full
-  ByteView cells;                           // of the state after the tick: decode_cells; empty unless stored
+  std::vector<std::uint64_t> stage_hashes;  // root hash after each stage; empty unless stored
+  std::optional<StoredState> image;         // state after the tick; absent unless stored in full
+  const StateCells* cells = nullptr;        // of the state after the tick; null unless stored
+  std::optional<ByteView> shown;            // shown image after the tick; absent unless stored
+  std::vector<BoundRecord> bound;           // in the order of the file
 };
 
 /// Full state with `tick` ticks done. The one at tick 0 is the initial state.
 struct CheckpointRecord {
   std::uint64_t tick = 0;
   std::uint64_t root_hash = 0;
-  ByteView image;  // decompressed
+  ByteView image;                                // decompressed
+  std::optional<double> time_s = std::nullopt;   // simulated so far; traces of versions 1 and 2 do not say
+  std::optional<ByteView> shown = std::nullopt;  // shown image; absent unless stored and intact
+  std::optional<ByteView> save = std::nullopt;   // of the program; the same
 };
 
 enum class EndReason : std::uint8_t { complete = 1, interrupted = 2, non_finite = 3, recovered = 4 };
@@ -108,7 +150,7 @@ struct IntactRange {
 /// The end of a trace, known after the last readable record.
 struct TraceTail {
   TraceCondition condition = TraceCondition::complete;
-  std::uint64_t ticks_intact = 0;  // ticks readable from the start without a gap
+  std::uint64_t ticks_intact = 0;  // ticks done behind the last that is readable from the start without a gap
   std::uint64_t offset = 0;        // bytes from the start of the file to the cut or the first damage
   std::string message;             // "offset 4096: chunk 3 checksum: found .., expected .."; empty if complete
   std::optional<EndRecord> end;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "base/random.h"
 #include "base/row_kernels.h"
 #include "base/state/cells.h"
 #include "tests/support/catch.h"
@@ -150,6 +151,65 @@ TEST_CASE("cells: one hasher gives the cells of the document for state after sta
     check(toy, "no link");
     toy.bodies.clear();
     check(toy, "no body");
+  }
+}
+
+TEST_CASE("cells: of many tables, those that did not change are not hashed again, with the same result",
+          "[base][cells][equivalence]") {
+  constexpr std::size_t table_count = 90;
+  StateSchema schema;
+  for (std::size_t t = 0; t < table_count; ++t) {
+    TableSchema table{"t" + std::to_string(t), {}, 12, 0};
+    Column id, value, small;
+    id.name = "id";
+    value.name = "value";
+    value.offset = 4;
+    small.name = "small";
+    small.type = ScalarType::u16;
+    small.lane_count = 2;
+    small.offset = 8;
+    if (t < 3) table.key_column_count = 1;
+    if (t % 10 == 5) id.target = static_cast<std::int16_t>(t % 3);  // rows of others belong to tables 0..2
+    table.columns = {id, value, small};
+    schema.tables.push_back(table);
+  }
+  REQUIRE(check_schema(schema, SchemaLayout::third));
+  Random random(3);
+  std::vector<std::vector<std::uint32_t>> rows(table_count);
+  CellHasher hasher(schema);
+  StateCells found;
+  std::uint32_t cells_before = 0;
+  for (int tick = 0; tick < 400; ++tick) {
+    CAPTURE(tick);
+    for (std::uint64_t change = random.below(4); change > 0; --change) {
+      const std::size_t t = random.below(random.below(3) == 0 ? 6 : table_count);
+      std::vector<std::uint32_t>& words = rows[t];
+      const std::uint64_t kind = random.below(10);
+      // Some tables grow much: the number of cells changes with them.
+      for (std::uint64_t more = kind == 0 ? random.below(60) : kind < 4 ? 1 : 0; more > 0; --more)
+        for (int word = 0; word < 3; ++word)
+          words.push_back(word == 0 ? static_cast<std::uint32_t>(words.size()) : static_cast<std::uint32_t>(tick));
+      if (kind == 4) words.clear();
+      if (kind > 4 && !words.empty()) words[3 * random.below(words.size() / 3) + 1] = static_cast<std::uint32_t>(tick);
+    }
+    StateView view{&schema, {}};
+    for (const std::vector<std::uint32_t>& words : rows)
+      view.tables.push_back(
+          {reinterpret_cast<const std::uint8_t*>(words.data()), static_cast<std::uint32_t>(words.size() / 3)});
+    hasher.hash(view, 0, found);
+    const StateCells expected = documented_cells(view);
+    REQUIRE(found == expected);
+    // Tables 0..2 and their owned rows go on together; of the others those that changed were hashed.
+    if (found.partition_cells == cells_before) CHECK(hasher.hashed_table_count() <= 3 + table_count / 10 + 4);
+    cells_before = found.partition_cells;
+    StateCells other;
+    if (random.below(8) == 0) {
+      hasher.hash(view, 50, other);
+      CHECK(other.columns == expected.columns);
+      cells_before = 50;
+    }
+    if (random.below(8) == 0 && !rows[5].empty()) CHECK(!hasher.owners_of(view, 5, 0).empty());
+    if (random.below(8) == 0) CHECK(hasher.owners(view).size() <= 10'000);
   }
 }
 

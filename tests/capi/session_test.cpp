@@ -201,7 +201,7 @@ TEST_CASE("a session finds a forged image, cells or checkpoint whose tick has th
       {"cells",
        TICKTRUE_DETAIL_CELLS,
        {[](StoredTick& tick) {
-         if (tick.tick == 20) tick.cells.back() ^= 1;
+         if (tick.tick == 20) tick.cells->cells.back() ^= 0x100;
        }},
        "tick 20: the root hash agrees, the cells do not"},
       {"checkpoint", TICKTRUE_DETAIL_ROOT, {{}, change_checkpoint}, "diverged  "},

@@ -16,7 +16,7 @@ using replay::ChunkHeader;
 using replay::ChunkKind;
 using replay::RecordTag;
 
-Forger::Forger(std::uint16_t version) : seed_(replay::chain_start(version)), chain_(seed_) {
+Forger::Forger(std::uint16_t version) : version_(version), seed_(replay::chain_start(version)), chain_(seed_) {
   replay::encode_file_header(out_, version);
 }
 
@@ -41,7 +41,7 @@ std::uint64_t Forger::put(ChunkHeader header, ByteView payload) {
 void Forger::setup(ByteView payload) {
   const ChunkHeader made = header(static_cast<std::uint8_t>(ChunkKind::setup), payload.size());
   put(made, payload);
-  seed_ = chain_ = replay::extend_chain(made, {}, payload);
+  seed_ = chain_ = replay::extend_chain(made, {}, payload, version_);
 }
 
 void Forger::facts(const replay::FactsPayload& facts) {
@@ -53,7 +53,7 @@ void Forger::facts(const replay::FactsPayload& facts) {
 void Forger::chunk(std::uint8_t kind, ByteView payload) {
   const ChunkHeader made = header(kind, payload.size());
   put(made, payload);
-  chain_ = replay::extend_chain(made, {}, payload);
+  chain_ = replay::extend_chain(made, {}, payload, version_);
 }
 
 void Forger::image(ChunkKind kind, std::uint64_t root_hash, ByteView head, std::uint64_t image_size, bool compress,
@@ -81,33 +81,67 @@ void Forger::image(ChunkKind kind, std::uint64_t root_hash, ByteView head, std::
       payload.u64(part.image_size);
       payload.u64(part.offset);
       payload.u32(part.size);
+      if (version_ >= replay::format_version_third) payload.f64(part.time_s);
       payload.bytes(packed_zeros.view().subspan(replay::image_part_fields_size));
     } else {
-      replay::encode_image_part(part, raw, compress, payload);
+      replay::encode_image_part(part, raw, compress, payload, version_);
     }
     const ChunkHeader made = header(static_cast<std::uint8_t>(kind), payload.size());
     put(made, payload.view());
-    chain_ = replay::extend_chain(made, payload.view().first(replay::image_part_fields_size), raw);
+    chain_ = replay::extend_chain(made, payload.view().first(replay::image_fields_size(version_)), raw, version_);
     part.offset += part.size;
   } while (part.offset < image_size && out_.size() < size_max);
 }
 
+void Forger::list(ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s) {
+  replay::ImagePart part;
+  part.root_hash = 1;
+  part.image_size = image_size;
+  part.size = static_cast<std::uint32_t>(bytes.size());
+  part.time_s = time_s;
+  ByteWriter payload;
+  replay::encode_image_part(part, bytes, false, payload, version_);
+  const ChunkHeader made = header(static_cast<std::uint8_t>(kind), payload.size());
+  put(made, payload.view());
+  chain_ = replay::extend_chain(made, payload.view().first(replay::image_fields_size(version_)), bytes, version_);
+}
+
+void Forger::bound_chunk(ChunkKind kind, ByteView payload) {
+  put(header(static_cast<std::uint8_t>(kind), payload.size()), payload);
+}
+
+void Forger::content(ChunkKind kind, ByteView bytes, bool compress, std::uint64_t size) {
+  replay::ImagePart part;
+  part.root_hash = replay::content_hash(bytes);
+  part.image_size = size == 0 ? bytes.size() : size;
+  part.size = static_cast<std::uint32_t>(bytes.size());
+  ByteWriter payload;
+  replay::encode_image_part(part, bytes, compress, payload);
+  bound_chunk(kind, payload.view());
+}
+
 void Forger::open_ticks() {
-  running_ = replay::encode_chunk_header(header(static_cast<std::uint8_t>(ChunkKind::ticks), replay::streamed_size),
-                                         seed_, out_);
+  ChunkHeader made = header(static_cast<std::uint8_t>(ChunkKind::ticks), replay::streamed_size);
+  made.check = replay::encode_chunk_header(made, seed_, out_);
+  running_ = replay::begin_running(made, version_);
   chunk_ticks_ = 0;
 }
 
 void Forger::record(RecordTag tag, ByteView body) {
-  replay::append_record(tag, body, running_, out_);
+  const bool is_bound =
+      version_ >= replay::format_version_third && replay::is_bound_tag(static_cast<std::uint8_t>(tag));
+  replay::append_record(tag, body, is_bound ? running_.outside : running_.chained, out_);
   if (tag != RecordTag::root && tag != RecordTag::root_image) return;
   ++chunk_ticks_;
   ++tick_;
 }
 
 void Forger::close_ticks() {
-  replay::append_close(chunk_ticks_, running_, out_);
-  chain_ = running_;
+  if (version_ >= replay::format_version_third)
+    replay::append_close(chunk_ticks_, running_, out_);
+  else
+    replay::append_close(chunk_ticks_, running_.chained, out_);
+  chain_ = running_.chained;
 }
 
 void Forger::end(ByteView payload) {
@@ -149,8 +183,12 @@ Recording read_recording(const std::string& path) {
     tick.root_hash = record.root_hash;
     tick.stage_hashes = record.stage_hashes;
     tick.has_image = record.image.has_value();
-    if (record.image) tick.image.assign(record.image->begin(), record.image->end());
-    tick.cells.assign(record.cells.begin(), record.cells.end());
+    if (record.image) tick.image = record.image->joined();
+    if (record.cells != nullptr) {
+      ByteWriter cells;
+      replay::encode_cells(*record.cells, recording.setup.schema, cells);
+      tick.cells = cells.take();
+    }
     recording.ticks.push_back(std::move(tick));
   }
 }

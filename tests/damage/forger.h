@@ -27,6 +27,17 @@ class Forger {
   void image(replay::ChunkKind kind, std::uint64_t root_hash, ByteView head, std::uint64_t image_size, bool compress,
              std::size_t size_max);
 
+  // Of version 3.
+  /// Ticks go on from here.
+  void begin_at(std::uint64_t tick) { tick_ = tick; }
+  /// One part with these bytes, which say to be the first of `image_size`.
+  void list(replay::ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s = 0);
+  void list(replay::ChunkKind kind, ByteView bytes) { list(kind, bytes, bytes.size()); }
+  /// A chunk outside of the chain.
+  void bound_chunk(replay::ChunkKind kind, ByteView payload);
+  /// A shown image or a save in one part. `size`: what it says to have, 0 for that of the bytes.
+  void content(replay::ChunkKind kind, ByteView bytes, bool compress = false, std::uint64_t size = 0);
+
   void open_ticks();
   void record(replay::RecordTag tag, ByteView body);
   void close_ticks();
@@ -45,10 +56,11 @@ class Forger {
   replay::ChunkHeader header(std::uint8_t kind, std::size_t size);
   std::uint64_t put(replay::ChunkHeader header, ByteView payload);
 
+  std::uint16_t version_;
   ByteWriter out_;
   std::uint64_t seed_;
   std::uint64_t chain_;
-  std::uint64_t running_ = 0;
+  replay::Running running_;
   std::uint32_t sequence_ = 0;
   std::uint64_t tick_ = 0;
   std::uint32_t chunk_ticks_ = 0;

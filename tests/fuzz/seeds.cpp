@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "base/state/stage_hashes.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
@@ -116,7 +117,66 @@ void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::
   seed("trace_forged", trace);
 }
 
+/// Format version 3: begins late where it may, with a shown column, saves, notes and marks.
+void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
+  constexpr std::uint32_t body_count = 2;
+  constexpr std::uint64_t tick_count = 9;
+  test::ToySimulation toy(body_count);
+  replay::TraceSetup setup;
+  setup.simulation = "ticktrue.toy";
+  setup.physics_version = 1;
+  setup.title = "toy";
+  setup.dt = 0.015625;
+  setup.detail = detail;
+  if (detail == replay::Detail::full) setup.full_first = first_tick + 2, setup.full_last = first_tick + 5;
+  setup.checkpoint_interval = 4;
+  setup.features = replay::feature_mask & ~static_cast<std::uint32_t>(replay::Feature::peers);
+  setup.stage_interval = 2;
+  setup.schema = test::ToySimulation::schema();
+  setup.whole_schema = setup.schema;
+  Column glow;
+  glow.name = "glow";
+  glow.type = ScalarType::i16;
+  glow.is_shown = true;
+  setup.whole_schema->tables[1].columns.push_back(glow);
+  setup.whole_schema->tables[1].shown_row_size = 2;
+  setup.stages = test::ToySimulation::stages();
+  setup.setup = test::ToySimulation::setup(body_count);
+  replay::WriterOptions options;
+  options.compress = false;
+  options.sync = false;
+  options.allow_third = true;
+  const fs::path path = out_folder / "third.ttr";
+  auto writer = replay::TraceWriter::create(path.string(), setup, {{"compiler", "x"}}, options);
+  fuzz::require(writer.has_value(), "a trace of version 3 can be written");
+  if (first_tick > 0) writer->begin_at(first_tick, 1);
+  ToySession session;
+  const Bytes content{1, 2, 3, 4};
+  const Bytes note{3, 0, 0, 0, 'l', 'o', 'g', 'h', 'i'};
+  const Bytes marks{1, 2, 3, 4, 5, 6, 7, 8, 1, 0, 2, 9, 9, 9, 9};
+  bool is_written = true;
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    if (writer->wants_checkpoint())
+      is_written = is_written && writer->checkpoint(toy.state(), root_hash(toy.state())) && writer->shown(content) &&
+                   writer->save(content);
+    const auto input = session.next(tick);
+    is_written = is_written && writer->begin_tick(**input) && writer->bound_record(replay::RecordTag::note, note) &&
+                 writer->bound_record(replay::RecordTag::name, content) &&
+                 writer->bound_record(replay::RecordTag::marks, marks);
+    StageHashes stages;
+    is_written = is_written && toy.step(**input, &stages);
+    is_written = is_written && writer->end_tick(root_hash(toy.state()), stages.hashes(), &toy.state());
+  }
+  fuzz::require(is_written && writer->finish(replay::EndReason::complete, ""), "and is");
+  const Bytes trace = read_file(path);
+  fs::remove(path);
+  seed("trace", trace);
+  seed("trace_forged", trace);
+}
+
 void seed_traces() {
+  for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells, replay::Detail::full})
+    for (const std::uint64_t first_tick : {0, 7}) seed_third_trace(detail, first_tick);
   for (const bool is_full : {false, true})
     for (const bool compress : {false, true}) seed_toy_trace(compress ? 20 : 2, is_full, compress, 9);
   seed_toy_trace(1, false, false, 1);

@@ -19,8 +19,11 @@ class Forger {
 
   Bytes take() {
     if (bytes_.size() < replay::file_header_size) return std::move(bytes_);
+    const std::uint16_t version = ByteReader(ByteView(bytes_).subspan(replay::magic.size())).u16();
+    if (version > replay::format_version_first && version <= replay::format_version) version_ = version;
+    seed_ = chain_ = replay::chain_start(version_);
     ByteWriter header;
-    replay::encode_file_header(header);
+    replay::encode_file_header(header, version_);
     put(0, header.view());
     offset_ = replay::file_header_size;
     while (forge_chunk()) {
@@ -54,13 +57,13 @@ class Forger {
     header.check = replay::encode_chunk_header(header, seed_, out);
     put(offset_, out.view());
     offset_ += replay::chunk_header_size;
-    return is_ticks ? forge_records(header.check) : forge_payload(header);
+    return is_ticks ? forge_records(replay::begin_running(header, version_)) : forge_payload(header);
   }
 
-  bool forge_records(std::uint64_t running) {
+  bool forge_records(replay::Running running) {
     std::uint64_t tick_count = 0;
     for (;;) {
-      const replay::Record record = replay::parse_record(ByteView(bytes_).subspan(offset_), nullptr);
+      const replay::Record record = replay::parse_record(ByteView(bytes_).subspan(offset_), nullptr, version_);
       if (record.fault != replay::RecordFault::none) return false;
       const auto tag = static_cast<replay::RecordTag>(record.tag);
       if (tag == replay::RecordTag::root || tag == replay::RecordTag::root_image) ++tick_count;
@@ -69,15 +72,21 @@ class Forger {
         count.u32(static_cast<std::uint32_t>(tick_count));
         put(offset_ + 1, count.view());
       }
-      const std::size_t check_size = tag == replay::RecordTag::close ? 8 : 2;
-      running = hash64(ByteView(bytes_).subspan(offset_, record.size - check_size), running);
+      const bool is_close = tag == replay::RecordTag::close;
+      const bool is_third = version_ >= replay::format_version_third;
+      const std::size_t checks_size = !is_close ? 2 : is_third ? 16 : 8;
+      const ByteView checked = ByteView(bytes_).subspan(offset_, record.size - checks_size);
+      const bool is_bound = is_third && replay::is_bound_tag(record.tag);
+      if (is_bound || (is_third && is_close)) running.outside = hash64(checked, running.outside);
+      if (!is_bound) running.chained = hash64(checked, running.chained);
       offset_ += record.size;
-      ByteWriter check;
-      check.u64(running);
-      put(offset_ - check_size, check.view().first(check_size));
-      if (tag != replay::RecordTag::close) continue;
+      ByteWriter checks;
+      if (is_bound || (is_third && is_close)) checks.u64(running.outside);
+      if (!is_bound) checks.u64(running.chained);
+      put(offset_ - checks_size, checks.view().first(checks_size));
+      if (!is_close) continue;
       tick_ += tick_count;
-      chain_ = running;
+      chain_ = running.chained;
       return true;
     }
   }
@@ -91,18 +100,21 @@ class Forger {
     switch (static_cast<ChunkKind>(header.kind)) {
       case ChunkKind::checkpoint:
       case ChunkKind::image: {
-        const auto part = replay::decode_image_part(payload);
+        const auto part = replay::decode_image_part(payload, version_);
         Bytes raw;
         if (part && replay::unpack_image_part(*part, raw))
-          chain_ = replay::extend_chain(header, payload.first(replay::image_part_fields_size), raw);
+          chain_ = replay::extend_chain(header, payload.first(replay::image_fields_size(version_)), raw, version_);
         break;
       }
       case ChunkKind::facts:
       case ChunkKind::index:
       case ChunkKind::footer:
+      case ChunkKind::shown:
+      case ChunkKind::save:
+      case ChunkKind::peer:
         break;
       default:
-        chain_ = replay::extend_chain(header, {}, payload);
+        chain_ = replay::extend_chain(header, {}, payload, version_);
         if (sequence_ == 1) seed_ = chain_;
         break;
     }
@@ -116,8 +128,9 @@ class Forger {
   std::size_t offset_ = 0;
   std::uint32_t sequence_ = 0;
   std::uint64_t tick_ = 0;
-  std::uint64_t chain_ = replay::chain_start();
-  std::uint64_t seed_ = replay::chain_start();
+  std::uint16_t version_ = replay::format_version_first;
+  std::uint64_t chain_ = 0;
+  std::uint64_t seed_ = 0;
 };
 
 }  // namespace

@@ -57,8 +57,9 @@ void check_seek(replay::TraceReader& reader, const Reading& whole, bool is_whole
   // The index is outside the chain: in a file that was forged and is damaged before it, it may lead to chunks that are
   // right in themselves and are never met in order.
   if (!is_whole) return;
-  for (std::size_t i = 0; i < rest.roots.size() && start + i < whole.roots.size(); ++i)
-    require(rest.roots[i] == whole.roots[start + i], "a seek finds the same ticks");
+  const std::uint64_t behind = start - reader.first_tick();
+  for (std::size_t i = 0; i < rest.roots.size() && behind + i < whole.roots.size(); ++i)
+    require(rest.roots[i] == whole.roots[behind + i], "a seek finds the same ticks");
 }
 
 void check_recovery(ByteView bytes, const Reading& whole) {
@@ -69,7 +70,7 @@ void check_recovery(ByteView bytes, const Reading& whole) {
     require(result->ticks_written >= whole.roots.size(), "every tick that was read is recovered");
     auto saved = replay::TraceReader::open(output);
     require(saved.has_value(), "a recovered trace opens");
-    const Reading again = read_on(*saved, 0);
+    const Reading again = read_on(*saved, saved->first_tick());
     require(saved->tail().condition == replay::TraceCondition::complete, "a recovered trace is complete");
     require(again.roots.size() == result->ticks_written, "a recovered trace has the ticks it is said to have");
     require(std::equal(whole.roots.begin(), whole.roots.end(), again.roots.begin()), "and they are the same");
@@ -85,12 +86,13 @@ void read_in_every_way(ByteView bytes) {
     require_message(reader.error());
     return;
   }
-  const Reading whole = read_on(*reader, 0);
-  require(reader->tail().ticks_intact == whole.roots.size(), "ticks_intact counts the ticks");
+  const std::uint64_t first_tick = reader->first_tick();
+  const Reading whole = read_on(*reader, first_tick);
+  require(reader->tail().ticks_intact == first_tick + whole.roots.size(), "ticks_intact counts the ticks");
   const bool is_whole = reader->tail().condition == replay::TraceCondition::complete;
   reader->rewind();
-  require(read_on(*reader, 0).roots == whole.roots, "reading again gives the same");
-  for (const std::uint64_t tick : {std::uint64_t{0}, whole.roots.size() / 2, std::uint64_t{1} << 50})
+  require(read_on(*reader, first_tick).roots == whole.roots, "reading again gives the same");
+  for (const std::uint64_t tick : {first_tick, first_tick + whole.roots.size() / 2, std::uint64_t{1} << 50})
     check_seek(*reader, whole, is_whole, tick);
   reader->tick_count_hint();
   check_recovery(bytes, whole);

@@ -496,10 +496,10 @@ TEST_CASE("what is no trace says so", "[replay][open][corruption]") {
   // A newer version whose file header is right.
   ByteWriter newer;
   newer.bytes(replay::magic);
-  newer.u16(3);
+  newer.u16(4);
   newer.u16(0);
   newer.u32(static_cast<std::uint32_t>(hash64(newer.view())));
   CHECK(error_of(newer.view()).code == ErrorCode::incompatible);
-  CHECK(error_of(newer.view()).message == "x.ttr: format version: found 3 with flags 0, expected 1..2 with flags 0");
+  CHECK(error_of(newer.view()).message == "x.ttr: format version: found 4 with flags 0, expected 1..3 with flags 0");
   CHECK(error_of(newer.view()).hint == "use a newer ticktrue");
 }

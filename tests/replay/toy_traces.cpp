@@ -9,7 +9,8 @@ namespace ticktrue::test {
 std::vector<ChunkPlace> chunk_places(ByteView trace) {
   std::vector<ChunkPlace> places;
   std::size_t offset = replay::file_header_size;
-  std::uint64_t seed = replay::chain_start();
+  const std::uint16_t version = ByteReader(trace.subspan(replay::magic.size())).u16();
+  std::uint64_t seed = replay::chain_start(version);
   while (offset < trace.size()) {
     const auto header = replay::decode_chunk_header(trace.subspan(offset), seed);
     REQUIRE(header);
@@ -17,7 +18,7 @@ std::vector<ChunkPlace> chunk_places(ByteView trace) {
     if (header->size == replay::streamed_size) {
       std::uint8_t tag = 0;
       while (tag != static_cast<std::uint8_t>(replay::RecordTag::close)) {
-        const replay::Record record = replay::parse_record(trace.subspan(offset + size), nullptr);
+        const replay::Record record = replay::parse_record(trace.subspan(offset + size), nullptr, version);
         REQUIRE(record.fault == replay::RecordFault::none);
         tag = record.tag;
         size += record.size;
@@ -27,7 +28,8 @@ std::vector<ChunkPlace> chunk_places(ByteView trace) {
     }
     places.push_back({header->kind, offset, size});
     if (places.size() == 1)
-      seed = replay::extend_chain(*header, {}, trace.subspan(offset + replay::chunk_header_size, header->size));
+      seed =
+          replay::extend_chain(*header, {}, trace.subspan(offset + replay::chunk_header_size, header->size), version);
     offset += size;
   }
   return places;

@@ -163,7 +163,7 @@ inline ReadTrace read_all(replay::TraceReader& reader) {
     if (const auto* tick = std::get_if<replay::TickRecord>(&item)) {
       ReadTick copy{tick->tick,      tick->dt,           Bytes(tick->inputs.begin(), tick->inputs.end()),
                     tick->root_hash, tick->stage_hashes, {}};
-      if (tick->image) copy.image = Bytes(tick->image->begin(), tick->image->end());
+      if (tick->image) copy.image = tick->image->joined();
       all.ticks.push_back(std::move(copy));
     } else if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
       all.checkpoints.push_back(

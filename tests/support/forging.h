@@ -37,7 +37,7 @@ inline void forge_trace(const std::string& from, const std::string& to, const Fo
       REQUIRE(writer->begin_tick({tick.dt, tick.inputs}));
       std::optional<ByteView> image;
       if (tick.image) image = ByteView(*tick.image);
-      REQUIRE(writer->end_tick_encoded(tick.root_hash, tick.stage_hashes, image, tick.cells));
+      REQUIRE(writer->end_tick_encoded(tick.root_hash, tick.stage_hashes, image, tick.cells ? &*tick.cells : nullptr));
     } else {
       verifier::StoredCheckpoint checkpoint = verifier::copy_of(std::get<replay::CheckpointRecord>(item));
       if (forgery.checkpoint) forgery.checkpoint(checkpoint);

@@ -321,7 +321,7 @@ TEST_CASE("report page: a tick with a forged record is red in the strip", "[veri
   const TemporaryFolder folder;
   record_scene(falling_boxes(4), folder.file("a.ttr"), {30, 20});
   forge_trace(folder.file("a.ttr"), folder.file("b.ttr"), {[](verifier::StoredTick& tick) {
-                if (tick.tick == 12) tick.cells.back() ^= 1;
+                if (tick.tick == 12) tick.cells->cells.back() ^= 0x100;
               }});
   const Json data = data_of(page_of(folder.file("b.ttr")));
   CHECK(data["headline"]["verdict"] == "diverged");

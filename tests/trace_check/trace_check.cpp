@@ -64,16 +64,17 @@ bool check_tick(const std::string& file, Simulation& simulation, const replay::T
     return complain(file, did.error().message);
   for (std::size_t i = 0; i < tick.stage_hashes.size(); ++i)
     if (i >= observer.hashes().size() || observer.hashes()[i] != tick.stage_hashes[i])
-      return complain(file, place + ": stage " + setup.stages[i] + ": hash differs" +
-                                (tick.image ? "; at the end of the tick " + place_of(simulation, *tick.image) : ""));
+      return complain(file,
+                      place + ": stage " + setup.stages[i] + ": hash differs" +
+                          (tick.image ? "; at the end of the tick " + place_of(simulation, tick.image->joined()) : ""));
   const std::uint64_t found = root_hash(simulation.state());
   if (found != tick.root_hash)
-    return complain(file, place + (tick.image ? ": " + place_of(simulation, *tick.image)
+    return complain(file, place + (tick.image ? ": " + place_of(simulation, tick.image->joined())
                                               : ": root hash: " + differ(found, tick.root_hash)));
   if (!tick.image) return true;
   Bytes image;
   encode_image(simulation.state(), image);
-  if (std::equal(image.begin(), image.end(), tick.image->begin(), tick.image->end())) return true;
+  if (image == tick.image->joined()) return true;
   return complain(file, place + ": state image differs");
 }
 

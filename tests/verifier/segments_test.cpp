@@ -5,8 +5,10 @@
 #include <atomic>
 #include <set>
 
+#include "base/state/stage_hashes.h"
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
+#include "verifier/compare/diff.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/report/report.h"
 
@@ -239,6 +241,99 @@ TEST_CASE("segments: the parts of a list have no file in common and are the list
   REQUIRE(shard);
   CHECK(shard->index == 3);
   CHECK(shard->count == 8);
+}
+
+/// The ticks of a toy session from `first_tick` on, as a trace that begins late.
+Bytes late_trace(replay::Detail detail, std::uint64_t first_tick, std::uint64_t end_tick, bool has_tail = true) {
+  replay::TraceSetup setup = detail == replay::Detail::full ? full_toy_setup(6, 0, 1'000) : toy_setup(6);
+  setup.detail = detail;
+  setup.checkpoint_interval = 8;
+  if (has_tail) setup.features = static_cast<std::uint32_t>(replay::Feature::tail);
+  setup.stage_interval = 3;
+  const TemporaryFolder folder;
+  replay::WriterOptions options = plain_writer();
+  options.allow_third = true;
+  auto writer = replay::TraceWriter::create(folder.file("late.ttr"), setup, toy_facts, options);
+  REQUIRE(writer);
+  ToySimulation toy(6);
+  double time_s = 0;
+  for (std::uint64_t tick = 0; tick < end_tick; ++tick) {
+    const auto [dt, inputs] = **lively_script(tick);
+    const TickInput input{dt, inputs};
+    StageHashes stages;
+    if (tick == first_tick && tick > 0) writer->begin_at(tick, time_s);
+    const bool is_written = tick >= first_tick;
+    if (is_written && writer->wants_checkpoint()) REQUIRE(writer->checkpoint(toy.state(), root_hash(toy.state())));
+    if (is_written) REQUIRE(writer->begin_tick(input));
+    REQUIRE(toy.step(input, &stages));
+    if (is_written) REQUIRE(writer->end_tick(root_hash(toy.state()), stages.hashes(), &toy.state()));
+    time_s += dt;
+  }
+  REQUIRE(writer->finish(replay::EndReason::complete, ""));
+  return read_file(folder.file("late.ttr"));
+}
+
+TEST_CASE("a trace that begins late is verified from its first checkpoint", "[verifier][late][equivalence]") {
+  using replay::Detail;
+  for (const Detail detail : {Detail::root, Detail::cells, Detail::full}) {
+    const Bytes trace = late_trace(detail, 13, 60);
+    for (const VerifyMode mode : {VerifyMode::replay, VerifyMode::restore, VerifyMode::twice}) {
+      CAPTURE(static_cast<int>(detail), static_cast<int>(mode));
+      const Report report = verify_bytes(trace, toy_info, mode);
+      CHECK(report.verdict == Verdict::match);
+      CHECK(report.first_tick == 13);
+      CHECK(report.ticks_compared == 47);
+      CHECK(report.ticks_recorded == 47U);
+      if (mode != VerifyMode::replay) continue;
+      CHECK(report.compared.stage_hashes == (detail == Detail::full ? 47 : 15));
+      CHECK(report.compared.images == (detail == Detail::full ? 47 : 0));
+      CHECK(report.compared.cells == (detail == Detail::cells ? 47 : 0));
+      CHECK(json_of(verify_on(trace, verify_options(toy_info), 3)) ==
+            json_of(verify_on(trace, verify_options(toy_info), 1)));
+    }
+    VerifyOptions part = verify_options(toy_info);
+    part.from = 30;
+    part.to = 40;
+    CHECK(verify_bytes(trace, part).ticks_compared == 11);
+    inject_nudge(35);
+    const Report report = verify_bytes(trace, faulty_info);
+    CHECK(report.verdict == Verdict::diverged);
+    REQUIRE(report.divergence);
+    CHECK(report.divergence->tick == 35);
+    const Report threads = verify_on(trace, verify_options(faulty_info), 3);
+    CHECK(threads.verdict == Verdict::diverged);
+    CHECK(threads.divergence->tick == 35);
+  }
+}
+
+/// Shows its state and cannot load one.
+class Observed : public ToySimulation {
+ public:
+  using ToySimulation::ToySimulation;
+  Status load(ByteView) override { return Error{ErrorCode::unsupported, "the state can only be observed", ""}; }
+};
+
+TEST_CASE("a trace that begins late is not comparable where no state can be loaded", "[verifier][late]") {
+  static const SimulationInfo observed{"ticktrue.toy", 1, &make_toy<Observed>};
+  const Report report = verify_bytes(late_trace(replay::Detail::root, 13, 30), observed);
+  CHECK(report.verdict == Verdict::not_comparable);
+  CHECK(report.reason == "begins at tick 13 and holds no state that this program can load");
+  // From tick 0 on, version 3 asks for nothing more than version 1.
+  CHECK(verify_bytes(late_trace(replay::Detail::root, 0, 30, false), observed).verdict == Verdict::match);
+}
+
+TEST_CASE("diff aligns traces that begin at other ticks", "[verifier][late][diff]") {
+  for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells, replay::Detail::full}) {
+    const Bytes whole = late_trace(detail, 0, 40), late = late_trace(detail, 16, 40);
+    for (const bool is_swapped : {false, true}) {
+      replay::TraceReader a = open_trace(is_swapped ? late : whole), b = open_trace(is_swapped ? whole : late);
+      const verifier::DiffReport report = verifier::diff(a, b, {});
+      CHECK(report.verdict == verifier::DiffVerdict::equal);
+      CHECK(report.ticks_compared == 24);
+      REQUIRE(report.notes.size() == 1);
+      CHECK(contains(report.notes[0], ": compared from tick 16 on"));
+    }
+  }
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ Result<std::unique_ptr<Player>> Player::open(const std::string& path) {
   if (const Status floats = check_float_behaviour(); !floats) return floats.error();
   auto reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
+  if (const Status whole = reader->check_from_start(); !whole) return whole.error();
   const Result<engine::Scene> scene = verifier::scene_of(reader->setup());
   if (!scene) return Error{scene.error().code, path + ": " + scene.error().message, scene.error().hint};
   auto engine = engine::make_engine(*scene);
@@ -168,8 +169,7 @@ const verifier::Report* Player::report() {
     if (std::holds_alternative<std::monostate>(item)) break;
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record == nullptr || record->tick < *difference_) continue;
-    if (record->tick == *difference_ && record->image)
-      recorded_image_.emplace(record->image->begin(), record->image->end());
+    if (record->tick == *difference_ && record->image) recorded_image_ = record->image->joined();
     break;
   }
   return &*report_;

@@ -180,6 +180,11 @@ class AnimationMaker {
   AnimatedRun make_run() {
     AnimatedRun run;
     const SimulationInfo* info = options_.simulation;
+    if (reader_.first_tick() > 0) {
+      animation_.no_poses =
+          "The trace begins at tick " + std::to_string(reader_.first_tick()) + ": it is not run again from its setup.";
+      return run;
+    }
     if (info == nullptr) {
       animation_.no_poses = "This build has no simulation " + reader_.setup().simulation + ": nothing was run again.";
       return run;
@@ -259,7 +264,7 @@ class AnimationMaker {
       recorded_is_known_ = recorded_.simulation->accept(input) && recorded_.simulation->step(input, nullptr);
       if (recorded_is_known_) recorded_is_known_ = root_hash(recorded_.simulation->state()) == record.root_hash;
     }
-    if (!recorded_is_known_ && record.image) begin_anew(*record.image, record.root_hash);
+    if (!recorded_is_known_ && record.image) begin_anew(record.image->joined(), record.root_hash);
     return recorded_is_known_;
   }
 

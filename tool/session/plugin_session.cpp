@@ -116,6 +116,7 @@ Status take_trace(const PluginSession& session, Made& made) {
     return Error{ErrorCode::usage, "--inputs: found a trace to run again, expected none: a trace has its own", ""};
   auto reader = replay::TraceReader::open(session.scene);
   if (!reader) return reader.error();
+  if (const Status whole = reader->check_from_start(); !whole) return whole;
   const replay::TraceSetup& setup = reader->setup();
   if (setup.simulation != made.info->name)
     return Error{

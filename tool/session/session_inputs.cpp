@@ -67,6 +67,7 @@ Result<TraceSession> open_trace_session(const std::string& path, const std::stri
                  "give the scene instead of the trace, or leave them out"};
   Result<replay::TraceReader> reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
+  if (const Status whole = reader->check_from_start(); !whole) return whole.error();
   Result<engine::Scene> scene = verifier::scene_of(reader->setup());
   if (!scene) return scene.error();
   TraceSession session;

@@ -28,6 +28,7 @@ using engine::Scene;
 Result<CompareSession> session_of_trace(const std::string& path) {
   auto reader = replay::TraceReader::open(path);
   if (!reader) return reader.error();
+  if (const Status whole = reader->check_from_start(); !whole) return whole.error();
   if (reader->setup().simulation != engine::simulation_name)
     return Error{ErrorCode::incompatible,
                  path + ": simulation: found " + reader->setup().simulation + ", expected " +

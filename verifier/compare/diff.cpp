@@ -6,7 +6,6 @@
 #include <array>
 
 #include "base/hash.h"
-#include "replay/format/payload.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
@@ -40,6 +39,7 @@ class Side {
         return nullptr;
       }
       checkpoint_ = copy_of(std::get<CheckpointRecord>(item));
+      time_s_ = std::get<CheckpointRecord>(item).time_s.value_or(0);
       if (updates_last_) last_ = checkpoint_;
     }
   }
@@ -53,6 +53,10 @@ class Side {
   const std::optional<StoredCheckpoint>& last() const { return last_; }
   void freeze_last() { updates_last_ = false; }
   const replay::TraceTail& tail() const { return reader_.tail(); }
+  std::uint64_t first_tick() const { return reader_.first_tick(); }
+  std::uint64_t end_tick() const { return first_tick() + ticks_; }
+  /// Simulated before the checkpoint passed last.
+  double time_s() const { return time_s_; }
 
  private:
   replay::TraceReader& reader_;
@@ -60,6 +64,7 @@ class Side {
   std::optional<StoredCheckpoint> last_;
   bool updates_last_ = true;
   std::uint64_t ticks_ = 0;
+  double time_s_ = 0;
   bool ended_ = false;
 };
 
@@ -119,7 +124,7 @@ void count_parts(const TickRecord& record, ComparedParts& counts) {
   ++counts.ticks;
   counts.stage_hashes += record.stage_hashes.empty() ? 0 : 1;
   counts.images += record.image ? 1 : 0;
-  counts.cells += record.cells.empty() ? 0 : 1;
+  counts.cells += record.cells == nullptr ? 0 : 1;
 }
 
 class Differ {
@@ -150,9 +155,17 @@ class Differ {
   void walk() {
     const TickRecord* a = a_.advance();
     const TickRecord* b = b_.advance();
-    double time_s = 0;
-    std::uint64_t tick = 0;
-    if (comparable_) compare_checkpoints(0, time_s);
+    // One may begin later than the other: the ticks before that are of one side alone.
+    const std::uint64_t first = std::max(a_.first_tick(), b_.first_tick());
+    double time_s = a_.time_s();
+    while (a != nullptr && a->tick < first) {
+      time_s += a->dt;
+      a = a_.advance();
+    }
+    while (b != nullptr && b->tick < first) b = b_.advance();
+    std::uint64_t tick = first_ = first;
+    note_begins();
+    if (comparable_) compare_checkpoints(first, time_s);
     while (a != nullptr && b != nullptr) {
       compare_inputs(tick, *a, *b);
       // Hashes of different schemas are not comparable.
@@ -180,6 +193,12 @@ class Differ {
     }
     while (a != nullptr) a = a_.advance();
     while (b != nullptr) b = b_.advance();
+  }
+
+  void note_begins() {
+    if (a_.first_tick() == b_.first_tick()) return;
+    report_.notes.push_back("a begins at tick " + std::to_string(a_.first_tick()) + ", b at tick " +
+                            std::to_string(b_.first_tick()) + ": compared from tick " + std::to_string(first_) + " on");
   }
 
   void add_differing(std::uint64_t tick) {
@@ -226,7 +245,7 @@ class Differ {
     const StoredCheckpoint* b = b_.checkpoint_at(ticks_done);
     if (a == nullptr && b == nullptr) return;
     if (a != nullptr && b != nullptr) ++report_.checkpoints_compared;
-    const bool is_start = ticks_done == 0;
+    const bool is_start = ticks_done == first_;
     std::vector<TickSide> sides;
     for (const StoredCheckpoint* checkpoint : {a, b})
       if (checkpoint != nullptr) sides.push_back(side_of(*checkpoint));
@@ -268,7 +287,7 @@ class Differ {
     DescribeContext context = plain_context();
     std::optional<ImageState> rows;
     const bool has_images = differing_[0].image && differing_[1].image;
-    const bool has_cells = !differing_[0].cells.empty() && !differing_[1].cells.empty();
+    const bool has_cells = differing_[0].cells && differing_[1].cells;
     if (!has_images && has_cells && a_.last()) {
       if (Result<ImageState> state = ImageState::of(context.schema, a_.last()->image)) rows.emplace(std::move(*state));
       if (rows) context.rows = &rows->view();
@@ -283,13 +302,9 @@ class Differ {
     describe(a, b, context, divergence);
     if (const std::string contradiction = contradiction_text(divergence.tick, part_); !contradiction.empty())
       report_.notes.push_back(contradiction);
-    if (!has_images && has_cells && cell_count(differing_[0]) != cell_count(differing_[1]))
+    if (!has_images && has_cells && differing_[0].cells->partition_cells != differing_[1].cells->partition_cells)
       report_.notes.push_back("rows cannot be named: the traces have another number of cells for this tick");
     differing_[0] = differing_[1] = {};
-  }
-
-  std::uint32_t cell_count(const StoredTick& stored) const {
-    return replay::decode_cells(setup_a_.schema, stored.cells).partition_cells;
   }
 
   DescribeContext plain_context() const {
@@ -303,14 +318,11 @@ class Differ {
     Divergence& divergence = *report_.divergence;
     const std::uint64_t behind = a.tick - divergence.tick;
     if (behind == 0 || (behind & (behind - 1)) != 0 || behind > spread_ticks) return;
-    if (!a.cells.empty() && !b.cells.empty()) {
-      const StateCells cells_a = replay::decode_cells(setup_a_.schema, a.cells);
-      const StateCells cells_b = replay::decode_cells(setup_a_.schema, b.cells);
-      if (cells_a.partition_cells == cells_b.partition_cells)
-        divergence.spread.push_back(spread_of_cells(setup_a_.schema, cells_a, cells_b, a.tick));
+    if (a.cells != nullptr && b.cells != nullptr) {
+      if (a.cells->partition_cells == b.cells->partition_cells)
+        divergence.spread.push_back(spread_of_cells(setup_a_.schema, *a.cells, *b.cells, a.tick));
     } else if (a.image && b.image) {
-      if (const auto spread = spread_of_images(setup_a_.schema, *a.image, *b.image, a.tick))
-        divergence.spread.push_back(*spread);
+      divergence.spread.push_back(spread_of_tables(setup_a_.schema, a.image->tables, b.image->tables, a.tick));
     }
   }
 
@@ -350,7 +362,7 @@ class Differ {
       report_.verdict = DiffVerdict::incomplete;
       report_.reason = "equal as far as both go; " + (&shorter() == &a_ ? report_.a.file : report_.b.file) +
                        " ended early, after " + std::to_string(shorter().ticks()) + " ticks";
-    } else if (whole && a_.ticks() != b_.ticks()) {
+    } else if (whole && a_.end_tick() != b_.end_tick()) {
       report_.verdict = DiffVerdict::different;
       report_.reason = "lengths: " + std::to_string(a_.ticks()) + " and " + std::to_string(b_.ticks()) +
                        " ticks; equal as far as both go";
@@ -369,11 +381,11 @@ class Differ {
           more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
   }
 
-  const Side& shorter() const { return b_.ticks() < a_.ticks() ? b_ : a_; }
+  const Side& shorter() const { return b_.end_tick() < a_.end_tick() ? b_ : a_; }
 
   /// Whether the recorder of the side was stopped, or died, before the other one ended.
   bool ended_early(const Side& side) const {
-    if (a_.ticks() == b_.ticks() || !side.tail().end) return false;
+    if (a_.end_tick() == b_.end_tick() || !side.tail().end) return false;
     const replay::EndReason reason = side.tail().end->reason;
     return reason == replay::EndReason::recovered || reason == replay::EndReason::interrupted;
   }
@@ -393,6 +405,7 @@ class Differ {
   DiffReport report_;
   bool comparable_ = true;
   TickComparer comparer_;
+  std::uint64_t first_ = 0;                   // tick that both have
   std::uint64_t root_ = 0;                    // of the tick before, on both sides
   TickPart part_ = TickPart::root_hash;       // that differs
   std::array<StoredTick, 2> differing_;       // the first tick that differs

@@ -474,7 +474,7 @@ class Injector {
       }
       before_known = record.image.has_value();
       if (record.image) {
-        before.assign(record.image->begin(), record.image->end());
+        before = record.image->joined();
         before_root = record.root_hash;
         before_ticks = record.tick + 1;
       }

@@ -32,6 +32,27 @@ std::optional<TickDifference> first_difference(std::span<const TickSide> sides, 
   return std::nullopt;
 }
 
+bool stores_state(const TickSide& side) {
+  return side.image || side.tables;
+}
+
+/// The image of a side that has one: stored, composed from its tables, or made from its state.
+ByteView image_of(const TickSide& side, Bytes& buffer) {
+  if (side.image) return *side.image;
+  if (side.tables)
+    join_image(side.tables->tables, buffer);
+  else
+    encode_image(*side.state, buffer);
+  return buffer;
+}
+
+/// The tables that one side stores for the state, with those of the other.
+bool same_tables(const replay::StoredState& stored, std::span<const ImageTable> other) {
+  return std::all_of(stored.stored.begin(), stored.stored.end(), [&](std::uint32_t t) {
+    return stored.tables[t].row_count == other[t].row_count && equal_bytes(stored.tables[t].rows, other[t].rows);
+  });
+}
+
 }  // namespace
 
 StoredTick copy_of(const replay::TickRecord& record) {
@@ -41,8 +62,8 @@ StoredTick copy_of(const replay::TickRecord& record) {
   copy.inputs.assign(record.inputs.begin(), record.inputs.end());
   copy.root_hash = record.root_hash;
   copy.stage_hashes = record.stage_hashes;
-  if (record.image) copy.image = Bytes(record.image->begin(), record.image->end());
-  copy.cells.assign(record.cells.begin(), record.cells.end());
+  if (record.image) copy.image = record.image->joined();
+  if (record.cells != nullptr) copy.cells = *record.cells;
   return copy;
 }
 
@@ -53,13 +74,13 @@ StoredCheckpoint copy_of(const replay::CheckpointRecord& record) {
 TickSide side_of(const StoredTick& stored) {
   TickSide side{stored.root_hash, stored.stage_hashes};
   if (stored.image) side.image = ByteView(*stored.image);
-  side.cells = stored.cells;
+  if (stored.cells) side.cells = &*stored.cells;
   return side;
 }
 
 TickSide side_of(const replay::TickRecord& record) {
   TickSide side{record.root_hash, record.stage_hashes};
-  side.image = record.image;
+  side.tables = record.image;
   side.cells = record.cells;
   return side;
 }
@@ -89,43 +110,43 @@ std::optional<TickDifference> TickComparer::compare(std::span<const TickSide> si
           first_difference(sides, TickPart::stage_hashes, compared_.stage_hashes, has_stages, same_stages))
     return found;
 
-  const bool any_image = std::any_of(sides.begin(), sides.end(), [](const TickSide& s) { return s.image.has_value(); });
-  const auto has_image = [&](const TickSide& side) { return side.image || (any_image && side.state != nullptr); };
+  const bool any_image = std::any_of(sides.begin(), sides.end(), stores_state);
+  const auto has_image = [&](const TickSide& side) {
+    return stores_state(side) || (any_image && side.state != nullptr);
+  };
   const auto same_image = [&](const TickSide& a, const TickSide& b) { return same_images(a, b); };
   if (const auto found = first_difference(sides, TickPart::image, compared_.images, has_image, same_image))
     return found;
 
-  const bool any_cells = std::any_of(sides.begin(), sides.end(), [](const TickSide& s) { return !s.cells.empty(); });
+  const bool any_cells = std::any_of(sides.begin(), sides.end(), [](const TickSide& s) { return s.cells != nullptr; });
   const auto has_cells = [&](const TickSide& side) {
-    return !side.cells.empty() || (any_cells && side.state != nullptr);
+    return side.cells != nullptr || (any_cells && side.state != nullptr);
   };
   const auto same_cell = [&](const TickSide& a, const TickSide& b) { return same_cells(a, b); };
   return first_difference(sides, TickPart::cells, compared_.cells, has_cells, same_cell);
 }
 
+/// Called where the root hashes agree: they prove the tables that no side stores for this state.
 bool TickComparer::same_images(const TickSide& a, const TickSide& b) {
-  if (a.image && b.image) return equal_bytes(*a.image, *b.image);
-  const TickSide& stored = a.image ? a : b;
-  const TickSide& running = a.image ? b : a;
-  if (!stored.image) return true;  // two states with the same root hash
-  encode_image(*running.state, image_);
-  return equal_bytes(*stored.image, image_);
-}
-
-StateCells TickComparer::cells_of_side(const TickSide& side, std::uint32_t partition_cells) {
-  if (!side.cells.empty()) return replay::decode_cells(schema_, side.cells);
-  if (!hasher_) hasher_.emplace(schema_);
-  StateCells cells;
-  hasher_->hash(*side.state, partition_cells, cells);
-  return cells;
+  if (a.tables && b.tables) return same_tables(*a.tables, b.tables->tables) && same_tables(*b.tables, a.tables->tables);
+  if (a.state != nullptr && b.state != nullptr && !stores_state(a) && !stores_state(b)) return true;
+  const TickSide& stored = a.tables ? a : b;
+  const TickSide& other = a.tables ? b : a;
+  if (stored.tables && other.state != nullptr && !other.image)
+    return same_tables(*stored.tables, canonical_tables(*other.state, image_));
+  return equal_bytes(image_of(a, image_), image_of(b, other_image_));
 }
 
 bool TickComparer::same_cells(const TickSide& a, const TickSide& b) {
-  const bool first_is_stored = !a.cells.empty();
-  const StateCells stored = cells_of_side(first_is_stored ? a : b, 0);
-  const StateCells other = cells_of_side(first_is_stored ? b : a, stored.partition_cells);
-  if (stored.partition_cells == other.partition_cells) return stored == other;
-  return stored.row_counts == other.row_counts && stored.columns == other.columns;
+  const StateCells& stored = a.cells != nullptr ? *a.cells : *b.cells;
+  const StateCells* other = a.cells != nullptr ? b.cells : a.cells;
+  if (other == nullptr) {
+    if (!hasher_) hasher_.emplace(schema_);
+    hasher_->hash(a.cells != nullptr ? *b.state : *a.state, stored.partition_cells, cells_);
+    other = &cells_;
+  }
+  if (stored.partition_cells == other->partition_cells) return stored == *other;
+  return stored.row_counts == other->row_counts && stored.columns == other->columns;
 }
 
 Status describe_tick(const DescribeContext& context, const TickSide& expected, const TickSide& got,
@@ -137,22 +158,16 @@ Status describe_tick(const DescribeContext& context, const TickSide& expected, c
   else
     locate_stage(context.stages, expected.stage_hashes, got.stage_hashes, divergence);
 
-  Bytes made;
-  std::optional<ByteView> got_image = got.image;
-  if (expected.image && !got_image && got.state != nullptr) {
-    encode_image(*got.state, made);
-    got_image = ByteView(made);
+  if (stores_state(expected) && (stores_state(got) || got.state != nullptr)) {
+    Bytes made_expected, made_got;
+    return locate_lanes(context.schema, image_of(expected, made_expected), image_of(got, made_got), context.row_name,
+                        context.row_count_max, divergence);
   }
-  if (expected.image && got_image)
-    return locate_lanes(context.schema, *expected.image, *got_image, context.row_name, context.row_count_max,
-                        divergence);
-  if (expected.cells.empty() || (got.cells.empty() && got.state == nullptr)) return {};
-  const StateCells there = replay::decode_cells(context.schema, expected.cells);
-  StateCells here;
-  if (!got.cells.empty())
-    here = replay::decode_cells(context.schema, got.cells);
-  else
-    CellHasher(context.schema).hash(*got.state, there.partition_cells, here);
+  if (expected.cells == nullptr || (got.cells == nullptr && got.state == nullptr)) return {};
+  const StateCells& there = *expected.cells;
+  StateCells made;
+  if (got.cells == nullptr) CellHasher(context.schema).hash(*got.state, there.partition_cells, made);
+  const StateCells& here = got.cells != nullptr ? *got.cells : made;
   const StateView* rows = context.rows != nullptr ? context.rows : got.state;
   locate_cells(context.schema, there, here, rows, context.row_name, context.row_count_max, divergence);
   return {};

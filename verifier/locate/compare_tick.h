@@ -30,7 +30,7 @@ struct StoredTick {
   std::uint64_t root_hash = 0;
   std::vector<std::uint64_t> stage_hashes;  // empty unless stored
   std::optional<Bytes> image;
-  Bytes cells;  // encoded; empty unless stored
+  std::optional<StateCells> cells;
 };
 StoredTick copy_of(const replay::TickRecord& record);
 
@@ -46,8 +46,9 @@ StoredCheckpoint copy_of(const replay::CheckpointRecord& record);
 struct TickSide {
   std::uint64_t root_hash = 0;
   std::span<const std::uint64_t> stage_hashes = {};  // empty: not known
-  std::optional<ByteView> image = std::nullopt;      // stored
-  ByteView cells = {};                               // stored, encoded
+  std::optional<ByteView> image = std::nullopt;      // stored, as one piece
+  std::optional<replay::StoredState> tables = {};    // stored, instead of the image
+  const StateCells* cells = nullptr;                 // stored
   const StateView* state = nullptr;                  // after the tick; null: the side is a recording
 };
 TickSide side_of(const StoredTick& stored);
@@ -88,11 +89,12 @@ class TickComparer {
  private:
   bool same_images(const TickSide& a, const TickSide& b);
   bool same_cells(const TickSide& a, const TickSide& b);
-  StateCells cells_of_side(const TickSide& side, std::uint32_t partition_cells);
 
   StateSchema schema_;
   std::optional<CellHasher> hasher_;  // made at the first cells
   Bytes image_;                       // reused
+  Bytes other_image_;                 // reused
+  StateCells cells_;                  // reused
   ComparedParts compared_;
 };
 

@@ -194,17 +194,15 @@ Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const Sta
   return {tick, estimate_differing(a, b, owner_count), owner_count, true};
 }
 
-std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, ByteView b, std::uint64_t tick) {
-  const Result<std::vector<ImageTable>> tables_a = split_image(schema, a);
-  const Result<std::vector<ImageTable>> tables_b = split_image(schema, b);
-  if (!tables_a || !tables_b) return std::nullopt;
+Spread spread_of_tables(const StateSchema& schema, std::span<const ImageTable> a, std::span<const ImageTable> b,
+                        std::uint64_t tick) {
   Spread spread;
   spread.tick = tick;
   for (std::size_t t = 0; t < schema.tables.size(); ++t)
-    if (owns_rows(schema, t)) spread.of += std::max((*tables_a)[t].row_count, (*tables_b)[t].row_count);
+    if (owns_rows(schema, t)) spread.of += std::max(a[t].row_count, b[t].row_count);
   constexpr std::size_t lane_count_max = 1'000'000;
   StatePlace last{schema.tables.size(), 0, 0, 0};
-  for (const LaneDifference& lane : diff_images(schema, *tables_a, *tables_b, lane_count_max)) {
+  for (const LaneDifference& lane : diff_images(schema, a, b, lane_count_max)) {
     const bool is_new = lane.place.table != last.table || lane.place.row != last.row;
     last = lane.place;
     if (is_new && owns_rows(schema, lane.place.table)) ++spread.row_count;
@@ -214,16 +212,14 @@ std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, By
 
 std::optional<Spread> measure_spread(const StateSchema& schema, const replay::TickRecord& recorded,
                                      const StateView& here, CellHasher& hasher) {
-  if (!recorded.cells.empty()) {
-    const StateCells expected = replay::decode_cells(schema, recorded.cells);
+  if (recorded.cells != nullptr) {
     StateCells got;
-    hasher.hash(here, expected.partition_cells, got);
-    return spread_of_cells(schema, expected, got, recorded.tick);
+    hasher.hash(here, recorded.cells->partition_cells, got);
+    return spread_of_cells(schema, *recorded.cells, got, recorded.tick);
   }
   if (recorded.image) {
-    Bytes image;
-    encode_image(here, image);
-    return spread_of_images(schema, *recorded.image, image, recorded.tick);
+    Bytes buffer;
+    return spread_of_tables(schema, recorded.image->tables, canonical_tables(here, buffer), recorded.tick);
   }
   return std::nullopt;
 }

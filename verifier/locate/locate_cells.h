@@ -53,9 +53,10 @@ void locate_cells(const StateSchema& schema, const StateCells& expected, const S
 /// a hash of the tick, and that differs.
 std::optional<Spread> measure_spread(const StateSchema& schema, const replay::TickRecord& recorded,
                                      const StateView& here, CellHasher& hasher);
-/// The same for two sets of cells, or for two images.
+/// The same for two sets of cells, or for two states.
 Spread spread_of_cells(const StateSchema& schema, const StateCells& a, const StateCells& b, std::uint64_t tick);
-std::optional<Spread> spread_of_images(const StateSchema& schema, ByteView a, ByteView b, std::uint64_t tick);
+Spread spread_of_tables(const StateSchema& schema, std::span<const ImageTable> a, std::span<const ImageTable> b,
+                        std::uint64_t tick);
 
 /// The command, for the build that recorded `file`, that shows the values of a difference at `tick`.
 std::string more_detail_command(const std::string& file, std::uint64_t tick, const std::string& tool);

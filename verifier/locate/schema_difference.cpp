@@ -45,6 +45,13 @@ std::optional<SchemaDifference> column_difference(const StateSchema& a, const St
   return std::nullopt;
 }
 
+std::string child_text(const StateSchema& schema, const TableSchema& table) {
+  static constexpr std::string_view children[] = {"rows", "bytes", "text"};
+  if (table.parent < 0) return "no child table";
+  return "child table (" + std::string(children[static_cast<std::size_t>(table.form) - 1]) + ") of " +
+         schema.tables[static_cast<std::size_t>(table.parent)].name;
+}
+
 std::string table_names(const StateSchema& schema) {
   std::string text;
   for (const TableSchema& table : schema.tables) text += (text.empty() ? "" : ", ") + table.name;
@@ -101,6 +108,8 @@ std::optional<SchemaDifference> first_schema_difference(const StateSchema& a, co
       if (auto found = column_difference(a, b, table.name + "." + column_a.name, column_a, column_b, ranges))
         return found;
     }
+    if (child_text(a, table) != child_text(b, other))
+      return SchemaDifference{table.name, child_text(a, table), child_text(b, other)};
     if (table.row_size != other.row_size || table.key_column_count != other.key_column_count)
       return SchemaDifference{
           table.name,

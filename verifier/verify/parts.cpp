@@ -14,6 +14,7 @@ std::size_t count_parts(replay::TraceReader& reader, const VerifyOptions& option
   const WalkContext context{source.setup(), options};
   Findings findings;
   if (options.mode != VerifyMode::replay || options.simulation == nullptr || !options.in_segments) return 1;
+  if (reader.first_tick() > 0) return 1;
   if (!check_comparable(context, findings) || !can_load(context, findings)) return 1;
   const SegmentPlan plan = plan_segments(context, source, Start{}, segment_count_max);
   if (!plan.tail || plan.tail->condition != replay::TraceCondition::complete) return 1;

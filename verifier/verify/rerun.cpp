@@ -6,7 +6,6 @@
 #include <variant>
 
 #include "base/state/stage_hashes.h"
-#include "replay/format/payload.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
 
@@ -96,7 +95,7 @@ class SecondRun {
 
   void locate_again(const RowsBefore& before) {
     const StateSchema& schema = context_.setup.schema;
-    const StateCells recorded = replay::decode_cells(schema, mismatch_.expected.cells);
+    const StateCells& recorded = *mismatch_.expected.cells;
     StateCells here;
     CellHasher(schema).hash(simulation_->state(), recorded.partition_cells, here);
     rerun_.located = mismatch_.divergence;

@@ -135,7 +135,7 @@ SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const
   plan.starts[0].image.clear();
   source.rewind();
   double time_s = 0;
-  std::uint64_t ticks = 0;
+  std::uint64_t ticks = source.first_tick();
   for (;;) {
     if (context.options.to && ticks > *context.options.to) break;
     const auto& item = source.next();
@@ -146,8 +146,11 @@ SegmentPlan plan_segments(const WalkContext& context, TraceSource& source, const
     if (const auto* record = std::get_if<replay::TickRecord>(&item)) {
       time_s += record->dt;
       ++ticks;
-    } else if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item); checkpoint->tick > first.tick) {
-      plan.starts.push_back({checkpoint->tick, time_s, true, {}, checkpoint->root_hash});
+    } else {
+      const auto& checkpoint = std::get<CheckpointRecord>(item);
+      if (checkpoint.time_s) time_s = *checkpoint.time_s;
+      if (checkpoint.tick > first.tick)
+        plan.starts.push_back({checkpoint.tick, time_s, true, {}, checkpoint.root_hash});
     }
   }
   // A checkpoint after the last tick ends a segment and begins none.

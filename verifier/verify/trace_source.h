@@ -20,6 +20,7 @@ class TraceSource {
   virtual void rewind() = 0;
   virtual const replay::TraceTail& tail() const = 0;
   virtual std::optional<std::uint64_t> tick_count_hint() const = 0;
+  virtual std::uint64_t first_tick() const { return 0; }
 };
 
 class ReaderSource : public TraceSource {
@@ -32,6 +33,7 @@ class ReaderSource : public TraceSource {
   void rewind() override { reader_.rewind(); }
   const replay::TraceTail& tail() const override { return reader_.tail(); }
   std::optional<std::uint64_t> tick_count_hint() const override { return reader_.tick_count_hint(); }
+  std::uint64_t first_tick() const override { return reader_.first_tick(); }
 
  private:
   replay::TraceReader& reader_;
@@ -47,6 +49,7 @@ class OwnedReaderSource : public TraceSource {
   void rewind() override { source_.rewind(); }
   const replay::TraceTail& tail() const override { return source_.tail(); }
   std::optional<std::uint64_t> tick_count_hint() const override { return source_.tick_count_hint(); }
+  std::uint64_t first_tick() const override { return source_.first_tick(); }
 
  private:
   replay::TraceReader reader_;

@@ -14,10 +14,12 @@ class TwiceWalk {
  public:
   TwiceWalk(const WalkContext& context, TraceSource& source) : context_(context), source_(source) {}
 
-  WalkResult run() {
+  WalkResult run(const Start& start) {
     Findings& findings = result_.findings;
-    first_ = begin_at(context_, {}, findings);
-    if (first_ != nullptr) second_ = begin_at(context_, {}, findings);
+    result_.tick = start.tick;
+    result_.time_s = start.time_s;
+    first_ = begin_at(context_, start, findings);
+    if (first_ != nullptr) second_ = begin_at(context_, start, findings);
     if (second_ == nullptr) return std::move(result_);
     watch_.begin(first_->state());
     findings.notes.push_back("two runs here were compared with each other, not with the recorded hashes");
@@ -117,8 +119,8 @@ class TwiceWalk {
 
 }  // namespace
 
-WalkResult walk_twice(const WalkContext& context, TraceSource& source) {
-  return TwiceWalk(context, source).run();
+WalkResult walk_twice(const WalkContext& context, TraceSource& source, const Start& start) {
+  return TwiceWalk(context, source).run(start);
 }
 
 }  // namespace ticktrue::verifier

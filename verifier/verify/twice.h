@@ -7,6 +7,6 @@
 namespace ticktrue::verifier {
 
 /// Walks `source` from its start. Of its records only dt and inputs are used.
-WalkResult walk_twice(const WalkContext& context, TraceSource& source);
+WalkResult walk_twice(const WalkContext& context, TraceSource& source, const Start& start);
 
 }  // namespace ticktrue::verifier

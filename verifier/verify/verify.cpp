@@ -48,8 +48,10 @@ class Verifier {
     for (const VerifyModeInfo& info : verify_modes)
       if (info.mode == options_.mode) report_.mode = info.name;
     report_.ticks_recorded = source_.tick_count_hint();
-    report_.first_tick = options_.from;
-    if (check_comparable(context_, findings_)) {
+    const std::uint64_t first_tick = source_.first_tick();
+    if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(first_tick, *report_.ticks_recorded);
+    report_.first_tick = std::max(first_tick, options_.from);
+    if (check_comparable(context_, findings_) && find_begin()) {
       switch (options_.mode) {
         case VerifyMode::replay:
           if (options_.part)
@@ -61,7 +63,7 @@ class Verifier {
           run_restore();
           break;
         case VerifyMode::twice:
-          take(walk_twice(context_, source_));
+          take(walk_twice(context_, source_, begin_));
           break;
         case VerifyMode::threads:
           run_threads();
@@ -77,11 +79,29 @@ class Verifier {
     findings_.decide(Verdict::not_comparable, reason, hint);
   }
 
-  /// The last checkpoint at or before `tick`; else the setup's state.
+  /// Sets begin_. False: the trace begins late, and nothing can be run from there.
+  bool find_begin() {
+    const std::uint64_t first_tick = source_.first_tick();
+    if (first_tick == 0) return true;
+    if (!can_load(context_, findings_)) {
+      if (!findings_.decided)
+        not_comparable(
+            "begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
+            "ticktrue show lists what it holds; diff compares it with another trace");
+      return false;
+    }
+    source_.rewind();
+    const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
+    if (checkpoint != nullptr) begin_ = start_at(*checkpoint, checkpoint->time_s.value_or(0));
+    return checkpoint != nullptr;
+  }
+
+  /// The last checkpoint at or before `tick`; else the begin.
   Start find_start(std::uint64_t tick) {
-    if (tick > 0 && can_load(context_, findings_) && source_.seek(tick)) {
+    if (tick > begin_.tick && can_load(context_, findings_) && source_.seek(tick)) {
       if (const auto* checkpoint = std::get_if<CheckpointRecord>(&source_.next());
-          checkpoint != nullptr && checkpoint->tick > 0) {
+          checkpoint != nullptr && checkpoint->tick > begin_.tick) {
+        if (checkpoint->time_s) return start_at(*checkpoint, *checkpoint->time_s);
         const std::uint64_t found = checkpoint->tick;
         // Ticks may have different dt: the time of the checkpoint is known only by adding them up.
         double time_s = 0;
@@ -95,7 +115,7 @@ class Verifier {
         }
       }
     }
-    return Start{};
+    return begin_;
   }
 
   /// Adds what a walk found to the report.
@@ -132,7 +152,7 @@ class Verifier {
     std::optional<UnconfirmedFinding> unconfirmed;
     if (walks_segments() && replay_segments(first, unconfirmed)) return;
     if (findings_.decided) return;
-    if (!first.loaded) return run_from_setup(std::move(unconfirmed));
+    if (first.tick == begin_.tick) return run_from_setup(std::move(unconfirmed));
     WalkResult result = walk_from(first);
     if (!is_clean(result, true)) return run_from_setup(UnconfirmedFinding{first, std::move(result)});
     if (unconfirmed) return run_from_setup(std::move(unconfirmed));
@@ -149,13 +169,13 @@ class Verifier {
     return walk(context_, source_, whole);
   }
 
-  /// Confirms a finding by a run from the setup. A finding of a run from a checkpoint is a divergence only if the run
-  /// from the setup has a finding too.
+  /// Confirms a finding by a run from the setup, or from the first checkpoint of a trace that begins late. A finding of
+  /// a run from a later checkpoint is a divergence only if the run from the setup has a finding too.
   void run_from_setup(std::optional<UnconfirmedFinding> unconfirmed) {
     if (unconfirmed && !options_.confirm_from_start)
       return conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
-    WalkResult from_setup = walk_from(Start{});
-    if (!unconfirmed) return conclude_walk(std::move(from_setup), Start{});
+    WalkResult from_setup = walk_from(begin_);
+    if (!unconfirmed) return conclude_walk(std::move(from_setup), begin_);
     report_.ticks_compared = report_.checkpoints_compared = 0;
     report_.compared = {};
     if (is_clean(from_setup, true)) {
@@ -163,7 +183,7 @@ class Verifier {
       return judge_unconfirmed(*unconfirmed);
     }
     const std::uint64_t tick = tick_of(from_setup);
-    if (tick >= options_.from) return conclude_walk(std::move(from_setup), Start{});
+    if (tick >= options_.from) return conclude_walk(std::move(from_setup), begin_);
     findings_.notes.push_back("the run from the start leaves the recording at tick " + std::to_string(tick) +
                               ", before the first tick compared");
     conclude_walk(std::move(unconfirmed->found), unconfirmed->start);
@@ -265,7 +285,7 @@ class Verifier {
     while (found + 1 < results->size() && is_clean((*results)[found], false)) ++found;
     WalkResult& last = (*results)[found];
     const Start& start = plan.starts[plan.segment_begins[found]];
-    if (!is_clean(last, found + 1 == results->size()) && start.loaded) {
+    if (!is_clean(last, found + 1 == results->size()) && start.tick != begin_.tick) {
       if (last.mismatch || last.findings.decided) unconfirmed = UnconfirmedFinding{start, std::move(last)};
       return false;
     }
@@ -277,7 +297,7 @@ class Verifier {
   }
 
   void run_part(const TracePart& part) {
-    const SegmentPlan plan = plan_of_part(plan_segments(context_, source_, Start{}, segment_count_max), part);
+    const SegmentPlan plan = plan_of_part(plan_segments(context_, source_, begin_, segment_count_max), part);
     if (plan.segment_begins.empty())
       return findings_.decide(Verdict::incomplete, "the trace has no part " + std::to_string(part.index + 1) + " of " +
                                                        std::to_string(part.count));
@@ -352,7 +372,9 @@ class Verifier {
 
   void conclude() {
     read_tail();
-    if (!report_.ticks_recorded && report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
+    if (!report_.ticks_recorded && report_.end)
+      report_.ticks_recorded =
+          report_.end->tail.ticks_intact - std::min(source_.first_tick(), report_.end->tail.ticks_intact);
     if (!findings_.decided) judge_end();
     report_.state_changed = changed_;
     report_.verdict = findings_.verdict;
@@ -372,8 +394,9 @@ class Verifier {
       findings_.verdict = Verdict::damaged;
       findings_.reason = tail->message;
       if (any)
-        findings_.hint = "ticks " + std::to_string(options_.from) + ".." + std::to_string(tick_ - 1) +
-                         " are intact and match: verify them alone with --to " + std::to_string(tick_ - 1);
+        findings_.hint = "ticks " + std::to_string(std::max(source_.first_tick(), options_.from)) + ".." +
+                         std::to_string(tick_ - 1) + " are intact and match: verify them alone with --to " +
+                         std::to_string(tick_ - 1);
     } else if (tail != nullptr && tail->condition == TraceCondition::truncated) {
       findings_.verdict = Verdict::incomplete;
       findings_.reason = tail->message;
@@ -397,6 +420,7 @@ class Verifier {
   const replay::TraceSetup& setup_;
   const VerifyOptions& options_;
   const WalkContext context_;
+  Start begin_;  // the setup; of a trace that begins late its first checkpoint
   Report report_;
   Findings findings_;
   bool changed_ = false;

@@ -207,7 +207,7 @@ class SegmentWalk {
       const auto* record = std::get_if<TickRecord>(next);
       if (record == nullptr) continue;
       const TickInput input{record->dt, record->inputs};
-      const bool is_stored = !record->cells.empty() || record->image;
+      const bool is_stored = record->cells != nullptr || record->image;
       const std::optional<std::uint64_t>& to = context_.options.to;
       if (!is_stored || (to && record->tick > *to) || find_non_finite(simulation_->state()) ||
           !simulation_->accept(input))

@@ -233,6 +233,7 @@ int run_replay(const ReplayOptions& options) {
     return fail_usage(status.error());
   auto reader = replay::TraceReader::open(options.file);
   if (!reader) return fail(reader.error());
+  if (const Status whole = reader->check_from_start(); !whole) return fail(whole.error());
   const std::uint64_t last_asked = range.last == TickRange{}.last ? range.first : range.last;
   if (!options.ticks.empty())
     if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)

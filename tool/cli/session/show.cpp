@@ -92,7 +92,7 @@ int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const Ti
       line["hash"] = hex64(record->root_hash);
       line["input_size"] = record->inputs.size();
       line["full"] = record->image.has_value();
-      line["cells"] = !record->cells.empty();
+      line["cells"] = record->cells != nullptr;
       print_json(line, -1);
       continue;
     }
@@ -210,6 +210,7 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
   const replay::TraceSetup& setup = reader.setup();
   print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", plain_line(options.file), plain_line(setup.title),
                     summary.tick_count, summary.time_s));
+  if (reader.first_tick() > 0) print(fmt::format("  begins at   tick {}\n", reader.first_tick()));
   std::string condition(condition_name(summary.tail.condition));
   if (summary.tail.end) {
     const replay::EndReason reason = summary.tail.end->reason;

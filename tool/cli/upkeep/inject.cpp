@@ -60,6 +60,7 @@ int run_inject(const InjectCommand& command) {
     print_error(reader.error());
     return verifier::verdict_info(verifier::verdict_of_open_error(reader.error().code)).exit_code;
   }
+  if (const Status whole = reader->check_from_start(); !whole) return fail_usage(whole.error());
   if (command.after_substep)
     if (const Status known = check_substep(*command.after_substep, reader->setup()); !known)
       return fail_usage(known.error());
