@@ -28,34 +28,34 @@ constexpr int way_out = 1;
 constexpr int way_into_tick = 2;
 bool leaves_into_tick = false;
 
-shim::Page* map_page() {
+shim::SessionPart* map_page() {
   const char* path = std::getenv(shim::page_variable);
   if (path == nullptr) return nullptr;
   const int file = ::open(path, O_RDWR | O_CLOEXEC);
   if (file < 0) return nullptr;
   struct stat facts {};
   void* at = MAP_FAILED;
-  if (::fstat(file, &facts) == 0 && static_cast<std::uint64_t>(facts.st_size) >= sizeof(shim::Page))
-    at = ::mmap(nullptr, sizeof(shim::Page), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  if (::fstat(file, &facts) == 0 && static_cast<std::uint64_t>(facts.st_size) >= sizeof(shim::SessionPart))
+    at = ::mmap(nullptr, sizeof(shim::SessionPart), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   ::close(file);
   if (at == MAP_FAILED) return nullptr;
-  auto* page = static_cast<shim::Page*>(at);
+  auto* page = static_cast<shim::SessionPart*>(at);
   return page->magic == shim::page_magic ? page : nullptr;
 }
 
-shim::Page* page() {
-  static shim::Page* const found = map_page();
+shim::SessionPart* page() {
+  static shim::SessionPart* const found = map_page();
   return found;
 }
 
 void tell_position(std::uint64_t position) {
-  if (shim::Page* shared = page()) __atomic_store_n(&shared->position, position, __ATOMIC_RELAXED);
+  if (shim::SessionPart* shared = page()) __atomic_store_n(&shared->position, position, __ATOMIC_RELAXED);
 }
 
 }  // namespace
 
 InLibrary::InLibrary() {
-  shim::Page* shared = page();
+  shim::SessionPart* shared = page();
   if (shared == nullptr) return;
   const auto thread = static_cast<std::int32_t>(::syscall(SYS_gettid));
   if (__atomic_load_n(&shared->library_thread, __ATOMIC_RELAXED) == thread) return;
@@ -72,7 +72,7 @@ InLibrary::~InLibrary() {
 }
 
 void tell_session() {
-  if (shim::Page* shared = page())
+  if (shim::SessionPart* shared = page())
     __atomic_store_n(&shared->session_process, static_cast<std::int32_t>(::getpid()), __ATOMIC_RELAXED);
 }
 

@@ -1,5 +1,5 @@
-// A reserved range of addresses in stripes; each stripe is used from its end. Freed blocks are used again by size.
-// SPDX-License-Identifier: MIT
+// A reserved range of addresses in stripes. The first is used from its begin, the others from their end. Freed blocks
+// are used again by size. SPDX-License-Identifier: MIT
 #include "shim/arena.h"
 
 #include <pthread.h>
@@ -30,6 +30,7 @@ struct FreeBlock {
 char* arena = nullptr;
 bool has_failed = false;
 char* stripe_ends[stripe_count];
+char* first_stripe_begin = nullptr;  // of addresses that rise
 FreeBlock* free_blocks[unit_count_max];
 int arena_lock = 0;
 
@@ -54,6 +55,7 @@ bool reserve() {
   has_failed = found == MAP_FAILED;
   if (has_failed) return false;
   for (std::size_t i = 0; i < stripe_count; ++i) stripe_ends[i] = static_cast<char*>(found) + (i + 1) * stripe_size;
+  first_stripe_begin = static_cast<char*>(found) + unit;
   __atomic_store_n(&arena, static_cast<char*>(found), __ATOMIC_RELEASE);
   return true;
 }
@@ -101,8 +103,14 @@ void* arena_allocate(std::size_t alignment, std::size_t size, std::uint32_t orde
   if (step == usual_step(most_alignment) && whole / unit < unit_count_max && list != nullptr) {
     at = reinterpret_cast<char*>(list);
     list = list->next;
+  } else if (order == 0) {
+    char* begin = first_stripe_begin + boundary - 1;
+    begin -= reinterpret_cast<std::uintptr_t>(begin) % boundary;
+    if (begin + whole > arena + stripe_size) return nullptr;
+    first_stripe_begin = begin + whole;
+    at = begin;
   } else {
-    char*& end = stripe_ends[order == 2 ? mixed(number) % stripe_count : stripe_count - 1];
+    char*& end = stripe_ends[order == 2 ? 1 + mixed(number) % (stripe_count - 1) : stripe_count - 1];
     const char* stripe = arena + static_cast<std::size_t>(end - 1 - arena) / stripe_size * stripe_size;
     char* begin = end - whole;
     begin -= reinterpret_cast<std::uintptr_t>(begin) % boundary;

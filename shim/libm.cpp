@@ -65,22 +65,22 @@ bool is_logging() {
 
 using namespace ticktrue::shim;
 
-#define TICKTRUE_SHIM_UNARY(name, T)                                                                     \
-  TICKTRUE_SHIM_API T name(T x) noexcept {                                                               \
-    static T (*real)(T) = nullptr;                                                                       \
-    const Call call = begin_call(Function::name);                                                        \
-    const T value = real_function(real, #name)(x);                                                       \
-    if (is_logging()) log_libm(Function::name, bits_of(x), bits_of(value), __builtin_return_address(0)); \
-    return finished(call, value);                                                                        \
+#define TICKTRUE_SHIM_UNARY(name, T)                                                                           \
+  TICKTRUE_SHIM_API T name(T x) noexcept {                                                                     \
+    static T (*real)(T) = nullptr;                                                                             \
+    const Call call = begin_call(Function::name);                                                              \
+    const T value = real_function(real, #name)(x);                                                             \
+    if (is_logging()) log_libm(Function::name, call, bits_of(x), bits_of(value), __builtin_return_address(0)); \
+    return finished(call, value);                                                                              \
   }
-#define TICKTRUE_SHIM_BINARY(name, T)                                                                      \
-  TICKTRUE_SHIM_API T name(T x, T y) noexcept {                                                            \
-    static T (*real)(T, T) = nullptr;                                                                      \
-    const Call call = begin_call(Function::name);                                                          \
-    const T value = real_function(real, #name)(x, y);                                                      \
-    if (is_logging())                                                                                      \
-      log_libm(Function::name, bits_of(x) * 31 + bits_of(y), bits_of(value), __builtin_return_address(0)); \
-    return finished(call, value);                                                                          \
+#define TICKTRUE_SHIM_BINARY(name, T)                                                                            \
+  TICKTRUE_SHIM_API T name(T x, T y) noexcept {                                                                  \
+    static T (*real)(T, T) = nullptr;                                                                            \
+    const Call call = begin_call(Function::name);                                                                \
+    const T value = real_function(real, #name)(x, y);                                                            \
+    if (is_logging())                                                                                            \
+      log_libm(Function::name, call, bits_of(x) * 31 + bits_of(y), bits_of(value), __builtin_return_address(0)); \
+    return finished(call, value);                                                                                \
   }
 #define TICKTRUE_SHIM_NAME(name) TICKTRUE_SHIM_UNARY(name, double) TICKTRUE_SHIM_UNARY(name##f, float)
 TICKTRUE_SHIM_LIBM_1(TICKTRUE_SHIM_NAME)
@@ -89,15 +89,15 @@ TICKTRUE_SHIM_LIBM_1(TICKTRUE_SHIM_NAME)
 TICKTRUE_SHIM_LIBM_2(TICKTRUE_SHIM_NAME)
 #undef TICKTRUE_SHIM_NAME
 
-#define TICKTRUE_SHIM_SINCOS(name, T)                                                                            \
-  TICKTRUE_SHIM_API void name(T x, T* sine, T* cosine) noexcept {                                                \
-    static void (*real)(T, T*, T*) = nullptr;                                                                    \
-    const Call call = begin_call(Function::name);                                                                \
-    real_function(real, #name)(x, sine, cosine);                                                                 \
-    if (is_logging())                                                                                            \
-      log_libm(Function::name, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), __builtin_return_address(0)); \
-    *sine = finished(call, *sine);                                                                               \
-    *cosine = finished(call, *cosine);                                                                           \
+#define TICKTRUE_SHIM_SINCOS(name, T)                                                                                  \
+  TICKTRUE_SHIM_API void name(T x, T* sine, T* cosine) noexcept {                                                      \
+    static void (*real)(T, T*, T*) = nullptr;                                                                          \
+    const Call call = begin_call(Function::name);                                                                      \
+    real_function(real, #name)(x, sine, cosine);                                                                       \
+    if (is_logging())                                                                                                  \
+      log_libm(Function::name, call, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), __builtin_return_address(0)); \
+    *sine = finished(call, *sine);                                                                                     \
+    *cosine = finished(call, *cosine);                                                                                 \
   }
 TICKTRUE_SHIM_SINCOS(sincos, double)
 TICKTRUE_SHIM_SINCOS(sincosf, float)

@@ -20,19 +20,23 @@ enum class Group : std::uint32_t { heap, clock, random, rand, directory, thread,
 inline constexpr std::size_t group_count = 10;
 
 // name, group. Of a float function and its double twin each has a row.
-#define TICKTRUE_SHIM_LIBM_1(X)                                                                                    \
-  X(sin)                                                                                                           \
-  X(cos) X(tan) X(asin) X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) \
-      X(exp10) X(log) X(log2) X(log10) X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
+#define TICKTRUE_SHIM_LIBM_1(X)                                                                                      \
+  X(sin)                                                                                                             \
+  X(cos)                                                                                                             \
+  X(tan)                                                                                                             \
+  X(asin) X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) \
+      X(log2) X(log10) X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
 #define TICKTRUE_SHIM_LIBM_2(X) X(pow) X(atan2) X(hypot)
-#define TICKTRUE_SHIM_OTHERS(X)                                                                                   \
-  X(malloc, heap)                                                                                                 \
-  X(calloc, heap) X(realloc, heap) X(free, heap) X(memalign, heap) X(clock_gettime, clock) X(gettimeofday, clock) \
-      X(time, clock) X(clock, clock) X(timespec_get, clock) X(getrandom, random) X(getentropy, random)            \
-          X(arc4random, random) X(random_device, random) X(dev_random, random) X(rand, rand) X(random, rand)      \
-              X(drand48, rand) X(readdir, directory) X(pthread_create, thread) X(pthread_mutex_lock, lock)        \
-                  X(pthread_cond_signal, lock) X(sysconf, processors) X(get_nprocs, processors)                   \
-                      X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm) X(sincosf, libm)
+#define TICKTRUE_SHIM_OTHERS(X)                                                                                        \
+  X(malloc, heap)                                                                                                      \
+  X(calloc, heap)                                                                                                      \
+  X(realloc, heap)                                                                                                     \
+  X(free, heap) X(memalign, heap) X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock)        \
+      X(timespec_get, clock) X(getrandom, random) X(getentropy, random) X(arc4random, random) X(random_device, random) \
+          X(dev_random, random) X(rand, rand) X(random, rand) X(drand48, rand) X(readdir, directory)                   \
+              X(pthread_create, thread) X(pthread_mutex_lock, lock) X(pthread_cond_signal, lock)                       \
+                  X(sysconf, processors) X(get_nprocs, processors) X(sched_getaffinity, processors) X(qsort, sort)     \
+                      X(sincos, libm) X(sincosf, libm)
 
 /// Functions that the preload library takes the place of.
 enum class Function : std::uint32_t {
@@ -81,6 +85,7 @@ struct Settings {
   std::uint32_t rand_mode = 0;              // 1: other numbers, 2: one number is drawn and dropped before
   std::uint32_t directory_mode = 0;         // 1: reversed, 2: by name, 3: by name, reversed
   std::uint32_t thread_delay_us = 0;        // at most: before a thread begins
+  std::uint32_t threads_in_turn = 0;        // 1: who starts a thread waits until it has ended, 20 ms at most
   std::uint32_t lock_delay_us = 0;          // at most: before some locks
   std::uint32_t processor_count = 0;        // that the system seems to have
   std::uint32_t sort_mode = 0;              // 1: equal elements come in the reverse order
@@ -128,13 +133,18 @@ struct Module {
   char path[module_path_size];
 };
 
-struct Page {
+/// The begin of the page, written by the session. Its layout stays: a program may have an older libticktrue.
+struct SessionPart {
   std::uint64_t magic;
-  Settings settings;
-  // Written by the session.
   std::int32_t session_process;  // 0: no session was opened
   std::int32_t library_thread;   // the thread that is inside of libticktrue; 0: none
   std::uint64_t position;        // 0: before the first tick; 2 t + 1: in tick t; 2 t + 2: behind it
+};
+
+struct Page {
+  SessionPart session;
+  std::uint64_t size;  // of the page: tool and preload library must be of one version
+  Settings settings;
   // Written by the preload library, for the process of the session.
   std::uint32_t is_loaded;
   std::uint32_t record_count;
@@ -149,6 +159,7 @@ struct Page {
 
 /// A libm call in the file PAGE.libm.
 struct LibmCall {
+  std::uint64_t number;  // in its group
   std::uint64_t position;
   std::uint64_t arguments;  // their bits, mixed
   std::uint64_t result;     // its bits

@@ -58,12 +58,12 @@ void* map_file(const char* path, std::size_t size) {
 void attach() {
   const Inside inside;
   own_process = static_cast<int>(::getpid());
-  nothing_changed.magic = page_magic;
+  nothing_changed.session.magic = page_magic;
   Page* found = &nothing_changed;
   const char* path = ::getenv(page_variable);
   if (path != nullptr && ::strlen(path) < path_size_max) {
     auto* mapped = static_cast<Page*>(map_file(path, sizeof(Page)));
-    if (mapped != nullptr && mapped->magic == page_magic) found = mapped;
+    if (mapped != nullptr && mapped->session.magic == page_magic && mapped->size == sizeof(Page)) found = mapped;
   }
   if (found->settings.libm_log != 0) {
     char name[path_size_max + 8];
@@ -80,7 +80,7 @@ void attach() {
 }
 
 bool is_publishing(Page& shared) {
-  return __atomic_load_n(&shared.session_process, __ATOMIC_RELAXED) == own_process;
+  return __atomic_load_n(&shared.session.session_process, __ATOMIC_RELAXED) == own_process;
 }
 
 void publish_all(Page& shared) {
@@ -210,13 +210,13 @@ Call begin_call(Function function, std::uint64_t size) {
   if (inside_depth > 0) return {};
   Page& shared = page();
   if (&shared == &nothing_changed) return {};
-  const std::int32_t library_thread = __atomic_load_n(&shared.library_thread, __ATOMIC_RELAXED);
+  const std::int32_t library_thread = __atomic_load_n(&shared.session.library_thread, __ATOMIC_RELAXED);
   if (library_thread != 0 && library_thread == own_thread()) return {};
   const auto f = static_cast<std::size_t>(function);
   const auto group = static_cast<std::size_t>(functions[f].group);
   Call call;
   call.number = __atomic_fetch_add(&group_counts[group], 1, __ATOMIC_RELAXED);
-  const std::uint64_t position = __atomic_load_n(&shared.position, __ATOMIC_RELAXED);
+  const std::uint64_t position = __atomic_load_n(&shared.session.position, __ATOMIC_RELAXED);
   __atomic_fetch_add(&call_counts[f], 1, __ATOMIC_RELAXED);
   if (position % 2 == 1) __atomic_fetch_add(&tick_counts[f], 1, __ATOMIC_RELAXED);
   if (is_publishing(shared)) {
@@ -241,7 +241,7 @@ void count_change() {
 
 bool is_chosen_tick() {
   const Page& shared = page();
-  return is_chosen_position(shared.settings, __atomic_load_n(&shared.position, __ATOMIC_RELAXED));
+  return is_chosen_position(shared.settings, __atomic_load_n(&shared.session.position, __ATOMIC_RELAXED));
 }
 
 std::uint64_t mixed(std::uint64_t value) {
@@ -259,14 +259,16 @@ void pause_for(std::uint32_t most_us, std::uint64_t value) {
   ::syscall(SYS_nanosleep, &pause, nullptr);
 }
 
-void log_libm(Function function, std::uint64_t arguments, std::uint64_t result, const void* return_address) {
+void log_libm(Function function, const Call& made, std::uint64_t arguments, std::uint64_t result,
+              const void* return_address) {
   if (libm_log == nullptr) return;
   Page& shared = page();
   if (!is_publishing(shared)) return;
   const std::uint64_t number = __atomic_fetch_add(&libm_log->count, 1, __ATOMIC_RELAXED);
   if (number >= libm_log_count_max) return;
   LibmCall& call = libm_log->calls[number];
-  call.position = shared.position;
+  call.position = shared.session.position;
+  call.number = made.number;
   call.arguments = arguments;
   call.result = result;
   call.function = static_cast<std::uint32_t>(function);

@@ -61,6 +61,7 @@ void begin_thread_state();
 void pause_for(std::uint32_t most_us, std::uint64_t value);
 
 /// A result of libm goes to the log.
-void log_libm(Function function, std::uint64_t arguments, std::uint64_t result, const void* return_address);
+void log_libm(Function function, const Call& call, std::uint64_t arguments, std::uint64_t result,
+              const void* return_address);
 
 }  // namespace ticktrue::shim

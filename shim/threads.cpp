@@ -16,12 +16,28 @@ namespace {
 constexpr std::uint64_t locks_between_pauses = 8;
 constexpr std::uint64_t pause_count_max = 4000;  // a bound on the time that they cost
 
+constexpr int turn_wait_count = 400;
+constexpr std::uint32_t turn_wait_us = 50;
+
 struct Start {
   void* (*function)(void*);
   void* argument;
   std::uint32_t delay_us;
   std::uint64_t number;
+  int* turn;  // counts the owners: who starts the thread, and the thread; null: nobody waits
 };
+
+/// The last owner frees it.
+void leave_turn(int* turn) {
+  if (turn != nullptr && __atomic_sub_fetch(turn, 1, __ATOMIC_ACQ_REL) == 0) __libc_free(turn);
+}
+
+void wait_for_turn(int* turn) {
+  if (turn == nullptr) return;
+  const Inside inside;
+  for (int i = 0; i < turn_wait_count && __atomic_load_n(turn, __ATOMIC_ACQUIRE) > 1; ++i) ::usleep(turn_wait_us);
+  leave_turn(turn);
+}
 
 void* run_thread(void* given) {
   const Start start = *static_cast<Start*>(given);
@@ -31,7 +47,9 @@ void* run_thread(void* given) {
     begin_thread_state();
     if (start.delay_us > 0) pause_for(start.delay_us, start.number);
   }
-  return start.function(start.argument);
+  void* result = start.function(start.argument);
+  leave_turn(start.turn);
+  return result;
 }
 
 void pause_at_lock(const Call& call) {
@@ -55,10 +73,18 @@ TICKTRUE_SHIM_API int pthread_create(pthread_t* thread, const pthread_attr_t* at
   const Call call = begin_call(Function::pthread_create);
   auto* start = static_cast<Start*>(__libc_malloc(sizeof(Start)));
   if (start == nullptr) return create(thread, attributes, function, argument);
-  *start = {function, argument, call.is_changed ? settings().thread_delay_us : 0, call.number};
+  *start = {function, argument, call.is_changed ? settings().thread_delay_us : 0, call.number, nullptr};
+  if (call.is_changed && settings().threads_in_turn != 0) start->turn = static_cast<int*>(__libc_malloc(sizeof(int)));
+  int* turn = start->turn;
+  if (turn != nullptr) *turn = 2;
   if (start->delay_us > 0) count_change();
   const int status = create(thread, attributes, run_thread, start);
-  if (status != 0) __libc_free(start);
+  if (status != 0) {
+    __libc_free(turn);
+    __libc_free(start);
+    return status;
+  }
+  wait_for_turn(turn);
   return status;
 }
 

@@ -13,7 +13,7 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
     // Many angles, so that some are among those where libraries differ.
     for (int i = 0; i < 200; ++i) {
       const double angle = unit.position * (3 + i) + static_cast<double>(tick);
-      unit.velocity += 1e-4 * (is_mended ? ticktrue_sin(angle) : std::sin(angle));
+      unit.velocity += is_mended ? ticktrue_sin(angle) : std::sin(angle);
     }
   }
 }

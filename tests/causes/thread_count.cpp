@@ -23,7 +23,7 @@ double wind(std::uint64_t tick, unsigned part_count) {
 void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
   if (tick % 16 != 9) return;
   const unsigned processors = std::thread::hardware_concurrency();
-  game.units[6].velocity += 1e-3 * wind(tick, is_mended ? 4 : (processors > 0 ? processors : 1));
+  game.units[6].velocity += wind(tick, is_mended ? 4 : (processors > 0 ? processors : 1));
 }
 
 }  // namespace

@@ -93,6 +93,16 @@ std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t o
   return places.empty() ? std::optional<CallSite>(site) : std::nullopt;
 }
 
+/// "Ship::steer" of "Ship::steer(double, int)".
+std::string short_name(const std::string& function) {
+  std::string name = function;
+  const std::string anonymous = "(anonymous namespace)::";
+  for (std::size_t at = name.find(anonymous); at != std::string::npos; at = name.find(anonymous))
+    name.erase(at, anonymous.size());
+  const std::size_t parameters = name.find('(');
+  return parameters == 0 || parameters == std::string::npos ? name : name.substr(0, parameters);
+}
+
 }  // namespace
 
 std::string CallSite::text() const {
@@ -102,7 +112,8 @@ std::string CallSite::text() const {
   else if (!module.empty())
     text = fs::path(module).filename().string() + "+" + hex(offset);
   if (function.empty()) return text;
-  return text.empty() ? function : function + " (" + text + ")";
+  const std::string name = short_name(function);
+  return text.empty() ? name : name + " (" + text + ")";
 }
 
 CallSite call_site(const shim::Page& page, std::uint32_t module, std::uint64_t offset) {
@@ -112,6 +123,20 @@ CallSite call_site(const shim::Page& page, std::uint32_t module, std::uint64_t o
   site.module = plain_line(page.modules[module].path);
   site.offset = offset;
   return site;
+}
+
+std::string address_text(const std::string& module, std::uint64_t address) {
+  CallSite site;
+  site.module = plain_line(module);
+  site.offset = address;
+  for (const SourcePlace& place : source_places(module, address)) {
+    if (is_system_source(place.file)) continue;
+    site.function = place.function;
+    site.file = place.file;
+    site.line = place.line;
+    break;
+  }
+  return site.text();
 }
 
 CallSite call_site(const shim::Page& page, const shim::CallRecord& record) {

@@ -25,4 +25,7 @@ CallSite call_site(const shim::Page& page, const shim::CallRecord& record);
 /// Of one return address.
 CallSite call_site(const shim::Page& page, std::uint32_t module, std::uint64_t offset);
 
+/// The place of an instruction, by its address in the file.
+std::string address_text(const std::string& module, std::uint64_t address);
+
 }  // namespace ticktrue::shake

@@ -53,23 +53,58 @@ void find_allocators(Facts& facts) {
     if (const std::string path = first_existing(names); !path.empty()) facts.allocators.push_back(path);
 }
 
-/// Installed ones, or ones that localedef makes from its sources.
+/// A locale as POSIX has it, but with a decimal comma. A whole one takes localedef seconds.
+constexpr const char* comma_locale = R"(comment_char %
+escape_char /
+LC_IDENTIFICATION
+title "decimal comma"
+END LC_IDENTIFICATION
+LC_CTYPE
+copy "POSIX"
+END LC_CTYPE
+LC_COLLATE
+copy "POSIX"
+END LC_COLLATE
+LC_NUMERIC
+decimal_point ","
+thousands_sep "."
+grouping 3;3
+END LC_NUMERIC
+LC_MONETARY
+copy "POSIX"
+END LC_MONETARY
+LC_TIME
+copy "POSIX"
+END LC_TIME
+LC_MESSAGES
+copy "POSIX"
+END LC_MESSAGES
+)";
+
+/// Installed ones; else one that localedef makes.
 void find_locales(Facts& facts) {
   const std::string installed = probe({"locale", "-a"}).output;
-  for (const char* name : {"de_DE", "tr_TR"}) {
-    if (installed.find(std::string(name) + ".utf8") != std::string::npos) {
+  for (const char* name : {"de_DE", "tr_TR"})
+    if (installed.find(std::string(name) + ".utf8") != std::string::npos)
       facts.locales.push_back(std::string(name) + ".UTF-8");
-      continue;
-    }
-    std::error_code failure;
-    if (!fs::exists("/usr/share/i18n/locales/" + std::string(name), failure)) continue;
-    const std::string folder = facts.folder + "/locales";
-    fs::create_directories(folder, failure);
-    probe({"localedef", "--no-archive", "-i", name, "-f", "UTF-8", folder + "/" + name + ".UTF-8"});
-    if (!fs::exists(folder + "/" + name + ".UTF-8/LC_NUMERIC", failure)) continue;
-    facts.locales.push_back(std::string(name) + ".UTF-8");
-    facts.locale_folder = folder;
-  }
+  if (!facts.locales.empty()) return;
+  const std::string folder = facts.folder + "/locales";
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  std::ofstream(folder + "/comma.source") << comma_locale;
+  probe(
+      {"localedef", "--no-archive", "--force", "-i", folder + "/comma.source", "-f", "UTF-8", folder + "/comma.UTF-8"});
+  if (!fs::exists(folder + "/comma.UTF-8/LC_NUMERIC", failure)) return;
+  facts.locales.emplace_back("comma.UTF-8");
+  facts.locale_folder = folder;
+}
+
+void find_time_namespace(Facts& facts) {
+  const verifier::ChildResult space = probe({"unshare", "-rT", "--fork", "--monotonic", "86400", "true"});
+  if (succeeded(space)) return;
+  facts.no_time_namespace = space.end.how == verifier::ChildEnd::How::not_started
+                                ? "unshare is not installed: apt-get install util-linux"
+                                : "this system does not permit a time namespace";
 }
 
 }  // namespace
@@ -86,7 +121,8 @@ std::string find_program(const std::string& word) {
   return "";
 }
 
-Facts collect_facts(const std::vector<std::string>& words, const std::string& folder) {
+Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
+                    const std::function<bool(std::string_view name)>& is_asked) {
   Facts facts;
   facts.folder = folder;
   facts.program = words.empty() ? "" : find_program(words.front());
@@ -103,12 +139,8 @@ Facts collect_facts(const std::vector<std::string>& words, const std::string& fo
       (is_script && (head.find("python") != std::string::npos || head.find("perl") != std::string::npos));
   facts.has_math_library = facts.has_interpreter || names("openblas") || names("libmkl");
   find_allocators(facts);
-  find_locales(facts);
-  const verifier::ChildResult space = probe({"unshare", "-rT", "--fork", "--monotonic", "86400", "true"});
-  if (!succeeded(space))
-    facts.no_time_namespace = space.end.how == verifier::ChildEnd::How::not_started
-                                  ? "unshare is not installed: apt-get install util-linux"
-                                  : "this system does not permit a time namespace";
+  if (is_asked("locale")) find_locales(facts);
+  if (is_asked("time_namespace")) find_time_namespace(facts);
   if (facts.is_x86_64) facts.emulator = find_program("qemu-x86_64");
   return facts;
 }

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tool/experiment/shake/outcome.h"
@@ -25,8 +26,10 @@ struct Facts {
   Outcome control;                      // with the preload library, where there is one
 };
 
-/// `words`: the program and its arguments. `folder`: where locales are made.
-Facts collect_facts(const std::vector<std::string>& words, const std::string& folder);
+/// `words`: the program and its arguments. `folder`: where locales are made. `is_asked`: whether a perturbation of this
+/// name is to be run; what nobody asks for is not looked for.
+Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
+                    const std::function<bool(std::string_view name)>& is_asked);
 
 /// The file that the first word names, by PATH where it has no slash.
 std::string find_program(const std::string& word);

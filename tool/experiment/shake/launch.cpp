@@ -16,7 +16,10 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 extern "C" char** environ;
 #endif
@@ -149,7 +152,8 @@ std::string text_of_file(const std::string& path) {
 
 bool write_page(const std::string& path, const shim::Settings& settings) {
   auto page = std::make_unique<shim::Page>();
-  page->magic = shim::page_magic;
+  page->session.magic = shim::page_magic;
+  page->size = sizeof(shim::Page);
   page->settings = settings;
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.write(reinterpret_cast<const char*>(page.get()), sizeof *page);
@@ -209,15 +213,28 @@ Result<Run> Launcher::run(const Conditions& conditions) {
   }
   const verifier::ChildResult child = verifier::run_child(command);
   Run run;
-  const bool has_page = read_page(page, run.page) && run.page.magic == shim::page_magic;
+  const bool has_page = read_page(page, run.page) && run.page.session.magic == shim::page_magic;
   run.outcome = judge(child, command.limits, options_.has_result_in_output ? child.output : text_of_file(result),
                       has_page ? &run.page : nullptr);
   if (conditions.settings.libm_log != 0) run.libm_calls = read_libm_log(libm_log);
   std::error_code ignored;
   for (const std::string& path : {page, result, libm_log}) fs::remove(path, ignored);
   const std::lock_guard guard(lock_);
-  for (const std::string& process : run.outcome.escaped) escaped_.push_back(process);
+  for (const verifier::EscapedChild& process : run.outcome.escaped) escaped_.push_back(process);
   return run;
+}
+
+void Launcher::end_escaped() {
+#ifdef __linux__
+  const std::lock_guard guard(lock_);
+  for (; ended_count_ < escaped_.size(); ++ended_count_) {
+    const auto id = static_cast<pid_t>(escaped_[ended_count_].id);
+    // 0: it is a child of this process, which adopted it, and it runs.
+    if (::waitpid(id, nullptr, WNOHANG) != 0) continue;
+    ::kill(id, SIGKILL);
+    ::waitpid(id, nullptr, 0);
+  }
+#endif
 }
 
 Result<std::string> make_other_folder(const std::string& folder) {

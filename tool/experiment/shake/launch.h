@@ -60,6 +60,9 @@ struct Run {
 class Launcher {
  public:
   explicit Launcher(LaunchOptions options) : options_(std::move(options)) {}
+  Launcher(const Launcher&) = delete;
+  Launcher& operator=(const Launcher&) = delete;
+  ~Launcher() { end_escaped(); }
 
   /// From any thread. Errors: io (files of the run).
   Result<Run> run(const Conditions& conditions);
@@ -69,14 +72,17 @@ class Launcher {
   void set_time_limit(double time_s) { options_.time_s = time_s; }
   std::uint64_t run_count() const { return run_count_; }
   const LaunchOptions& options() const { return options_; }
-  /// Everything that runs left behind.
-  std::vector<std::string> escaped() const { return escaped_; }
+  /// Kills what runs left behind. Requires: no run is under way, whose processes could be among them.
+  void end_escaped();
+  /// What was left behind, of all runs.
+  std::string escaped() const { return verifier::escaped_text(escaped_); }
 
  private:
   LaunchOptions options_;
   std::mutex lock_;
   std::uint64_t run_count_ = 0;
-  std::vector<std::string> escaped_;
+  std::vector<verifier::EscapedChild> escaped_;
+  std::size_t ended_count_ = 0;  // of them, the first
 };
 
 /// A folder in which every entry of the present one is linked. Errors: io, limit.

@@ -163,8 +163,31 @@ Cause narrow_ticks(Narrower& runs, const Outcome& outcome) {
   return cause;
 }
 
-/// The first libm result that is another one: a run as it is beside one under the conditions, both with a log.
-Cause compare_libm(Launcher& launcher, const Conditions& guilty) {
+Cause cause_of(const Run& run, const shim::LibmCall& call) {
+  Cause cause;
+  cause.function = shim::functions[std::min<std::size_t>(call.function, shim::function_count - 1)].name;
+  cause.number = call.number;
+  cause.nth = call.nth;
+  cause.position = call.position;
+  cause.site = call_site(run.page, call.module, call.offset);
+  return cause;
+}
+
+/// The program as it is, with this one result changed by an ulp to what the other processor has.
+Conditions one_result(const shim::LibmCall& here, const shim::LibmCall& there) {
+  constexpr std::uint32_t up = 1;
+  constexpr std::uint32_t down = 2;
+  Conditions conditions;
+  conditions.settings.libm_mode = there.result > here.result ? up : down;
+  conditions.settings.call_range_count = 1;
+  conditions.settings.call_ranges[0] = {here.number, here.number + 1};
+  return conditions;
+}
+
+/// The first libm result that is another one and matters: a run as it is beside one under the conditions, both with a
+/// log. A result that rounding swallows does not matter.
+Cause compare_libm(Launcher& launcher, const Conditions& guilty, const NarrowOptions& options) {
+  constexpr int tried_max = 24;
   Conditions plain;
   plain.settings.libm_log = 1;
   Conditions changed = guilty;
@@ -173,21 +196,20 @@ Cause compare_libm(Launcher& launcher, const Conditions& guilty) {
   const Result<Run> there = launcher.run(changed);
   if (!here || !there) return no_cause("the log of libm cannot be written");
   const std::size_t count = std::min(here->libm_calls.size(), there->libm_calls.size());
+  std::optional<Cause> last;
+  int tried = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const shim::LibmCall& a = here->libm_calls[i];
     const shim::LibmCall& b = there->libm_calls[i];
-    if (a.function != b.function || a.arguments != b.arguments)
-      return no_cause("libm is called otherwise before any of its results differs: the processor is asked elsewhere");
+    if (a.function != b.function || a.arguments != b.arguments) break;
     if (a.result == b.result) continue;
-    Cause cause;
-    cause.function = shim::functions[std::min<std::size_t>(a.function, shim::function_count - 1)].name;
-    cause.number = i;
-    cause.nth = a.nth;
-    cause.position = a.position;
-    cause.site = call_site(here->page, a.module, a.offset);
-    return cause;
+    last = cause_of(*here, a);
+    const bool is_one_ulp = a.result + 1 == b.result || b.result + 1 == a.result;
+    if (!is_one_ulp || ++tried > tried_max || !options.goes_on()) continue;
+    const Result<Run> alone = launcher.run(one_result(a, b));
+    if (alone && signature(alone->outcome) != options.baseline) return *last;
   }
-  return no_cause("no result of libm differs: the processor is asked elsewhere");
+  return last ? *last : no_cause("no result of libm differs before the state does: the processor is asked elsewhere");
 }
 
 }  // namespace
@@ -241,7 +263,7 @@ Cause narrow(Launcher& launcher, const Perturbation& perturbation, const Conditi
     case Narrowing::ticks:
       return narrow_ticks(runs, outcome);
     case Narrowing::libm_results:
-      return compare_libm(launcher, guilty);
+      return compare_libm(launcher, guilty, options);
   }
   return {};
 }

@@ -93,7 +93,7 @@ std::string last_line(std::string text) {
 
 void read_page(const shim::Page& page, Outcome& outcome) {
   outcome.has_shim = page.is_loaded != 0;
-  outcome.has_session = page.session_process != 0;
+  outcome.has_session = page.session.session_process != 0;
   outcome.changed_count = page.changed_count;
   for (std::size_t f = 0; f < shim::function_count; ++f) {
     outcome.call_counts[f] = page.call_counts[f];
@@ -128,8 +128,7 @@ Outcome judge(const verifier::ChildResult& child, const verifier::ChildLimits& l
   if (page != nullptr) read_page(*page, outcome);
   outcome.wall_s = child.end.wall_s;
   outcome.exit_status = child.end.exit_status;
-  for (const verifier::EscapedChild& process : child.end.escaped)
-    outcome.escaped.push_back("process " + std::to_string(process.id) + " (" + process.name + ")");
+  outcome.escaped = child.end.escaped;
   const std::string failure = verifier::child_failure(child, limits);
   if (child.end.how == verifier::ChildEnd::How::not_started) {
     outcome.reason = failure;
@@ -142,13 +141,14 @@ Outcome judge(const verifier::ChildResult& child, const verifier::ChildLimits& l
   outcome.kind = OutcomeKind::no_result;
   if (is_hung) outcome.kind = OutcomeKind::hung;
   if (child.end.how == verifier::ChildEnd::How::killed_by_signal) outcome.kind = OutcomeKind::crashed;
-  if (page != nullptr && page->position > 0) outcome.tick = (page->position - 1) / 2;
+  if (page != nullptr && page->session.position > 0) outcome.tick = (page->session.position - 1) / 2;
   outcome.reason = failure;
   if (failure.empty() || outcome.kind == OutcomeKind::no_result)
     outcome.reason = "ended with status " + std::to_string(child.end.exit_status) + " and without a result" +
                      (child.message.empty() ? "" : ": " + last_line(child.message));
-  else if (page != nullptr && page->session_process != 0)
-    outcome.reason += page->position == 0 ? ", before the first tick" : ", in tick " + std::to_string(outcome.tick);
+  else if (page != nullptr && page->session.session_process != 0)
+    outcome.reason +=
+        page->session.position == 0 ? ", before the first tick" : ", in tick " + std::to_string(outcome.tick);
   return outcome;
 }
 

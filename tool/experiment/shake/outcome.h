@@ -31,7 +31,7 @@ struct Outcome {
   std::uint64_t ticks_compared = 0;
   int exit_status = 0;
   double wall_s = 0;
-  std::vector<std::string> escaped;  // processes that were left behind
+  std::vector<verifier::EscapedChild> escaped;  // processes that were left behind
 
   // Of the page.
   bool has_shim = false;     // the preload library was loaded

@@ -155,10 +155,10 @@ void fix_stack(Conditions& conditions) {
 }
 
 void environment(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
-  constexpr std::size_t added_size = 2048;
+  constexpr std::size_t size = 2048;
   if (variant == 0) {
     conditions.order = EnvironmentOrder::reversed;
-    conditions.environment.emplace_back("TICKTRUE_ADDED", std::string(added_size, 'x'));
+    conditions.environment.emplace_back("TICKTRUE_ADDED", std::string(size, 'x'));
   } else {
     for (const char* name : {"HOME", "USER", "LOGNAME", "DISPLAY", "TERM", "SHELL"})
       conditions.environment.emplace_back(name, std::nullopt);
@@ -259,6 +259,10 @@ void fix_one_cpu(Conditions& conditions) {
 void thread_start(Conditions& conditions, unsigned, std::uint64_t seed, const Facts&) {
   conditions.settings.thread_delay_us = 2000;
   conditions.settings.seed = seed;
+}
+
+void fix_threads(Conditions& conditions) {
+  conditions.settings.threads_in_turn = 1;
 }
 
 void lock_delay(Conditions& conditions, unsigned, std::uint64_t seed, const Facts&) {
@@ -373,21 +377,21 @@ constexpr Perturbation table[] = {
      clock_mend, by_launch, alone, whole, Group::clock, 1, needs_time_namespace, time_namespace, no_fix},
     {"clock_rate", Kind::a, "clocks that go faster or slower", clock_mend, by_shim, together, Narrowing::calls,
      Group::clock, 2, needs_calls<Group::clock>, clock_rate, no_fix},
+    {"hash_seed", Kind::a, "another hash seed of Python or Perl", "sort what comes out of a set or a hash", by_launch,
+     together, whole, Group::heap, 2, needs_interpreter, hash_seed, fix_hash_seed},
     {"random", Kind::a, "other random bytes of the system", random_mend, by_shim, together, Narrowing::calls,
      Group::random, 2, needs_calls<Group::random>, random_bytes, fix_random},
     {"rand_draws", Kind::a, "someone else draws from rand, too", random_mend, by_shim, together, Narrowing::calls,
      Group::rand, 1, needs_calls<Group::rand>, rand_draws, no_fix},
     {"directory_order", Kind::a, "directories list their entries in another order", "sort the names", by_shim, together,
      Narrowing::calls, Group::directory, 3, needs_calls<Group::directory>, directory_order, fix_directory},
-    {"hash_seed", Kind::a, "another hash seed of Python or Perl", "sort what comes out of a set or a hash", by_launch,
-     together, whole, Group::heap, 2, needs_interpreter, hash_seed, fix_hash_seed},
     {"processors", Kind::a, "another number of processors", "divide work by what there is to do, not by who does it",
      by_shim, together, Narrowing::calls, Group::processors, 3, needs_calls<Group::processors>, processors,
      fix_processors},
     {"one_cpu", Kind::a, "all threads on one processor", thread_mend, by_launch, alone, whole, Group::thread, 1,
      linux_only, one_cpu, fix_one_cpu},
     {"thread_start", Kind::a, "threads begin late", thread_mend, by_shim, together, Narrowing::calls, Group::thread, 2,
-     needs_calls<Group::thread>, thread_start, no_fix},
+     needs_calls<Group::thread>, thread_start, fix_threads},
     {"lock_delay", Kind::a, "locks are taken late", thread_mend, by_shim, together, Narrowing::calls, Group::lock, 2,
      needs_calls<Group::lock>, lock_delay, no_fix},
     {"working_folder", Kind::a, "another working folder with the same files", "keep paths out of the state", by_launch,

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <mutex>
 
 #include "base/parallel/jobs.h"
 #include "tool/experiment/ddmin.h"
+#include "tool/experiment/shake/instructions.h"
 
 namespace ticktrue::shake {
 namespace {
@@ -17,11 +19,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int control_count = 3;
-constexpr int fix_repeat_count = 6;
-constexpr int fix_narrow_repeat_count = 4;
-constexpr unsigned together_count = 2;
-constexpr double slowest_run = 20;     // times the control
-constexpr double run_time_min_s = 10;  // under emulation a short program takes seconds
+constexpr int diverged_control_count = 8;  // they end at the first difference, and so say less
+constexpr int late_control_count = 3;
+constexpr int unstable_control_count = 12;
+// Runs in a row that must agree before chance is ruled out: it would make them agree so rarely.
+constexpr double chance_max = 1e-3;
+constexpr int still_count_max = 40;
+constexpr unsigned together_count = 4;  // every variant of each
+constexpr double slowest_run = 20;      // times the control
+constexpr double run_time_min_s = 10;   // under emulation a short program takes seconds
 
 class Shaking {
  public:
@@ -30,17 +36,17 @@ class Shaking {
   Result<ShakeReport> run() {
     if (const Status status = run_control(); !status) return status.error();
     if (report_.failure.empty()) {
-      facts_ = collect_facts(options_.launch.words, options_.launch.folder);
+      facts_ = collect_facts(options_.launch.words, options_.launch.folder, [&](std::string_view name) {
+        return std::any_of(options_.choices.begin(), options_.choices.end(),
+                           [&](const Choice& choice) { return choice.perturbation->name == name; });
+      });
       facts_.no_shim = no_shim_;
       facts_.control = report_.control_with_shim.empty() ? report_.control.front() : report_.control_with_shim.front();
-      if (!report_.repeats) {
-        if (const Status status = find_fix(); !status) return status.error();
-      } else if (const Status status = run_rows(); !status) {
-        return status.error();
-      }
+      if (const Status status = report_.repeats ? run_rows() : find_fix(); !status) return status.error();
     }
-    for (const std::string& process : launcher_.escaped())
-      report_.notes.push_back("the program left running, outside of its process group: " + process);
+    launcher_.end_escaped();
+    if (const std::string escaped = launcher_.escaped(); !escaped.empty())
+      report_.notes.push_back("the program left running, outside of its process group, and shake ended: " + escaped);
     report_.run_count = launcher_.run_count();
     report_.wall_s = elapsed_s();
     return std::move(report_);
@@ -74,7 +80,7 @@ class Shaking {
       tell();
       return {};
     };
-    for (int i = 0; i < control_count; ++i) {
+    for (int i = 0; i < control_count || (i < diverged_control_count && has_equal_differences()); ++i) {
       if (const Status status = add(plain, report_.control); !status) return status;
       if (i == 0 && !judge_first(report_.control.front())) return {};
       if (i == 0)
@@ -82,8 +88,7 @@ class Shaking {
             std::min(options_.launch.time_s, std::max(run_time_min_s, slowest_run * report_.control.front().wall_s)));
     }
     baseline_ = signature(report_.control.front());
-    report_.repeats = std::all_of(report_.control.begin(), report_.control.end(),
-                                  [&](const Outcome& outcome) { return signature(outcome) == baseline_; });
+    report_.repeats = is_control_equal();
     no_shim_ = "the preload library is not installed beside ticktrue";
     if (!launcher_.has_shim()) return {};
     if (const Status status = add(idle, report_.control_with_shim); !status) return status;
@@ -94,6 +99,30 @@ class Shaking {
     else if (report_.repeats && signature(outcome) != baseline_)
       no_shim_ = "the program does not run as before with the preload library: " + outcome_text(outcome);
     if (!no_shim_.empty()) launcher_.drop_shim();
+    return {};
+  }
+
+  bool is_control_equal() const {
+    return std::all_of(report_.control.begin(), report_.control.end(), [&](const Outcome& outcome) {
+      return signature(outcome) == signature(report_.control.front());
+    });
+  }
+  bool has_equal_differences() const {
+    return report_.control.front().kind != OutcomeKind::match && is_control_equal();
+  }
+
+  /// More runs of the program as it is. Chance may have made the first ones equal.
+  Status run_control_again(int count) {
+    Conditions plain;
+    plain.has_shim = false;
+    tell(static_cast<std::uint64_t>(count));
+    for (int i = 0; i < count; ++i) {
+      const Result<Run> run = launcher_.run(plain);
+      if (!run) return run.error();
+      report_.control.push_back(run->outcome);
+      tell();
+    }
+    report_.repeats = is_control_equal();
     return {};
   }
 
@@ -175,6 +204,10 @@ class Shaking {
           return row.state == RowState::moved && row.choice.perturbation->kind == Kind::a;
         }))
       if (const Status status = find_set(); !status) return status;
+    if (!guilty_.empty() || moved_together_) {
+      if (const Status status = run_control_again(late_control_count); !status) return status;
+      if (!report_.repeats) return find_fix();
+    }
     if (options_.narrows) narrow_rows();
     return {};
   }
@@ -297,10 +330,22 @@ class Shaking {
 
   // --- a program that does not --------------------------------------------------------------------------------------
 
-  /// Whether some runs in a row do the same.
-  Result<bool> holds_still(const Conditions& conditions, int repeat_count) {
+  /// Runs that must agree. Agreement of fewer can be chance: the most frequent outcome of the control says how easily.
+  int still_count() const {
+    std::map<std::string, int> counts;
+    int most = 0;
+    for (const Outcome& outcome : report_.control) most = std::max(most, ++counts[signature(outcome)]);
+    const double likely = static_cast<double>(most) / static_cast<double>(report_.control.size());
+    double chance = 1;
+    int count = 1;
+    for (; count < still_count_max && chance > chance_max; ++count) chance *= likely;
+    return count;
+  }
+
+  /// Whether so many runs do the same.
+  Result<bool> holds_still(const Conditions& conditions) {
     std::string first;
-    for (int i = 0; i < repeat_count; ++i) {
+    for (int i = 0; i < still_count_; ++i) {
       const Result<Run> run = launcher_.run(conditions);
       tell(1);
       if (!run) return run.error();
@@ -319,6 +364,10 @@ class Shaking {
   }
 
   Status find_fix() {
+    forget_rows();
+    const auto missing = unstable_control_count - static_cast<int>(report_.control.size());
+    if (const Status status = run_control_again(std::max(missing, 0)); !status) return status;
+    still_count_ = still_count();
     std::vector<const Perturbation*> sources;
     for (const Choice& choice : options_.choices) {
       const Perturbation& row = *choice.perturbation;
@@ -327,21 +376,39 @@ class Shaking {
     }
     for (const Perturbation* source : sources) {
       if (!goes_on()) return {};
-      const Result<bool> still = holds_still(fixed({source}), fix_repeat_count);
+      const Result<bool> still = holds_still(fixed({source}));
       if (!still) return still.error();
       if (*still) return found_fix({source});
     }
-    if (sources.size() < 2) return {};
-    const Result<bool> still = holds_still(fixed(sources), fix_repeat_count);
-    if (!still) return still.error();
-    if (!*still) return {};
+    if (sources.size() >= 2) {
+      const Result<bool> still = holds_still(fixed(sources));
+      if (!still) return still.error();
+      if (*still) return find_least_fix(sources);
+    }
+    report_.instructions = find_instructions(facts_.program);
+    return {};
+  }
+
+  /// What was learned of single rows before the program turned out not to repeat itself.
+  void forget_rows() {
+    guilty_.clear();
+    report_.rows.clear();
+    report_.together.clear();
+    report_.together_outcome = {};
+    for (const Choice& choice : options_.choices) {
+      RowResult& row = report_.rows.emplace_back();
+      row.choice = choice;
+      row.reason = "the program does not repeat itself";
+    }
+  }
+
+  Status find_least_fix(const std::vector<const Perturbation*>& sources) {
     std::vector<const Perturbation*> needed = sources;
-    for (std::size_t i = 0; i < needed.size();) {
-      if (!goes_on()) break;
+    for (std::size_t i = 0; i < needed.size() && goes_on();) {
       std::vector<const Perturbation*> fewer;
       std::copy_if(needed.begin(), needed.end(), std::back_inserter(fewer),
                    [&](const Perturbation* row) { return row != needed[i]; });
-      const Result<bool> enough = holds_still(fixed(fewer), fix_repeat_count);
+      const Result<bool> enough = holds_still(fixed(fewer));
       if (!enough) return enough.error();
       if (*enough)
         needed = fewer;
@@ -362,7 +429,7 @@ class Shaking {
       report_.fix.cause = narrow_fix(
           launcher_, first, fixed(rows), facts_.control,
           [&](const Conditions& conditions) {
-            const Result<bool> still = holds_still(conditions, fix_narrow_repeat_count);
+            const Result<bool> still = holds_still(conditions);
             return still && *still;
           },
           [&] { return goes_on(); });
@@ -379,6 +446,7 @@ class Shaking {
   std::optional<unsigned> moved_together_;  // variant
   std::vector<std::pair<RowResult*, Conditions>> guilty_;
   std::uint64_t expected_ = 0;
+  int still_count_ = still_count_max;
 };
 
 }  // namespace

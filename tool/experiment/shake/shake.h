@@ -59,6 +59,7 @@ struct ShakeReport {
   std::vector<std::string> together;  // only these together move the program
   Outcome together_outcome;
   FixResult fix;
+  std::vector<std::string> instructions;  // of the program that no fix reaches: "rdrand in draw (game.cpp:12)"
   std::vector<std::string> notes;
   std::uint64_t run_count = 0;
   double wall_s = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include "base/plain_text.h"
 #include "tool/output/json_output.h"
@@ -67,7 +68,16 @@ std::string control_text(const ShakeReport& report) {
   const std::size_t count = report.control.size();
   if (!report.repeats) {
     std::string text = "  " + padded("control", name_width) + "DOES NOT REPEAT\n";
-    for (const Outcome& outcome : report.control) text += "  " + padded("", name_width) + outcome_text(outcome) + "\n";
+    std::map<std::string, std::size_t> times;
+    for (const Outcome& outcome : report.control) ++times[outcome_text(outcome)];
+    constexpr std::size_t shown_max = 4;
+    std::size_t shown = 0;
+    for (const auto& [what, count_of] : times)
+      if (++shown <= shown_max)
+        text += "  " + padded("", name_width) + std::to_string(count_of) + " of " + std::to_string(count) +
+                " runs: " + what + "\n";
+    if (shown > shown_max)
+      text += "  " + padded("", name_width) + "and " + counted(shown - shown_max, "other outcome") + "\n";
     return text;
   }
   std::string text =
@@ -78,14 +88,34 @@ std::string control_text(const ShakeReport& report) {
 }
 
 std::string fix_text(const ShakeReport& report) {
-  if (!report.fix.is_found)
-    return "  " + padded("cause", name_width) +
-           "not found: the program does not repeat itself, whatever is held still.\n  " + padded("", name_width) +
-           "Candidates: threads, an instruction such as rdrand or rdtsc, an address that is compared or printed\n";
+  const std::string indent = "  " + padded("", name_width);
+  if (!report.fix.is_found) {
+    std::string text = "  " + padded("cause", name_width) + "not found: nothing that can be held still is enough\n";
+    for (const std::string& place : report.instructions)
+      text += indent + "the program has " + place + ", which no library stands in front of\n";
+    return text;
+  }
   std::string names;
   for (const std::string& name : report.fix.names) names += (names.empty() ? "" : " and ") + name;
   std::string text = "  " + padded("cause", name_width) + names + ": held still, the program repeats itself\n";
-  if (report.fix.cause) text += "  " + padded("", name_width) + report.fix.cause->text() + "\n";
+  if (report.fix.cause) text += indent + report.fix.cause->text() + "\n";
+  return text;
+}
+
+/// What does not apply, by its reason.
+std::string reasons_text(const ShakeReport& report) {
+  std::string text;
+  std::vector<std::string> reasons;
+  for (const RowResult& row : report.rows)
+    if (row.state == RowState::not_applicable && std::find(reasons.begin(), reasons.end(), row.reason) == reasons.end())
+      reasons.push_back(row.reason);
+  for (const std::string& reason : reasons) {
+    std::string names;
+    for (const RowResult& row : report.rows)
+      if (row.state == RowState::not_applicable && row.reason == reason)
+        names += (names.empty() ? "" : ", ") + std::string(row.choice.perturbation->name);
+    text += "    " + names + ": " + plain_line(reason) + "\n";
+  }
   return text;
 }
 
@@ -215,14 +245,12 @@ std::string shake_text(const ShakeReport& report, const ShakeSubject& subject) {
   if (!same.empty()) text += list_text("same", same);
   const std::size_t without = report.count(RowState::not_applicable);
   if (without > 0) text += "  " + padded("not applicable", name_width) + std::to_string(without) + "\n";
-  for (const RowResult& row : report.rows)
-    if (row.state == RowState::not_applicable)
-      text += "    " + padded(std::string(row.choice.perturbation->name), name_width) + plain_line(row.reason) + "\n";
+  text += reasons_text(report);
   if (report.repeats && report.count(RowState::not_run) > 0)
     text += "  " + padded("not run", name_width) + std::to_string(report.count(RowState::not_run)) +
             " for want of time (--time)\n";
   for (const std::string& note : report.notes) text += "  " + padded("note", name_width) + plain_line(note) + "\n";
-  if (report.repeats && report.control.front().kind != OutcomeKind::match)
+  if (report.repeats && report.control.front().kind != OutcomeKind::match && report.moved_count(Kind::a) == 0)
     text += "next  record " + subject.trace + " anew with this build: only ticks before the difference were examined\n";
   for (const std::string& step : next_steps(report)) text += "next  " + step + "\n";
   return text;
@@ -245,6 +273,7 @@ std::string shake_json(const ShakeReport& report, const ShakeSubject& subject) {
   object["repeats"] = report.repeats;
   object["fixed_by"] = report.fix.names;
   object["fixed_call"] = cause_json(report.fix.cause);
+  object["instructions"] = report.instructions;
   object["together"] = report.together;
   object["moved"] = {
       {"A", report.moved_count(Kind::a)}, {"B", report.moved_count(Kind::b)}, {"C", report.moved_count(Kind::c)}};
