@@ -1,5 +1,7 @@
-// A reserved range of addresses in stripes. The first is used from its begin, the others from their end. Freed blocks
-// are used again by size. SPDX-License-Identifier: MIT
+// A reserved range of addresses in stripes. Freed blocks are used again by size.
+// SPDX-License-Identifier: MIT
+//
+// The first stripe is used from its begin, the others from their end.
 #include "shim/arena.h"
 
 #include <pthread.h>

@@ -79,8 +79,10 @@ void attach() {
   }
 }
 
+/// The process of the session publishes; without a session, each.
 bool is_publishing(Page& shared) {
-  return __atomic_load_n(&shared.session.session_process, __ATOMIC_RELAXED) == own_process;
+  const std::int32_t process = __atomic_load_n(&shared.session.session_process, __ATOMIC_RELAXED);
+  return process == own_process || process == 0;
 }
 
 void publish_all(Page& shared) {

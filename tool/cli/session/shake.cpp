@@ -203,7 +203,7 @@ int run_shake_command(const ShakeCommand& command) {
   if (command.trace.empty() || command.words.empty())
     return fail_usage(usage("shake: found " + std::string(command.trace.empty() ? "no trace" : "no program") +
                                 ", expected TRACE -- PROGRAM ARGUMENTS",
-                            "ticktrue shake game.ttr -- ./mygame"));
+                            "behind -- stands the program that recorded the trace: see `ticktrue shake --help`"));
   const auto choices = choices_of(command);
   if (!choices) return fail_usage(choices.error());
   shake::ShakeSubject subject;
@@ -284,14 +284,16 @@ void add_shake(CLI::App& app, CliContext& context) {
   command->add_flag("--github", options->github, "Annotations for GitHub Actions on standard error");
   command->add_option("--out", options->folder, "Folder for the files of runs; it is kept (default: a temporary one)")
       ->type_name("DIR");
-  set_examples(*command,
-               "ticktrue shake --list\n"
-               "ticktrue shake game.ttr -- ./mygame --level 3\n"
-               "ticktrue shake game.ttr --vary heap_fill,libm_ulp.calls=1..400 -- ./mygame\n"
-               "ticktrue shake game.ttr --vary=-cpu_model --class A -j 2 -- python3 game.py --verify {trace}\n"
-               "ticktrue shake game.ttr --class A,B --time 60 --junit shake.xml -- ./mygame",
-               "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program failed as it is, or "
-               "usage. 6 the program does not repeat itself; the report tells what has to be held still.");
+  set_examples(
+      *command,
+      "ticktrue shake --list\n"
+      "ticktrue record 'stack?boxes=5' --ticks 60 -o stack.ttr\n"
+      "ticktrue shake stack.ttr --vary heap_fill,locale -- ticktrue verify {trace} -j 1 --json\n"
+      "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
+      "ticktrue shake stack.ttr --class A,B --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
+      "PROGRAM has a session of the C interface, or prints a report as `ticktrue verify --json` does.\n"
+      "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program fails or diverges as it\n"
+      "is, or usage. 6 the program does not repeat itself; the report tells what has to be held still.");
   command->callback([options, &context] { context.exit_code = run_shake_command(*options); });
 }
 

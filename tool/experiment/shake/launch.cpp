@@ -214,8 +214,9 @@ Result<Run> Launcher::run(const Conditions& conditions) {
   const verifier::ChildResult child = verifier::run_child(command);
   Run run;
   const bool has_page = read_page(page, run.page) && run.page.session.magic == shim::page_magic;
-  run.outcome = judge(child, command.limits, options_.has_result_in_output ? child.output : text_of_file(result),
-                      has_page ? &run.page : nullptr);
+  const std::string written = text_of_file(result);
+  // `ticktrue verify --json` and the like print their report.
+  run.outcome = judge(child, command.limits, written.empty() ? child.output : written, has_page ? &run.page : nullptr);
   if (conditions.settings.libm_log != 0) run.libm_calls = read_libm_log(libm_log);
   std::error_code ignored;
   for (const std::string& path : {page, result, libm_log}) fs::remove(path, ignored);

@@ -46,8 +46,7 @@ struct LaunchOptions {
   std::vector<std::string> words;  // the program and its arguments
   std::string folder;              // for the files of runs
   std::string shim_path;           // empty: there is none
-  bool has_result_in_output = false;
-  double time_s = 60;  // of a run
+  double time_s = 60;              // of a run
 };
 
 /// A run, with what the preload library left behind.

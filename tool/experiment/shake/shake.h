@@ -1,5 +1,7 @@
-// The order of runs: control, all of A at once, one at a time, narrowing. For a program that does not repeat itself:
-// what has to be held still so that it does. SPDX-License-Identifier: MIT
+// The order of runs: control, all of A at once, one at a time, narrowing.
+// SPDX-License-Identifier: MIT
+//
+// For a program that does not repeat itself: what has to be held still so that it does.
 #pragma once
 
 #include <functional>

@@ -68,14 +68,24 @@ std::string control_text(const ShakeReport& report) {
   const std::size_t count = report.control.size();
   if (!report.repeats) {
     std::string text = "  " + padded("control", name_width) + "DOES NOT REPEAT\n";
-    std::map<std::string, std::size_t> times;
-    for (const Outcome& outcome : report.control) ++times[outcome_text(outcome)];
+    struct Seen {
+      std::string text;
+      std::size_t times = 0;
+    };
+    std::map<std::string, Seen> seen;  // by signature
+    for (const Outcome& outcome : report.control) {
+      constexpr std::size_t hash_digits = 8;
+      Seen& one = seen[signature(outcome)];
+      one.text = outcome_text(outcome);
+      if (!outcome.got_hash.empty()) one.text += "  (state " + outcome.got_hash.substr(0, hash_digits) + ")";
+      ++one.times;
+    }
     constexpr std::size_t shown_max = 4;
     std::size_t shown = 0;
-    for (const auto& [what, count_of] : times)
+    for (const auto& [key, one] : seen)
       if (++shown <= shown_max)
-        text += "  " + padded("", name_width) + std::to_string(count_of) + " of " + std::to_string(count) +
-                " runs: " + what + "\n";
+        text += "  " + padded("", name_width) + std::to_string(one.times) + " of " + std::to_string(count) +
+                " runs: " + one.text + "\n";
     if (shown > shown_max)
       text += "  " + padded("", name_width) + "and " + counted(shown - shown_max, "other outcome") + "\n";
     return text;

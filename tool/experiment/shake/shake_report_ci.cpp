@@ -89,13 +89,13 @@ std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject) 
 
 std::string shake_github(const ShakeReport& report, const ShakeSubject& subject) {
   std::string lines;
-  if (!report.failure.empty()) lines += "::error title=ticktrue shake::" + command_text(report.failure) + "\n";
+  if (!report.failure.empty()) lines += "::error title=shake::" + command_text(report.failure) + "\n";
   if (report.failure.empty() && !report.repeats)
-    lines += "::error title=ticktrue shake::" + command_text(unstable_text(report)) + "\n";
+    lines += "::error title=shake::" + command_text(unstable_text(report)) + "\n";
   for (const RowResult& row : report.rows)
     if (row.state == RowState::moved)
       lines += std::string(is_failure(row, subject) ? "::error" : "::warning") +
-               " title=ticktrue shake::" + command_text(row_text(row)) + "\n";
+               " title=shake::" + command_text(row_text(row)) + "\n";
   return lines;
 }
 
