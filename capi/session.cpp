@@ -496,4 +496,13 @@ std::string Session::report_json() const {
   return recording_ ? recording_->json() : "";
 }
 
+std::string Session::result_json() const {
+  if (recording_ || message_.empty()) return recording_ ? "" : report_json();
+  verifier::Report failed;
+  failed.file = path_;
+  failed.verdict = verifier::Verdict::error;
+  failed.reason = message_.substr(0, message_.find('\n'));
+  return verifier::report_json({&failed, 1}, false);
+}
+
 }  // namespace ticktrue::capi

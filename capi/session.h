@@ -59,6 +59,8 @@ class Session {
   /// Requires: is_finished(). Empty where the session failed.
   std::string report_text() const;
   std::string report_json() const;
+  /// The same, also of a verification that failed; empty for a recording.
+  std::string result_json() const;
 
   /// A failure from outside, such as memory that ran out.
   int fail(const Error& error);

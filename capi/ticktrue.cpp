@@ -14,9 +14,11 @@
 #include "base/build_info.h"
 #include "base/plain_text.h"
 #include "capi/session.h"
+#include "capi/shake_page.h"
 
 using ticktrue::Error;
 using ticktrue::ErrorCode;
+using ticktrue::capi::InLibrary;
 using ticktrue::capi::Session;
 
 /// The handle of the C program. `session` is null if memory ran out during its creation.
@@ -36,6 +38,7 @@ template <typename Call>
 int without_exceptions(ticktrue_session* handle, Call&& call) {
   if (handle == nullptr) return TICKTRUE_OK;
   if (handle->session == nullptr) return TICKTRUE_FAILED;
+  const InLibrary inside;
   try {
     return call(*handle->session);
   } catch (const std::bad_alloc&) {
@@ -97,6 +100,8 @@ bool read_options(const ticktrue_options* given, ticktrue_options& options, std:
 }
 
 ticktrue_session* open_session(const ticktrue_options& options, const std::string& error) {
+  const InLibrary inside;
+  ticktrue::capi::tell_session();
   auto handle = std::make_unique<ticktrue_session>();
   handle->session = error.empty() ? std::make_unique<Session>(options)
                                   : std::make_unique<Session>(Error{ErrorCode::usage, error, ""});
@@ -188,10 +193,19 @@ int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
   return without_exceptions(session, [&](Session& s) { return s.input(data, size); });
 }
 int ticktrue_begin_tick(ticktrue_session* session, double* dt) {
-  return without_exceptions(session, [&](Session& s) { return s.begin_tick(dt); });
+  return without_exceptions(session, [&](Session& s) {
+    const int status = s.begin_tick(dt);
+    if (status == TICKTRUE_OK) ticktrue::capi::tell_tick_begin(s.tick());
+    return status;
+  });
 }
 int ticktrue_end_tick(ticktrue_session* session) {
-  return without_exceptions(session, [&](Session& s) { return s.end_tick(); });
+  return without_exceptions(session, [&](Session& s) {
+    const std::uint64_t tick = s.tick();
+    const int status = s.end_tick();
+    if (status == TICKTRUE_OK) ticktrue::capi::tell_tick_end(tick);
+    return status;
+  });
 }
 int ticktrue_rewind(ticktrue_session* session, uint64_t tick) {
   return without_exceptions(session, [&](Session& s) { return s.rewind(tick); });
@@ -216,7 +230,9 @@ int ticktrue_finish(ticktrue_session* session) {
   if (session != nullptr && session->session == nullptr) return 2;
   int exit_code = 0;
   const int status = without_exceptions(session, [&](Session& s) {
+    const bool is_first = !s.is_finished();
     exit_code = s.finish();
+    if (is_first) ticktrue::capi::append_result(s.result_json());
     return TICKTRUE_OK;
   });
   return status == TICKTRUE_OK ? exit_code : 2;
@@ -242,6 +258,7 @@ const char* ticktrue_report_json(ticktrue_session* session) {
 
 int ticktrue_close(ticktrue_session* session) {
   if (session == nullptr) return 0;
+  const InLibrary inside;
   const int exit_code = ticktrue_finish(session);
   const bool is_quiet = session->session != nullptr && session->session->is_quiet();
   const bool is_json = session->session != nullptr && session->session->wants_json();

@@ -202,7 +202,8 @@ constexpr Room rooms[] = {
     {"verifier/corpus", "base,replay"},
     {"verifier/store", "base,replay/file,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
-    {"capi", "base,base/state,replay,replay/format,include,verifier/report,verifier/locate,verifier/verify"},
+    {"shim", ""},
+    {"capi", "base,base/state,replay,replay/format,include,shim,verifier/report,verifier/locate,verifier/verify"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
     {"tool/environment", "below"},
@@ -216,6 +217,7 @@ constexpr Room rooms[] = {
     {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
     {"tool/study/stress", "below,tool/study"},
     {"tool/experiment", "below"},
+    {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
     {"tool/play/picture", "below,tool/drawing,tool/output"},
@@ -223,7 +225,8 @@ constexpr Room rooms[] = {
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/import,tool/play,tool/report_page"},
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/shake,tool/import,tool/play,"
+     "tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak,tool/report_page"},
@@ -452,7 +455,7 @@ std::vector<std::string> paths_of(std::string_view markdown) {
     const bool is_path =
         contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string_view::npos &&
         is_one_of(top_of(name),
-                  "include,base,engine,replay,verifier,tool,capi,examples,tests,bench,traces,scenes,docs,cmake,.ci");
+                  "include,base,engine,replay,verifier,tool,capi,shim,examples,tests,bench,traces,scenes,docs,cmake,.ci");
     if (is_path) paths.emplace_back(name);
     open = markdown.find('`', close + 1);
   }

@@ -319,6 +319,8 @@ std::string lane_text(ScalarType type, std::uint64_t bits) {
   } else {
     return std::to_string(bits);
   }
+  for (char& c : text)
+    if (c == ',') c = '.';  // of the locale that the program has set
   return text;
 }
 

@@ -3,12 +3,14 @@
 #include <unistd.h>
 
 #include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -168,6 +170,28 @@ TEST_CASE("a program that owns its loop records itself and verifies itself", "[c
     CHECK(contains(verified.report, "match"));
     CHECK(contains(verified.report, "200 of 200 ticks compared"));
   }
+}
+
+TEST_CASE("a verification appends its report to the file of TICKTRUE_RESULT, a recording does not", "[capi][result]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("game.ttr"), result = folder.file("result.json");
+  ::setenv("TICKTRUE_RESULT", result.c_str(), 1);
+  play(options_for(path, TICKTRUE_RECORD), 40);
+  CHECK(bytes_of(result).empty());
+  play(options_for(path, TICKTRUE_VERIFY), 40);
+  play(options_for(path, TICKTRUE_VERIFY), 40, [](Game& game) { game.balls[0].owner ^= game.tick == 20; });
+  play(options_for(folder.file("missing.ttr"), TICKTRUE_VERIFY), 40);
+  ::unsetenv("TICKTRUE_RESULT");
+  const std::vector<char> bytes = bytes_of(result);
+  std::istringstream lines(std::string(bytes.begin(), bytes.end()));
+  std::vector<std::string> reports;
+  for (std::string line; std::getline(lines, line);) reports.push_back(line);
+  REQUIRE(reports.size() == 3);
+  CHECK(contains(reports[0], "\"verdict\": \"match\""));
+  CHECK(contains(reports[1], "\"verdict\": \"diverged\""));
+  CHECK(contains(reports[1], "\"tick\": 19"));
+  CHECK(contains(reports[2], "\"verdict\": \"error\""));
+  CHECK(contains(reports[2], "missing.ttr"));
 }
 
 TEST_CASE("a loop that ends before its trace is incomplete, not a match", "[capi][equivalence]") {

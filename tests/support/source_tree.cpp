@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array source_folders{"include", "base", "engine", "replay", "verifier",
-                                    "tool",    "capi", "tests",  "bench"};
+                                    "tool",    "capi", "shim",   "tests",  "bench"};
 
 }  // namespace
 

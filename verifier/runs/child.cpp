@@ -46,7 +46,10 @@ class CStrings {
 
 CStrings environment_of(const ChildCommand& command, int completion_descriptor) {
   CStrings strings;
-  for (char** at = environ; at != nullptr && *at != nullptr; ++at) strings.add(*at);
+  if (command.inherited)
+    for (const std::string& variable : *command.inherited) strings.add(variable);
+  else
+    for (char** at = environ; at != nullptr && *at != nullptr; ++at) strings.add(*at);
   const auto change = [&](const std::string& name, const std::optional<std::string>& value) {
     strings.remove_variable(name);
     if (value) strings.add(name + "=" + *value);
@@ -65,14 +68,17 @@ struct ProgramStreams {
 };
 
 /// In the child, between fork and exec: only calls that are safe there.
-[[noreturn]] void become_program(char** argv, char** environment, const char* cwd, const ProgramStreams& streams) {
+[[noreturn]] void become_program(char** argv, char** environment, const ChildCommand& command,
+                                 const ProgramStreams& streams) {
   const int nothing = ::open("/dev/null", O_RDONLY);
   if (nothing >= 0) ::dup2(nothing, 0);
   ::dup2(streams.output.write_end(), 1);
   ::dup2(streams.message.write_end(), 2);
   ::fcntl(streams.finished.write_end(), F_SETFD, 0);
   for (const int signal : {SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_DFL);
+  const char* cwd = command.cwd.c_str();
   if (*cwd == '\0' || ::chdir(cwd) == 0) {
+    if (command.prepare != nullptr) command.prepare(command.prepare_with);
     environ = environment;
     ::execvp(argv[0], argv);
   }
@@ -100,7 +106,7 @@ ChildResult run_child(const ChildCommand& command) {
   char** argv = arguments.pointers();
   char** variables = environment.pointers();
   const ChildProcess::Side side = process.fork();
-  if (side == ChildProcess::Side::child) become_program(argv, variables, command.cwd.c_str(), streams);
+  if (side == ChildProcess::Side::child) become_program(argv, variables, command, streams);
   if (side == ChildProcess::Side::failed) {
     result.end.failure = process.failure();
     return result;

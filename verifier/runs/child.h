@@ -23,7 +23,12 @@ struct ChildCommand {
   std::vector<std::string> argv;  // the program first: a path, or a name to be found in PATH
   /// Environment variables to set, or without a value to remove; all others are inherited.
   std::vector<std::pair<std::string, std::optional<std::string>>> environment;
+  /// "NAME=VALUE" each, in this order, instead of the inherited ones.
+  std::optional<std::vector<std::string>> inherited;
   std::string cwd;  // empty: that of this process
+  /// Called in the child before exec, with `prepare_with`: only calls that are safe after fork.
+  void (*prepare)(const void* with) = nullptr;
+  const void* prepare_with = nullptr;
   ChildLimits limits;
 };
 

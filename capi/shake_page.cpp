@@ -1,0 +1,115 @@
+// The page of shim/page.h, mapped once, and the file of TICKTRUE_RESULT. Elsewhere than on Linux there is no page.
+// SPDX-License-Identifier: MIT
+#include "capi/shake_page.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+#ifdef __linux__
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "shim/page.h"
+
+/// Of the preload library, where it is loaded. 0: the library is entered, 1: it is left, 2: it is left into a tick.
+extern "C" __attribute__((weak)) void ticktrue_shim_library(int way);
+#endif
+
+namespace ticktrue::capi {
+
+#ifdef __linux__
+namespace {
+
+constexpr int way_in = 0;
+constexpr int way_out = 1;
+constexpr int way_into_tick = 2;
+bool leaves_into_tick = false;
+
+shim::SessionPart* map_page() {
+  const char* path = std::getenv(shim::page_variable);
+  if (path == nullptr) return nullptr;
+  const int file = ::open(path, O_RDWR | O_CLOEXEC);
+  if (file < 0) return nullptr;
+  struct stat facts {};
+  void* at = MAP_FAILED;
+  if (::fstat(file, &facts) == 0 && static_cast<std::uint64_t>(facts.st_size) >= sizeof(shim::SessionPart))
+    at = ::mmap(nullptr, sizeof(shim::SessionPart), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  ::close(file);
+  if (at == MAP_FAILED) return nullptr;
+  auto* page = static_cast<shim::SessionPart*>(at);
+  return page->magic == shim::page_magic ? page : nullptr;
+}
+
+shim::SessionPart* page() {
+  static shim::SessionPart* const found = map_page();
+  return found;
+}
+
+void tell_position(std::uint64_t position) {
+  if (shim::SessionPart* shared = page()) __atomic_store_n(&shared->position, position, __ATOMIC_RELAXED);
+}
+
+}  // namespace
+
+InLibrary::InLibrary() {
+  shim::SessionPart* shared = page();
+  if (shared == nullptr) return;
+  const auto thread = static_cast<std::int32_t>(::syscall(SYS_gettid));
+  if (__atomic_load_n(&shared->library_thread, __ATOMIC_RELAXED) == thread) return;
+  is_outermost_ = true;
+  __atomic_store_n(&shared->library_thread, thread, __ATOMIC_RELAXED);
+  if (ticktrue_shim_library != nullptr) ticktrue_shim_library(way_in);
+}
+
+InLibrary::~InLibrary() {
+  if (!is_outermost_) return;
+  __atomic_store_n(&page()->library_thread, 0, __ATOMIC_RELAXED);
+  if (ticktrue_shim_library != nullptr) ticktrue_shim_library(leaves_into_tick ? way_into_tick : way_out);
+  leaves_into_tick = false;
+}
+
+void tell_session() {
+  if (shim::SessionPart* shared = page())
+    __atomic_store_n(&shared->session_process, static_cast<std::int32_t>(::getpid()), __ATOMIC_RELAXED);
+}
+
+void tell_tick_begin(std::uint64_t tick) {
+  tell_position(2 * tick + 1);
+  leaves_into_tick = true;
+}
+
+void tell_tick_end(std::uint64_t tick) {
+  tell_position(2 * tick + 2);
+}
+
+#else
+
+InLibrary::InLibrary() = default;
+InLibrary::~InLibrary() = default;
+void tell_session() {}
+void tell_tick_begin(std::uint64_t) {}
+void tell_tick_end(std::uint64_t) {}
+
+#endif
+
+void append_result(const std::string& json) {
+  const char* path = std::getenv("TICKTRUE_RESULT");
+  if (path == nullptr || *path == '\0' || json.empty()) return;
+  std::string line;  // line breaks of JSON stand between its parts only
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    if (json[i] == '\n')
+      while (i + 1 < json.size() && json[i + 1] == ' ') ++i;
+    else
+      line += json[i];
+  }
+  line += '\n';
+  std::FILE* file = std::fopen(path, "ab");
+  if (file == nullptr) return;
+  std::fwrite(line.data(), 1, line.size(), file);
+  std::fclose(file);
+}
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,31 @@
+// What a session tells `ticktrue shake`: the tick, which thread is inside of the library, the result.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace ticktrue::capi {
+
+/// While it lives, calls that this thread makes are of the library, not of the program. May be nested.
+class InLibrary {
+ public:
+  InLibrary();
+  InLibrary(const InLibrary&) = delete;
+  InLibrary& operator=(const InLibrary&) = delete;
+  ~InLibrary();
+
+ private:
+  bool is_outermost_ = false;
+};
+
+/// A session of this process begins.
+void tell_session();
+/// Tick `tick` runs from now on, or has ended.
+void tell_tick_begin(std::uint64_t tick);
+void tell_tick_end(std::uint64_t tick);
+
+/// Appends the report as one line to the file that the variable TICKTRUE_RESULT names. Without it: nothing.
+void append_result(const std::string& json);
+
+}  // namespace ticktrue::capi

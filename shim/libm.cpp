@@ -1,0 +1,103 @@
+// libm: results one ulp off, as another library or processor may have them; a log of all calls.
+// SPDX-License-Identifier: MIT
+#include <string.h>
+
+#include "shim/shim.h"
+
+namespace ticktrue::shim {
+namespace {
+
+constexpr std::uint32_t mode_up = 1;
+constexpr std::uint32_t mode_down = 2;
+// Results with so many trailing zero bits are exact: every library has them.
+constexpr int exact_bits_double = 24;
+constexpr int exact_bits_float = 9;
+
+template <typename T>
+struct Bits;
+template <>
+struct Bits<double> {
+  using Word = std::uint64_t;
+  static constexpr Word infinity = 0x7ff0000000000000;
+  static constexpr Word magnitude = 0x7fffffffffffffff;
+  static constexpr int exact = exact_bits_double;
+};
+template <>
+struct Bits<float> {
+  using Word = std::uint32_t;
+  static constexpr Word infinity = 0x7f800000;
+  static constexpr Word magnitude = 0x7fffffff;
+  static constexpr int exact = exact_bits_float;
+};
+
+template <typename T>
+typename Bits<T>::Word bits_of(T value) {
+  typename Bits<T>::Word word;
+  ::memcpy(&word, &value, sizeof word);
+  return word;
+}
+
+template <typename T>
+T off_by_one(T value, std::uint64_t number) {
+  auto word = bits_of(value);
+  const auto magnitude = word & Bits<T>::magnitude;
+  if (magnitude == 0 || magnitude >= Bits<T>::infinity - 1) return value;
+  if ((word & ((typename Bits<T>::Word{1} << Bits<T>::exact) - 1)) == 0) return value;
+  const std::uint32_t mode = settings().libm_mode;
+  const bool is_up = mode == mode_up || (mode != mode_down && (mixed(number) & 1) != 0);
+  word = is_up ? word + 1 : word - 1;
+  ::memcpy(&value, &word, sizeof value);
+  count_change();
+  return value;
+}
+
+template <typename T>
+T finished(const Call& call, T value) {
+  return call.is_changed && settings().libm_mode != 0 ? off_by_one(value, call.number) : value;
+}
+
+bool is_logging() {
+  return settings().libm_log != 0;
+}
+
+}  // namespace
+}  // namespace ticktrue::shim
+
+using namespace ticktrue::shim;
+
+#define TICKTRUE_SHIM_UNARY(name, T)                                                                           \
+  TICKTRUE_SHIM_API T name(T x) noexcept {                                                                     \
+    static T (*real)(T) = nullptr;                                                                             \
+    const Call call = begin_call(Function::name);                                                              \
+    const T value = real_function(real, #name)(x);                                                             \
+    if (is_logging()) log_libm(Function::name, call, bits_of(x), bits_of(value), __builtin_return_address(0)); \
+    return finished(call, value);                                                                              \
+  }
+#define TICKTRUE_SHIM_BINARY(name, T)                                                                            \
+  TICKTRUE_SHIM_API T name(T x, T y) noexcept {                                                                  \
+    static T (*real)(T, T) = nullptr;                                                                            \
+    const Call call = begin_call(Function::name);                                                                \
+    const T value = real_function(real, #name)(x, y);                                                            \
+    if (is_logging())                                                                                            \
+      log_libm(Function::name, call, bits_of(x) * 31 + bits_of(y), bits_of(value), __builtin_return_address(0)); \
+    return finished(call, value);                                                                                \
+  }
+#define TICKTRUE_SHIM_NAME(name) TICKTRUE_SHIM_UNARY(name, double) TICKTRUE_SHIM_UNARY(name##f, float)
+TICKTRUE_SHIM_LIBM_1(TICKTRUE_SHIM_NAME)
+#undef TICKTRUE_SHIM_NAME
+#define TICKTRUE_SHIM_NAME(name) TICKTRUE_SHIM_BINARY(name, double) TICKTRUE_SHIM_BINARY(name##f, float)
+TICKTRUE_SHIM_LIBM_2(TICKTRUE_SHIM_NAME)
+#undef TICKTRUE_SHIM_NAME
+
+#define TICKTRUE_SHIM_SINCOS(name, T)                                                                                  \
+  TICKTRUE_SHIM_API void name(T x, T* sine, T* cosine) noexcept {                                                      \
+    static void (*real)(T, T*, T*) = nullptr;                                                                          \
+    const Call call = begin_call(Function::name);                                                                      \
+    real_function(real, #name)(x, sine, cosine);                                                                       \
+    if (is_logging())                                                                                                  \
+      log_libm(Function::name, call, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), __builtin_return_address(0)); \
+    *sine = finished(call, *sine);                                                                                     \
+    *cosine = finished(call, *cosine);                                                                                 \
+  }
+TICKTRUE_SHIM_SINCOS(sincos, double)
+TICKTRUE_SHIM_SINCOS(sincosf, float)

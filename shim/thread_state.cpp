@@ -1,0 +1,72 @@
+// What a thread has from its start: bytes below its stack, how floats are rounded. Limited to ticks by the session.
+// SPDX-License-Identifier: MIT
+#include <alloca.h>
+#include <fenv.h>
+#include <pthread.h>
+#include <string.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+
+#include "shim/shim.h"
+
+namespace ticktrue::shim {
+namespace {
+
+constexpr std::size_t stack_fill_size = std::size_t{96} << 10;  // threads may have small stacks
+constexpr std::uint32_t mode_flush = 1;
+constexpr std::uint32_t mode_up = 2;
+
+/// Leaves the bytes behind, below the stack of whoever called.
+__attribute__((noinline)) void fill_stack(int byte) {
+  volatile auto* bytes = static_cast<volatile unsigned char*>(::alloca(stack_fill_size));
+  for (std::size_t i = 0; i < stack_fill_size; ++i) bytes[i] = static_cast<unsigned char>(byte);
+}
+
+bool set_flush(bool on) {
+#ifdef __SSE2__
+  constexpr unsigned flush_bits = 0x8040;  // results and operands
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(on ? before | flush_bits : before & ~flush_bits);
+  return true;
+#else
+  static_cast<void>(on);
+  return false;
+#endif
+}
+
+void set_floats(bool on) {
+  const std::uint32_t mode = settings().float_mode;
+  if (mode == 0) return;
+  const bool is_set = mode == mode_flush
+                          ? set_flush(on)
+                          : ::fesetround(!on ? FE_TONEAREST : (mode == mode_up ? FE_UPWARD : FE_DOWNWARD)) == 0;
+  if (on && is_set) count_change();
+}
+
+}  // namespace
+
+void begin_thread_state() {
+  if (!is_chosen_tick()) return;
+  if (settings().stack_fill != heap_fill_off) {
+    fill_stack(settings().stack_fill);
+    count_change();
+  }
+  set_floats(true);
+}
+
+}  // namespace ticktrue::shim
+
+using namespace ticktrue::shim;
+
+/// Called by the session: 0 as libticktrue is entered, 1 as it is left, 2 as it is left into a tick.
+TICKTRUE_SHIM_API void ticktrue_shim_library(int way) {
+  constexpr int is_entered = 0;
+  constexpr int begins_tick = 2;
+  if (way == is_entered) return set_floats(false);
+  if (!is_chosen_tick()) return;
+  set_floats(true);
+  if (way != begins_tick || settings().stack_fill == heap_fill_off) return;
+  fill_stack(settings().stack_fill);
+  count_change();
+}

@@ -1,0 +1,300 @@
+// `ticktrue shake`: runs a recorded program again with one source of nondeterminism changed at a time.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/shake/shake.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+
+#include "base/parallel/jobs.h"
+#include "replay/trace_reader.h"
+#include "tool/cli/commands.h"
+#include "tool/experiment/shake/shake_report.h"
+#include "tool/output/progress.h"
+#include "verifier/runs/data_file.h"
+
+namespace ticktrue::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* trace_mark = "{trace}";
+
+struct ShakeCommand {
+  std::string trace;
+  std::vector<std::string> words;
+  std::vector<std::string> vary;
+  std::vector<std::string> classes;
+  std::uint64_t seed_count = 1;
+  std::optional<std::uint64_t> time_s;
+  std::uint64_t timeout_s = 600;
+  std::uint64_t jobs = 1;
+  bool no_narrow = false;
+  bool list = false;
+  bool json = false;
+  bool github = false;
+  std::string junit;
+  std::string folder;
+};
+
+Error usage(const std::string& what, const std::string& hint = "") {
+  return Error{ErrorCode::usage, what, hint};
+}
+
+std::vector<std::string> perturbation_names() {
+  std::vector<std::string> names;
+  for (const shake::Perturbation& row : shake::perturbations()) names.emplace_back(row.name);
+  return names;
+}
+
+std::string class_word(const shake::Perturbation& row) {
+  return std::string(1, static_cast<char>(row.kind));
+}
+
+/// "libm_ulp.calls=1..400": calls of the function's group, counted from 1. "stack_fill.ticks=5..9".
+Status set_limit(shake::Choice& choice, const std::string& item, const std::string& limit) {
+  const std::size_t equals = limit.find('=');
+  const std::string key = limit.substr(0, equals);
+  if (equals == std::string::npos || (key != "calls" && key != "ticks"))
+    return usage("--vary: " + item + ": found ." + limit + ", expected .calls=A..B or .ticks=A..B");
+  const Result<TickRange> range = parse_tick_range(limit.substr(equals + 1), "--vary " + item);
+  if (!range) return range.error();
+  if (key == "ticks") {
+    choice.ticks = {{range->first, range->last}};
+    return {};
+  }
+  if (range->first == 0) return usage("--vary: " + item + ": found call 0, expected calls from 1 on");
+  choice.calls = shim::CallRange{range->first - 1, range->last};
+  return {};
+}
+
+/// The rows of the classes, then what --vary adds and removes, in the order of its words.
+Result<std::vector<shake::Choice>> choices_of(const ShakeCommand& command) {
+  const auto is_in_classes = [&](const shake::Perturbation& row) {
+    if (command.classes.empty()) return row.kind != shake::Kind::c;
+    return std::find(command.classes.begin(), command.classes.end(), class_word(row)) != command.classes.end();
+  };
+  std::vector<shake::Choice> choices;
+  const auto add = [&](const shake::Perturbation& row) -> shake::Choice& {
+    for (shake::Choice& choice : choices)
+      if (choice.perturbation == &row) return choice;
+    return choices.emplace_back(shake::Choice{&row, {}, {}});
+  };
+  const bool starts_empty =
+      !command.vary.empty() && command.vary.front().compare(0, 1, "-") != 0 && command.vary.front() != "+all";
+  if (!starts_empty)
+    for (const shake::Perturbation& row : shake::perturbations())
+      if (is_in_classes(row)) add(row);
+  for (const std::string& word : command.vary) {
+    const bool is_removed = word.compare(0, 1, "-") == 0;
+    const std::string item = is_removed || word.compare(0, 1, "+") == 0 ? word.substr(1) : word;
+    const std::string name = item.substr(0, item.find('.'));
+    if (name == "all") {
+      if (is_removed) choices.clear();
+      for (const shake::Perturbation& row : shake::perturbations())
+        if (!is_removed && is_in_classes(row)) add(row);
+      continue;
+    }
+    const shake::Perturbation* row = shake::find_perturbation(name);
+    if (row == nullptr) {
+      const std::string nearest = nearest_name(name, perturbation_names());
+      return usage("--vary: found \"" + name + "\", expected a perturbation",
+                   nearest.empty() ? "`ticktrue shake --list` names them" : "did you mean " + nearest + "?");
+    }
+    if (is_removed) {
+      std::erase_if(choices, [&](const shake::Choice& choice) { return choice.perturbation == row; });
+      continue;
+    }
+    shake::Choice& choice = add(*row);
+    if (item.size() > name.size())
+      if (const Status status = set_limit(choice, item, item.substr(name.size() + 1)); !status) return status.error();
+  }
+  if (choices.empty()) return usage("--vary, --class: found no perturbation that is left");
+  return choices;
+}
+
+std::string own_folder() {
+  std::error_code failed;
+  const fs::path path = fs::read_symlink("/proc/self/exe", failed);
+  return failed ? std::string() : path.parent_path().string();
+}
+
+/// The preload library of this build or installation; empty: there is none.
+std::string shim_path() {
+  for (const char* folder : {"", "/../lib", "/../lib/x86_64-linux-gnu", "/../lib/aarch64-linux-gnu", "/../lib64"}) {
+    std::error_code failed;
+    const fs::path path = fs::canonical(own_folder() + folder + "/libticktrue_shim.so", failed);
+    if (!failed) return path.string();
+  }
+  return "";
+}
+
+/// The program's words with the trace in them.
+std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace) {
+  std::vector<std::string> with = words;
+  bool has_mark = false;
+  for (std::string& word : with)
+    for (std::size_t at = word.find(trace_mark); at != std::string::npos; at = word.find(trace_mark)) {
+      word.replace(at, std::string(trace_mark).size(), trace);
+      has_mark = true;
+    }
+  if (!has_mark) with.insert(with.end(), {"--verify", trace});
+  return with;
+}
+
+/// The folder for the files of runs: removed at the end unless it was named.
+class RunFolder {
+ public:
+  static Result<std::unique_ptr<RunFolder>> make(const std::string& asked) {
+    std::error_code failed;
+    if (!asked.empty()) {
+      fs::create_directories(asked, failed);
+      if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
+      return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
+    }
+    std::string path = (fs::temp_directory_path(failed) / "ticktrue-shake-XXXXXX").string();
+    if (failed || ::mkdtemp(path.data()) == nullptr)
+      return Error{ErrorCode::io, path + ": cannot be made", "--out names a folder for the files of runs"};
+    return std::make_unique<RunFolder>(path, true);
+  }
+
+  RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+  ~RunFolder() {
+    std::error_code ignored;
+    if (is_temporary_) fs::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  bool is_temporary_;
+};
+
+std::string list_text() {
+  std::string text;
+  constexpr std::size_t width = 18;
+  for (const shake::Perturbation& row : shake::perturbations()) {
+    std::string name(row.name);
+    name.resize(width, ' ');
+    text += class_word(row) + "  " + name + std::string(row.what) + "\n";
+  }
+  return text;
+}
+
+Status write_text(const std::string& path, const std::string& text) {
+  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
+  if (!file) return file.error();
+  if (const Status written = file->write(text); !written) return written;
+  return file->close();
+}
+
+int run_shake_command(const ShakeCommand& command) {
+  if (command.list) {
+    print(list_text());
+    return exit_ok;
+  }
+  if (command.trace.empty() || command.words.empty())
+    return fail_usage(usage("shake: found " + std::string(command.trace.empty() ? "no trace" : "no program") +
+                                ", expected TRACE -- PROGRAM ARGUMENTS",
+                            "behind -- stands the program that recorded the trace: see `ticktrue shake --help`"));
+  const auto choices = choices_of(command);
+  if (!choices) return fail_usage(choices.error());
+  shake::ShakeSubject subject;
+  subject.trace = command.trace;
+  subject.words = command.words;
+  subject.fails_for_b = std::find(command.classes.begin(), command.classes.end(), "B") != command.classes.end();
+  {
+    Result<replay::TraceReader> reader = replay::TraceReader::open(command.trace);
+    if (!reader) return fail_usage(reader.error());
+    subject.tick_count = reader->tick_count_hint().value_or(0);
+  }
+  std::error_code failed;
+  const std::string trace = fs::canonical(command.trace, failed).string();
+  if (failed) return fail_usage(Error{ErrorCode::io, command.trace + ": " + failed.message(), ""});
+  const auto folder = RunFolder::make(command.folder);
+  if (!folder) return fail_usage(folder.error());
+
+  shake::ShakeOptions options;
+  options.launch.words = words_with_trace(command.words, trace);
+  options.launch.folder = (*folder)->path();
+  options.launch.shim_path = shim_path();
+  options.launch.time_s = static_cast<double>(command.timeout_s);
+  options.choices = *choices;
+  options.seed_count = static_cast<unsigned>(command.seed_count);
+  options.thread_count = static_cast<unsigned>(command.jobs);
+  options.narrows = !command.no_narrow;
+  if (command.time_s) options.time_s = static_cast<double>(*command.time_s);
+  Progress progress("shake", 1, "runs");
+  options.progress = [&](std::uint64_t done, std::uint64_t expected) { progress.update(done, expected); };
+  const Result<shake::ShakeReport> report = shake::run_shake(options);
+  progress.finish();
+  if (!report) return fail_usage(report.error());
+  print(command.json ? shake::shake_json(*report, subject) : shake::shake_text(*report, subject));
+  if (!command.junit.empty())
+    if (const Status status = write_text(command.junit, shake::shake_junit(*report, subject)); !status)
+      return fail_usage(status.error());
+  if (command.github) {
+    const std::string lines = shake::shake_github(*report, subject);
+    std::fwrite(lines.data(), 1, lines.size(), stderr);
+  }
+  return shake::exit_code(*report, subject);
+}
+
+}  // namespace
+
+void add_shake(CLI::App& app, CliContext& context) {
+  auto options = std::make_shared<ShakeCommand>();
+  CLI::App* command =
+      app.add_subcommand("shake", "Run a recorded program again, with one source of differences changed at a time")
+          ->group(group_session);
+  command->add_option("TRACE", options->trace, "A trace that the program recorded");
+  command->add_option("PROGRAM", options->words,
+                      "Behind --: the program and its arguments. {trace} stands for the trace; without it, "
+                      "--verify TRACE is added");
+  command
+      ->add_option("--vary", options->vary,
+                   "Perturbations: a name or +name adds, -name removes, +all adds all. NAME.calls=A..B and "
+                   "NAME.ticks=A..B change those calls or ticks alone")
+      ->delimiter(',')
+      ->type_name("LIST");
+  command
+      ->add_option("--class", options->classes,
+                   "A: must never matter. B: differs between machines. C: measures sensitivity. Default: A,B; "
+                   "then only A makes the exit code 1")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"A", "B", "C"}))
+      ->type_name("LIST");
+  add_number(*command, "--seeds", options->seed_count, "Runs of each variant of a perturbation (default 1)", {1, 1000});
+  add_number(*command, "--time", options->time_s, "Begin no run after so many seconds", {1, 1'000'000});
+  add_number(*command, "--timeout", options->timeout_s, "Seconds that a run may take (default 600)", {1, 1'000'000});
+  add_number(*command, "-j,--jobs", options->jobs, "Runs at once (default 1)", {1, 1024});
+  command->add_flag("--no-narrow", options->no_narrow,
+                    "Do not look for the call, its tick and its place in the source");
+  command->add_flag("--list", options->list, "List the perturbations");
+  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.shake/1)");
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
+      ->type_name("OUT.xml");
+  command->add_flag("--github", options->github, "Annotations for GitHub Actions on standard error");
+  command->add_option("--out", options->folder, "Folder for the files of runs; it is kept (default: a temporary one)")
+      ->type_name("DIR");
+  set_examples(
+      *command,
+      "ticktrue shake --list\n"
+      "ticktrue record 'stack?boxes=5' --ticks 60 -o stack.ttr\n"
+      "ticktrue shake stack.ttr --vary heap_fill,locale -- ticktrue verify {trace} -j 1 --json\n"
+      "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
+      "ticktrue shake stack.ttr --class A,B --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
+      "PROGRAM has a session of the C interface, or prints a report as `ticktrue verify --json` does.\n"
+      "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program fails or diverges as it\n"
+      "is, or usage. 6 the program does not repeat itself; the report tells what has to be held still.");
+  command->callback([options, &context] { context.exit_code = run_shake_command(*options); });
+}
+
+}  // namespace ticktrue::cli

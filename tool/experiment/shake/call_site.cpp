@@ -1,0 +1,153 @@
+// addr2line of binutils reads the debug information.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/shake/call_site.h"
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "base/plain_text.h"
+#include "verifier/runs/child.h"
+
+namespace ticktrue::shake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double tool_time_s = 30;
+
+std::string hex(std::uint64_t value) {
+  std::ostringstream text;
+  text << "0x" << std::hex << value;
+  return text.str();
+}
+
+/// An executable that is loaded where it was linked has whole addresses in its debug information.
+bool is_at_fixed_address(const std::string& path) {
+  constexpr std::size_t type_offset = 16;
+  constexpr char type_executable = 2;
+  char head[type_offset + 1] = {};
+  std::ifstream in(path, std::ios::binary);
+  in.read(head, sizeof head);
+  return in && head[type_offset] == type_executable;
+}
+
+bool is_system_library(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  for (const char* beginning : {"libc.so", "libc-", "libm.so", "libm-", "libstdc++", "libgcc_s", "ld-linux", "libdl",
+                                "libpthread", "libc++", "libticktrue", "libffi", "_ctypes"})
+    if (name.compare(0, std::string(beginning).size(), beginning) == 0) return true;
+  return false;
+}
+
+bool is_system_source(const std::string& file) {
+  return file.compare(0, 5, "/usr/") == 0 || file.find("/c++/") != std::string::npos;
+}
+
+struct SourcePlace {
+  std::string function;
+  std::string file;
+  unsigned line = 0;
+};
+
+/// The innermost place first; those behind it are what it was inlined into.
+std::vector<SourcePlace> source_places(const std::string& module, std::uint64_t address) {
+  verifier::ChildCommand command;
+  command.argv = {"addr2line", "-e", module, "-f", "-C", "-i", hex(address)};
+  command.limits.time_s = tool_time_s;
+  const verifier::ChildResult result = verifier::run_child(command);
+  std::vector<SourcePlace> places;
+  std::istringstream lines(result.output);
+  std::string function;
+  std::string place;
+  while (std::getline(lines, function) && std::getline(lines, place)) {
+    const std::size_t note = place.find(" (discriminator");
+    if (note != std::string::npos) place.erase(note);
+    const std::size_t colon = place.rfind(':');
+    SourcePlace found;
+    if (function != "??") found.function = plain_line(function);
+    if (colon != std::string::npos && place.compare(0, 2, "??") != 0) {
+      found.file = plain_line(place.substr(0, colon));
+      found.line = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
+    }
+    places.push_back(found);
+  }
+  return places;
+}
+
+/// Of a return address: the call is before it. Nothing if it is within a header of the system.
+std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t offset) {
+  CallSite site;
+  site.module = plain_line(module.path);
+  site.offset = offset;
+  const std::uint64_t address = (is_at_fixed_address(module.path) ? module.base : 0) + offset - 1;
+  const std::vector<SourcePlace> places = source_places(module.path, address);
+  for (const SourcePlace& place : places) {
+    if (is_system_source(place.file)) continue;
+    site.function = place.function;
+    site.file = place.file;
+    site.line = place.line;
+    return site;
+  }
+  return places.empty() ? std::optional<CallSite>(site) : std::nullopt;
+}
+
+/// "Ship::steer" of "Ship::steer(double, int)".
+std::string short_name(const std::string& function) {
+  std::string name = function;
+  const std::string anonymous = "(anonymous namespace)::";
+  for (std::size_t at = name.find(anonymous); at != std::string::npos; at = name.find(anonymous))
+    name.erase(at, anonymous.size());
+  const std::size_t parameters = name.find('(');
+  return parameters == 0 || parameters == std::string::npos ? name : name.substr(0, parameters);
+}
+
+}  // namespace
+
+std::string CallSite::text() const {
+  std::string text;
+  if (!file.empty())
+    text = fs::path(file).filename().string() + ":" + std::to_string(line);
+  else if (!module.empty())
+    text = fs::path(module).filename().string() + "+" + hex(offset);
+  if (function.empty()) return text;
+  const std::string name = short_name(function);
+  return text.empty() ? name : name + " (" + text + ")";
+}
+
+CallSite call_site(const shim::Page& page, std::uint32_t module, std::uint64_t offset) {
+  if (module >= page.module_count || module >= shim::module_count_max) return {};
+  if (const auto site = program_site(page.modules[module], offset)) return *site;
+  CallSite site;
+  site.module = plain_line(page.modules[module].path);
+  site.offset = offset;
+  return site;
+}
+
+std::string address_text(const std::string& module, std::uint64_t address) {
+  CallSite site;
+  site.module = plain_line(module);
+  site.offset = address;
+  for (const SourcePlace& place : source_places(module, address)) {
+    if (is_system_source(place.file)) continue;
+    site.function = place.function;
+    site.file = place.file;
+    site.line = place.line;
+    break;
+  }
+  return site.text();
+}
+
+CallSite call_site(const shim::Page& page, const shim::CallRecord& record) {
+  for (std::uint32_t i = 0; i < record.depth && i < shim::stack_depth_max; ++i) {
+    const shim::CodePlace& place = record.stack[i];
+    if (place.module >= page.module_count || place.module >= shim::module_count_max) continue;
+    const shim::Module& module = page.modules[place.module];
+    if (is_system_library(module.path)) continue;
+    if (const auto site = program_site(module, place.offset)) return *site;
+  }
+  return {};
+}
+
+}  // namespace ticktrue::shake

@@ -1,0 +1,148 @@
+// Files, programs of the system, and what it permits.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/shake/facts.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "verifier/runs/child.h"
+
+namespace ticktrue::shake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double probe_time_s = 30;
+
+verifier::ChildResult probe(std::vector<std::string> words) {
+  verifier::ChildCommand command;
+  command.argv = std::move(words);
+  command.limits.time_s = probe_time_s;
+  command.limits.output_size_max = std::size_t{1} << 20;
+  return verifier::run_child(command);
+}
+
+bool succeeded(const verifier::ChildResult& result) {
+  return result.end.how == verifier::ChildEnd::How::exited && result.end.exit_status == 0;
+}
+
+std::string beginning_of(const std::string& path, std::size_t size_max) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text(size_max, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(size_max));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+std::string first_existing(const std::vector<std::string>& names) {
+  for (const char* folder :
+       {"/usr/lib/x86_64-linux-gnu/", "/usr/lib/aarch64-linux-gnu/", "/usr/lib64/", "/usr/lib/", "/usr/local/lib/"})
+    for (const std::string& name : names) {
+      std::error_code failure;
+      if (fs::exists(folder + name, failure)) return folder + name;
+    }
+  return "";
+}
+
+void find_allocators(Facts& facts) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"libjemalloc.so.2"},
+                                                {"libtcmalloc_minimal.so.4", "libtcmalloc_minimal.so"},
+                                                {"libmimalloc.so.2.0", "libmimalloc.so.2", "libmimalloc.so"}})
+    if (const std::string path = first_existing(names); !path.empty()) facts.allocators.push_back(path);
+}
+
+/// A locale as POSIX has it, but with a decimal comma. A whole one takes localedef seconds.
+constexpr const char* comma_locale = R"(comment_char %
+escape_char /
+LC_IDENTIFICATION
+title "decimal comma"
+END LC_IDENTIFICATION
+LC_CTYPE
+copy "POSIX"
+END LC_CTYPE
+LC_COLLATE
+copy "POSIX"
+END LC_COLLATE
+LC_NUMERIC
+decimal_point ","
+thousands_sep "."
+grouping 3;3
+END LC_NUMERIC
+LC_MONETARY
+copy "POSIX"
+END LC_MONETARY
+LC_TIME
+copy "POSIX"
+END LC_TIME
+LC_MESSAGES
+copy "POSIX"
+END LC_MESSAGES
+)";
+
+/// Installed ones; else one that localedef makes.
+void find_locales(Facts& facts) {
+  const std::string installed = probe({"locale", "-a"}).output;
+  for (const char* name : {"de_DE", "tr_TR"})
+    if (installed.find(std::string(name) + ".utf8") != std::string::npos)
+      facts.locales.push_back(std::string(name) + ".UTF-8");
+  if (!facts.locales.empty()) return;
+  const std::string folder = facts.folder + "/locales";
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  std::ofstream(folder + "/comma.source") << comma_locale;
+  probe(
+      {"localedef", "--no-archive", "--force", "-i", folder + "/comma.source", "-f", "UTF-8", folder + "/comma.UTF-8"});
+  if (!fs::exists(folder + "/comma.UTF-8/LC_NUMERIC", failure)) return;
+  facts.locales.emplace_back("comma.UTF-8");
+  facts.locale_folder = folder;
+}
+
+void find_time_namespace(Facts& facts) {
+  const verifier::ChildResult space = probe({"unshare", "-rT", "--fork", "--monotonic", "86400", "true"});
+  if (succeeded(space)) return;
+  facts.no_time_namespace = space.end.how == verifier::ChildEnd::How::not_started
+                                ? "unshare is not installed: apt-get install util-linux"
+                                : "this system does not permit a time namespace";
+}
+
+}  // namespace
+
+std::string find_program(const std::string& word) {
+  std::error_code failure;
+  if (word.find('/') != std::string::npos) return fs::exists(word, failure) ? word : "";
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string candidate = (folder.empty() ? "." : folder) + "/" + word;
+    if (fs::exists(candidate, failure) && !fs::is_directory(candidate, failure)) return candidate;
+  }
+  return "";
+}
+
+Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
+                    const std::function<bool(std::string_view name)>& is_asked) {
+  Facts facts;
+  facts.folder = folder;
+  facts.program = words.empty() ? "" : find_program(words.front());
+#ifdef __x86_64__
+  facts.is_x86_64 = true;
+#endif
+  constexpr std::size_t size_max = std::size_t{32} << 20;
+  const std::string file = beginning_of(facts.program, size_max);
+  const auto names = [&](const char* text) { return file.find(text) != std::string::npos; };
+  const bool is_script = file.compare(0, 2, "#!") == 0;
+  const std::string head = file.substr(0, file.find('\n'));
+  facts.has_interpreter =
+      names("PYTHONHASHSEED") || names("PERL_HASH_SEED") || names("libpython") ||
+      (is_script && (head.find("python") != std::string::npos || head.find("perl") != std::string::npos));
+  facts.has_math_library = facts.has_interpreter || names("openblas") || names("libmkl");
+  find_allocators(facts);
+  if (is_asked("locale")) find_locales(facts);
+  if (is_asked("time_namespace")) find_time_namespace(facts);
+  if (facts.is_x86_64) facts.emulator = find_program("qemu-x86_64");
+  return facts;
+}
+
+}  // namespace ticktrue::shake

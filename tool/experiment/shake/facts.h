@@ -1,0 +1,37 @@
+// What the machine offers and what the program is: decides which perturbations apply.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tool/experiment/shake/outcome.h"
+
+namespace ticktrue::shake {
+
+struct Facts {
+  std::string program;                  // its file; empty: not found
+  std::string folder;                   // for files
+  bool is_x86_64 = false;               // this build
+  bool has_interpreter = false;         // of a language with hash seeds
+  bool has_math_library = false;        // numpy, OpenBLAS or MKL, as far as the program's file tells
+  std::string no_shim;                  // why the preload library cannot be used; empty: it can
+  std::vector<std::string> allocators;  // files of other allocators
+  std::vector<std::string> locales;     // names of locales with a decimal comma, of Turkish
+  std::string locale_folder;            // where they were made; empty: they are installed
+  std::string no_time_namespace;        // why there is none
+  std::string emulator;                 // qemu-x86_64; empty: there is none
+  Outcome control;                      // with the preload library, where there is one
+};
+
+/// `words`: the program and its arguments. `folder`: where locales are made. `is_asked`: whether a perturbation of this
+/// name is to be run; what nobody asks for is not looked for.
+Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
+                    const std::function<bool(std::string_view name)>& is_asked);
+
+/// The file that the first word names, by PATH where it has no slash.
+std::string find_program(const std::string& word);
+
+}  // namespace ticktrue::shake

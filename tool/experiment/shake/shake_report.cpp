@@ -1,0 +1,298 @@
+// Text and JSON of a shake.
+// SPDX-License-Identifier: MIT
+#include "tool/experiment/shake/shake_report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "base/plain_text.h"
+#include "tool/output/json_output.h"
+#include "verifier/report/exit_codes.h"
+
+namespace ticktrue::shake {
+namespace {
+
+using cli::Json;
+
+constexpr std::size_t name_width = 16;
+constexpr std::size_t line_width = 110;
+
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(width, text.size() + 1), ' ');
+  return text;
+}
+
+std::string counted(std::uint64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string seconds(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", value);
+  return text;
+}
+
+std::string class_of(const RowResult& row) {
+  return std::string(1, static_cast<char>(row.choice.perturbation->kind));
+}
+
+std::string moved_text(const RowResult& row) {
+  std::string text = row.outcome.kind == OutcomeKind::diverged ? "DIVERGED " : "FAILED   ";
+  text += outcome_text(row.outcome);
+  if (row.repeat_count > row.moved_count)
+    text += "  (" + std::to_string(row.moved_count) + " of " + std::to_string(row.repeat_count) + " runs)";
+  return text;
+}
+
+/// "  label   a, b, c", in lines that are not too long.
+std::string list_text(const std::string& label, const std::vector<std::string>& names) {
+  std::string text;
+  std::string line = "  " + padded(label, name_width);
+  const std::string indent(line.size(), ' ');
+  bool is_first = true;
+  for (const std::string& name : names) {
+    const std::string word = (is_first ? "" : ", ") + name;
+    if (line.size() + word.size() > line_width && !is_first) {
+      text += line + ",\n";
+      line = indent + name;
+    } else {
+      line += word;
+    }
+    is_first = false;
+  }
+  return names.empty() ? "" : text + line + "\n";
+}
+
+std::string control_text(const ShakeReport& report) {
+  const std::size_t count = report.control.size();
+  if (!report.repeats) {
+    std::string text = "  " + padded("control", name_width) + "DOES NOT REPEAT\n";
+    struct Seen {
+      std::string text;
+      std::size_t times = 0;
+    };
+    std::map<std::string, Seen> seen;  // by signature
+    for (const Outcome& outcome : report.control) {
+      constexpr std::size_t hash_digits = 8;
+      Seen& one = seen[signature(outcome)];
+      one.text = outcome_text(outcome);
+      if (!outcome.got_hash.empty()) one.text += "  (state " + outcome.got_hash.substr(0, hash_digits) + ")";
+      ++one.times;
+    }
+    constexpr std::size_t shown_max = 4;
+    std::size_t shown = 0;
+    for (const auto& [key, one] : seen)
+      if (++shown <= shown_max)
+        text += "  " + padded("", name_width) + std::to_string(one.times) + " of " + std::to_string(count) +
+                " runs: " + one.text + "\n";
+    if (shown > shown_max)
+      text += "  " + padded("", name_width) + "and " + counted(shown - shown_max, "other outcome") + "\n";
+    return text;
+  }
+  std::string text =
+      "  " + padded("control", name_width) + "same " + std::to_string(count) + " of " + std::to_string(count) + " runs";
+  if (report.control.front().kind != OutcomeKind::match)
+    text += ", and not as recorded: " + outcome_text(report.control.front());
+  return text + "\n";
+}
+
+std::string fix_text(const ShakeReport& report) {
+  const std::string indent = "  " + padded("", name_width);
+  if (!report.fix.is_found) {
+    std::string text = "  " + padded("cause", name_width) + "not found: nothing that can be held still is enough\n";
+    for (const std::string& place : report.instructions)
+      text += indent + "the program has " + place + ", which no library stands in front of\n";
+    return text;
+  }
+  std::string names;
+  for (const std::string& name : report.fix.names) names += (names.empty() ? "" : " and ") + name;
+  std::string text = "  " + padded("cause", name_width) + names + ": held still, the program repeats itself\n";
+  if (report.fix.cause) text += indent + report.fix.cause->text() + "\n";
+  return text;
+}
+
+/// What does not apply, by its reason.
+std::string reasons_text(const ShakeReport& report) {
+  std::string text;
+  std::vector<std::string> reasons;
+  for (const RowResult& row : report.rows)
+    if (row.state == RowState::not_applicable && std::find(reasons.begin(), reasons.end(), row.reason) == reasons.end())
+      reasons.push_back(row.reason);
+  for (const std::string& reason : reasons) {
+    std::string names;
+    for (const RowResult& row : report.rows)
+      if (row.state == RowState::not_applicable && row.reason == reason)
+        names += (names.empty() ? "" : ", ") + std::string(row.choice.perturbation->name);
+    text += "    " + names + ": " + plain_line(reason) + "\n";
+  }
+  return text;
+}
+
+/// One thing to do for each cause.
+std::vector<std::string> next_steps(const ShakeReport& report) {
+  std::vector<std::string> steps = report.fix.mends;
+  for (const RowResult& row : report.rows)
+    if (row.state == RowState::moved && row.choice.perturbation->kind != Kind::c)
+      steps.emplace_back(row.choice.perturbation->mend);
+  std::vector<std::string> once;
+  for (const std::string& step : steps)
+    if (std::find(once.begin(), once.end(), step) == once.end()) once.push_back(step);
+  return once;
+}
+
+const char* verdict_name(const ShakeReport& report, const ShakeSubject& subject) {
+  if (!report.failure.empty()) return "failed";
+  if (!report.repeats) return "not_reproducible";
+  return exit_code(report, subject) == verifier::exit_ok ? "same" : "moved";
+}
+
+const char* state_name(const RowResult& row) {
+  switch (row.state) {
+    case RowState::same:
+    case RowState::same_together:
+      return "same";
+    case RowState::moved:
+      return outcome_name(row.outcome.kind);
+    case RowState::not_applicable:
+      return "not_applicable";
+    case RowState::not_run:
+      return "not_run";
+  }
+  return "";
+}
+
+Json outcome_json(const Outcome& outcome) {
+  Json object = {{"outcome", outcome_name(outcome.kind)}, {"wall_s", outcome.wall_s}};
+  if (outcome.kind == OutcomeKind::match) return object;
+  object["tick"] = outcome.tick;
+  object["reason"] = outcome.reason;
+  object["stage"] = outcome.stage;
+  object["table"] = outcome.table;
+  object["column"] = outcome.column;
+  object["row"] = outcome.row ? Json(*outcome.row) : Json(nullptr);
+  object["name"] = outcome.row_name;
+  object["expected_value"] = outcome.expected;
+  object["got_value"] = outcome.got;
+  return object;
+}
+
+Json cause_json(const std::optional<Cause>& cause) {
+  if (!cause) return nullptr;
+  Json object = {{"text", cause->text()}, {"found", cause->failure.empty()}};
+  if (!cause->failure.empty()) return object;
+  if (cause->is_ticks) {
+    object["first_tick"] = cause->tick_first;
+    object["last_tick"] = cause->tick_last;
+    return object;
+  }
+  object["function"] = cause->function;
+  object["call"] = cause->nth;
+  object["number"] = cause->number;
+  object["tick"] = cause->position == 0 ? Json(nullptr) : Json((cause->position - 1) / 2);
+  object["between_ticks"] = cause->position % 2 == 0;
+  object["size"] = cause->size;
+  object["calls_needed"] = cause->call_count;
+  object["symbol"] = cause->site.function;
+  object["source"] = cause->site.file;
+  object["line"] = cause->site.line;
+  object["module"] = cause->site.module;
+  object["offset"] = cause->site.offset;
+  return object;
+}
+
+Json row_json(const RowResult& row) {
+  const Perturbation& perturbation = *row.choice.perturbation;
+  Json object = {{"name", perturbation.name}, {"class", class_of(row)},
+                 {"what", perturbation.what}, {"outcome", state_name(row)},
+                 {"reason", row.reason},      {"together", row.state == RowState::same_together},
+                 {"runs", row.run_count}};
+  if (row.state != RowState::moved) return object;
+  object["run"] = outcome_json(row.outcome);
+  object["moved"] = row.moved_count;
+  object["repeated"] = row.repeat_count;
+  object["cause"] = cause_json(row.cause);
+  object["mend"] = perturbation.mend;
+  return object;
+}
+
+}  // namespace
+
+int exit_code(const ShakeReport& report, const ShakeSubject& subject) {
+  if (!report.failure.empty()) return verifier::exit_usage;
+  if (!report.repeats) return verifier::exit_not_reproducible;
+  const bool has_moved = report.moved_count(Kind::a) > 0 || !report.together_outcome.reason.empty() ||
+                         report.together_outcome.kind == OutcomeKind::diverged ||
+                         (subject.fails_for_b && report.moved_count(Kind::b) > 0);
+  if (has_moved) return verifier::exit_finding;
+  return report.control.front().kind == OutcomeKind::match ? verifier::exit_ok : verifier::exit_usage;
+}
+
+std::string shake_text(const ShakeReport& report, const ShakeSubject& subject) {
+  std::string text = "shaken  " + subject.trace + "  " + counted(subject.tick_count, "tick") + ", " +
+                     counted(report.rows.size(), "perturbation") + ", " + counted(report.run_count, "run") + ", " +
+                     seconds(report.wall_s) + "\n";
+  if (!report.failure.empty()) return text + "  " + padded("control", name_width) + report.failure + "\n";
+  text += control_text(report);
+  if (!report.repeats) text += fix_text(report);
+  std::vector<std::string> same;
+  for (const RowResult& row : report.rows) {
+    if (row.state == RowState::same || row.state == RowState::same_together)
+      same.emplace_back(row.choice.perturbation->name);
+    if (row.state != RowState::moved) continue;
+    text += "  " + padded(class_of(row) + " " + std::string(row.choice.perturbation->name), name_width) +
+            moved_text(row) + "\n";
+    const bool has_cause = row.cause && row.choice.perturbation->narrowing != Narrowing::none;
+    if (has_cause) text += "  " + padded("", name_width) + "cause: " + row.cause->text() + "\n";
+  }
+  const bool has_moved_together = signature(report.together_outcome) != signature(Outcome{});
+  if (has_moved_together && report.moved_count(Kind::a) == 0) {
+    std::string names;
+    for (const std::string& name : report.together) names += (names.empty() ? "" : " with ") + name;
+    text += "  " + padded("A together", name_width) + "DIVERGED " + outcome_text(report.together_outcome) + "\n";
+    text += "  " + padded("", name_width) + "none of them alone; " + (names.empty() ? "not narrowed" : names) + "\n";
+  }
+  if (!same.empty()) text += list_text("same", same);
+  const std::size_t without = report.count(RowState::not_applicable);
+  if (without > 0) text += "  " + padded("not applicable", name_width) + std::to_string(without) + "\n";
+  text += reasons_text(report);
+  if (report.repeats && report.count(RowState::not_run) > 0)
+    text += "  " + padded("not run", name_width) + std::to_string(report.count(RowState::not_run)) +
+            " for want of time (--time)\n";
+  for (const std::string& note : report.notes) text += "  " + padded("note", name_width) + plain_line(note) + "\n";
+  if (report.repeats && report.control.front().kind != OutcomeKind::match && report.moved_count(Kind::a) == 0)
+    text += "next  record " + subject.trace + " anew with this build: only ticks before the difference were examined\n";
+  for (const std::string& step : next_steps(report)) text += "next  " + step + "\n";
+  return text;
+}
+
+std::string shake_json(const ShakeReport& report, const ShakeSubject& subject) {
+  Json object;
+  object["schema"] = "ticktrue.shake/1";
+  object["file"] = subject.trace;
+  object["command"] = subject.words;
+  object["ticks"] = subject.tick_count;
+  object["verdict"] = verdict_name(report, subject);
+  object["exit_code"] = exit_code(report, subject);
+  object["reason"] = report.failure;
+  object["runs"] = report.run_count;
+  object["wall_s"] = report.wall_s;
+  object["ended_early"] = report.ended_early;
+  object["control"] = Json::array();
+  for (const Outcome& outcome : report.control) object["control"].push_back(outcome_json(outcome));
+  object["repeats"] = report.repeats;
+  object["fixed_by"] = report.fix.names;
+  object["fixed_call"] = cause_json(report.fix.cause);
+  object["instructions"] = report.instructions;
+  object["together"] = report.together;
+  object["moved"] = {
+      {"A", report.moved_count(Kind::a)}, {"B", report.moved_count(Kind::b)}, {"C", report.moved_count(Kind::c)}};
+  object["not_applicable"] = report.count(RowState::not_applicable);
+  object["perturbations"] = Json::array();
+  for (const RowResult& row : report.rows) object["perturbations"].push_back(row_json(row));
+  object["notes"] = report.notes;
+  object["next"] = next_steps(report);
+  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace ticktrue::shake

@@ -1,0 +1,31 @@
+// What a shake prints: text, JSON, JUnit, annotations.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tool/experiment/shake/shake.h"
+
+namespace ticktrue::shake {
+
+/// Of the report: what was shaken, and which classes make it fail.
+struct ShakeSubject {
+  std::string trace;
+  std::uint64_t tick_count = 0;
+  std::vector<std::string> words;  // the command as it was given
+  bool fails_for_b = false;
+};
+
+/// 0, 1, 2 or 6.
+int exit_code(const ShakeReport& report, const ShakeSubject& subject);
+
+std::string shake_text(const ShakeReport& report, const ShakeSubject& subject);
+/// Schema ticktrue.shake/1.
+std::string shake_json(const ShakeReport& report, const ShakeSubject& subject);
+/// A test case for each perturbation. Class B and C are failures only where they make the shake fail.
+std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject);
+/// Workflow commands of GitHub Actions.
+std::string shake_github(const ShakeReport& report, const ShakeSubject& subject);
+
+}  // namespace ticktrue::shake
