@@ -28,9 +28,9 @@ struct GraphJoint {
   std::array<std::uint32_t, joint_body_max> bodies{};  // the moving ones, by index
   std::uint32_t body_count = 0;
   std::uint32_t row_count = 0;  // 1..3
-  std::uint32_t dimension = 3;  // of its blocks: rows beyond are not used
   bool is_to_world = false;     // some of its bodies does not move
   bool is_last = false;         // some row may act on a part of its bodies alone: it follows all of them
+  std::uint32_t dimension = 3;  // of its blocks: rows beyond are not used
 };
 
 struct GraphNode {

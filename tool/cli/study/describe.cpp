@@ -34,11 +34,13 @@ std::vector<ChoiceText> choices_of(const engine::Settings& settings) {
     const auto& info = engine::info_of(table, kind);
     choices.push_back({key, info.name, info.summary, engine::choice_names(table)});
   };
+  const engine::Settings unset;
   engine::visit_fields(
-      [&](const engine::FieldInfo& field, auto value) {
+      [&](const engine::FieldInfo& field, auto value, auto default_value) {
+        if (field.since > 0 && value == default_value) return;  // as in JSON
         if constexpr (std::is_enum_v<decltype(value)>) add(field.name, engine::Tables::of(value), value);
       },
-      settings);
+      settings, unset);
   add("clock", engine::clock_kinds, settings.clock.kind);
   return choices;
 }
