@@ -290,11 +290,14 @@ void add_shake(CLI::App& app, CliContext& context) {
       "ticktrue record 'stack?boxes=5' --ticks 60 -o stack.ttr\n"
       "ticktrue shake stack.ttr --vary heap_fill,locale -- ticktrue verify {trace} -j 1 --json\n"
       "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
-      "ticktrue shake stack.ttr --class A,B --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
-      "PROGRAM has a session of the C interface, or prints a report as `ticktrue verify --json` does.\n"
+      "ticktrue shake stack.ttr --class A --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
+      "PROGRAM has a session of the C interface, or prints a report of schema ticktrue.verify/1.\n"
       "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program fails or diverges as it\n"
       "is, or usage. 6 the program does not repeat itself; the report tells what has to be held still.");
-  command->callback([options, &context] { context.exit_code = run_shake_command(*options); });
+  command->callback([options, &context] {
+    options->words.insert(options->words.end(), context.program.begin(), context.program.end());
+    context.exit_code = run_shake_command(*options);
+  });
 }
 
 }  // namespace ticktrue::cli

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tool/experiment/shake/launch.h"
 #include "verifier/runs/child.h"
 
 namespace ticktrue::shake {
@@ -108,18 +109,6 @@ void find_time_namespace(Facts& facts) {
 }
 
 }  // namespace
-
-std::string find_program(const std::string& word) {
-  std::error_code failure;
-  if (word.find('/') != std::string::npos) return fs::exists(word, failure) ? word : "";
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string candidate = (folder.empty() ? "." : folder) + "/" + word;
-    if (fs::exists(candidate, failure) && !fs::is_directory(candidate, failure)) return candidate;
-  }
-  return "";
-}
 
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked) {
