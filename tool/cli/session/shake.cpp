@@ -157,10 +157,16 @@ class RunFolder {
       if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
       return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
     }
-    std::string path = (fs::temp_directory_path(failed) / "ticktrue-shake-XXXXXX").string();
-    if (failed || ::mkdtemp(path.data()) == nullptr)
-      return Error{ErrorCode::io, path + ": cannot be made", "--out names a folder for the files of runs"};
-    return std::make_unique<RunFolder>(path, true);
+    const fs::path temporary = fs::temp_directory_path(failed);
+    constexpr int try_count = 1000;
+    for (int i = 0; !failed && i < try_count; ++i) {
+      const fs::path path = temporary / ("ticktrue-shake-" + std::to_string(::getpid()) + "-" + std::to_string(i));
+      if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
+      fs::permissions(path, fs::perms::owner_all, failed);
+      return std::make_unique<RunFolder>(path.string(), true);
+    }
+    return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
+                 "--out names a folder for the files of runs"};
   }
 
   RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}
