@@ -237,6 +237,7 @@ int run_shake_command(const ShakeCommand& command) {
   options.thread_count = static_cast<unsigned>(command.jobs);
   options.narrows = !command.no_narrow;
   if (command.time_s) options.time_s = static_cast<double>(*command.time_s);
+  catch_stop_signals();  // so that the folder is removed
   Progress progress("shake", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t expected) { progress.update(done, expected); };
   const Result<shake::ShakeReport> report = shake::run_shake(options);

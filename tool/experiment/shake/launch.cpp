@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "verifier/runs/data_file.h"
+#include "tool/output/cli.h"
 
 #ifdef __linux__
 #include <fcntl.h>
@@ -189,6 +189,7 @@ std::string find_program(const std::string& word) {
 }
 
 Result<Run> Launcher::run(const Conditions& conditions) {
+  if (cli::stop_requested()) return Error{ErrorCode::io, "stopped", ""};
   std::string name;
   {
     const std::lock_guard guard(lock_);
