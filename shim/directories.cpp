@@ -14,7 +14,6 @@ extern "C" void __libc_free(void* block);
 namespace ticktrue::shim {
 namespace {
 
-constexpr std::uint32_t order_reversed = 1;
 constexpr std::uint32_t order_by_name = 2;
 
 using Read = dirent* (*)(DIR*);
@@ -48,7 +47,7 @@ Listing* read_all(DIR* folder, Read real) {
   listing->folder = folder;
   while (dirent* entry = real(folder)) {
     auto* copy = static_cast<dirent*>(__libc_malloc(sizeof(dirent)));
-    auto** grown = static_cast<dirent**>(__libc_realloc(listing->entries, (listing->count + 1) * sizeof(dirent*)));
+    auto** grown = static_cast<dirent**>(__libc_realloc(listing->entries, (listing->count + 1) * sizeof(void*)));
     if (copy == nullptr || grown == nullptr) break;
     ::memcpy(copy, entry, entry->d_reclen < sizeof *copy ? entry->d_reclen : sizeof *copy);
     listing->entries = grown;

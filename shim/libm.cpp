@@ -60,44 +60,72 @@ bool is_logging() {
   return settings().libm_log != 0;
 }
 
+template <typename T>
+using Unary = T (*)(T);
+template <typename T>
+using Binary = T (*)(T, T);
+template <typename T>
+using SineCosine = void (*)(T, T*, T*);
+
+template <typename T>
+T unary(Function function, Unary<T>& real, const char* name, T x, const void* return_address) {
+  const Call call = begin_call(function);
+  const T value = real_function(real, name)(x);
+  if (is_logging()) log_libm(function, call, bits_of(x), bits_of(value), return_address);
+  return finished(call, value);
+}
+
+template <typename T>
+T binary(Function function, Binary<T>& real, const char* name, T x, T y, const void* return_address) {
+  const Call call = begin_call(function);
+  const T value = real_function(real, name)(x, y);
+  if (is_logging()) log_libm(function, call, bits_of(x) * 31 + bits_of(y), bits_of(value), return_address);
+  return finished(call, value);
+}
+
+template <typename T>
+void sine_cosine(Function function, SineCosine<T>& real, const char* name, T x, T* sine, T* cosine,
+                 const void* return_address) {
+  const Call call = begin_call(function);
+  real_function(real, name)(x, sine, cosine);
+  if (is_logging()) log_libm(function, call, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), return_address);
+  *sine = finished(call, *sine);
+  *cosine = finished(call, *cosine);
+}
+
 }  // namespace
 }  // namespace ticktrue::shim
 
 using namespace ticktrue::shim;
 
-#define TICKTRUE_SHIM_UNARY(name, T)                                                                           \
-  TICKTRUE_SHIM_API T name(T x) noexcept {                                                                     \
-    static T (*real)(T) = nullptr;                                                                             \
-    const Call call = begin_call(Function::name);                                                              \
-    const T value = real_function(real, #name)(x);                                                             \
-    if (is_logging()) log_libm(Function::name, call, bits_of(x), bits_of(value), __builtin_return_address(0)); \
-    return finished(call, value);                                                                              \
+#define TICKTRUE_SHIM_NAME(name)                                                      \
+  TICKTRUE_SHIM_API double name(double x) noexcept {                                  \
+    static Unary<double> real = nullptr;                                              \
+    return unary(Function::name, real, #name, x, __builtin_return_address(0));        \
+  }                                                                                   \
+  TICKTRUE_SHIM_API float name##f(float x) noexcept {                                 \
+    static Unary<float> real = nullptr;                                               \
+    return unary(Function::name##f, real, #name "f", x, __builtin_return_address(0)); \
   }
-#define TICKTRUE_SHIM_BINARY(name, T)                                                                            \
-  TICKTRUE_SHIM_API T name(T x, T y) noexcept {                                                                  \
-    static T (*real)(T, T) = nullptr;                                                                            \
-    const Call call = begin_call(Function::name);                                                                \
-    const T value = real_function(real, #name)(x, y);                                                            \
-    if (is_logging())                                                                                            \
-      log_libm(Function::name, call, bits_of(x) * 31 + bits_of(y), bits_of(value), __builtin_return_address(0)); \
-    return finished(call, value);                                                                                \
-  }
-#define TICKTRUE_SHIM_NAME(name) TICKTRUE_SHIM_UNARY(name, double) TICKTRUE_SHIM_UNARY(name##f, float)
 TICKTRUE_SHIM_LIBM_1(TICKTRUE_SHIM_NAME)
 #undef TICKTRUE_SHIM_NAME
-#define TICKTRUE_SHIM_NAME(name) TICKTRUE_SHIM_BINARY(name, double) TICKTRUE_SHIM_BINARY(name##f, float)
+#define TICKTRUE_SHIM_NAME(name)                                                          \
+  TICKTRUE_SHIM_API double name(double x, double y) noexcept {                            \
+    static Binary<double> real = nullptr;                                                 \
+    return binary(Function::name, real, #name, x, y, __builtin_return_address(0));        \
+  }                                                                                       \
+  TICKTRUE_SHIM_API float name##f(float x, float y) noexcept {                            \
+    static Binary<float> real = nullptr;                                                  \
+    return binary(Function::name##f, real, #name "f", x, y, __builtin_return_address(0)); \
+  }
 TICKTRUE_SHIM_LIBM_2(TICKTRUE_SHIM_NAME)
 #undef TICKTRUE_SHIM_NAME
 
-#define TICKTRUE_SHIM_SINCOS(name, T)                                                                                  \
-  TICKTRUE_SHIM_API void name(T x, T* sine, T* cosine) noexcept {                                                      \
-    static void (*real)(T, T*, T*) = nullptr;                                                                          \
-    const Call call = begin_call(Function::name);                                                                      \
-    real_function(real, #name)(x, sine, cosine);                                                                       \
-    if (is_logging())                                                                                                  \
-      log_libm(Function::name, call, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), __builtin_return_address(0)); \
-    *sine = finished(call, *sine);                                                                                     \
-    *cosine = finished(call, *cosine);                                                                                 \
-  }
-TICKTRUE_SHIM_SINCOS(sincos, double)
-TICKTRUE_SHIM_SINCOS(sincosf, float)
+TICKTRUE_SHIM_API void sincos(double x, double* sine, double* cosine) noexcept {
+  static SineCosine<double> real = nullptr;
+  sine_cosine(Function::sincos, real, "sincos", x, sine, cosine, __builtin_return_address(0));
+}
+TICKTRUE_SHIM_API void sincosf(float x, float* sine, float* cosine) noexcept {
+  static SineCosine<float> real = nullptr;
+  sine_cosine(Function::sincosf, real, "sincosf", x, sine, cosine, __builtin_return_address(0));
+}

@@ -111,6 +111,26 @@ class Gallery:
             raise Failed(f"{name}: found {report['moved']}, expected nothing")
         return f"{report['runs']} runs, {report['not_applicable']} not applicable"
 
+    def instruction(self, folder):
+        report = self.shake(folder, self.words("hardware_random"), ["--class", "A"], [6])
+        if report["fixed_by"] or not any("rdrand at " in place and "hardware_random.cpp" in place
+                                         for place in report["instructions"]):
+            raise Failed(f"hardware_random: found {report['fixed_by']}, {report['instructions']}, expected rdrand")
+        return report["instructions"][0]
+
+    def documents(self):
+        rows = self.run([self.tool, "shake", "--list"], [0]).splitlines()
+        with open(os.path.join(SOURCE, "../../docs/causes.md"), encoding="utf-8") as file:
+            text = file.read()
+        for row in rows:
+            kind, name, what = row.split(None, 2)
+            if f"| `{name}` | {kind} | {what} |" not in text:
+                raise Failed(f"docs/causes.md: found no row for {row}")
+        for name, *_ in MISTAKES:
+            if f"`{name}`" not in text:
+                raise Failed(f"docs/causes.md: found no `{name}`")
+        return f"{len(rows)} perturbations"
+
     def rude(self, folder, way, outcome, words):
         code = 0 if outcome == "same" else 1
         report = self.shake(folder, self.words("rude") + [way], ["--vary", "environment", "--timeout", "3"], [code])
@@ -136,6 +156,11 @@ def main():
     for name, rows, function, kind in MISTAKES:
         jobs.append((name, lambda folder, n=name, r=rows, f=function, k=kind: gallery.mistake(folder, n, r, f, k)))
         jobs.append((name + " mended", lambda folder, n=name, r=rows: gallery.mended(folder, n, r)))
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        if " rdrand" in file.read():
+            jobs.append(("hardware_random", gallery.instruction))
+            jobs.append(("hardware_random mended", lambda folder: gallery.mended(folder, "hardware_random", ["random"])))
+    jobs.append(("documents", lambda folder: gallery.documents()))
     for name in CLEAN:
         jobs.append((name + " clean", lambda folder, n=name: gallery.clean(folder, n)))
     for way, outcome, text in RUDE:

@@ -234,6 +234,9 @@ TEST_CASE("files are not overwritten unasked, and what the system refuses is tol
 TEST_CASE("a session goes from scene to trace to states and back", "[cli][session][equivalence]") {
   run_cases("session.case");
 }
+TEST_CASE("shake tells what is wrong with its words, and finds the engine of this project quiet", "[cli][shake]") {
+  run_cases("shake.case");
+}
 TEST_CASE("traces are verified in parts, in parallel, on shards and against other builds",
           "[cli][verify][equivalence]") {
   run_cases("verify.case");

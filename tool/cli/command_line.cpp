@@ -119,6 +119,17 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
   return fail_usage(Error{ErrorCode::usage, (path.empty() ? "command line" : path) + ": " + what, hint});
 }
 
+/// The words behind `--` of a command that runs a program: options among them are not ours. Returns how many are left.
+int take_program(int argc, char** argv, CliContext& context) {
+  if (argc < 2 || std::string_view(argv[1]) != "shake") return argc;
+  for (int i = 2; i < argc; ++i) {
+    if (std::string_view(argv[i]) != "--") continue;
+    context.program.assign(argv + i + 1, argv + argc);
+    return i;
+  }
+  return argc;
+}
+
 int parse_and_run(int argc, char** argv) {
   if (const char* name = std::getenv(engine::instruction_set_variable); name != nullptr)
     if (const Status status = engine::use_instruction_set(name); !status) return fail_usage(status.error());
@@ -129,9 +140,10 @@ int parse_and_run(int argc, char** argv) {
     ++argv;
     --argc;
   }
+  CliContext context;
+  argc = take_program(argc, argv, context);
   const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
   CLI::App app{description, "ticktrue"};
-  CliContext context;
   app.footer(footer);
   app.set_version_flag("--version", build_line());
   app.require_subcommand(1);

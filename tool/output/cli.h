@@ -37,6 +37,7 @@ using verifier::worst_exit_code;
 /// The context passed to every add_x. The callback of a subcommand stores its exit code here.
 struct CliContext {
   int exit_code = exit_ok;
+  std::vector<std::string> program;  // the words behind `--`, of a command that runs a program
 };
 
 // The groups of `ticktrue --help`: CLI::App::group(...) of each subcommand.

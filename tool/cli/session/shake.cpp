@@ -157,10 +157,16 @@ class RunFolder {
       if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
       return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
     }
-    std::string path = (fs::temp_directory_path(failed) / "ticktrue-shake-XXXXXX").string();
-    if (failed || ::mkdtemp(path.data()) == nullptr)
-      return Error{ErrorCode::io, path + ": cannot be made", "--out names a folder for the files of runs"};
-    return std::make_unique<RunFolder>(path, true);
+    const fs::path temporary = fs::temp_directory_path(failed);
+    constexpr int try_count = 1000;
+    for (int i = 0; !failed && i < try_count; ++i) {
+      const fs::path path = temporary / ("ticktrue-shake-" + std::to_string(::getpid()) + "-" + std::to_string(i));
+      if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
+      fs::permissions(path, fs::perms::owner_all, failed);
+      return std::make_unique<RunFolder>(path.string(), true);
+    }
+    return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
+                 "--out names a folder for the files of runs"};
   }
 
   RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}
@@ -231,6 +237,7 @@ int run_shake_command(const ShakeCommand& command) {
   options.thread_count = static_cast<unsigned>(command.jobs);
   options.narrows = !command.no_narrow;
   if (command.time_s) options.time_s = static_cast<double>(*command.time_s);
+  catch_stop_signals();  // so that the folder is removed
   Progress progress("shake", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t expected) { progress.update(done, expected); };
   const Result<shake::ShakeReport> report = shake::run_shake(options);
@@ -290,11 +297,14 @@ void add_shake(CLI::App& app, CliContext& context) {
       "ticktrue record 'stack?boxes=5' --ticks 60 -o stack.ttr\n"
       "ticktrue shake stack.ttr --vary heap_fill,locale -- ticktrue verify {trace} -j 1 --json\n"
       "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
-      "ticktrue shake stack.ttr --class A,B --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
-      "PROGRAM has a session of the C interface, or prints a report as `ticktrue verify --json` does.\n"
+      "ticktrue shake stack.ttr --class A --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
+      "PROGRAM has a session of the C interface, or prints a report of schema ticktrue.verify/1.\n"
       "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program fails or diverges as it\n"
       "is, or usage. 6 the program does not repeat itself; the report tells what has to be held still.");
-  command->callback([options, &context] { context.exit_code = run_shake_command(*options); });
+  command->callback([options, &context] {
+    options->words.insert(options->words.end(), context.program.begin(), context.program.end());
+    context.exit_code = run_shake_command(*options);
+  });
 }
 
 }  // namespace ticktrue::cli

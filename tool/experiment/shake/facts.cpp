@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tool/experiment/shake/launch.h"
 #include "verifier/runs/child.h"
 
 namespace ticktrue::shake {
@@ -109,18 +110,6 @@ void find_time_namespace(Facts& facts) {
 
 }  // namespace
 
-std::string find_program(const std::string& word) {
-  std::error_code failure;
-  if (word.find('/') != std::string::npos) return fs::exists(word, failure) ? word : "";
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string candidate = (folder.empty() ? "." : folder) + "/" + word;
-    if (fs::exists(candidate, failure) && !fs::is_directory(candidate, failure)) return candidate;
-  }
-  return "";
-}
-
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked) {
   Facts facts;
@@ -134,9 +123,13 @@ Facts collect_facts(const std::vector<std::string>& words, const std::string& fo
   const auto names = [&](const char* text) { return file.find(text) != std::string::npos; };
   const bool is_script = file.compare(0, 2, "#!") == 0;
   const std::string head = file.substr(0, file.find('\n'));
-  facts.has_interpreter =
-      names("PYTHONHASHSEED") || names("PERL_HASH_SEED") || names("libpython") ||
-      (is_script && (head.find("python") != std::string::npos || head.find("perl") != std::string::npos));
+  // By its name, too: what stands in PATH may be a script that starts the interpreter.
+  const std::string word = words.empty() ? "" : fs::path(words.front()).filename().string();
+  const auto is_interpreter = [](const std::string& text) {
+    return text.find("python") != std::string::npos || text.find("perl") != std::string::npos;
+  };
+  facts.has_interpreter = names("PYTHONHASHSEED") || names("PERL_HASH_SEED") || names("libpython") ||
+                          is_interpreter(word) || (is_script && is_interpreter(head));
   facts.has_math_library = facts.has_interpreter || names("openblas") || names("libmkl");
   find_allocators(facts);
   if (is_asked("locale")) find_locales(facts);

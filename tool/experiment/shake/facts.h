@@ -31,7 +31,4 @@ struct Facts {
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked);
 
-/// The file that the first word names, by PATH where it has no slash.
-std::string find_program(const std::string& word);
-
 }  // namespace ticktrue::shake

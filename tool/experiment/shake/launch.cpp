@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/launch.h"
 
-#include <cstring>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "verifier/runs/data_file.h"
+#include "tool/output/cli.h"
 
 #ifdef __linux__
 #include <fcntl.h>
@@ -176,7 +176,20 @@ std::vector<shim::LibmCall> read_libm_log(const std::string& path) {
 
 }  // namespace
 
+std::string find_program(const std::string& word) {
+  std::error_code failure;
+  if (word.find('/') != std::string::npos) return fs::exists(word, failure) ? word : "";
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string candidate = (folder.empty() ? "." : folder) + "/" + word;
+    if (fs::exists(candidate, failure) && !fs::is_directory(candidate, failure)) return candidate;
+  }
+  return "";
+}
+
 Result<Run> Launcher::run(const Conditions& conditions) {
+  if (cli::stop_requested()) return Error{ErrorCode::io, "stopped", ""};
   std::string name;
   {
     const std::lock_guard guard(lock_);
@@ -201,6 +214,9 @@ Result<Run> Launcher::run(const Conditions& conditions) {
   verifier::ChildCommand command;
   command.argv = conditions.wrapper;
   command.argv.insert(command.argv.end(), options_.words.begin(), options_.words.end());
+  // An emulator does not search PATH.
+  if (const std::string program = find_program(options_.words.front()); !conditions.wrapper.empty() && !program.empty())
+    command.argv[conditions.wrapper.size()] = program;
   command.inherited = environment_of(conditions, options_, page, result);
   command.prepare = set_process;
   command.prepare_with = &conditions.process;

@@ -84,6 +84,9 @@ class Launcher {
   std::size_t ended_count_ = 0;  // of them, the first
 };
 
+/// The file that the first word names, by PATH where it has no slash.
+std::string find_program(const std::string& word);
+
 /// A folder in which every entry of the present one is linked. Errors: io, limit.
 Result<std::string> make_other_folder(const std::string& folder);
 

@@ -1,5 +1,5 @@
-// First the shortest beginning of all calls that is enough, then whether its last call alone is; else ddmin over the
-// rest. SPDX-License-Identifier: MIT
+// The shortest beginning of all calls that is enough, then its last call alone; else ddmin over the rest.
+// SPDX-License-Identifier: MIT
 //
 // The calls before the first changed one are the same in every run of a program that repeats itself. So calls keep
 // their numbers while the beginning is narrowed.

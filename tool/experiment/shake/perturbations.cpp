@@ -67,6 +67,10 @@ std::string linux_only(const Facts&) {
 #endif
 }
 
+std::string needs_unread_output(const Facts& facts) {
+  return facts.control.has_session ? "" : "the program prints its report";
+}
+
 std::string needs_allocator(const Facts& facts) {
   return facts.allocators.empty()
              ? "no other allocator is installed: apt-get install libjemalloc2 libtcmalloc-minimal4 libmimalloc2.0"
@@ -405,7 +409,7 @@ constexpr Perturbation table[] = {
     {"huge_pages", Kind::a, "with and without huge pages", own_order, by_launch, together, whole, Group::heap, 2,
      linux_only, huge_pages, no_fix},
     {"output", Kind::a, "standard output goes nowhere", "do not ask whether somebody looks", by_launch, together, whole,
-     Group::heap, 1, linux_only, output, no_fix},
+     Group::heap, 1, needs_unread_output, output, no_fix},
     {"libm_of_cpu", Kind::b, "libm as on a processor without FMA and AVX2", libm_mend, by_launch, alone,
      Narrowing::libm_results, Group::libm, 1, needs_libm_of_cpu, libm_of_cpu, no_fix},
     {"cpu_model", Kind::b, "another processor, by emulation: Nehalem, Haswell, all that the emulator has", libm_mend,
