@@ -658,7 +658,15 @@ class CorpusRun {
 
   void store_report(std::size_t i, UnitSource source, Report report) {
     const Result<FoundVerdict> stored = store(i, report);
-    finish_stored(i, source, std::move(report), stored);
+    // After a lease that expired, another worker may have done the same: the verdict counts for one of the two.
+    const bool is_late = options_.claims && source == UnitSource::verified && !was_red(i) && stored &&
+                         stored->kind == FoundVerdict::Kind::verdict && !stored->is_new;
+    finish_stored(i, is_late ? UnitSource::other_worker : source, std::move(report), stored);
+  }
+
+  bool was_red(std::size_t i) {
+    const std::lock_guard<std::mutex> guard(lock_);
+    return states_[i].was_red;
   }
 
   /// The row of the history first: a trace with a verdict is not verified again, and would never get its row.
