@@ -50,6 +50,7 @@ case $out in
     ;;
 esac
 PATH=$PATH:/usr/sbin:/sbin
+ulimit -c 0  # a slurmstepd whose spool is on a full disk may crash
 # shellcheck source=tests/cluster/slurm.sh
 . tests/cluster/slurm.sh
 
