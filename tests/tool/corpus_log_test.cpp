@@ -96,6 +96,8 @@ TEST_CASE("corpus slurm: the script is one for any POSIX shell, whatever the nam
   INFO(result.message);
   CHECK(result.end.exit_status == 0);
   CHECK(contains(text, "--array=1-16 --cpus-per-task=4 --time=30"));
+  CHECK_FALSE(contains(text, "requeue \"$SLURM_JOB_ID\""));  // of the last task: the number of the whole array
+  CHECK(contains(text, "id=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"));
   CHECK(contains(text, "tool=${TICKTRUE:-'/opt/tick true/ticktrue'}"));
   CHECK(contains(text, R"('/data/it'\''s a corpus')"));
 }

@@ -10,9 +10,11 @@
 
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/text.h"
 #include "tool/corpus/corpus_run.h"
 #include "tool/corpus/engine_digest.h"
+#include "tool/corpus/trace_log.h"
 #include "verifier/store/claims.h"
 
 namespace ticktrue::test {
@@ -233,6 +235,50 @@ TEST_CASE("corpus: workers that claim do each trace once, and one that died is r
       verified_count += units[i].source == UnitSource::verified ? 1 : 0;
     }
     CHECK(verified_count == 1);
+  }
+}
+
+#ifndef _WIN32
+TEST_CASE("corpus: what a full disk kept out of the store is verified again, what was stored needs no room",
+          "[verifier][corpus][corruption]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  corpus.open();
+  Units units;
+  {
+    const FullDisk full;
+    units = corpus.verify();
+  }
+  CHECK(count(units, Verdict::match) == units.size());
+  for (const CorpusUnit& unit : units) {
+    REQUIRE(unit.problems.size() == 1);
+    CHECK(contains(unit.problems[0].message, corpus.store_path()));
+    CHECK_FALSE(unit.problems[0].hint.empty());
+  }
+  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_usage);
+  CHECK(count(corpus.look_up(), UnitSource::missing) == units.size());
+  CHECK(count(corpus.verify(), UnitSource::verified) == units.size());
+  const FullDisk full;
+  const Units cached = corpus.verify();
+  CHECK(count(cached, UnitSource::cached) == units.size());
+  CHECK(verifier::corpus_exit_code(cached, false) == verifier::exit_ok);
+}
+#endif
+
+TEST_CASE("corpus: a verdict without room for its row of the history is not stored", "[verifier][corpus][corruption]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const std::string history = corpus.open().path_of("history");
+  write_file(history, {});  // no folder can have this name
+  const Units units = corpus.verify();
+  CHECK(verifier::corpus_exit_code(units, false) == verifier::exit_usage);
+  CHECK(count(corpus.look_up(), UnitSource::missing) == units.size());
+  fs::remove(history);
+  CHECK(verifier::corpus_exit_code(corpus.verify(), false) == verifier::exit_ok);
+  for (const std::string& file : corpus.files()) {
+    const auto log = verifier::read_trace_log(file, corpus.open(), "replay");
+    REQUIRE(log);
+    CHECK(log->rows.size() == 1);
   }
 }
 

@@ -516,7 +516,7 @@ TEST_CASE("a soak in which a cached structure was never hit is no match", "[veri
   CHECK(never_hit(options, report->counters).empty());
   options.hits_expected_after = 16;
   CHECK(never_hit(options, report->counters) ==
-        std::vector<std::string>{"manifolds", "joint_plan", "cell_side"});  // worlds of two boxes
+        std::vector<std::string>{"manifolds", "joint_plan", "joint_graph", "cell_side"});  // worlds of two boxes
   const std::string text = soak_text(options, *report, {});
   CHECK(text.rfind("FOUND", 0) == 0);
   CHECK(text.find("cached structure that was never hit: found joint_plan") != std::string::npos);

@@ -23,6 +23,8 @@
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 #endif
 
 namespace ticktrue::test {
@@ -185,6 +187,37 @@ void race_processes(int unit_count) {
 }
 #endif
 
+#ifdef TICKTRUE_HAS_FORK
+/// In a child: claims the unit, tells so, waits for the gate, and stores its verdict as if nothing had happened.
+/// Its exit code is 0 if it saw that the unit is another's, and that its verdict was there.
+[[noreturn]] void work_in_child(const std::string& store, double child_lease_s, int told, int gate) {
+  Result<StoreFolder> folder = StoreFolder::open(store, StoreFolder::Use::writing, false);
+  if (!folder) ::_exit(1);
+  Claims claims(*folder, child_lease_s);
+  claims.start_heartbeat();
+  const Result<Answer> answer = claims.try_claim(a_unit);
+  if (!answer || *answer != Answer::won || ::write(told, "c", 1) != 1) ::_exit(2);
+  char go = 0;
+  if (::read(gate, &go, 1) < 0) ::_exit(3);
+  const bool was_held = claims.is_held(a_unit);
+  const Result<FoundVerdict> stored = verifier::VerdictStore(*folder).add(a_unit, match_report());
+  claims.finish(a_unit);
+  ::_exit(was_held || !stored || stored->kind != FoundVerdict::Kind::verdict || stored->is_new ? 4 : 0);
+}
+
+/// Whether the claim becomes free within the time.
+bool wins_within(Claims& claims, double time_s) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_s);
+  while (std::chrono::steady_clock::now() < end) {
+    const Result<Answer> answer = claims.try_claim(a_unit);
+    REQUIRE(answer);
+    if (*answer == Answer::won) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+#endif
+
 }  // namespace
 
 TEST_CASE("claims: a worker without a heartbeat thread keeps a unit as long as it beats when due",
@@ -341,6 +374,48 @@ TEST_CASE("claims: 10,000 races of threads for free and for expired units", "[cl
 TEST_CASE("claims: of processes that race for a unit one wins", "[verifier][claims][determinism]") {
   SKIP_UNLESS(verifier::can_claim(), "this system has no claims");
   race_processes(500);
+}
+
+TEST_CASE("claims: a process that is stopped past its lease and continued changes nothing",
+          "[verifier][claims][determinism]") {
+  SKIP_UNLESS(verifier::can_claim(), "this system has no claims");
+  constexpr double short_lease_s = 0.5;
+  const TemporaryFolder folder;
+  const StoreFolder files = open_store(folder.file("store"));
+  int told[2] = {-1, -1}, gate[2] = {-1, -1};
+  REQUIRE(::pipe2(told, O_CLOEXEC) == 0);
+  REQUIRE(::pipe2(gate, O_CLOEXEC) == 0);
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    ::close(gate[1]);
+    work_in_child(folder.file("store"), short_lease_s, told[1], gate[0]);
+  }
+  ::close(told[1]);
+  ::close(gate[0]);
+  char claimed = 0;
+  REQUIRE(::read(told[0], &claimed, 1) == 1);
+  Claims taker(files, short_lease_s), third(files, short_lease_s);
+  REQUIRE(::kill(child, SIGSTOP) == 0);
+  constexpr double patience_s = 30;
+  CHECK(wins_within(taker, patience_s));
+  taker.start_heartbeat();
+  const Result<FoundVerdict> first = verifier::VerdictStore(files).add(a_unit, match_report());
+  REQUIRE(first);
+  CHECK(first->is_new);
+  const Bytes stored = read_file(files.path_of(verifier::spread_name(a_unit)));
+  REQUIRE(::kill(child, SIGCONT) == 0);
+  ::close(gate[1]);  // opens the gate
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  ::close(told[0]);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(taker.is_held(a_unit));
+  CHECK_FALSE(wins_within(third, 2 * short_lease_s));
+  CHECK(read_file(files.path_of(verifier::spread_name(a_unit))) == stored);
+  taker.finish(a_unit);
+  CHECK(claim_files(files).empty());
 }
 
 TEST_CASE("claims: 10,000 races of processes for free units", "[claims][determinism][.slow]") {

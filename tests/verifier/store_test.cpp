@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/text.h"
 #include "verifier/report/report_transfer.h"
 #include "verifier/store/mapped_libraries.h"
@@ -185,6 +186,31 @@ TEST_CASE("store: two verdicts of one key are a conflict that names both files a
   fs::remove(added.file);
   CHECK(add(store, a_key, match_report()).kind == Kind::verdict);
 }
+
+#ifndef _WIN32
+TEST_CASE("store: on a full disk a verdict is not stored, the same one is found, and a contradicted one goes",
+          "[verifier][store][corruption]") {
+  const TemporaryFolder folder;
+  const StoreFolder files = open_store(folder);
+  add(VerdictStore(files), a_key, match_report());
+  const FullDisk full;
+  // The store was made before: a full disk does not keep it from being opened.
+  const StoreFolder again = open_store(folder);
+  const VerdictStore full_store(again);
+  const Result<FoundVerdict> refused = full_store.add(another_key, match_report());
+  REQUIRE_FALSE(refused);
+  CHECK(contains(refused.error().message, again.path()));
+  CHECK_FALSE(refused.error().hint.empty());
+  CHECK(find(full_store, another_key).kind == Kind::none);
+  CHECK(add(full_store, a_key, match_report()).kind == Kind::verdict);
+  const Result<FoundVerdict> contradicted = full_store.add(a_key, diverged_report(17));
+  REQUIRE_FALSE(contradicted);
+  CHECK(contains(contradicted.error().message, "two verdicts for the same bytes, engine and options"));
+  CHECK(contains(contradicted.error().message, " says diverged after 18 ticks"));
+  CHECK(find(full_store, a_key).kind == Kind::none);
+  CHECK(count_files(again.path_of("tmp")) == 0);
+}
+#endif
 
 TEST_CASE("store: verdicts differ by what was found, not by file, time or words", "[verifier][store][analytic]") {
   const Report report = diverged_report(17);

@@ -634,7 +634,7 @@ class CorpusRun {
     }
     // A part that is no match is never forgotten: a whole that is one makes two verdicts that differ.
     if (const std::optional<Report> red = red_part_of(i); red && found->report.verdict == Verdict::match) {
-      if (const Result<FoundVerdict> kept = store_.add(key_of(i), *red); !kept) {
+      if (const Result<FoundVerdict> kept = store(i, *red); !kept) {
         const std::lock_guard<std::mutex> guard(lock_);
         units_[i].problems.push_back(kept.error());
         found->report.verdict = Verdict::not_reproducible;
@@ -651,14 +651,29 @@ class CorpusRun {
 
   /// Of several workers that join the same parts, the one whose verdict the store took has verified the trace.
   void store_joined(std::size_t i, Report report) {
-    const Result<FoundVerdict> stored = store_.add(key_of(i), report);
+    const Result<FoundVerdict> stored = store(i, report);
     const bool is_mine = !stored || stored->is_new || !options_.claims;
     finish_stored(i, is_mine ? UnitSource::verified : UnitSource::other_worker, std::move(report), stored);
   }
 
   void store_report(std::size_t i, UnitSource source, Report report) {
-    const Result<FoundVerdict> stored = store_.add(key_of(i), report);
-    finish_stored(i, source, std::move(report), stored);
+    const Result<FoundVerdict> stored = store(i, report);
+    // After a lease that expired, another worker may have done the same: the verdict counts for one of the two.
+    const bool is_late = options_.claims && source == UnitSource::verified && !was_red(i) && stored &&
+                         stored->kind == FoundVerdict::Kind::verdict && !stored->is_new;
+    finish_stored(i, is_late ? UnitSource::other_worker : source, std::move(report), stored);
+  }
+
+  bool was_red(std::size_t i) {
+    const std::lock_guard<std::mutex> guard(lock_);
+    return states_[i].was_red;
+  }
+
+  /// The row of the history first: a trace with a verdict is not verified again, and would never get its row.
+  Result<FoundVerdict> store(std::size_t i, const Report& report) {
+    const Status kept = history_.add(names_of(i).history(), history_row(i, report));
+    if (!kept && !store_.folder().exists(spread_name(key_of(i)))) return kept.error();
+    return store_.add(key_of(i), report);
   }
 
   void finish_stored(std::size_t i, UnitSource source, Report report, const Result<FoundVerdict>& stored) {
@@ -669,9 +684,6 @@ class CorpusRun {
     if (!stored) {
       const std::lock_guard<std::mutex> guard(lock_);
       units_[i].problems.push_back(stored.error());
-    } else if (const Status kept = history_.add(names_of(i).history(), history_row(i, report)); !kept) {
-      const std::lock_guard<std::mutex> guard(lock_);
-      units_[i].warnings.push_back("not in the history: " + kept.error().message);
     }
     done(i, source, std::move(report));
   }

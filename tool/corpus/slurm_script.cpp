@@ -80,7 +80,10 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
           std::to_string(restart_count_max) + " ]; then\n";
   text +=
       "    echo \"exit code $code: the task is queued again\" >&2\n"
-      "    scontrol requeue \"$SLURM_JOB_ID\" && sleep 60\n"
+      "    # The last task of an array has the number of the array: by that alone, all tasks would be queued again.\n"
+      "    id=$SLURM_JOB_ID\n"
+      "    [ -z \"${SLURM_ARRAY_TASK_ID:-}\" ] || id=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
+      "    scontrol requeue \"$id\" && sleep 60\n"
       "  fi\n"
       "  exit \"$code\"\n"
       "}\n\n";

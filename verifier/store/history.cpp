@@ -77,8 +77,10 @@ Status History::add(const std::string& trace, const HistoryRow& row) const {
   entry.key = row.key;
   entry.by = folder_.owner();
   entry.content = encode_row(row);
-  const auto published = folder_.publish(folder_of(trace) + "/" + row.key, encode_entry(entry));
-  return published ? Status() : published.error();
+  const std::string name = folder_of(trace) + "/" + row.key;
+  const auto published = folder_.publish(name, encode_entry(entry));
+  if (published || folder_.exists(name)) return {};
+  return published.error();
 }
 
 TraceHistory History::find(const std::string& trace) const {

@@ -165,8 +165,9 @@ Status StoreFolder::prepare(Use use) const {
   if (use == Use::reading) return {};
   fs::create_directories(path_of("tmp"), failure);
   if (failure) return failure_of(path_of("tmp"), "cannot be made", failure);
-  const Result<Publish> marker = publish(marker_name, view_of(marker_text));
-  if (!marker) return marker.error();
+  // A full disk does not keep a store from being read.
+  if (!exists(marker_name))
+    if (const Result<Publish> marker = publish(marker_name, view_of(marker_text)); !marker) return marker.error();
   remove_old_temporaries();
   return {};
 }

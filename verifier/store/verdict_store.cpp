@@ -138,18 +138,21 @@ Result<FoundVerdict> VerdictStore::add(const std::string& key, const Report& rep
   const Bytes bytes = encode_entry(entry);
   for (int attempt = 0; attempt < add_attempts_max; ++attempt) {
     const Result<StoreFolder::Publish> published = folder_.publish(spread_name(key), bytes);
-    if (!published) return published.error();
     Bytes there;
     Result<FoundVerdict> found = read_entry(key, &there);
-    if (!found) return found.error();
+    if (!found) return published ? found.error() : published.error();
     if (found->kind == FoundVerdict::Kind::conflict) {
-      if (const auto kept = folder_.publish(conflict_name(key, bytes), bytes); !kept) return kept.error();
+      // Two sides are enough for people: a third one may be lost on a full disk.
+      static_cast<void>(folder_.publish(conflict_name(key, bytes), bytes));
       return found;
     }
-    if (found->kind != FoundVerdict::Kind::verdict) continue;
-    found->is_new = *published == StoreFolder::Publish::created;
-    if (is_same_verdict(*found->report, report)) return found;
-    return add_conflict(key, {*found->report, there}, {report, bytes});
+    if (found->kind == FoundVerdict::Kind::verdict) {
+      // Also where this entry could not be written: the one that is there says the same, or is contradicted.
+      found->is_new = published && *published == StoreFolder::Publish::created;
+      if (is_same_verdict(*found->report, report)) return found;
+      return add_conflict(key, {*found->report, there}, {report, bytes});
+    }
+    if (!published) return published.error();
   }
   return damaged_error(folder_.path_of(spread_name(key)));
 }
@@ -158,15 +161,23 @@ Result<FoundVerdict> VerdictStore::add_conflict(const std::string& key, const Si
   std::string what = "two verdicts for the same bytes, engine and options: ";
   for (const Side* side : {&there, &here}) {
     const std::string name = conflict_name(key, side->entry);
-    if (const auto kept = folder_.publish(name, side->entry); !kept) return kept.error();
-    what += folder_.path_of(name) + " says " + verdict_words(side->report) + (side == &there ? ", " : "");
+    const auto kept = folder_.publish(name, side->entry);
+    what += kept ? folder_.path_of(name) : "one that could not be kept (" + kept.error().message + ")";
+    what += " says " + verdict_words(side->report) + (side == &there ? ", " : "");
   }
   VerdictEntry entry;
   entry.kind = VerdictEntry::Kind::conflict;
   entry.key = key;
   entry.by = writer_words(folder_);
   entry.content.assign(what.begin(), what.end());
-  if (const Status status = folder_.replace(spread_name(key), encode_entry(entry)); !status) return status.error();
+  const Bytes bytes = encode_entry(entry);
+  Status written = folder_.replace(spread_name(key), bytes);
+  if (!written) {
+    // A contradicted verdict must not stay. Its room may be enough for the conflict.
+    folder_.remove(spread_name(key));
+    written = folder_.replace(spread_name(key), bytes);
+  }
+  if (!written) return Error{written.error().code, what + "; " + written.error().message, written.error().hint};
   FoundVerdict found;
   found.kind = FoundVerdict::Kind::conflict;
   found.file = folder_.path_of(spread_name(key));

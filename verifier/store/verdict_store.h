@@ -47,7 +47,8 @@ class VerdictStore {
   Result<FoundVerdict> find(const std::string& key) const;
 
   /// Of `kind` verdict: the report that the store has now, the same as this one. Conflict: it has another.
-  /// Requires: the report is of a trace that could be read. Errors: io.
+  /// Requires: the report is of a trace that could be read. Errors: io. After an error the store has no verdict of the
+  /// key that differs from this one, as far as it can be removed.
   Result<FoundVerdict> add(const std::string& key, const Report& report) const;
 
   const StoreFolder& folder() const { return folder_; }
