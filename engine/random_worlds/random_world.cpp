@@ -6,6 +6,12 @@
 #include "engine/random_worlds/world_builder.h"
 
 namespace ticktrue::engine {
+namespace {
+
+// A stream of its own: worlds whose joints are solved by iteration do not depend on this choice.
+constexpr std::uint64_t joint_solver_stream = 0x6a6f696e74735f31;
+
+}  // namespace
 
 RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) {
   Draw draw(seed);
@@ -16,6 +22,9 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
   world.scene = std::move(builder.scene);
   world.scene.name = "random_" + std::to_string(seed);
   add_joints(draw, plan, builder.size, world.scene);
+  if (!world.scene.joints.empty() && info_of(solvers, world.scene.settings.solver).chooses_joints &&
+      Draw(seed ^ joint_solver_stream).half())
+    world.scene.settings.joints = JointSolverKind::direct;
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

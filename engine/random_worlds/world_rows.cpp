@@ -38,9 +38,14 @@ Names feature_names() {
 /// Settings that the choices of others leave no room for fall back.
 void repair_settings(Settings& settings) {
   const SolverInfo& solver = info_of(solvers, settings.solver);
+  if (!solver.chooses_joints) settings.joints = JointSolverKind::iterative;
   if (solver.substeps) return;
   settings.substeps = 1;
   settings.auto_substeps.reset();
+}
+
+bool has_joint_solver(const World& world, std::size_t row) {
+  return !world.scene.joints.empty() && world.scene.settings.joints == joint_solvers[row].kind;
 }
 
 template <const auto& table, auto Settings::*choice>
@@ -221,7 +226,7 @@ bool take_feature(World& world, std::size_t row) {
   return true;
 }
 
-const std::array<RowTable, 13> tables{{
+const std::array<RowTable, 14> tables{{
     {"precision", names_of<precisions>, has_choice<precisions, &Settings::precision>,
      take_choice<precisions, &Settings::precision>, true},
     {"solver", names_of<solvers>, has_choice<solvers, &Settings::solver>, take_choice<solvers, &Settings::solver>,
@@ -238,6 +243,7 @@ const std::array<RowTable, 13> tables{{
     {"body", names_of<body_types>, has_body_type, take_body_type, true},
     {"shape", names_of<shape_kinds>, has_shape, take_shape, true},
     {"joint", names_of<joint_kinds>, has_joint, take_joint, true},
+    {"joint_solver", names_of<joint_solvers>, has_joint_solver, take_choice<joint_solvers, &Settings::joints>, true},
     {"force", names_of<force_kinds>, has_force, take_force, true},
     {"input", names_of<input_kinds>, has_input, take_input, true},
     {"feature", feature_names, has_feature, take_feature, true},
