@@ -91,7 +91,7 @@ bool Comparing::start(const StateView& state, const std::vector<std::string>& st
   }
   if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0) {
     not_comparable("begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
-                   "ticktrue show lists what it holds; diff compares it with another trace");
+                   "show lists what it holds; diff compares it with another trace");
     return false;
   }
   note_floats();

@@ -87,7 +87,7 @@ class Verifier {
       if (!findings_.decided)
         not_comparable(
             "begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
-            "ticktrue show lists what it holds; diff compares it with another trace");
+            "show lists what it holds; diff compares it with another trace");
       return false;
     }
     source_.rewind();
