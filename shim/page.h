@@ -24,14 +24,16 @@ inline constexpr std::size_t group_count = 10;
   X(sin)                                                                                                             \
   X(cos)                                                                                                             \
   X(tan)                                                                                                             \
-  X(asin) X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) \
-      X(log2) X(log10) X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
+  X(asin)                                                                                                            \
+  X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) \
+      X(log10) X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
 #define TICKTRUE_SHIM_LIBM_2(X) X(pow) X(atan2) X(hypot)
 #define TICKTRUE_SHIM_OTHERS(X)                                                                                        \
   X(malloc, heap)                                                                                                      \
   X(calloc, heap)                                                                                                      \
   X(realloc, heap)                                                                                                     \
-  X(free, heap) X(memalign, heap) X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock)        \
+  X(free, heap)                                                                                                        \
+  X(memalign, heap) X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock)                      \
       X(timespec_get, clock) X(getrandom, random) X(getentropy, random) X(arc4random, random) X(random_device, random) \
           X(dev_random, random) X(rand, rand) X(random, rand) X(drand48, rand) X(readdir, directory)                   \
               X(pthread_create, thread) X(pthread_mutex_lock, lock) X(pthread_cond_signal, lock)                       \

@@ -454,8 +454,9 @@ std::vector<std::string> paths_of(std::string_view markdown) {
     const std::string_view name = markdown.substr(open + 1, close - open - 1);
     const bool is_path =
         contains(name, "/") && name.find_first_of(" <>*{}()=?:\n") == std::string_view::npos &&
-        is_one_of(top_of(name),
-                  "include,base,engine,replay,verifier,tool,capi,shim,examples,tests,bench,traces,scenes,docs,cmake,.ci");
+        is_one_of(
+            top_of(name),
+            "include,base,engine,replay,verifier,tool,capi,shim,examples,tests,bench,traces,scenes,docs,cmake,.ci");
     if (is_path) paths.emplace_back(name);
     open = markdown.find('`', close + 1);
   }

@@ -46,7 +46,8 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
   static const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
   static const std::regex command(
       R"re(ticktrue (run|record|replay|play|verify|diff|report|show|recover|import|compare|accuracy|stress|crosscheck)re"
-      R"re(|describe|scenes|golden|corpus|inject|env|soak|shake|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
+      R"re(|describe|scenes|golden|corpus|inject|env|soak)re"
+      R"re(|shake|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
   std::istringstream in(text_of(path));
   int number = 0;
   bool in_examples = false;

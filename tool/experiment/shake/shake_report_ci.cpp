@@ -83,8 +83,8 @@ std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject) 
   const std::string counts = "tests=\"" + std::to_string(report.rows.size() + 1) + "\" failures=\"" +
                              std::to_string(failures) + "\" errors=\"" + std::to_string(errors) + "\" skipped=\"" +
                              std::to_string(skipped) + "\"";
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"shake\" " + counts +
-         ">\n" + cases + "  </testsuite>\n</testsuites>\n";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"shake\" " + counts + ">\n" +
+         cases + "  </testsuite>\n</testsuites>\n";
 }
 
 std::string shake_github(const ShakeReport& report, const ShakeSubject& subject) {
