@@ -1,4 +1,4 @@
-// Byte buffers and little-endian encoding: the only code that knows the machine's byte order.
+// Byte buffers and little-endian encoding. Only this header and base/state/ know the byte order of the machine.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/count_text.h"
 #include "base/limits.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/schema_difference.h"
@@ -41,10 +42,6 @@ std::string list_of(const std::vector<std::string>& names) {
 bool looks_like_address(std::uint64_t bits) {
   const std::uint64_t top = bits >> 40;
   return top == 0x55 || top == 0x56 || top == 0x7f || top == 0x7e;
-}
-
-std::string ticks_text(std::uint64_t count) {
-  return std::to_string(count) + (count == 1 ? " tick" : " ticks");
 }
 
 }  // namespace
@@ -265,7 +262,7 @@ void Comparing::finish(std::uint64_t ticks_run) {
   if (!at_end_) read_until(ticks_run);
   if (report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
   if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
-    report_.warnings.push_back("no registered value changed in " + ticks_text(report_.ticks_compared) +
+    report_.warnings.push_back("no registered value changed in " + count_text(report_.ticks_compared, "tick") +
                                ": is all of the state registered?");
   if (decided_) return;
   decided_ = true;
@@ -276,7 +273,7 @@ void Comparing::finish(std::uint64_t ticks_run) {
     report_.reason = tail->message;
   } else if (!at_end_ || !ahead_.empty()) {
     report_.reason =
-        "the program ended its loop after " + ticks_text(report_.ticks_compared) + ", before the trace ends";
+        "the program ended its loop after " + count_text(report_.ticks_compared, "tick") + ", before the trace ends";
     report_.hint = "leave the loop when ticktrue_begin_tick does not return TICKTRUE_OK";
   } else if (tail != nullptr && tail->condition == replay::TraceCondition::truncated) {
     report_.reason = tail->message;

@@ -39,6 +39,7 @@ constexpr std::array<BroadPhaseEntry, broad_phases.size()> entries{{
     {BroadPhaseKind::uniform_grid, make_plain<uniform_grid>},
     {BroadPhaseKind::aabb_tree, []() -> std::unique_ptr<Stage> { return std::make_unique<AabbTree>(); }},
 }};
+static_assert(rows_are_in_order(entries));
 
 }  // namespace
 

@@ -63,7 +63,8 @@ struct CacheCounts {
 using CacheReport = std::array<CacheCounts, cache_kind_count>;
 
 /// One cached structure: a class with a key, whose fields nobody else writes. Derived classes have `valid_for(key)`,
-/// which tells whether the structure still holds, and `rebuild`, which makes it anew for a key.
+/// which tells whether the structure still holds, and `rebuild`, which makes it anew for a key. Any value of `CellSide`
+/// holds; it ends after some ticks.
 class TickCache {
  public:
   explicit TickCache(CacheKind kind) : kind_(kind) {}

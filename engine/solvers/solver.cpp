@@ -35,6 +35,7 @@ constexpr std::array<SolverEntry, solvers.size()> functions{{
     {SolverKind::tgs_soft, solve_tgs_soft},
     {SolverKind::pgs, solve_pgs},
 }};
+static_assert(rows_are_in_order(functions));
 
 }  // namespace
 

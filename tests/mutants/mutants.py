@@ -6,7 +6,10 @@ copy of the tree. A mutant is killed if the check fails, crashes or does not end
 """
 # SPDX-License-Identifier: MIT
 import argparse
+import collections
+import concurrent.futures
 import hashlib
+import itertools
 import os
 import random
 import re
@@ -14,6 +17,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 # Files whose structures outlive a tick, or that put constraints into batches.
@@ -100,12 +104,14 @@ def digest(path):
         return hashlib.sha256(data.read()).hexdigest()
 
 
-class Mutants:
-    def __init__(self, options):
+class Workshop:
+    """A copy of the tree with a build of its own: one mutant at a time."""
+
+    def __init__(self, options, number):
         self.options = options
-        self.tree = os.path.join(options.out, 'tree')
-        self.build_dir = os.path.join(options.out, 'build')
-        self.results = os.path.join(options.out, 'results.tsv')
+        self.out = os.path.join(options.out, str(number))
+        self.tree = os.path.join(self.out, 'tree')
+        self.build_dir = os.path.join(self.out, 'build')
 
     def prepare(self):
         shutil.rmtree(self.tree, ignore_errors=True)
@@ -116,27 +122,31 @@ class Mutants:
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=OFF "
                      f"-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF {launcher}")
-        for command in (configure, self.build_command()):
+        for command in (configure, self.build_command(os.cpu_count())):
             status, output = run(command, 3600)
             if status != 0:
                 sys.exit(f'mutants: error: {command}: exit {status}\n{output[-2000:]}')
         self.original = digest(self.program())
 
-    def build_command(self):
-        return f"cmake --build '{self.build_dir}' -j {os.cpu_count()} --target {self.options.target}"
+    def threads(self):
+        return max(1, os.cpu_count() // self.options.jobs)
+
+    def build_command(self, threads):
+        return f"cmake --build '{self.build_dir}' -j {threads} --target {self.options.target}"
 
     def program(self):
         return os.path.join(self.build_dir, self.options.target)
 
     def judge(self, check_seed):
         """killed, survived, same (the program has the same bytes) or unbuildable, and a word on it"""
-        status, output = run(self.build_command(), 1200)
+        status, output = run(self.build_command(self.threads()), 1200)
         if status != 0:
             return 'unbuildable', ''
         if digest(self.program()) == self.original:
             return 'same', ''
         command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
-                                            out=os.path.join(self.options.out, 'check'), root=self.options.root)
+                                            out=os.path.join(self.out, 'check'), root=self.options.root,
+                                            threads=self.threads())
         start = time.monotonic()
         status, output = run(command, self.options.time + self.options.grace)
         seconds = time.monotonic() - start
@@ -146,6 +156,66 @@ class Mutants:
         first = next((l.strip() for l in output.split('\n') if self.options.word in l), '')
         return 'killed', f'{how} after {seconds:.0f} s {first}'[:160].replace('\t', ' ')
 
+    def examine(self, mutant):
+        """verdict and a word on it"""
+        if isinstance(mutant, Patch):
+            return self.examine_patch(mutant)
+        path = os.path.join(self.tree, mutant.name)
+        with open(path) as original:
+            text = original.read()
+        changed = text.split('\n')
+        changed[mutant.number] = mutant.after
+        with open(path, 'w') as file:
+            file.write('\n'.join(changed))
+        try:
+            return self.judge(mutant.check_seed)
+        finally:
+            with open(path, 'w') as file:
+                file.write(text)
+
+
+    def examine_patch(self, patch):
+        apply = f"patch -s -p1 -d '{self.tree}' {{}} < '{patch.path}'"
+        status, output = run(apply.format(''), 60)
+        if status != 0:
+            sys.exit(f'mutants: error: {patch.path}: cannot be applied\n{output}')
+        try:
+            return self.judge(patch.check_seed)
+        finally:
+            run(apply.format('-R'), 60)
+
+
+Patch = collections.namedtuple('Patch', 'draw name number before after check_seed path')
+Mutant = collections.namedtuple('Mutant', 'draw name number before after check_seed')
+
+
+def draw_mutants(lines, seed):
+    """Mutants without end, the same for the same seed."""
+    source = random.Random(seed)
+    for draw in itertools.count(1):
+        name, number, line = lines[source.randrange(len(lines))]
+        begin, end, other = source.choice(tokens_of(line))
+        yield Mutant(draw, name, number, line, line[:begin] + other + line[end:], source.randrange(1 << 32))
+
+
+def patches_of(paths, seed):
+    """Faults planted by hand, one to a file."""
+    source = random.Random(seed)
+    for draw, path in enumerate(paths, 1):
+        yield Patch(draw, path, 0, '', '', source.randrange(1 << 32), os.path.abspath(path))
+
+
+class Mutants:
+    """Hands out mutants in the order of their draws, and writes down what became of them."""
+
+    def __init__(self, options):
+        self.options = options
+        self.results = os.path.join(options.out, 'results.tsv')
+        self.lock = threading.Lock()
+        self.counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0}
+        self.under_way = 0
+        self.deadline = time.monotonic() + options.limit if options.limit else None
+
     def done(self):
         if not os.path.exists(self.results):
             return {}
@@ -153,46 +223,64 @@ class Mutants:
             rows = [line.rstrip('\n').split('\t') for line in table][1:]
         return {int(row[0]): row for row in rows}
 
+    def next_mutant(self, mutants, done):
+        """The next one to examine; nothing when enough are judged or the time is over."""
+        while True:
+            with self.lock:
+                judged = self.counts['killed'] + self.counts['survived']
+                if judged >= self.options.count:
+                    return None
+                if judged + self.under_way < self.options.count:
+                    if self.deadline and time.monotonic() > self.deadline:
+                        return None
+                    mutant = next(mutants, None)
+                    if mutant is None:
+                        return None
+                    if mutant.draw not in done:
+                        self.under_way += 1
+                        return mutant
+                    self.counts[done[mutant.draw][5]] += 1
+                    continue
+            time.sleep(1)  # those under way may turn out to be no mutants
+
+    def work(self, workshop, mutants, done):
+        while True:
+            mutant = self.next_mutant(mutants, done)
+            if mutant is None:
+                return
+            verdict, how = workshop.examine(mutant)
+            with self.lock:
+                self.under_way -= 1
+                self.counts[verdict] += 1
+                row = [str(mutant.draw), mutant.name, str(mutant.number + 1), mutant.before.strip(), mutant.after.strip(),
+                       verdict, how]
+                with open(self.results, 'a') as table:
+                    table.write('\t'.join(row) + '\n')
+                print(f"{mutant.draw}: {verdict} {how}: {mutant.name}:{mutant.number + 1}: {mutant.after.strip()}", flush=True)
+
     def run_all(self):
         options = self.options
         lines = candidates_of(options.root, options.files)
-        source = random.Random(options.seed)
         os.makedirs(options.out, exist_ok=True)
         done = self.done() if options.resume else {}
         if not done:
             with open(self.results, 'w') as table:
                 table.write('draw\tfile\tline\tbefore\tafter\tverdict\thow\n')
-        self.prepare()
-        counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0}
-        draw = 0
-        deadline = time.monotonic() + options.limit if options.limit else None
-        while counts['killed'] + counts['survived'] < options.count:
-            name, number, line = lines[source.randrange(len(lines))]
-            begin, end, other = source.choice(tokens_of(line))
-            check_seed = source.randrange(1 << 32)
-            draw += 1
-            if draw in done:
-                counts[done[draw][5]] += 1
-                continue
-            if deadline and time.monotonic() > deadline:
-                print('mutants: out of time: continue with --resume', file=sys.stderr)
-                break
-            path = os.path.join(self.tree, name)
-            with open(path) as original:
-                text = original.read()
-            changed = text.split('\n')
-            changed[number] = line[:begin] + other + line[end:]
-            with open(path, 'w') as mutant:
-                mutant.write('\n'.join(changed))
-            verdict, how = self.judge(check_seed)
-            with open(path, 'w') as original:
-                original.write(text)
-            counts[verdict] += 1
-            row = [str(draw), name, str(number + 1), line.strip(), changed[number].strip(), verdict, how]
-            with open(self.results, 'a') as table:
-                table.write('\t'.join(row) + '\n')
-            print(f"{sum(counts.values())}: {verdict} {how}: {name}:{number + 1}: {changed[number].strip()}", flush=True)
+        workshops = [Workshop(options, number) for number in range(options.jobs)]
+        for workshop in workshops:
+            workshop.prepare()
+        if options.patches:
+            options.count = len(options.patches)
+            mutants = patches_of(options.patches, options.seed)
+        else:
+            mutants = draw_mutants(lines, options.seed)
+        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            for worker in [pool.submit(self.work, workshop, mutants, done) for workshop in workshops]:
+                worker.result()
+        counts = self.counts
         judged = counts['killed'] + counts['survived']
+        if judged < options.count:
+            print('mutants: out of time: continue with --resume', file=sys.stderr)
         print(f"{judged} mutants: {counts['killed']} killed, {counts['survived']} survived; besides {counts['same']} with "
               f"the same program, {counts['unbuildable']} that did not build; {self.results}")
         return 0 if counts['survived'] == 0 else 1
@@ -203,13 +291,15 @@ def main():
     parser.add_argument('--root', default='.', help='the source tree')
     parser.add_argument('--out', default='out/mutants', help='where the copy is built and results are written')
     parser.add_argument('--files', nargs='*', default=CACHE_FILES, help='files to change (default: those that cache or batch)')
+    parser.add_argument('--patches', nargs='*', help='faults planted by hand, as patches, instead of mutants')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
     parser.add_argument('--target', default='ticktrue', help='the program to build')
-    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --hashes '{root}/tests/worlds/hashes.tsv' --out '{out}'",
-                        help='a shell command; {program}, {seed}, {time}, {out}, {root} are filled in')
+    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} --hashes '{root}/tests/worlds/hashes.tsv' --out '{out}'",
+                        help='a shell command; {program}, {seed}, {time}, {threads}, {out}, {root} are filled in')
     parser.add_argument('--word', default='found', help='a line of the output with this is kept as the reason')
     parser.add_argument('--time', type=int, default=300, help='seconds that the check may take')
+    parser.add_argument('--jobs', type=int, default=1, help='mutants at once; processors are divided among them')
     parser.add_argument('--grace', type=int, default=120, help='seconds more until it counts as one that does not end')
     parser.add_argument('--limit', type=int, default=0, help='seconds after which no new mutant is begun')
     parser.add_argument('--resume', action='store_true', help='go on where an earlier run with the same seed ended')

@@ -65,7 +65,7 @@ WorldSource small_worlds() {
   return source;
 }
 
-/// Flips the lowest bit of a velocity of the body of the last row when told to.
+/// Flips a bit of a velocity of the body of the last row when told to: the lowest, if nothing else is said.
 class FlippingEngine : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
@@ -82,12 +82,24 @@ class FlippingEngine : public ForwardingEngine {
                      ((*rows)[table].row_count - 1) * schema.row_size;
     for (const Column& column : schema.columns)
       if (column.name == "velocity") at += column.offset;
-    image[at] ^= 1;
+    image[at + flipped_byte()] ^= 1;
     return inner().load(image);
   }
 
  protected:
   virtual bool flips_now() = 0;
+  virtual std::size_t flipped_byte() const { return 0; }
+};
+
+/// In one tick a velocity of an f64 world changes by a millionth of itself.
+class PushesOnce : public FlippingEngine {
+ public:
+  static constexpr std::uint64_t pushed_tick = 20;
+  using FlippingEngine::FlippingEngine;
+
+ protected:
+  bool flips_now() override { return inner().tick() == pushed_tick + 1; }
+  std::size_t flipped_byte() const override { return 4; }  // of the mantissa: bit 32 of 52
 };
 
 /// Forgetting the pair list when there are many bodies changes a bit of the next tick.
@@ -386,6 +398,26 @@ TEST_CASE("momentum is checked wherever it is asked for, and not where the thesi
   }
 }
 
+TEST_CASE("a planted change of momentum is found under every solver", "[verifier][soak][conservation]") {
+  for (const auto& solver : engine::solvers) {
+    if (solver.kind == engine::SolverKind::free_flight) continue;  // refuses bodies that may collide
+    SoakCase soak_case{flight_scene(Precision::f64, body_of(disc_shape(0.5), {0, 0})), {}, 30};
+    soak_case.scene.settings.solver = solver.kind;
+    soak_case.scene.bodies[0].velocity = {3, 0};
+    soak_case.scene.bodies.push_back(body_of(disc_shape(0.5), {1.2, 0}));
+    soak_case.scene.bodies[1].velocity = {-1, 0};
+    OracleFixture fixture(maker_of<PushesOnce>());
+    fixture.options.checks = *parse_checks({"momentum"});
+    CAPTURE(solver.name);
+    const WorldResult result = examine(soak_case, 1, fixture.options);
+    REQUIRE(result.findings.size() == 1);
+    CAPTURE(result.findings[0].what);
+    CHECK(result.findings[0].tick == PushesOnce::pushed_tick);
+    fixture.options.make = OracleFixture().options.make;
+    CHECK(examine(soak_case, 1, fixture.options).findings.empty());
+  }
+}
+
 TEST_CASE("comparisons count while the base run uses a structure again", "[verifier][soak][analytic]") {
   OracleFixture fixture(maker_of<CountsHits>());
   fixture.options.checks = *parse_checks({"cold", "broad_phase=0"});
@@ -418,17 +450,17 @@ TEST_CASE("an injected fault is shrunk to few bodies and written with a command 
 
 TEST_CASE("a soak that was resumed counts the same as one that was not", "[verifier][soak][determinism]") {
   const TemporaryFolder folder, other;
-  const auto whole = run_soak(soak_options(folder, 40));
+  const auto whole = run_soak(soak_options(folder, 200));
   REQUIRE(whole);
   CHECK(whole->is_whole);
   CHECK(whole->counters.failures.empty());
-  CHECK(whole->counters.choices.at("shape/box").active == 40);
-  CHECK(whole->counters.choices.at("shape/box").effect == 40);
+  CHECK(whole->counters.choices.at("shape/box").active == 200);
+  CHECK(whole->counters.choices.at("shape/box").effect == 200);
   CHECK(whole->counters.choices.at("feature/odd").effect == 0);
 
-  SoakOptions parts = soak_options(other, 40);
+  SoakOptions parts = soak_options(other, 200);
   parts.thread_count = 3;
-  parts.progress = [](const SoakCounters& counters, double) { return counters.world_count < 21; };
+  parts.progress = [](const SoakCounters& counters, double) { return counters.world_count < 150; };
   const auto first = run_soak(parts);
   REQUIRE(first);
   CHECK_FALSE(first->is_whole);
@@ -436,7 +468,7 @@ TEST_CASE("a soak that was resumed counts the same as one that was not", "[verif
   parts.resume = true;
   const auto second = run_soak(parts);
   REQUIRE(second);
-  CHECK(second->new_worlds == 24);  // those of the second block were not kept
+  CHECK(second->new_worlds == 72);  // those of the second block were not kept
   CHECK(print_progress({}, second->counters) == print_progress({}, whole->counters));
 
   SoakReport report_a = *whole, report_b = *second;
@@ -472,6 +504,22 @@ TEST_CASE("a soak over a faulty engine says where, and ends after so many failur
   CHECK(report->counters.failures[0].variant.rfind("restore=", 0) == 0);
   CHECK(report->counters.failures[0].body_count <= 2);
   CHECK(soak_text(options, *report, {}).rfind("FOUND", 0) == 0);
+}
+
+TEST_CASE("a soak in which a cached structure was never hit is no match", "[verifier][soak][determinism]") {
+  const TemporaryFolder folder;
+  SoakOptions options = soak_options(folder, 16);
+  const auto report = run_soak(options);
+  REQUIRE(report);
+  CHECK(soak_text(options, *report, {}).rfind("match", 0) == 0);
+  options.hits_expected_after = 17;
+  CHECK(never_hit(options, report->counters).empty());
+  options.hits_expected_after = 16;
+  CHECK(never_hit(options, report->counters) ==
+        std::vector<std::string>{"manifolds", "joint_plan", "cell_side"});  // worlds of two boxes
+  const std::string text = soak_text(options, *report, {});
+  CHECK(text.rfind("FOUND", 0) == 0);
+  CHECK(text.find("cached structure that was never hit: found joint_plan") != std::string::npos);
 }
 
 TEST_CASE("counts of physics that rise are told apart from those that fall", "[verifier][soak][analytic]") {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/count_text.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
@@ -48,7 +49,7 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
   const std::string cpus = std::to_string(job.cpu_count);
   std::string text = "#!/bin/sh\n";
   text += "# A corpus of traces for ticktrue: " + std::to_string(std::llround(size.work_s)) + " s of work in " +
-          std::to_string(size.task_count) + " tasks with " + cpus + " processors each.\n";
+          count_text(size.task_count, "task") + " with " + count_text(job.cpu_count, "processor") + " each.\n";
   text +=
       "#   sh SCRIPT          submits the array of workers, and a report that waits for all of them\n"
       "#   sh SCRIPT worker   one worker, with or without Slurm\n"

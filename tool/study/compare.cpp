@@ -8,6 +8,7 @@
 #include <cstring>
 #include <mutex>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/parallel/jobs.h"
 #include "base/random.h"
@@ -104,7 +105,7 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
   });
   multiply(axes.threads, [](Variant& v, unsigned count) {
     v.threads = count;
-    return std::to_string(count) + (count == 1 ? " thread" : " threads");
+    return count_text(count, "thread");
   });
   if (variants.size() == 1 && variants[0].name.empty()) variants.clear();
   return variants;

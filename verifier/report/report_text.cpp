@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/build_info.h"
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
 #include "verifier/report/fact_differences.h"
@@ -21,10 +22,6 @@ std::string seconds(double time_s) {
   return text;
 }
 
-std::string plural(std::uint64_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 /// Indented lines, each with a label.
 class Lines {
  public:
@@ -38,7 +35,7 @@ class Lines {
   void add_inputs(const std::string& inputs, std::size_t shown_max) {
     const std::vector<std::string> lines = split_lines(inputs);
     for (std::size_t i = 0; i < std::min(lines.size(), shown_max); ++i) add("input", lines[i]);
-    if (lines.size() > shown_max) add("", "and " + plural(lines.size() - shown_max, "more input"));
+    if (lines.size() > shown_max) add("", "and " + count_text(lines.size() - shown_max, "more input"));
   }
   std::string take() { return std::move(text_); }
 
@@ -107,14 +104,14 @@ void add_candidates(const Divergence& divergence, const std::string& expected_na
     lines.add("where", candidate_name(divergence.candidates[i]));
   const std::size_t shown = std::min(divergence.candidates.size(), rows_shown_max);
   if (divergence.candidate_count > shown)
-    lines.add("", "and " + plural(divergence.candidate_count - shown, "more row") + " (--json lists the first)");
+    lines.add("", "and " + count_text(divergence.candidate_count - shown, "more row") + " (--json lists the first)");
   if (divergence.owner_count == 0) return;
-  std::string text = std::to_string(divergence.candidate_count) + " of " + plural(divergence.owner_count, "row") +
+  std::string text = std::to_string(divergence.candidate_count) + " of " + count_text(divergence.owner_count, "row") +
                      " can have differed, with the rows that refer to them";
   if (divergence.candidate_count == 0 && divergence.unexplained_cells == 0)
     text = "every row has the values it should have: rows stand in another order";
   else if (divergence.unexplained_cells > 0)
-    text += "; " + plural(divergence.unexplained_cells, "cell") + " differ" +
+    text += "; " + count_text(divergence.unexplained_cells, "cell") + " differ" +
             (divergence.unexplained_cells == 1 ? "s" : "") + " by a row that is not there";
   lines.add("", text);
 }
@@ -168,7 +165,7 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
   add_candidates(divergence, expected_name, got_name, lines);
   const std::size_t shown = std::min(divergence.rows.size(), rows_shown_max);
   if (divergence.lane_count > shown)
-    lines.add("", "and " + plural(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
+    lines.add("", "and " + count_text(divergence.lane_count - shown, "more lane") + " (--json lists the first)");
   if (divergence.expected_root != divergence.got_root)
     lines.add("hash", expected_name + " " + hex64(divergence.expected_root) + ".  " + got_name + " " +
                           hex64(divergence.got_root));

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/count_text.h"
 #include "verifier/locate/locate_cells.h"
 #include "verifier/verify/comparable.h"
 #include "verifier/verify/parts.h"
@@ -24,10 +25,6 @@ using replay::TraceCondition;
 
 // For mode `threads`, beside one. More than there are cores, too: then they are in each other's way.
 constexpr unsigned compared_thread_counts[] = {2, 4, 8};
-
-std::string count_text(std::uint64_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
 
 /// What a run that began with a checkpoint found. A divergence only if a run from the setup has a finding as well.
 struct UnconfirmedFinding {

@@ -299,3 +299,35 @@ TEST_CASE("a thin card that slides down a wall leaves it at the speed of theory,
       CHECK(end.velocity.x == Approx(expected).epsilon(0.02));
     }
 }
+
+TEST_CASE("a large body that is hit too often in a substep stops what hits it", "[engine][impacts][property]") {
+  // Each disc falls on a board that can move, and each impact searches all pairs of the board: n impacts, n^2 searches.
+  for (const int count : {60, 400}) {
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    scene.settings.locate_impacts = true;
+    scene.settings.restitution_threshold = 0;
+    scene.settings.substeps = 1;
+    Body board = body_of(box_shape(0.5 * count, 0.5), {0, -0.5});
+    board.mass = ExplicitMass{1e9, 1e12, {}};
+    scene.bodies.push_back(board);
+    for (int i = 0; i < count; ++i) {
+      Body disc = body_of(disc_shape(0.05), {0.5 * (i - 0.5 * count), 0.1 + 0.5 * i / count});
+      disc.velocity = {0, -60};  // 1 m in a tick
+      scene.bodies.push_back(disc);
+    }
+    for (Body& body : scene.bodies) body.shapes[0].material = Material{0, 1, 0, 0};
+    const auto engine = make_engine_or_fail(scene);
+    REQUIRE(engine->step(TickInput{tick, {}}, nullptr));
+    int above = 0, bounced = 0;
+    for (const auto& body : engine->bodies()) {
+      if (body.mass > 1e6) continue;
+      above += body.center.y > 0.045 ? 1 : 0;
+      bounced += body.center.y > 0.06 && body.velocity.y == Approx(60).epsilon(1e-3) ? 1 : 0;
+    }
+    CAPTURE(count);
+    CHECK(above == count);
+    if (count == 60) CHECK(bounced == count);
+    if (count == 400) CHECK(bounced < count);  // of the others, the last impacts were not located
+  }
+}

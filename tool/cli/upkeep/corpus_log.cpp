@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "base/count_text.h"
 #include "base/hash128.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/upkeep/corpus_commands.h"
@@ -38,7 +39,7 @@ std::string build_words(const HistoryRow& row) {
 }
 
 void print_log(const TraceLog& log, const LogCommand& command) {
-  print(fmt::format("{}: {} verdicts in {}\n", command.trace, log.rows.size(), command.store));
+  print(fmt::format("{}: {} in {}\n", command.trace, count_text(log.rows.size(), "verdict"), command.store));
   print(fmt::format("  {:19}  {:12}  {:8}  {:16}  {}\n", "verified (UTC)", "commit", "engine", "verdict", "ticks"));
   for (const HistoryRow& row : log.rows)
     print(fmt::format("  {:19}  {:12}  {:8}  {:16}  {}\n", verifier::time_text(row.when_s), row.commit,

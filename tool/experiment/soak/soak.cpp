@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <system_error>
 #include <utility>
 
@@ -96,28 +97,33 @@ class Soak {
     return file->close();
   }
 
-  bool is_over() const {
-    if (counters_.failures.size() >= options_.failure_count_max || stopped_) return true;
-    return options_.time_s > 0 && seconds_since(start_) >= options_.time_s;
-  }
+  /// No world counts any more.
+  bool is_stopped() const { return is_cancelled_ || counters_.failures.size() >= options_.failure_count_max; }
 
-  /// Worlds done: all of the block, or those before the time was over.
+  /// No world is begun any more.
+  bool is_over() const { return is_stopped() || (options_.time_s > 0 && seconds_since(start_) >= options_.time_s); }
+
+  /// Worlds done: all of the block, or those before the soak ended. Each is added as soon as all before it are done.
   Result<std::uint64_t> run_block(std::uint64_t begin, std::uint64_t end) {
     const std::vector<std::string> wanted = choices_to_measure(options_.worlds, counters_.choices);
     std::vector<WorldOutcome> outcomes(end - begin);
+    std::uint64_t done = 0;
+    std::mutex mutex;  // of outcomes, done and the members
     const Status ran = run_jobs(outcomes.size(), options_.thread_count, [&](std::size_t i) {
-      const bool is_late = options_.time_s > 0 && seconds_since(start_) >= options_.time_s;
-      if (!is_late) outcomes[i] = run_world(begin + i, wanted);
+      {
+        const std::lock_guard lock(mutex);
+        if (is_over()) return;
+      }
+      WorldOutcome outcome = run_world(begin + i, wanted);
+      const std::lock_guard lock(mutex);
+      outcomes[i] = std::move(outcome);
+      for (; done < outcomes.size() && outcomes[done].is_done && !is_stopped(); ++done) {
+        add(outcomes[done].counts);
+        counters_.world_count = options_.only_world ? 1 : begin + done + 1;
+        if (options_.progress && !options_.progress(counters_, seconds_since(start_))) is_cancelled_ = true;
+      }
     });
     if (!ran) return ran.error();
-    std::uint64_t done = 0;
-    while (done < outcomes.size() && outcomes[done].is_done && !stopped_) {
-      add(outcomes[done].counts);
-      ++done;
-      counters_.world_count = options_.only_world ? 1 : begin + done;
-      if (options_.progress && !options_.progress(counters_, seconds_since(start_))) stopped_ = true;
-      if (counters_.failures.size() >= options_.failure_count_max) break;
-    }
     return done;
   }
 
@@ -185,7 +191,7 @@ class Soak {
   const SoakOptions& options_;
   SoakIdentity identity_;
   Clock::time_point start_ = Clock::now();
-  bool stopped_ = false;
+  bool is_cancelled_ = false;
   SoakCounters counters_;
 };
 

@@ -37,14 +37,16 @@ struct SoakOptions {
   double time_s = 0;                        // begin no world later; 0: no limit
   unsigned thread_count = 1;                // over worlds
   bool resume = false;
-  std::string folder;                   // for progress and failures; made where it is missing
-  std::size_t failure_count_max = 8;    // worlds; then the soak ends
-  double shrink_time_s = 30;            // of one failure
-  std::uint64_t known_world_count = 0;  // count physics in so many first worlds
-  std::string checks_text;              // part of the identity of the progress
+  std::string folder;                     // for progress and failures; made where it is missing
+  std::size_t failure_count_max = 8;      // worlds; then the soak ends
+  double shrink_time_s = 30;              // of one failure
+  std::uint64_t known_world_count = 0;    // count physics in so many first worlds
+  std::uint64_t hits_expected_after = 0;  // worlds, after which every cached structure was hit; 0: not examined
+  std::string checks_text;                // part of the identity of the progress
   OracleOptions oracle;
   WorldSource worlds;
-  std::function<bool(const SoakCounters& counters, double seconds)> progress;  // false stops; may be empty
+  /// Called on any thread, never on two at once; false stops; may be empty.
+  std::function<bool(const SoakCounters& counters, double seconds)> progress;
 };
 
 struct SoakReport {
@@ -61,7 +63,8 @@ std::uint64_t world_seed(std::uint64_t seed, std::uint64_t index);
 Result<SoakReport> run_soak(const SoakOptions& options);
 
 /// Worlds between two savings of the progress. Effects are counted from the state of the last saving, so that a resumed
-/// soak counts the same as an uninterrupted one.
-inline constexpr std::uint64_t worlds_per_block = 16;
+/// soak counts the same as an uninterrupted one. A block ends when its slowest world does: smaller blocks leave
+/// processors idle.
+inline constexpr std::uint64_t worlds_per_block = 128;
 
 }  // namespace ticktrue::verifier::soak

@@ -136,13 +136,23 @@ Json failures_json(const SoakCounters& counters) {
 
 }  // namespace
 
+std::vector<std::string> never_hit(const SoakOptions& options, const SoakCounters& counters) {
+  std::vector<std::string> names;
+  if (options.hits_expected_after == 0 || counters.world_count < options.hits_expected_after) return names;
+  for (const engine::CacheInfo& info : engine::cache_kinds)
+    if (counters.while_hit[static_cast<std::size_t>(info.kind)] == 0) names.emplace_back(info.name);
+  return names;
+}
+
 std::string soak_text(const SoakOptions& options, const SoakReport& report, const KnownComparison& known) {
   const SoakCounters& counters = report.counters;
-  const bool is_clean = counters.failures.empty() && known.rose.empty();
+  const std::vector<std::string> idle_caches = never_hit(options, counters);
+  const bool is_clean = counters.failures.empty() && known.rose.empty() && idle_caches.empty();
   std::string verdict = fmt::format("{}  soak --seed {}  {} worlds, {} found\n", is_clean ? "match" : "FOUND",
                                     options.seed, counters.world_count, counters.failures.size()) +
                         failures_text(counters);
   for (const std::string& line : known.rose) verdict += "  physics, more than is known  " + line + "\n";
+  for (const std::string& name : idle_caches) verdict += "  cached structure that was never hit: found " + name + "\n";
   std::string text = verdict;
   for (const std::string& line : known.fell) text += "  physics, less than is known  " + line + "\n";
   if (options.known_world_count > 0)
@@ -176,6 +186,7 @@ std::string soak_json(const SoakOptions& options, const SoakReport& report, cons
   for (const CheckInfo& info : check_table)
     json["checks"][std::string(info.name)] = counters.run_counts[static_cast<std::size_t>(info.kind)];
   json["caches"] = caches_json(counters);
+  json["never_hit"] = never_hit(options, counters);
   json["rows"] = choices_json(options, counters);
   const PairCoverage pairs = pair_coverage(options, counters);
   json["pairs"] = {

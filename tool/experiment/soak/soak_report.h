@@ -30,6 +30,10 @@ struct KnownComparison {
 };
 KnownComparison compare_known(const KnownCounts& expected, const KnownCounts& found);
 
+/// Names of cached structures that were never hit, once `hits_expected_after` worlds are done: what is never hit is not
+/// examined either.
+std::vector<std::string> never_hit(const SoakOptions& options, const SoakCounters& counters);
+
 /// The facts of the JSON; `command` is what was asked for.
 std::string soak_text(const SoakOptions& options, const SoakReport& report, const KnownComparison& known);
 std::string soak_json(const SoakOptions& options, const SoakReport& report, const KnownComparison& known);
