@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "base/count_text.h"
 #include "base/plain_text.h"
 #include "tool/output/json_output.h"
 #include "verifier/report/exit_codes.h"
@@ -21,10 +22,6 @@ constexpr std::size_t line_width = 110;
 std::string padded(std::string text, std::size_t width) {
   text.resize(std::max(width, text.size() + 1), ' ');
   return text;
-}
-
-std::string counted(std::uint64_t count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 std::string seconds(double value) {
@@ -87,7 +84,7 @@ std::string control_text(const ShakeReport& report) {
         text += "  " + padded("", name_width) + std::to_string(one.times) + " of " + std::to_string(count) +
                 " runs: " + one.text + "\n";
     if (shown > shown_max)
-      text += "  " + padded("", name_width) + "and " + counted(shown - shown_max, "other outcome") + "\n";
+      text += "  " + padded("", name_width) + "and " + count_text(shown - shown_max, "other outcome") + "\n";
     return text;
   }
   std::string text =
@@ -229,9 +226,9 @@ int exit_code(const ShakeReport& report, const ShakeSubject& subject) {
 }
 
 std::string shake_text(const ShakeReport& report, const ShakeSubject& subject) {
-  std::string text = "shaken  " + subject.trace + "  " + counted(subject.tick_count, "tick") + ", " +
-                     counted(report.rows.size(), "perturbation") + ", " + counted(report.run_count, "run") + ", " +
-                     seconds(report.wall_s) + "\n";
+  std::string text = "shaken  " + subject.trace + "  " + count_text(subject.tick_count, "tick") + ", " +
+                     count_text(report.rows.size(), "perturbation") + ", " + count_text(report.run_count, "run") +
+                     ", " + seconds(report.wall_s) + "\n";
   if (!report.failure.empty()) return text + "  " + padded("control", name_width) + report.failure + "\n";
   text += control_text(report);
   if (!report.repeats) text += fix_text(report);
