@@ -53,7 +53,7 @@ JointShape shape_of(const JointModel& joint) {
   return shape;
 }
 
-bool is_dynamic(const Model& model, const State& state, std::uint32_t row) {
+bool is_dynamic_body(const Model& model, const State& state, std::uint32_t row) {
   return row != no_reference && model.bodies[state.bodies[row].source].type == BodyType::dynamic_body;
 }
 
@@ -95,16 +95,16 @@ void DirectComponents::group_joints(const Model& model, const State& state) {
   std::vector<std::uint32_t> parent(state.bodies.size());
   std::iota(parent.begin(), parent.end(), std::uint32_t{0});
   for (const DirectPlace& place : places_)
-    if (role_of(model.joints[place.joint]) != JointRole::force && is_dynamic(model, state, place.body_a) &&
-        is_dynamic(model, state, place.body_b))
+    if (role_of(model.joints[place.joint]) != JointRole::force && is_dynamic_body(model, state, place.body_a) &&
+        is_dynamic_body(model, state, place.body_b))
       unite(parent, place.body_a, place.body_b);
   std::vector<std::uint32_t> of_root(state.bodies.size(), none);
   std::vector<bool> is_left_out;
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
     const DirectPlace& place = places_[i];
     const JointRole role = role_of(model.joints[place.joint]);
-    const bool b_moves = is_dynamic(model, state, place.body_b);
-    if (role == JointRole::force || (!b_moves && !is_dynamic(model, state, place.body_a))) continue;
+    const bool b_moves = is_dynamic_body(model, state, place.body_b);
+    if (role == JointRole::force || (!b_moves && !is_dynamic_body(model, state, place.body_a))) continue;
     std::uint32_t& component = of_root[find_root(parent, b_moves ? place.body_b : place.body_a)];
     if (component == none) {
       component = static_cast<std::uint32_t>(components_.size());
@@ -116,7 +116,7 @@ void DirectComponents::group_joints(const Model& model, const State& state) {
   }
   for (std::uint32_t row = 0; row < state.bodies.size(); ++row) {
     const std::uint32_t component = of_root[find_root(parent, row)];
-    if (component == none || !is_dynamic(model, state, row)) continue;
+    if (component == none || !is_dynamic_body(model, state, row)) continue;
     component_of_[row] = component;
     if (!is_left_out[component]) components_[component].bodies.push_back(row);
   }
