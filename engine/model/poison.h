@@ -76,6 +76,8 @@ struct Poison {
   void overwrite(T& field) const {
     if constexpr (Workspace<T>) {
       list_fields(field, *this);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      field = !field;  // no other bits are a bool
     } else if constexpr (!std::is_base_of_v<TickCache, T>) {
       static_assert(std::is_trivially_copyable_v<T>);
       std::memset(static_cast<void*>(&field), 0xff, sizeof field);
