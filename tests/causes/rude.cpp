@@ -19,9 +19,13 @@ void misbehave() {
   if (std::strcmp(way, "close") == 0)
     for (int descriptor = 0; descriptor < 256; ++descriptor)
       if (descriptor < 3 || descriptor >= 16) close(descriptor);  // those between are of the session
-  if (std::strcmp(way, "escape") == 0 && fork() == 0) {
-    setsid();
-    for (;;) pause();
+  if (std::strcmp(way, "escape") == 0) {
+    const pid_t child = fork();
+    if (child == 0) {
+      setsid();
+      for (;;) pause();
+    }
+    while (child > 0 && getsid(child) != child) usleep(100);  // until it has left the group
   }
   if (std::strcmp(way, "print") == 0) {
     const std::vector<char> line(1 << 20, 'x');
