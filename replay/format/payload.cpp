@@ -188,13 +188,7 @@ std::size_t cells_size(const StateSchema& schema, ByteReader& in, StateCells* ou
 
 }  // namespace
 
-void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter& out) {
-  for (const std::uint32_t count : cells.row_counts) out.varint(count);
-  out.varint(cells.partition_cells);
-  const std::uint32_t* column = cells.columns.data();
-  for (std::size_t t = 0; t < schema.tables.size(); ++t)
-    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c, ++column)
-      if (cells.row_counts[t] > 0) out.u32(*column);
+void encode_row_cells(const StateCells& cells, ByteWriter& out) {
   // Passed in pieces: byte by byte would cost a tenth of the hashing.
   std::array<std::uint8_t, 2 * 64> bytes;
   std::size_t size = 0;
@@ -206,6 +200,16 @@ void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter
     size = 0;
   }
   out.bytes(ByteView(bytes).first(size));
+}
+
+void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter& out) {
+  for (const std::uint32_t count : cells.row_counts) out.varint(count);
+  out.varint(cells.partition_cells);
+  const std::uint32_t* column = cells.columns.data();
+  for (std::size_t t = 0; t < schema.tables.size(); ++t)
+    for (std::size_t c = 0; c < schema.tables[t].columns.size(); ++c, ++column)
+      if (cells.row_counts[t] > 0) out.u32(*column);
+  encode_row_cells(cells, out);
 }
 
 bool check_cells(const StateSchema& schema, ByteView body) {

@@ -65,6 +65,8 @@ Result<ImagePart> decode_content_part(ByteView payload, const std::string& what,
 /// Appends the part's raw bytes, exactly part.size, to `out`. Errors: corrupt, unsupported.
 Status unpack_image_part(const ImagePart& part, Bytes& out);
 
+/// The cells of rows alone, little-endian.
+void encode_row_cells(const StateCells& cells, ByteWriter& out);
 void encode_cells(const StateCells& cells, const StateSchema& schema, ByteWriter& out);
 /// Whether a cells record of this schema can have this body.
 bool check_cells(const StateSchema& schema, ByteView body);

@@ -11,6 +11,7 @@
 
 #include "base/assert.h"
 #include "base/limits.h"
+#include "replay/format/payload.h"
 
 namespace ticktrue::replay {
 namespace {
@@ -214,17 +215,7 @@ void encode_cell_list(const CellLayout& layout, const StateCells& cells, const S
     for (std::size_t c = 0; c < layout.column_count(t); ++c) out.u32(cells.columns[layout.first_column(t) + c]);
   }
   out.varint(cells.partition_cells);
-  // Passed in pieces: byte by byte would cost a tenth of the hashing.
-  std::array<std::uint8_t, 2 * 64> bytes;
-  std::size_t size = 0;
-  for (const std::uint16_t cell : cells.cells) {
-    bytes[size++] = static_cast<std::uint8_t>(cell);
-    bytes[size++] = static_cast<std::uint8_t>(cell >> 8);
-    if (size < bytes.size()) continue;
-    out.bytes(bytes);
-    size = 0;
-  }
-  out.bytes(ByteView(bytes).first(size));
+  encode_row_cells(cells, out);
 }
 
 /// One listed table. False: ends early, or does not differ from before.

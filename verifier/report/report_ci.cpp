@@ -13,46 +13,6 @@
 namespace ticktrue::verifier {
 namespace {
 
-std::string xml_text(std::string_view text) {
-  std::string safe;
-  for (const char c : plain_text(text)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else if (c == '\n')
-      safe += "&#10;";
-    else
-      safe += byte < 0x20 || byte >= 0x7f ? '?' : c;  // what XML or an encoding of the file name could refuse
-  }
-  return safe;
-}
-
-/// The data of a workflow command; in a parameter, `,` and `:` too would end it.
-std::string github_text(std::string_view text, bool is_parameter) {
-  std::string safe;
-  for (const char c : plain_text(text)) {
-    if (c == '%')
-      safe += "%25";
-    else if (c == '\r')
-      safe += "%0D";
-    else if (c == '\n')
-      safe += "%0A";
-    else if (is_parameter && c == ':')
-      safe += "%3A";
-    else if (is_parameter && c == ',')
-      safe += "%2C";
-    else
-      safe += c;
-  }
-  return safe;
-}
-
 std::string markdown_cell(std::string_view text) {
   std::string safe;
   for (const char c : plain_line(text)) {
@@ -90,6 +50,45 @@ std::size_t count_of(std::span<const Report> reports, bool allow_truncated, Outc
 }
 
 }  // namespace
+
+std::string xml_text(std::string_view text) {
+  std::string safe;
+  for (const char c : plain_text(text)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else if (c == '\n')
+      safe += "&#10;";
+    else
+      safe += byte < 0x20 || byte >= 0x7f ? '?' : c;  // what XML or an encoding of the file name could refuse
+  }
+  return safe;
+}
+
+std::string github_text(std::string_view text, bool is_parameter) {
+  std::string safe;
+  for (const char c : plain_text(text)) {
+    if (c == '%')
+      safe += "%25";
+    else if (c == '\r')
+      safe += "%0D";
+    else if (c == '\n')
+      safe += "%0A";
+    else if (is_parameter && c == ':')
+      safe += "%3A";
+    else if (is_parameter && c == ',')
+      safe += "%2C";
+    else
+      safe += c;
+  }
+  return safe;
+}
 
 std::string report_sentence(const Report& report) {
   if (!report.divergence)

@@ -4,10 +4,17 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
+
+/// Text of an XML attribute.
+std::string xml_text(std::string_view text);
+
+/// The data of a workflow command; in a parameter, `,` and `:` too would end it.
+std::string github_text(std::string_view text, bool is_parameter);
 
 /// One sentence: "tick 137 of 600: bodies.velocity of row 41 (crate_7) differs by 1 ulp", or the reason.
 std::string report_sentence(const Report& report);

@@ -1,34 +1,10 @@
 // JUnit XML and workflow commands of a shake.
 // SPDX-License-Identifier: MIT
-#include "base/plain_text.h"
 #include "tool/experiment/shake/shake_report.h"
+#include "verifier/report/report_ci.h"
 
 namespace ticktrue::shake {
 namespace {
-
-std::string xml(std::string_view text) {
-  std::string safe;
-  for (const char c : plain_line(text)) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c >= ' ' && c <= '~' ? c : '?';
-  }
-  return safe;
-}
-
-/// Of a workflow command.
-std::string command_text(std::string_view text) {
-  std::string safe;
-  for (const char c : plain_line(text)) safe += c == '%' ? std::string("%25") : std::string(1, c);
-  return safe;
-}
 
 std::string row_text(const RowResult& row) {
   std::string text = std::string(row.choice.perturbation->name) + ": " + outcome_text(row.outcome);
@@ -57,25 +33,26 @@ std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject) 
   std::size_t errors = 0;
   std::size_t skipped = 0;
   const auto add = [&](std::string_view name, const std::string& inside) {
-    cases += "    <testcase classname=\"" + xml(subject.trace) + "\" name=\"" + xml(name) + "\"";
+    cases += "    <testcase classname=\"" + verifier::xml_text(subject.trace) + "\" name=\"" +
+             verifier::xml_text(name) + "\"";
     cases += inside.empty() ? "/>\n" : ">" + inside + "</testcase>\n";
   };
   std::string control;
   if (!report.failure.empty()) {
-    control = "<error message=\"" + xml(report.failure) + "\"/>";
+    control = "<error message=\"" + verifier::xml_text(report.failure) + "\"/>";
     ++errors;
   } else if (!report.repeats) {
-    control = "<failure message=\"" + xml(unstable_text(report)) + "\"/>";
+    control = "<failure message=\"" + verifier::xml_text(unstable_text(report)) + "\"/>";
     ++failures;
   }
   add("control", control);
   for (const RowResult& row : report.rows) {
     std::string inside;
     if (is_failure(row, subject)) {
-      inside = "<failure message=\"" + xml(row_text(row)) + "\"/>";
+      inside = "<failure message=\"" + verifier::xml_text(row_text(row)) + "\"/>";
       ++failures;
     } else if (row.state == RowState::not_applicable || row.state == RowState::not_run) {
-      inside = "<skipped message=\"" + xml(row.reason) + "\"/>";
+      inside = "<skipped message=\"" + verifier::xml_text(row.reason) + "\"/>";
       ++skipped;
     }
     add(row.choice.perturbation->name, inside);
@@ -89,13 +66,13 @@ std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject) 
 
 std::string shake_github(const ShakeReport& report, const ShakeSubject& subject) {
   std::string lines;
-  if (!report.failure.empty()) lines += "::error title=shake::" + command_text(report.failure) + "\n";
+  if (!report.failure.empty()) lines += "::error title=shake::" + verifier::github_text(report.failure, false) + "\n";
   if (report.failure.empty() && !report.repeats)
-    lines += "::error title=shake::" + command_text(unstable_text(report)) + "\n";
+    lines += "::error title=shake::" + verifier::github_text(unstable_text(report), false) + "\n";
   for (const RowResult& row : report.rows)
     if (row.state == RowState::moved)
       lines += std::string(is_failure(row, subject) ? "::error" : "::warning") +
-               " title=shake::" + command_text(row_text(row)) + "\n";
+               " title=shake::" + verifier::github_text(row_text(row), false) + "\n";
   return lines;
 }
 
