@@ -561,6 +561,32 @@ TEST_CASE("the order of elimination is found once, and again when a body goes", 
   CHECK(engine->cache_report()[kind].invalidations == 2);
 }
 
+TEST_CASE("the order of elimination follows rows that move up when a body without joints goes",
+          "[engine][joints][direct][caches]") {
+  Scene scene = chain_of(Precision::f32, 5, 0.5);
+  scene.bodies.insert(scene.bodies.begin(), rod({10, 0}, 0));
+  for (engine::Joint& joint : scene.joints) {
+    ++joint.body_a;
+    ++joint.body_b;
+  }
+  scene.inputs = {engine::InputKind::remove};
+  const auto warm = make_engine_or_fail(scene), cold = make_engine_or_fail(scene);
+  engine::Input input;
+  input.kind = engine::InputKind::remove;
+  input.body = 0;
+  Bytes removal;
+  engine::encode_inputs({input}, removal);
+  for (int i = 0; i < 20; ++i) {
+    const ByteView inputs = i == 10 ? ByteView(removal) : ByteView();
+    cold->forget_caches(engine::all_caches);
+    REQUIRE(warm->step({dt, inputs}, nullptr));
+    REQUIRE(cold->step({dt, inputs}, nullptr));
+    CAPTURE(i);
+    REQUIRE(root_hash(warm->state()) == root_hash(cold->state()));
+  }
+  CHECK(warm->cache_report()[static_cast<std::size_t>(engine::CacheKind::joint_graph)].invalidations == 2);
+}
+
 TEST_CASE("a solver that cannot solve joints directly refuses to", "[engine][joints][direct][scene]") {
   Scene scene = chain_of(Precision::f32, 2, 0);
   scene.settings.solver = engine::SolverKind::pgs;
