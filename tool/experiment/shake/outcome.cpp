@@ -153,7 +153,7 @@ Outcome judge(const verifier::ChildResult& child, const verifier::ChildLimits& l
 }
 
 std::string outcome_text(const Outcome& outcome) {
-  if (outcome.kind == OutcomeKind::match) return "same";
+  if (outcome.kind == OutcomeKind::match) return "as recorded";
   if (outcome.kind != OutcomeKind::diverged) return outcome.reason;
   std::string text = "tick " + std::to_string(outcome.tick);
   if (!outcome.stage.empty()) text += "  stage " + outcome.stage;

@@ -35,7 +35,9 @@ std::string class_of(const RowResult& row) {
 }
 
 std::string moved_text(const RowResult& row) {
-  std::string text = row.outcome.kind == OutcomeKind::diverged ? "DIVERGED " : "FAILED   ";
+  std::string text = row.outcome.kind == OutcomeKind::diverged ? "DIVERGED "
+                     : row.outcome.kind == OutcomeKind::match  ? "MOVED    "  // the control is not as recorded
+                                                               : "FAILED   ";
   text += outcome_text(row.outcome);
   if (row.repeat_count > row.moved_count)
     text += "  (" + std::to_string(row.moved_count) + " of " + std::to_string(row.repeat_count) + " runs)";
