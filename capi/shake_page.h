@@ -1,4 +1,4 @@
-// What a session tells `ticktrue shake`: the tick, which thread is inside of the library, the result.
+// Tells `ticktrue shake` the tick of a session, and which thread is inside the library.
 // SPDX-License-Identifier: MIT
 #pragma once
 

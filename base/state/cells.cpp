@@ -299,7 +299,7 @@ void CellHasher::hash(const StateView& state, std::uint32_t partition_cells, Sta
       columns += table.column_word.size() - 1;
     }
   }
-  // Those of all other tables are 0 there.
+  // What is kept of a table that is hashed anew in each tick is 0.
   for (std::size_t c = 0; c < kept_columns_.size(); ++c) out.columns[c] |= kept_columns_[c];
   for (std::size_t i = 0; i < kept_cells_.size(); ++i)
     out.cells[i] = static_cast<std::uint16_t>(out.cells[i] ^ kept_cells_[i]);

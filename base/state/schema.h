@@ -1,4 +1,4 @@
-// What a state consists of: tables of named columns, and how that stands in a trace.
+// The schema of a state (tables of named columns), and its encoding in a trace.
 // SPDX-License-Identifier: MIT
 //
 // A state is a list of tables (world, bodies, contacts, ...). A table is an array of packed rows; a row is a list
@@ -56,7 +56,7 @@ struct Column {
   bool operator==(const Column&) const = default;
 };
 
-/// What the rows of a table are to those of its parent. A child has the key (owner, index).
+/// The relation between the rows of a table and those of its parent. A child table has the key (owner, index).
 enum class TableForm : std::uint8_t {
   plain,  // no child
   rows,   // the elements of a nested list
