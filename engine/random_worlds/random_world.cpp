@@ -8,14 +8,16 @@
 namespace ticktrue::engine {
 namespace {
 
-// A stream of its own: worlds whose joints are solved by iteration do not depend on this choice.
+// Streams of their own: worlds without what they choose do not depend on them.
 constexpr std::uint64_t joint_solver_stream = 0x6a6f696e74735f31;
+constexpr std::uint64_t structure_stream = 0x7374727563745f31;
 
 }  // namespace
 
 RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) {
   Draw draw(seed);
-  const WorldPlan plan = draw_plan(draw, options);
+  WorldPlan plan = draw_plan(draw, options);
+  draw_structures(Draw(seed ^ structure_stream), options, plan);
   WorldBuilder builder(draw, plan);
   builder.build();
   RandomWorld world;

@@ -57,6 +57,7 @@ void WorldBuilder::build() {
       if (body.type != BodyType::static_body && body.position.x >= before) body.position.x += left - before;
     right = before;
   }
+  add_structures();
   add_prototypes();
   finish();
 }

@@ -46,6 +46,9 @@ class WorldBuilder {
   Body draw_body(BodyType type, double size);
   void decorate(Body& body);
   void add_terrain();
+  void add_structures();
+  void add_links(std::uint32_t count);  // a row
+  void add_plate(std::uint32_t count);  // a long box under so many discs that touch it
   void add_prototypes();
   void finish();
   void push(Body body, const Placement& placement);

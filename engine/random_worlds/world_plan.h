@@ -46,7 +46,9 @@ struct WorldPlan {
   bool has_end = false;
   bool collides = true;   // false: no shape may meet another
   bool is_quiet = false;  // a few bodies rest near each other beside many that move in touch, and are pushed later
-  std::uint32_t body_count = 2;
+  std::uint32_t body_count = 2;        // without those of structures
+  std::uint32_t link_count = 0;        // of a row of links; 0: there is none
+  std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: there is none
   std::uint64_t tick_count = 1;
 
   bool has(WorldFeature feature) const { return features[static_cast<std::size_t>(feature)]; }
@@ -60,5 +62,8 @@ struct WorldPlan {
 };
 
 WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options);
+/// Long rows of links and bodies with many contacts, in few worlds. From a stream of its own: other worlds do not
+/// depend on them.
+void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& plan);
 
 }  // namespace ticktrue::engine
