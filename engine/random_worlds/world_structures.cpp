@@ -3,6 +3,7 @@
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
 // colours of contacts.
+#include "engine/builtin_scenes/pieces.h"
 #include "engine/random_worlds/world_builder.h"
 
 namespace ticktrue::engine {
