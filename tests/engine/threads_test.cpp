@@ -65,6 +65,20 @@ TEST_CASE("the order in which chunks are done changes no bit", "[engine][threads
   CHECK(run_count > 100000);  // there were chunks
 }
 
+TEST_CASE("a long row of joints is solved in order, on any threads", "[engine][threads][joints][determinism]") {
+  constexpr std::uint64_t tick_count = 40;
+  for (const char* text : {"chain?links=40", "chain?links=40&precision=f64"}) {
+    const Session session = builtin_session(text);
+    const std::vector<std::uint64_t> expected = tick_hashes(session, tick_count);
+    for (const std::size_t chunk_size : {1, 2}) {
+      ChunkOrder order(true);
+      CAPTURE(text, chunk_size);
+      CHECK(tick_hashes(session, tick_count, in_order(order, chunk_size)) == expected);
+      CHECK(order.run_count > 0);
+    }
+  }
+}
+
 TEST_CASE("golden scenes give the same in chunks out of order", "[engine][threads][golden]") {
   for (const GoldenSession& golden : golden_sessions()) {
     const std::uint64_t tick_count = golden.tick_count < 150 ? golden.tick_count : 150;
