@@ -19,6 +19,7 @@
 #include "base/hash.h"
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/engine.h"
+#include "engine/random_worlds/world_hashes.h"
 #include "engine/scene/scene_json.h"
 #include "replay/recorder.h"
 #include "replay/trace_reader.h"
@@ -41,11 +42,17 @@ int complain(const Error& error) {
   return verifier::exit_usage;
 }
 
+Result<std::string> read_text(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return Error{ErrorCode::io, path + ": cannot read", ""};
+  return std::string{std::istreambuf_iterator<char>(in), {}};
+}
+
 Result<engine::Scene> load_scene(const std::string& name) {
   if (name.find(".json") == std::string::npos) return engine::make_builtin_scene(name);
-  std::ifstream in(name);
-  if (!in) return Error{ErrorCode::io, name + ": cannot read", ""};
-  return engine::parse_scene(std::string{std::istreambuf_iterator<char>(in), {}}, name);
+  const Result<std::string> text = read_text(name);
+  if (!text) return text.error();
+  return engine::parse_scene(*text, name);
 }
 
 /// As `ticktrue record --detail full:90..110 --checkpoint-interval 30 --no-compress --force --json`.
@@ -119,6 +126,30 @@ int env(const Words&) {
   return right ? verifier::exit_ok : verifier::exit_finding;
 }
 
+/// Root hashes of random worlds, as tests/worlds/hashes.tsv has them.
+int worlds(const Words& words) {
+  const Result<std::string> text = read_text(words[0]);
+  if (!text) return complain(text.error());
+  const auto expected = engine::parse_world_hashes(*text, words[0]);
+  if (!expected) return complain(expected.error());
+  std::uint64_t ticks = 0;
+  int differing = 0;
+  for (const engine::WorldHash& world : *expected) {
+    const engine::WorldHash found = engine::hash_world(world.seed);
+    ticks += found.tick_count;
+    if (found == world) continue;
+    ++differing;
+    complain({ErrorCode::inconsistent,
+              "world " + std::to_string(world.seed) + ": found hash " + hex64(found.hash) + " after " +
+                  std::to_string(found.tick_count) + " ticks, expected " + hex64(world.hash) + " after " +
+                  std::to_string(world.tick_count),
+              ""});
+  }
+  std::printf("%zu worlds, %llu ticks, %d differ\n", expected->size(), static_cast<unsigned long long>(ticks),
+              differing);
+  return differing == 0 ? verifier::exit_ok : verifier::exit_finding;
+}
+
 /// Long enough that a terminal shows the bar.
 int bar(const Words&) {
   cli::Progress progress("bar", 2);
@@ -139,6 +170,7 @@ constexpr Command commands[] = {
     {"verify", 1, "TRACE", verify},
     {"diff", 2, "TRACE TRACE", diff},
     {"env", 0, "", env},
+    {"worlds", 1, "HASHES.TSV", worlds},
     {"bar", 0, "", bar},
 };
 
