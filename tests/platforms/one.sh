@@ -182,8 +182,8 @@ main() {
   worlds=$(sed -n 's/^\([0-9]*\) worlds, .*/\1/p' "$out/worlds")
   [ "${worlds:-0}" -ge 100 ] || find_fault "worlds: found ${worlds:-0}, expected at least 100"
   tests=passed
-  # The worlds are done.
-  # How near the engine's sine is to the C library's is no question where that library is the inexact one (MinGW).
+  # The worlds are compared above. How near the engine's sine is to the C library's is no question where that library is
+  # the inexact one (MinGW).
   run portable_tests '~[trig]~"random worlds have*",[golden]' >"$out/tests" 2>&1 || { tests=FAILED; find_fault "portable tests: $(grep -m 1 "FAILED:" "$out/tests"; tail -n 3 "$out/tests" | tr "\n" " ")"; }
   tail -n 3 "$out/tests"
   if [ "$extent" = quick ]; then set -- env; else set -- env --check --json; fi
