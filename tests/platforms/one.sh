@@ -149,6 +149,9 @@ check_no_bar() {
   if grep -q "$(printf '\033')" "$out/bar.err"; then find_fault "progress: found a bar in a file, expected none"; fi
 }
 
+# The result counts for the record if the sources stayed as they were.
+digest=$(sh tests/platforms/record.sh digest)
+
 # --- all of it ------------------------------------------------------------------------------------------------------
 
 traces=- ticks=- worlds=- compiler=- target=- tests=- travel=- fused_count=- probe=- build_user=- build_wall=- run_user=- run_wall=-
@@ -199,6 +202,7 @@ main() {
 }
 
 main >"$out/log" 2>&1
+[ "$(sh tests/platforms/record.sh digest)" = "$digest" ] || digest=
 ok=true
 [ -z "$first" ] || ok=false
 printf '%s\n' "$name$tab$compiler$tab$target$tab$traces$tab$ticks$tab$worlds$tab$tests$tab$travel$tab$fused_count$tab$build_user$tab$build_wall$tab$run_user$tab$run_wall$tab${first:-none}" \
@@ -209,6 +213,7 @@ cat >"$out/result.json" <<JSON
       "platform": "$name", "ok": $ok, "compiler": "$(json_text "$compiler")", "target": "$(json_text "$target")",
       "traces": $(number "$traces"), "ticks": $(number "$ticks"), "worlds": $(number "$worlds"), "portable_tests": "$tests",
       "travelled": $(number "$travel"), "fused_instructions": $(number "$fused_count"), "probe": "$probe",
+      "engine_digest": "$digest",
       "build_user_s": $(number "$build_user"), "build_wall_s": $(number "$build_wall"),
       "run_user_s": $(number "$run_user"), "run_wall_s": $(number "$run_wall"),
       "first_difference": $([ -n "$first" ] && printf '"%s"' "$(json_text "$first")" || printf null)

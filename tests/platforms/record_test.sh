@@ -27,17 +27,14 @@ expect() {
 }
 same_digest() { expect "$1" 0 "^$first\$" digest; }
 
-# run COUNT: out/platforms.json of ten platforms, of which so many gave the same bits.
+# run COUNT DIGEST: results of ten platforms, of which so many gave the same bits.
 run() {
-  mkdir -p out
-  {
-    printf '{\n  "schema": "ticktrue.platforms/1",\n  "platforms": [\n'
-    for number in 1 2 3 4 5 6 7 8 9 10; do
-      [ "$number" -le "$1" ] && ok=true || ok=false
-      printf '    {\n      "platform": "p%s", "ok": %s\n    }\n' "$number" "$ok"
-    done
-    printf '  ]\n}\n'
-  } >out/platforms.json
+  for number in 1 2 3 4 5 6 7 8 9 10; do
+    [ "$number" -le "$1" ] && ok=true || ok=false
+    mkdir -p "out/platforms/p$number"
+    printf '    {\n      "platform": "p%s", "ok": %s,\n      "engine_digest": "%s",\n      "ticks": 1\n    }\n' "$number" "$ok" "$2" \
+      >"out/platforms/p$number/result.json"
+  done
 }
 
 make_tree() {
@@ -50,12 +47,17 @@ make_tree() {
 make_tree "$work/a"
 first=$(sh "$script" digest)
 expect "no record: fails" 1 'found no record' check
-run 9
-expect "nine of ten: not written" 1 'found 9 platforms' write out/platforms.json "$first"
+run 9 "$first"
+expect "nine of ten: not written" 0 '^record: 9 of 10 platforms' write
 expect "still no record" 1 'found no record' check
-run 10
-expect "sources changed during the run: not written" 1 'changed during the run' write out/platforms.json 0123
-expect "ten of ten: written" 0 '' write out/platforms.json "$first"
+run 10 ''
+expect "sources changed during the run: not written" 0 '^record: 0 of 10 platforms' write
+run 10 "$first"
+sed -i 's/"engine_digest": "./"engine_digest": "x/' out/platforms/p4/result.json
+expect "a platform that ran with other sources: not written" 0 '^record: 9 of 10 platforms' write
+expect "still none" 1 'found no record' check
+run 10 "$first"
+expect "ten of ten: written" 0 'is written' write
 expect "nothing changed: passes" 0 '^record: 10 platforms, physics 7' check
 printf '/* Adds\n   two. */\nint add(int a, int b) { return a + b; }  // sum\n\nconst char* web = "http://x";\n' >base/add.cpp
 same_digest "comments, empty lines and layout: the same digest"
