@@ -16,7 +16,7 @@ advice='run ./dev platforms: it writes the record after ten of ten'
 
 digest() {
   text=$(mktemp) || return 2
-  find base engine replay include -name '*.h' -o -name '*.cpp' | LC_ALL=C sort | xargs cat |
+  find base engine replay -name '*.h' -o -name '*.cpp' | LC_ALL=C sort | xargs cat |
     "${CXX:-g++}" -fpreprocessed -dD -E -P -x c++ - >"$text" 2>/dev/null || { rm -f "$text"; return 2; }
   find cmake/determinism.cmake cmake/float_flags.cmake cmake/toolchains -name '*.cmake' | LC_ALL=C sort | xargs cat >>"$text"
   tr -s '[:space:]' ' ' <"$text" | sha256sum | cut -c 1-32

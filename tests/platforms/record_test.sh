@@ -38,7 +38,7 @@ run() {
 }
 
 make_tree() {
-  mkdir -p "$1" && cd "$1" && mkdir -p base engine replay include cmake/toolchains tests/platforms || exit 2
+  mkdir -p "$1" && cd "$1" && mkdir -p base engine replay cmake/toolchains tests/platforms || exit 2
   printf '#pragma once\ninline constexpr unsigned physics_version = 7;\n' >engine/engine.h
   printf '// Adds.\nint add(int a, int b) {\n  return a + b;\n}\nconst char* web = "http://x";\n' >base/add.cpp
   echo 'set(flags -ffp-contract=off)' | tee cmake/determinism.cmake cmake/float_flags.cmake >cmake/toolchains/a.cmake
