@@ -127,7 +127,8 @@ Status check_source(std::string_view table, std::string_view name, const ColumnS
 
 Status GatheredState::column(std::string_view table_name, std::string_view name, const ColumnSource& source) {
   std::optional<std::size_t> t = table_names_.find(table_name);
-  const std::optional<std::size_t> c = t ? sources_[*t].names.find(name) : std::nullopt;
+  std::optional<std::size_t> c;
+  if (t) c = sources_[*t].names.find(name);
   if (!c) {
     if (const Status status = check_name("table", table_name); !status) return status;
     if (const Status status = check_name("table " + std::string(table_name) + ": column", name); !status) return status;

@@ -1250,17 +1250,23 @@ static inline double ticktrue_random_double(ticktrue_random* random) {
 
 // --- sorting --------------------------------------------------------------------------------------------------------
 
+// Keys whose order as unsigned numbers is the total order. (Without a branch on the sign: g++ 12.2 for aarch64 -O1
+// compares the keys as signed numbers if they are chosen by ?: and compared by (x > y) - (x < y) < 0.)
+static inline uint64_t ttm_order_key(double a) {
+  uint64_t bits = ttm_bits(a);
+  return bits ^ (((uint64_t)0 - (bits >> 63)) | TTM_SIGN);
+}
+static inline uint32_t ttm_order_key_f32(float a) {
+  uint32_t bits = ttm_bits_f32(a);
+  return bits ^ (((uint32_t)0 - (bits >> 31)) | 0x80000000u);
+}
 // IEEE 754 totalOrder: -1, 0 or 1. -NaN < -infinity < ... < -0 < 0 < ... < infinity < NaN; 0 only for the same bits.
 static inline int ticktrue_total_order(double a, double b) {
-  uint64_t x = ttm_bits(a), y = ttm_bits(b);
-  x ^= (x >> 63) ? ~(uint64_t)0 : TTM_SIGN;
-  y ^= (y >> 63) ? ~(uint64_t)0 : TTM_SIGN;
+  uint64_t x = ttm_order_key(a), y = ttm_order_key(b);
   return (x > y) - (x < y);
 }
 static inline int ticktrue_total_orderf(float a, float b) {
-  uint32_t x = ttm_bits_f32(a), y = ttm_bits_f32(b);
-  x ^= (x >> 31) ? ~(uint32_t)0 : 0x80000000u;
-  y ^= (y >> 31) ? ~(uint32_t)0 : 0x80000000u;
+  uint32_t x = ttm_order_key_f32(a), y = ttm_order_key_f32(b);
   return (x > y) - (x < y);
 }
 
@@ -1384,8 +1390,8 @@ struct TotalLess {
   bool operator()(const T& a, const T& b) const {
     return a < b;
   }
-  bool operator()(float a, float b) const { return ticktrue_total_orderf(a, b) < 0; }
-  bool operator()(double a, double b) const { return ticktrue_total_order(a, b) < 0; }
+  bool operator()(float a, float b) const { return ttm_order_key_f32(a) < ttm_order_key_f32(b); }
+  bool operator()(double a, double b) const { return ttm_order_key(a) < ttm_order_key(b); }
 };
 
 // Stable, as ticktrue_sort. Rows can be moved and made without arguments.

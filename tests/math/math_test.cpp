@@ -289,8 +289,14 @@ TEST_CASE("floats are sorted by the total order", "[math][sort]") {
   math::Random random(2);
   for (int round = 0; round < 100; ++round) {
     math::shuffle(rows.begin(), rows.end(), random);
+    std::vector<double> by_function = rows;
     math::sort(rows.begin(), rows.end());
-    for (std::size_t i = 0; i < rows.size(); ++i) CHECK(hex64(bits_of(rows[i])) == hex64(bits_of(expected[i])));
+    math::sort(by_function.begin(), by_function.end(),
+               [](double a, double b) { return ticktrue_total_order(a, b) < 0; });
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      CHECK(hex64(bits_of(rows[i])) == hex64(bits_of(expected[i])));
+      CHECK(hex64(bits_of(by_function[i])) == hex64(bits_of(expected[i])));
+    }
   }
   CHECK(ticktrue_total_orderf(-0.0f, 0.0f) < 0);
   CHECK(ticktrue_total_orderf(1.0f, 1.0f) == 0);
