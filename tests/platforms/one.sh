@@ -121,7 +121,7 @@ check_travel() {
       find_fault "record $label: exit code: found $code, expected $expected: $(head -n 1 "$out/$label.ttr.log")"
       continue
     fi
-    note=$(grep '"note"' "$out/$label.ttr.json")
+    note=$(grep '"note"' "$out/$label.ttr.json" | tr -d '\r')
     expected=$(grep '"note"' "out/platforms/$reference/$label.ttr.json")
     [ "$note" = "$expected" ] || find_fault "record $label: finding: found $note, expected $expected"
     # Here the reference's, there ours, and both by content: setup, inputs, hashes, states; build facts apart.
