@@ -193,7 +193,7 @@ main() {
   tool "$@" >"$out/env.json" || find_fault "env --check: another digest than every platform must give"
   compiler=$(json_value compiler "$out/env.json")
   target=$(json_value target "$out/env.json")
-  probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1)
+  probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1 | tr -d '\r')
   check_travel
   check_no_bar
   check_fused
