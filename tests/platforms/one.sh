@@ -121,7 +121,7 @@ check_travel() {
       find_fault "record $label: exit code: found $code, expected $expected: $(head -n 1 "$out/$label.ttr.log")"
       continue
     fi
-    note=$(grep '"note"' "$out/$label.ttr.json")
+    note=$(grep '"note"' "$out/$label.ttr.json" | tr -d '\r')
     expected=$(grep '"note"' "out/platforms/$reference/$label.ttr.json")
     [ "$note" = "$expected" ] || find_fault "record $label: finding: found $note, expected $expected"
     # Here the reference's, there ours, and both by content: setup, inputs, hashes, states; build facts apart.
@@ -193,7 +193,7 @@ main() {
   tool "$@" >"$out/env.json" || find_fault "env --check: another digest than every platform must give"
   compiler=$(json_value compiler "$out/env.json")
   target=$(json_value target "$out/env.json")
-  probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1)
+  probe=$(sed -n 's/.*"digest": "\(.*\)",/\1/p' "$out/env.json" | tail -n 1 | tr -d '\r')
   check_travel
   check_no_bar
   check_fused
