@@ -46,13 +46,19 @@ bool looks_like_address(std::uint64_t bits) {
 
 }  // namespace
 
-Comparing::Comparing(replay::TraceReader reader, std::string file)
-    : reader_(std::move(reader)), comparer_(reader_.setup().schema), last_dt_(reader_.setup().dt) {
+Comparing::Comparing(replay::TraceReader reader, std::string file, CompareRange range)
+    : reader_(std::move(reader)),
+      comparer_(reader_.setup().schema),
+      range_(range),
+      next_(reader_.first_tick()),
+      last_dt_(reader_.setup().dt) {
   report_.file = std::move(file);
   report_.title = setup().title;
   report_.simulation = setup().simulation;
   report_.mode = "replay";
   report_.ticks_recorded = reader_.tick_count_hint();
+  if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(reader_.first_tick(), *report_.ticks_recorded);
+  report_.first_tick = std::max(reader_.first_tick(), range_.from);
   report_.recorded_build = reader_.facts();
 }
 
@@ -78,7 +84,32 @@ bool Comparing::check_identity(const Identity& identity) {
   return true;
 }
 
-bool Comparing::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
+bool Comparing::seek(std::uint64_t tick) {
+  if (!has_saves()) return false;
+  for (std::uint64_t wanted = tick; reader_.seek(wanted);) {
+    const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader_.next());
+    if (checkpoint == nullptr) break;
+    if (checkpoint->save) {
+      begin_ = verifier::copy_of(*checkpoint);
+      begin_save_.emplace(checkpoint->save->begin(), checkpoint->save->end());
+      report_.time_s = checkpoint->time_s.value_or(0);
+      ahead_.clear();
+      at_end_ = false;
+      report_.end.reset();
+      next_ = begin_->tick;
+      return true;
+    }
+    if (checkpoint->tick == 0) break;
+    wanted = checkpoint->tick - 1;
+  }
+  // Nothing was taken: what was read before is read again.
+  reader_.rewind();
+  ahead_.clear();
+  at_end_ = false;
+  return false;
+}
+
+bool Comparing::start(const StateView& state, const std::vector<std::string>& stages) {
   if (const auto difference =
           verifier::first_schema_difference(setup().schema, *state.schema, verifier::Ranges::inside)) {
     not_comparable(verifier::schema_text(*difference),
@@ -89,31 +120,72 @@ bool Comparing::start(const StateView& state, const std::vector<std::string>& st
     not_comparable("stages: recorded " + list_of(setup().stages) + "; here " + list_of(stages), "record again");
     return false;
   }
-  if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0) {
+  if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0 && !begin_) {
     not_comparable("begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
                    "show lists what it holds; diff compares it with another trace");
     return false;
   }
   note_floats();
+  return true;
+}
+
+bool Comparing::check_begin(const StateView& state, const RowNamer& row_name) {
+  if (decided_) return false;
   first_root_ = root_hash(state);
-  read_until(0);
-  if (!initial_) return true;  // damaged: the end of the trace says so
-  if (initial_->root_hash == first_root_) return true;
+  if (!begin_) read_until(0);
+  const std::optional<verifier::StoredCheckpoint>& recorded = begin_ ? begin_ : initial_;
+  if (!recorded) return true;  // damaged: the end of the trace says so
+  report_.checkpoints_compared += begin_ ? 1 : 0;
+  if (recorded->root_hash == first_root_) return true;
   Divergence divergence;
-  divergence.stage = std::string(verifier::stage_setup);
-  divergence.stage_note = "the state before the first tick is not the recorded one";
-  divergence.expected_root = initial_->root_hash;
+  divergence.tick = recorded->tick;
+  divergence.time_s = report_.time_s;
+  divergence.stage = std::string(begin_ ? verifier::stage_load : verifier::stage_setup);
+  divergence.stage_note = begin_ ? "the state behind the load callback is not the recorded one"
+                                 : "the state before the first tick is not the recorded one";
+  divergence.expected_root = recorded->root_hash;
   divergence.got_root = first_root_;
   Bytes got;
   encode_image(state, got);
-  if (!verifier::locate_lanes(setup().schema, initial_->image, got, row_name, lane_report_count_max, divergence))
+  if (!verifier::locate_lanes(setup().schema, recorded->image, got, row_name, lane_report_count_max, divergence))
     report_.warnings.push_back("the recorded initial state cannot be read");
   note_addresses(divergence);
   report_.divergence = std::move(divergence);
   report_.verdict = Verdict::diverged;
-  report_.hint = "is the world made from the setup alone, and every registered value initialised?";
+  report_.hint = begin_ ? "does save write every registered value, and does load restore each of them?"
+                        : "is the world made from the setup alone, and every registered value initialised?";
   decided_ = true;
   return false;
+}
+
+std::optional<Bytes> Comparing::save_behind(std::uint64_t tick) {
+  read_until(tick + 1);
+  for (const RecordedTick& recorded : ahead_)
+    if (recorded.tick == tick) return recorded.save;
+  return std::nullopt;
+}
+
+void Comparing::count(std::uint64_t tick) {
+  next_ = tick + 1;
+  if (tick < range_.from) return;
+  ++report_.ticks_compared;
+  if (counted_.empty() || counted_.back().second != tick)
+    counted_.emplace_back(tick, tick + 1);
+  else
+    counted_.back().second = tick + 1;
+}
+
+std::string Comparing::gaps() const {
+  auto ranges = counted_;
+  std::sort(ranges.begin(), ranges.end());
+  std::string text;
+  std::uint64_t expected = std::max(range_.from, reader_.first_tick());
+  for (const auto& [first, behind] : ranges) {
+    if (first > expected)
+      text += (text.empty() ? "" : ", ") + std::to_string(expected) + ".." + std::to_string(first - 1);
+    expected = std::max(expected, behind);
+  }
+  return text;
 }
 
 void Comparing::note_floats() {
@@ -130,10 +202,15 @@ void Comparing::note_floats() {
 /// The checkpoint follows its tick, which is not compared yet.
 void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
   ++report_.checkpoints_compared;
-  if (checkpoint.tick == 0)
+  std::optional<Bytes> save;
+  if (checkpoint.save) save.emplace(checkpoint.save->begin(), checkpoint.save->end());
+  if (checkpoint.tick == 0) {
     initial_ = verifier::copy_of(checkpoint);
-  else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick)
+    first_save_ = std::move(save);
+  } else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick) {
     ahead_.back().checkpoint = verifier::copy_of(checkpoint);
+    ahead_.back().save = std::move(save);
+  }
 }
 
 bool Comparing::read_until(std::uint64_t tick) {
@@ -146,7 +223,7 @@ bool Comparing::read_until(std::uint64_t tick) {
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
       last_dt_ = record->dt;
-      ahead_.push_back({verifier::copy_of(*record), std::nullopt, false});
+      ahead_.push_back({verifier::copy_of(*record), std::nullopt, std::nullopt, false});
       continue;
     }
     at_end_ = true;
@@ -166,6 +243,7 @@ bool Comparing::read_until(std::uint64_t tick) {
 }
 
 const RecordedTick* Comparing::at(std::uint64_t tick) {
+  if (range_.to && tick > *range_.to) return nullptr;
   read_until(tick);
   for (const RecordedTick& recorded : ahead_)
     if (recorded.tick == tick) return &recorded;
@@ -185,7 +263,7 @@ bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
   const auto difference = comparer_.compare(sides);
   report_.compared += comparer_.take_compared();
   report_.root_hash = here.root_hash;
-  ++report_.ticks_compared;
+  count(done.tick);
   if (difference) {
     const bool is_of_checkpoint = difference->b == 2;
     if (!is_of_checkpoint && !sides[0].image && recorded.checkpoint)
@@ -264,11 +342,21 @@ void Comparing::other_inputs(std::uint64_t tick, const std::string& what) {
 }
 
 void Comparing::finish(std::uint64_t ticks_run) {
-  if (!at_end_) read_until(ticks_run);
-  if (report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
+  if (!at_end_ && !is_behind_range()) read_until(ticks_run);
+  if (report_.end)
+    report_.ticks_recorded =
+        report_.end->tail.ticks_intact - std::min(reader_.first_tick(), report_.end->tail.ticks_intact);
   if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
     report_.warnings.push_back("no registered value changed in " + count_text(report_.ticks_compared, "tick") +
                                ": is all of the state registered?");
+  if (counted_.size() > 1) {  // a tick that was compared twice counts once
+    std::sort(counted_.begin(), counted_.end());
+    std::uint64_t behind = report_.ticks_compared = 0;
+    for (const auto& [first, end] : counted_) {
+      report_.ticks_compared += end - std::min(end, std::max(first, behind));
+      behind = std::max(behind, end);
+    }
+  }
   if (decided_) return;
   decided_ = true;
   const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
@@ -276,7 +364,7 @@ void Comparing::finish(std::uint64_t ticks_run) {
   if (tail != nullptr && tail->condition == replay::TraceCondition::damaged) {
     report_.verdict = Verdict::damaged;
     report_.reason = tail->message;
-  } else if (!at_end_ || !ahead_.empty()) {
+  } else if (!is_behind_range() && (!at_end_ || !ahead_.empty())) {
     report_.reason =
         "the program ended its loop after " + count_text(report_.ticks_compared, "tick") + ", before the trace ends";
     report_.hint = "leave the loop when ticktrue_begin_tick does not return TICKTRUE_OK";
@@ -285,9 +373,28 @@ void Comparing::finish(std::uint64_t ticks_run) {
     report_.hint = "every tick up to the cut matches; `ticktrue recover` makes a complete trace of it";
   } else if (report_.ticks_compared == 0) {
     report_.reason = "no tick was compared";
+  } else if (const std::string missing = gaps(); !missing.empty()) {
+    report_.reason = "ticks " + missing + " were not compared: ticktrue_seek went past them";
   } else {
     report_.verdict = Verdict::match;
   }
+}
+
+void Comparing::second_run_differs(SecondRunFinding finding) {
+  if (decided_) return;
+  decided_ = true;
+  report_.verdict = Verdict::state_incomplete;
+  report_.checkpoint = finding.begin;
+  report_.reason = std::move(finding.reason);
+  report_.hint = second_run_hint;
+  report_.divergence = std::move(finding.divergence);
+}
+
+void Comparing::not_whole(const std::string& reason, const std::string& hint) {
+  if (report_.verdict != Verdict::match) return;
+  report_.verdict = Verdict::incomplete;
+  report_.reason = reason;
+  report_.hint = hint;
 }
 
 }  // namespace ticktrue::capi

@@ -20,6 +20,7 @@ struct DoneTick {
   ByteView inputs;
   std::vector<std::uint64_t> stage_hashes;  // empty unless wanted
   const StateView* state = nullptr;         // after it
+  const Bytes* save = nullptr;              // of the program in that state; null: none
 };
 
 /// What a program says of itself.

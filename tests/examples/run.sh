@@ -182,11 +182,21 @@ expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback --verify ro
 expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --bug unsaved
 expect 0 "recorded  unsaved.ttr" ./rollback --record unsaved.ttr --bug unsaved
 expect 1 "fighters.cooldown" ./rollback --verify unsaved.ttr
+expect 0 "ticks ran twice with the same state" ./rollback --record sync.ttr --sync-test 1
+cmp -s sync.ttr rollback.ttr || complain "rollback: a sync test records other bytes"
+expect 1 "fighters.cooldown" ./rollback --record forgets.ttr --sync-test 1 --bug unsaved
+expect 0 "sync test: " ./rollback --verify rollback.ttr --sync-test 7
+expect 0 "ticks ran twice with the same state" ./rollback --verify rollback.ttr --mode restore
+expect 0 "match  rollback.ttr  100 of 600 ticks compared" ./rollback --verify rollback.ttr --from 500
+expect 0 "match  rollback.ttr  30 of 600 ticks compared" ./rollback --verify rollback.ttr --from 310 --to 339
+expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --mode restore --bug unsaved
+expect 2 "--mode: found fast behind it" ./rollback --verify rollback.ttr --mode fast
+expect 0 "saves       13" "$tool" show rollback.ttr
 
 # --- programs and plug-ins built with the header of interface version 1 ----------------------------------------------
 old=$source/tests/capi/header_1
 compile_old() { cc -std=c99 -O2 -ffp-contract=off -I"$old" "$@" -Wl,-rpath,"$(dirname "$library")"; }
-expect 0 "" compile_old ../examples/rollback.c "$library" -o rollback_old
+expect 0 "" compile_old "$old/rollback.c" "$library" -o rollback_old
 expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback_old --verify rollback.ttr
 expect 0 "recorded  rollback_old.ttr  600 ticks" ./rollback_old --record rollback_old.ttr
 expect 0 "match  rollback_old.ttr" ./rollback --verify rollback_old.ttr
@@ -201,6 +211,10 @@ done
 expect 0 "recorded  consumer.ttr  120 ticks" ./consumer --record consumer.ttr
 expect 0 "match  consumer.ttr" ./consumer --verify consumer.ttr
 expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --fault
+expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --from 60 --fault
+expect 0 "sync test: 120 ticks ran twice" ./consumer --record consumer_sync.ttr --sync-test 1
+expect 0 "restore: 120 ticks ran twice" ./consumer --verify consumer.ttr --mode restore
+expect 0 "20 of 120 ticks compared" ./consumer --verify consumer.ttr --from 100
 
 # --- Python ----------------------------------------------------------------------------------------------------------
 if command -v python3 >/dev/null 2>&1; then

@@ -145,6 +145,11 @@ void print_summary_json(const replay::TraceReader& reader, const ShowOptions& op
                                      {"hash", hex64(checkpoint.root_hash)},
                                      {"image_size", checkpoint.image_size},
                                      {"stored_size", checkpoint.stored_size}});
+  if (setup.has(replay::Feature::saves)) {
+    object["saves"] = Json::array();
+    for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+      if (checkpoint.save_size) object["saves"].push_back({{"tick", checkpoint.tick}, {"size", *checkpoint.save_size}});
+  }
   object["inputs"] = inputs_json(summary);
   object["sizes"] = {{"setup", summary.setup_size},
                      {"checkpoints", summary.checkpoint_size},
@@ -205,6 +210,15 @@ void print_build(const replay::BuildFacts& facts) {
                       (unit.empty() ? "" : plain_line(unit) + ": ") + text));
 }
 
+std::string saves_line(const verifier::TraceSummary& summary) {
+  std::uint64_t count = 0, size = 0;
+  for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints) {
+    count += checkpoint.save_size ? 1 : 0;
+    size += checkpoint.save_size.value_or(0);
+  }
+  return fmt::format("  saves       {}, {} bytes\n", count, size);
+}
+
 void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
@@ -233,10 +247,12 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
   print_build(reader.facts());
   print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
   print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");
+  if (setup.has(replay::Feature::saves)) print(saves_line(summary));
   if (options.checkpoints)
     for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
-      print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored\n", checkpoint.tick,
-                        hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size));
+      print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored{}\n", checkpoint.tick,
+                        hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size,
+                        checkpoint.save_size ? fmt::format(", a save of {}", *checkpoint.save_size) : ""));
 }
 
 int run_show(const ShowOptions& options) {
