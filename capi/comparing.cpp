@@ -8,6 +8,7 @@
 
 #include "base/count_text.h"
 #include "base/limits.h"
+#include "replay/format/shown_image.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/schema_difference.h"
 
@@ -19,6 +20,7 @@ using verifier::Verdict;
 
 constexpr std::size_t lane_report_count_max = 64;
 constexpr std::size_t input_bytes_shown_max = 256;
+constexpr std::size_t shown_rows_max = 8;  // in a report
 
 std::string inputs_json(std::uint64_t tick, ByteView inputs) {
   if (inputs.empty()) return "";
@@ -42,6 +44,27 @@ std::string list_of(const std::vector<std::string>& names) {
 bool looks_like_address(std::uint64_t bits) {
   const std::uint64_t top = bits >> 40;
   return top == 0x55 || top == 0x56 || top == 0x7f || top == 0x7e;
+}
+
+/// "units.glow, units.sprite"
+std::string shown_columns(const StateSchema& whole) {
+  std::vector<std::string> names;
+  for (const TableSchema& table : whole.tables)
+    for (const Column& column : table.columns)
+      if (column.is_shown) names.push_back(table.name + "." + column.name);
+  return list_of(names);
+}
+
+/// "glow 0.5, sprite 3"; empty where nothing is shown of the row.
+std::string shown_row(const StateSchema& whole, const Bytes* shown, const std::string& table, std::uint64_t row) {
+  const std::optional<std::size_t> number = whole.find_table(table);
+  if (shown == nullptr || !number) return "";
+  const auto tables = replay::decode_shown(whole, *shown);
+  if (!tables) return "not readable: " + tables.error().message;
+  for (const ShownRows& rows : *tables)
+    if (rows.table == *number && row < rows.rows.row_count)
+      return replay::shown_row_text(whole.tables[*number], rows, static_cast<std::size_t>(row));
+  return "";
 }
 
 }  // namespace
@@ -204,6 +227,8 @@ void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
   ++report_.checkpoints_compared;
   std::optional<Bytes> save;
   if (checkpoint.save) save.emplace(checkpoint.save->begin(), checkpoint.save->end());
+  if (checkpoint.shown && !ahead_.empty() && !ahead_.back().shown)
+    ahead_.back().shown.emplace(checkpoint.shown->begin(), checkpoint.shown->end());
   if (checkpoint.tick == 0) {
     initial_ = verifier::copy_of(checkpoint);
     first_save_ = std::move(save);
@@ -223,7 +248,8 @@ bool Comparing::read_until(std::uint64_t tick) {
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
       last_dt_ = record->dt;
-      ahead_.push_back({verifier::copy_of(*record), std::nullopt, std::nullopt, false});
+      ahead_.push_back({verifier::copy_of(*record), std::nullopt, std::nullopt, std::nullopt, false});
+      if (record->shown) ahead_.back().shown.emplace(record->shown->begin(), record->shown->end());
       continue;
     }
     at_end_ = true;
@@ -250,7 +276,7 @@ const RecordedTick* Comparing::at(std::uint64_t tick) {
   return nullptr;
 }
 
-bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
+bool Comparing::compare(const DoneTick& done, const StateSchema& whole, const RowNamer& row_name) {
   if (decided_) return false;
   TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
   const RecordedTick& recorded = ahead_.front();
@@ -276,6 +302,7 @@ bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
       report_.divergence->stage_note = "the hash of the tick before agrees, the checkpoint does not";
     }
     if (!contradiction.empty()) report_.notes.push_back(contradiction);
+    note_shown(recorded.shown ? &*recorded.shown : nullptr, done.contents.shown, whole);
     return false;
   }
   changed_ = changed_ || here.root_hash != first_root_;
@@ -306,6 +333,29 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
   report_.divergence = std::move(divergence);
+}
+
+void Comparing::note_shown_schema(const StateSchema& whole) {
+  const std::string recorded = shown_columns(setup().whole_schema ? *setup().whole_schema : setup().schema);
+  const std::string here = shown_columns(whole);
+  if (recorded != here) report_.notes.push_back("shown columns: recorded " + recorded + "; here " + here);
+}
+
+void Comparing::note_shown(const Bytes* recorded, const Bytes* here, const StateSchema& whole) {
+  const StateSchema& recorded_schema = setup().whole_schema ? *setup().whole_schema : setup().schema;
+  std::size_t count = 0;
+  const verifier::LaneReport* before = nullptr;
+  for (const verifier::LaneReport& row : report_.divergence->rows) {
+    if (before != nullptr && before->table == row.table && before->row == row.row) continue;
+    before = &row;
+    const std::string there = shown_row(recorded_schema, recorded, row.table, row.row);
+    const std::string now = shown_row(whole, here, row.table, row.row);
+    if (there.empty() && now.empty()) continue;
+    report_.notes.push_back("shown of " + row.table + " row " + std::to_string(row.row) + ": " +
+                            (there.empty() ? "" : "recorded " + there + (now.empty() ? "" : "; ")) +
+                            (now.empty() ? "" : "here " + now));
+    if (++count == shown_rows_max) return;
+  }
 }
 
 void Comparing::note_addresses(const Divergence& divergence) {

@@ -41,6 +41,7 @@ inline constexpr const char* second_run_hint =
 struct RecordedTick : verifier::StoredTick {
   std::optional<verifier::StoredCheckpoint> checkpoint;  // behind it
   std::optional<Bytes> save;                             // of that checkpoint
+  std::optional<Bytes> shown;                            // the shown image after the tick
   bool is_not_finite = false;                            // the recording ended because of this tick
 };
 
@@ -78,8 +79,11 @@ class Comparing {
   /// The tick as recorded, or null when there are no more. Valid until compare() of that tick.
   const RecordedTick* at(std::uint64_t tick);
 
-  /// Compares the next tick. False: it differs, and the report says where.
-  bool compare(const DoneTick& done, const RowNamer& row_name);
+  /// Compares the next tick. False: it differs, and the report says where. `whole`: the schema here, with the shown
+  /// columns.
+  bool compare(const DoneTick& done, const StateSchema& whole, const RowNamer& row_name);
+  /// Other shown columns than recorded are told, and change no verdict.
+  void note_shown_schema(const StateSchema& whole);
 
   /// The inputs that a tick took are not those it was recorded with.
   void other_inputs(std::uint64_t tick, const std::string& what);
@@ -107,6 +111,7 @@ class Comparing {
                const verifier::TickSide& here, const RowNamer& row_name);
   void not_comparable(const std::string& reason, const std::string& hint);
   bool compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name);
+  void note_shown(const Bytes* recorded, const Bytes* here, const StateSchema& whole);
   void note_addresses(const verifier::Divergence& divergence);
   void note_floats();
 

@@ -36,16 +36,22 @@ bool Recording::wants_save(std::uint64_t tick) const {
   return (options_.features & saves) != 0 && tick % options_.checkpoint_interval == 0;
 }
 
-Status Recording::write_checkpoint(const StateView& state, std::uint64_t tick, const Bytes* save) {
+bool Recording::wants_shown(std::uint64_t tick) const {
+  return wants_stages(tick) || (tick + 1) % options_.checkpoint_interval == 0;
+}
+
+Status Recording::write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents) {
   if (const Status status = writer_->checkpoint(state, root_); !status) return status;
+  if (contents.shown != nullptr)
+    if (const Status status = writer_->shown(*contents.shown); !status) return status;
   if (!wants_save(tick)) return {};
-  if (save != nullptr) return writer_->save(*save);
+  if (contents.save != nullptr) return writer_->save(*contents.save);
   ++missing_saves_;
   return {};
 }
 
-Status Recording::start(const StateView& state, const Bytes* save, const std::vector<std::string>& stages,
-                        const RowNamer& row_name) {
+Status Recording::start(const StateView& state, const StateSchema& whole, const CheckpointContents& contents,
+                        const std::vector<std::string>& stages, const RowNamer& row_name) {
   if (const auto place = find_non_finite(state))
     return Error{ErrorCode::usage,
                  options_.path + ": initial state: " + place_text(*state.schema, *place, row_name) +
@@ -60,6 +66,10 @@ Status Recording::start(const StateView& state, const Bytes* save, const std::ve
   setup.full_first = options_.full_first;
   setup.full_last = options_.full_last;
   setup.checkpoint_interval = options_.checkpoint_interval;
+  if (has_shown_columns(whole)) {
+    options_.features |= static_cast<std::uint32_t>(replay::Feature::shown);
+    setup.whole_schema = whole;
+  }
   setup.features = options_.features;
   setup.schema = *state.schema;
   setup.stages = stages;
@@ -71,7 +81,7 @@ Status Recording::start(const StateView& state, const Bytes* save, const std::ve
   if (!writer) return writer.error();
   writer_.emplace(std::move(*writer));
   first_root_ = root_ = root_hash(state);
-  if (const Status status = write_checkpoint(state, 0, save); !status) return writer_->abandon(status.error());
+  if (const Status status = write_checkpoint(state, 0, contents); !status) return writer_->abandon(status.error());
   return {};
 }
 
@@ -92,9 +102,11 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
   changed_ = changed_ || root_ != first_root_;
   if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status)
     return writer_->abandon(status.error());
+  if (tick.contents.shown != nullptr && wants_stages(tick.tick))
+    if (const Status status = writer_->shown(*tick.contents.shown); !status) return writer_->abandon(status.error());
   time_s_ += tick.dt;
   if (writer_->wants_checkpoint())
-    if (const Status status = write_checkpoint(*tick.state, tick.tick + 1, tick.save); !status)
+    if (const Status status = write_checkpoint(*tick.state, tick.tick + 1, tick.contents); !status)
       return writer_->abandon(status.error());
   return true;
 }

@@ -43,10 +43,13 @@ class Recording {
   /// Whether the checkpoint with so many ticks done holds a save.
   bool wants_save(std::uint64_t tick) const;
 
-  /// Creates the trace. `save`: of the program, for the first checkpoint; null where it gave none.
+  /// Whether the shown columns after this tick are stored.
+  bool wants_shown(std::uint64_t tick) const;
+
+  /// Creates the trace. `whole`: the schema with the shown columns; `contents`: of the first checkpoint.
   /// Errors: io, limit, usage (a value that is not finite).
-  Status start(const StateView& state, const Bytes* save, const std::vector<std::string>& stages,
-               const RowNamer& row_name);
+  Status start(const StateView& state, const StateSchema& whole, const CheckpointContents& contents,
+               const std::vector<std::string>& stages, const RowNamer& row_name);
   bool is_started() const { return writer_.has_value(); }
 
   /// Hands the inputs of a tick to the operating system. Errors: io, limit.
@@ -68,7 +71,7 @@ class Recording {
   std::vector<std::string> notes;
 
  private:
-  Status write_checkpoint(const StateView& state, std::uint64_t tick, const Bytes* save);
+  Status write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
 
   RecordingOptions options_;
   std::optional<replay::TraceWriter> writer_;

@@ -32,8 +32,13 @@ std::string number(std::uint64_t value) {
   return std::to_string(value);
 }
 
+/// `type` may have the flag of a shown column.
 ScalarType scalar_type(int type) {
-  return static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+  const int plain = type & ~TICKTRUE_SHOWN;
+  return static_cast<ScalarType>(type >= 0 && plain <= 255 ? plain : 0);
+}
+bool is_shown_type(int type) {
+  return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
 bool is_dt(double dt) {
@@ -237,6 +242,7 @@ int Session::column(const char* table, const char* name, const void* data, int t
   source.lane_count = lanes;
   source.row_count = rows;
   source.stride = stride;
+  source.is_shown = is_shown_type(type);
   const Status status = state_.column(text_of(table), text_of(name), source);
   return status ? TICKTRUE_OK : fail(status.error());
 }
@@ -253,7 +259,7 @@ int Session::table(const char* name, std::size_t stride, const ticktrue_member* 
   std::vector<RowMember> row(member_count);
   for (std::uint32_t i = 0; i < member_count; ++i) {
     const ticktrue_member& member = members[i];
-    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset};
+    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
     if (const Status status = check_name(place + "column", row[i].name); !status) return fail(status.error());
     const ScalarInfo* scalar = scalar_info(row[i].type);
     if (scalar == nullptr || member.size == 0) continue;
@@ -388,10 +394,14 @@ int Session::start() {
   if (recording_) {
     std::optional<Bytes> save;
     if (saves_.is_set() && !save_now(save)) return status_;
-    const Status status = recording_->start(state_.view(), save ? &*save : nullptr, stages_, namer());
+    std::optional<Bytes> shown;
+    if (state_.has_shown() && !gather_shown(shown)) return status_;
+    const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
+    const Status status = recording_->start(state_.view(), state_.whole_schema(), contents, stages_, namer());
     if (!status) return fail(status.error());
   } else {
     if (!comparing_->start(state_.view(), stages_)) return stop(TICKTRUE_FAILED);
+    comparing_->note_shown_schema(state_.whole_schema());
     const Bytes* begin = comparing_->begin_save();
     if (begin != nullptr && !load_now(tick_, *begin)) return status_;
     if (!comparing_->check_begin(state_.view(), namer())) return stop(TICKTRUE_DIVERGED);
@@ -447,7 +457,7 @@ int Session::begin_tick(double* dt) {
 
 int Session::take(const DoneTick& done) {
   if (comparing_) {
-    if (comparing_->compare(done, namer())) return TICKTRUE_OK;
+    if (comparing_->compare(done, state_.whole_schema(), namer())) return TICKTRUE_OK;
     if (load_count_ > 0)
       comparing_->note(
           "before this tick the load callback brought the program back: only a run from tick 0 without it tells "
@@ -471,13 +481,15 @@ int Session::end_tick() {
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
   if (second_.is_second()) return end_second(tick);
-  std::optional<Bytes> save, recorded_save;
+  std::optional<Bytes> save, shown, recorded_save;
   if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
+  if (state_.has_shown() && (comparing_ || recording_->wants_shown(tick)) && !gather_shown(shown)) return status_;
   if (restores_) recorded_save = comparing_->save_behind(tick);
   const bool is_last = comparing_ && comparing_->at(tick) != nullptr && comparing_->at(tick)->is_not_finite;
   if (second_.is_open() && second_.behind() == tick && !is_last) second_.add(dt_, inputs_, state_.view());
   if (rollback_max_ == 0) {
-    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), save ? &*save : nullptr};
+    const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
+    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents};
     const int status = take(done);
     inputs_.clear();
     confirmed_ = tick_;
@@ -491,6 +503,7 @@ int Session::end_tick() {
   pending.stage_hashes = stage_hashes_;
   pending.state = KeptState(state_.view());
   pending.save = std::move(save);
+  pending.shown = std::move(shown);
   return after_first_run(std::move(recorded_save));
 }
 
@@ -543,8 +556,9 @@ int Session::confirm_pending(std::uint64_t tick) {
     const PendingTick& pending = pending_.front();
     if (recording_)
       if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
-    const Bytes* save = pending.save ? &*pending.save : nullptr;
-    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), save}) !=
+    const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
+                                      pending.shown ? &*pending.shown : nullptr};
+    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents}) !=
         TICKTRUE_OK)
       return status_;
     confirmed_ = pending.tick + 1;

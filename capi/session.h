@@ -82,6 +82,7 @@ class Session {
     std::vector<std::uint64_t> stage_hashes;
     KeptState state;
     std::optional<Bytes> save;
+    std::optional<Bytes> shown;
   };
 
   Status check_options(const ticktrue_options& options);
@@ -103,6 +104,8 @@ class Session {
 
   /// Calls the save callback; `bytes` becomes nothing where it has no save now. False: the session has failed.
   bool save_now(std::optional<Bytes>& bytes);
+  /// False: the session has failed.
+  bool gather_shown(std::optional<Bytes>& bytes);
   /// Calls the load callback and gathers the state. False: the session has failed.
   bool load_now(std::uint64_t tick, ByteView bytes);
   bool open_sync_block();

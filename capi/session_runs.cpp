@@ -7,6 +7,7 @@
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "capi/session.h"
+#include "replay/format/shown_image.h"
 #include "verifier/locate/locate.h"
 
 namespace ticktrue::capi {
@@ -66,6 +67,13 @@ bool Session::save_now(std::optional<Bytes>& bytes) {
             hex64(changed.expected_root) + ", behind it " + hex64(changed.got_root),
         "save writes to the buffer alone"});
   return false;
+}
+
+bool Session::gather_shown(std::optional<Bytes>& bytes) {
+  const Result<std::vector<ShownRows>> rows = state_.gather_shown();
+  if (!rows) return fail(rows.error()), false;
+  replay::encode_shown(*rows, bytes.emplace());
+  return true;
 }
 
 bool Session::load_now(std::uint64_t tick, ByteView bytes) {

@@ -36,7 +36,7 @@ extern "C" {
 
 /* The version of this interface. It rises when something is added; what was there stays.
    2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
-   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek. */
+   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN. */
 #define TICKTRUE_API_VERSION 3u
 
 /* What calls return. */
@@ -56,7 +56,11 @@ enum {
   TICKTRUE_I32 = 5,
   TICKTRUE_I64 = 6,
   TICKTRUE_F32 = 7,
-  TICKTRUE_F64 = 8
+  TICKTRUE_F64 = 8,
+  /* Added to one of these, as in TICKTRUE_F32 | TICKTRUE_SHOWN: the column is stored and printed, and never compared.
+     For what people want to see in a report and what may differ: sprites, names of assets, costs, addresses. Its table
+     has at least one column that is compared. Stored in checkpoints and with ticks in full detail. */
+  TICKTRUE_SHOWN = 0x100
 };
 
 /* ---- sessions: a program that owns its loop ---------------------------------------------------------------------- */
@@ -86,7 +90,7 @@ enum {
    them. TICKTRUE_SAVE_FAILED: no save now. It changes nothing. */
 #define TICKTRUE_SAVE_FAILED ((size_t)-1)
 typedef size_t (*ticktrue_saver)(void* user, void* buffer, size_t size);
-/* Brings the program into that state; 0 for success. Both are called in begin_tick (the first), input, end_tick and
+/* Brings the program into that state; 0 for success. Both are called in begin_tick, input, end_tick and
    ticktrue_seek. They may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
 typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
 
