@@ -24,6 +24,13 @@ struct FirstRunTick {
   }
 };
 
+/// What brings the program back, and the state that it must then be in.
+struct SecondRunBegin {
+  std::uint64_t tick = 0;
+  Bytes save;
+  KeptState state;
+};
+
 class SecondRun {
  public:
   /// The program is in `state`, with `tick` ticks done; `save` brings it back.
@@ -49,12 +56,7 @@ class SecondRun {
 
  private:
   static constexpr std::size_t size_max = std::size_t{64} << 20;  // bytes of copied states
-  struct Begin {
-    std::uint64_t tick = 0;
-    Bytes save;
-    KeptState state;
-  };
-  std::optional<Begin> begin_;
+  std::optional<SecondRunBegin> begin_;
   std::deque<FirstRunTick> ticks_;
   std::size_t size_ = 0;  // bytes of their states
   bool is_second_ = false;

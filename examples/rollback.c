@@ -4,7 +4,7 @@
 //   ./rollback --record game.ttr                  plays 600 ticks over a bad line; only confirmed ticks are recorded
 //   ./rollback --verify game.ttr                  plays the recorded inputs again, and goes back every few ticks
 //   ./rollback --verify game.ttr --bug unsaved    going back forgets one field: verify names it
-//   ./rollback --record game.ttr --sync-test 1    runs each tick twice, and needs no other player for that
+//   ./rollback --record sync.ttr --sync-test 1    runs each tick twice, and needs no other player for that
 //   ./rollback --verify game.ttr --mode restore   loads each save of the trace and runs on from it
 //   ./rollback --verify game.ttr --from 500       begins at the last save before tick 500
 #include <stdio.h>

@@ -102,6 +102,7 @@ home=$work/home
 mkdir -p "$home" "$work/doc"
 ln -s "$prefix" "$home/ticktrue"
 cp game.c "$work/doc/game.c"
+cp rollback "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
 sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
@@ -119,16 +120,19 @@ while IFS= read -r command; do
   case $command in
     *game_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
   esac
-  case $command in ./game_fma*) wanted=$is_red is_red=0 ;; esac
+  case $command in
+    ./game_fma*) wanted=$is_red is_red=0 ;;
+    *--bug*) wanted=1 ;;
+  esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
 done <printed
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback swarm libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback swarm consumer libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c swarm.c plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c swarm.c consumer.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -289,8 +293,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..2
-2 old it does not work with interface version 2
+2 version interface version: found 99, expected 1..3
+2 old it does not work with interface version 3
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000
