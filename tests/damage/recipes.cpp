@@ -464,15 +464,15 @@ Bytes forge_saves(const Recording& from, std::uint64_t seed) {
   std::size_t next_checkpoint = 0;
   for (std::size_t t = 0; forger.size() < forged_size_max / 2; ++t) {
     if (next_checkpoint < from.checkpoints.size() && from.checkpoints[next_checkpoint].tick == t) {
-      const Result<std::vector<ImageTable>> tables =
-          split_image(setup.schema, from.checkpoints[next_checkpoint++].image);
+      const Recording::Checkpoint& checkpoint = from.checkpoints[next_checkpoint++];
+      const Result<std::vector<ImageTable>> tables = split_image(setup.schema, checkpoint.image);
       if (!tables) break;
       std::vector<std::uint32_t> listed;
       for (std::uint32_t i = 0; i < tables->size(); ++i)
         if ((*tables)[i].row_count > 0) listed.push_back(i);
       Bytes list;
       replay::encode_table_list(replay::ListBase::nothing, *tables, listed, list);
-      forger.list(ChunkKind::checkpoint, list);
+      forger.list(ChunkKind::checkpoint, list, list.size(), 0, checkpoint.root_hash);
       Bytes save(random.below(4'096), static_cast<std::uint8_t>(random.bits()));
       change_bytes(random, save, random.below(9));
       const bool lies = random.below(3) == 0;
