@@ -8,6 +8,7 @@
 
 #include "base/count_text.h"
 #include "base/limits.h"
+#include "replay/format/shown_image.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/schema_difference.h"
 
@@ -19,6 +20,7 @@ using verifier::Verdict;
 
 constexpr std::size_t lane_report_count_max = 64;
 constexpr std::size_t input_bytes_shown_max = 256;
+constexpr std::size_t shown_rows_max = 8;  // in a report
 
 std::string inputs_json(std::uint64_t tick, ByteView inputs) {
   if (inputs.empty()) return "";
@@ -44,15 +46,42 @@ bool looks_like_address(std::uint64_t bits) {
   return top == 0x55 || top == 0x56 || top == 0x7f || top == 0x7e;
 }
 
+/// "units.glow, units.sprite"
+std::string shown_columns(const StateSchema& whole) {
+  std::vector<std::string> names;
+  for (const TableSchema& table : whole.tables)
+    for (const Column& column : table.columns)
+      if (column.is_shown) names.push_back(table.name + "." + column.name);
+  return list_of(names);
+}
+
+/// "glow 0.5, sprite 3"; empty where nothing is shown of the row.
+std::string shown_row(const StateSchema& whole, const Bytes* shown, const std::string& table, std::uint64_t row) {
+  const std::optional<std::size_t> number = whole.find_table(table);
+  if (shown == nullptr || !number) return "";
+  const auto tables = replay::decode_shown(whole, *shown);
+  if (!tables) return "not readable: " + tables.error().message;
+  for (const ShownRows& rows : *tables)
+    if (rows.table == *number && row < rows.rows.row_count)
+      return replay::shown_row_text(whole.tables[*number], rows, static_cast<std::size_t>(row));
+  return "";
+}
+
 }  // namespace
 
-Comparing::Comparing(replay::TraceReader reader, std::string file)
-    : reader_(std::move(reader)), comparer_(reader_.setup().schema), last_dt_(reader_.setup().dt) {
+Comparing::Comparing(replay::TraceReader reader, std::string file, CompareRange range)
+    : reader_(std::move(reader)),
+      comparer_(reader_.setup().schema),
+      range_(range),
+      next_(reader_.first_tick()),
+      last_dt_(reader_.setup().dt) {
   report_.file = std::move(file);
   report_.title = setup().title;
   report_.simulation = setup().simulation;
   report_.mode = "replay";
   report_.ticks_recorded = reader_.tick_count_hint();
+  if (report_.ticks_recorded) *report_.ticks_recorded -= std::min(reader_.first_tick(), *report_.ticks_recorded);
+  report_.first_tick = std::max(reader_.first_tick(), range_.from);
   report_.recorded_build = reader_.facts();
 }
 
@@ -78,7 +107,32 @@ bool Comparing::check_identity(const Identity& identity) {
   return true;
 }
 
-bool Comparing::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
+bool Comparing::seek(std::uint64_t tick) {
+  if (!has_saves()) return false;
+  for (std::uint64_t wanted = tick; reader_.seek(wanted);) {
+    const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&reader_.next());
+    if (checkpoint == nullptr) break;
+    if (checkpoint->save) {
+      begin_ = verifier::copy_of(*checkpoint);
+      begin_save_.emplace(checkpoint->save->begin(), checkpoint->save->end());
+      report_.time_s = checkpoint->time_s.value_or(0);
+      ahead_.clear();
+      at_end_ = false;
+      report_.end.reset();
+      next_ = begin_->tick;
+      return true;
+    }
+    if (checkpoint->tick == 0) break;
+    wanted = checkpoint->tick - 1;
+  }
+  // Nothing was taken: what was read before is read again.
+  reader_.rewind();
+  ahead_.clear();
+  at_end_ = false;
+  return false;
+}
+
+bool Comparing::start(const StateView& state, const std::vector<std::string>& stages) {
   if (const auto difference =
           verifier::first_schema_difference(setup().schema, *state.schema, verifier::Ranges::inside)) {
     not_comparable(verifier::schema_text(*difference),
@@ -89,31 +143,72 @@ bool Comparing::start(const StateView& state, const std::vector<std::string>& st
     not_comparable("stages: recorded " + list_of(setup().stages) + "; here " + list_of(stages), "record again");
     return false;
   }
-  if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0) {
+  if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0 && !begin_) {
     not_comparable("begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
                    "show lists what it holds; diff compares it with another trace");
     return false;
   }
   note_floats();
+  return true;
+}
+
+bool Comparing::check_begin(const StateView& state, const RowNamer& row_name) {
+  if (decided_) return false;
   first_root_ = root_hash(state);
-  read_until(0);
-  if (!initial_) return true;  // damaged: the end of the trace says so
-  if (initial_->root_hash == first_root_) return true;
+  if (!begin_) read_until(0);
+  const std::optional<verifier::StoredCheckpoint>& recorded = begin_ ? begin_ : initial_;
+  if (!recorded) return true;  // damaged: the end of the trace says so
+  report_.checkpoints_compared += begin_ ? 1 : 0;
+  if (recorded->root_hash == first_root_) return true;
   Divergence divergence;
-  divergence.stage = std::string(verifier::stage_setup);
-  divergence.stage_note = "the state before the first tick is not the recorded one";
-  divergence.expected_root = initial_->root_hash;
+  divergence.tick = recorded->tick;
+  divergence.time_s = report_.time_s;
+  divergence.stage = std::string(begin_ ? verifier::stage_load : verifier::stage_setup);
+  divergence.stage_note = begin_ ? "the state behind the load callback is not the recorded one"
+                                 : "the state before the first tick is not the recorded one";
+  divergence.expected_root = recorded->root_hash;
   divergence.got_root = first_root_;
   Bytes got;
   encode_image(state, got);
-  if (!verifier::locate_lanes(setup().schema, initial_->image, got, row_name, lane_report_count_max, divergence))
+  if (!verifier::locate_lanes(setup().schema, recorded->image, got, row_name, lane_report_count_max, divergence))
     report_.warnings.push_back("the recorded initial state cannot be read");
   note_addresses(divergence);
   report_.divergence = std::move(divergence);
   report_.verdict = Verdict::diverged;
-  report_.hint = "is the world made from the setup alone, and every registered value initialised?";
+  report_.hint = begin_ ? "does save write every registered value, and does load restore each of them?"
+                        : "is the world made from the setup alone, and every registered value initialised?";
   decided_ = true;
   return false;
+}
+
+std::optional<Bytes> Comparing::save_behind(std::uint64_t tick) {
+  read_until(tick + 1);
+  for (const RecordedTick& recorded : ahead_)
+    if (recorded.tick == tick) return recorded.save;
+  return std::nullopt;
+}
+
+void Comparing::count(std::uint64_t tick) {
+  next_ = tick + 1;
+  if (tick < range_.from) return;
+  ++report_.ticks_compared;
+  if (counted_.empty() || counted_.back().second != tick)
+    counted_.emplace_back(tick, tick + 1);
+  else
+    counted_.back().second = tick + 1;
+}
+
+std::string Comparing::gaps() const {
+  auto ranges = counted_;
+  std::sort(ranges.begin(), ranges.end());
+  std::string text;
+  std::uint64_t expected = std::max(range_.from, reader_.first_tick());
+  for (const auto& [first, behind] : ranges) {
+    if (first > expected)
+      text += (text.empty() ? "" : ", ") + std::to_string(expected) + ".." + std::to_string(first - 1);
+    expected = std::max(expected, behind);
+  }
+  return text;
 }
 
 void Comparing::note_floats() {
@@ -130,10 +225,17 @@ void Comparing::note_floats() {
 /// The checkpoint follows its tick, which is not compared yet.
 void Comparing::take_checkpoint(const replay::CheckpointRecord& checkpoint) {
   ++report_.checkpoints_compared;
-  if (checkpoint.tick == 0)
+  std::optional<Bytes> save;
+  if (checkpoint.save) save.emplace(checkpoint.save->begin(), checkpoint.save->end());
+  if (checkpoint.shown && !ahead_.empty() && !ahead_.back().shown)
+    ahead_.back().shown.emplace(checkpoint.shown->begin(), checkpoint.shown->end());
+  if (checkpoint.tick == 0) {
     initial_ = verifier::copy_of(checkpoint);
-  else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick)
+    first_save_ = std::move(save);
+  } else if (!ahead_.empty() && ahead_.back().tick + 1 == checkpoint.tick) {
     ahead_.back().checkpoint = verifier::copy_of(checkpoint);
+    ahead_.back().save = std::move(save);
+  }
 }
 
 bool Comparing::read_until(std::uint64_t tick) {
@@ -146,7 +248,8 @@ bool Comparing::read_until(std::uint64_t tick) {
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
       last_dt_ = record->dt;
-      ahead_.push_back({verifier::copy_of(*record), std::nullopt, false});
+      ahead_.push_back({verifier::copy_of(*record), std::nullopt, std::nullopt, std::nullopt, false});
+      if (record->shown) ahead_.back().shown.emplace(record->shown->begin(), record->shown->end());
       continue;
     }
     at_end_ = true;
@@ -166,13 +269,14 @@ bool Comparing::read_until(std::uint64_t tick) {
 }
 
 const RecordedTick* Comparing::at(std::uint64_t tick) {
+  if (range_.to && tick > *range_.to) return nullptr;
   read_until(tick);
   for (const RecordedTick& recorded : ahead_)
     if (recorded.tick == tick) return &recorded;
   return nullptr;
 }
 
-bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
+bool Comparing::compare(const DoneTick& done, const StateSchema& whole, const RowNamer& row_name) {
   if (decided_) return false;
   TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
   const RecordedTick& recorded = ahead_.front();
@@ -185,7 +289,7 @@ bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
   const auto difference = comparer_.compare(sides);
   report_.compared += comparer_.take_compared();
   report_.root_hash = here.root_hash;
-  ++report_.ticks_compared;
+  count(done.tick);
   if (difference) {
     const bool is_of_checkpoint = difference->b == 2;
     if (!is_of_checkpoint && !sides[0].image && recorded.checkpoint)
@@ -198,6 +302,7 @@ bool Comparing::compare(const DoneTick& done, const RowNamer& row_name) {
       report_.divergence->stage_note = "the hash of the tick before agrees, the checkpoint does not";
     }
     if (!contradiction.empty()) report_.notes.push_back(contradiction);
+    note_shown(recorded.shown ? &*recorded.shown : nullptr, done.contents.shown, whole);
     return false;
   }
   changed_ = changed_ || here.root_hash != first_root_;
@@ -228,6 +333,29 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
   report_.divergence = std::move(divergence);
+}
+
+void Comparing::note_shown_schema(const StateSchema& whole) {
+  const std::string recorded = shown_columns(setup().whole_schema ? *setup().whole_schema : setup().schema);
+  const std::string here = shown_columns(whole);
+  if (recorded != here) report_.notes.push_back("shown columns: recorded " + recorded + "; here " + here);
+}
+
+void Comparing::note_shown(const Bytes* recorded, const Bytes* here, const StateSchema& whole) {
+  const StateSchema& recorded_schema = setup().whole_schema ? *setup().whole_schema : setup().schema;
+  std::size_t count = 0;
+  const verifier::LaneReport* before = nullptr;
+  for (const verifier::LaneReport& row : report_.divergence->rows) {
+    if (before != nullptr && before->table == row.table && before->row == row.row) continue;
+    before = &row;
+    const std::string there = shown_row(recorded_schema, recorded, row.table, row.row);
+    const std::string now = shown_row(whole, here, row.table, row.row);
+    if (there.empty() && now.empty()) continue;
+    report_.notes.push_back("shown of " + row.table + " row " + std::to_string(row.row) + ": " +
+                            (there.empty() ? "" : "recorded " + there + (now.empty() ? "" : "; ")) +
+                            (now.empty() ? "" : "here " + now));
+    if (++count == shown_rows_max) return;
+  }
 }
 
 void Comparing::note_addresses(const Divergence& divergence) {
@@ -264,11 +392,21 @@ void Comparing::other_inputs(std::uint64_t tick, const std::string& what) {
 }
 
 void Comparing::finish(std::uint64_t ticks_run) {
-  if (!at_end_) read_until(ticks_run);
-  if (report_.end) report_.ticks_recorded = report_.end->tail.ticks_intact;
+  if (!at_end_ && !is_behind_range()) read_until(ticks_run);
+  if (report_.end)
+    report_.ticks_recorded =
+        report_.end->tail.ticks_intact - std::min(reader_.first_tick(), report_.end->tail.ticks_intact);
   if (report_.ticks_compared > 0 && !changed_ && report_.verdict != Verdict::diverged)
     report_.warnings.push_back("no registered value changed in " + count_text(report_.ticks_compared, "tick") +
                                ": is all of the state registered?");
+  if (counted_.size() > 1) {  // a tick that was compared twice counts once
+    std::sort(counted_.begin(), counted_.end());
+    std::uint64_t behind = report_.ticks_compared = 0;
+    for (const auto& [first, end] : counted_) {
+      report_.ticks_compared += end - std::min(end, std::max(first, behind));
+      behind = std::max(behind, end);
+    }
+  }
   if (decided_) return;
   decided_ = true;
   const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;
@@ -276,7 +414,7 @@ void Comparing::finish(std::uint64_t ticks_run) {
   if (tail != nullptr && tail->condition == replay::TraceCondition::damaged) {
     report_.verdict = Verdict::damaged;
     report_.reason = tail->message;
-  } else if (!at_end_ || !ahead_.empty()) {
+  } else if (!is_behind_range() && (!at_end_ || !ahead_.empty())) {
     report_.reason =
         "the program ended its loop after " + count_text(report_.ticks_compared, "tick") + ", before the trace ends";
     report_.hint = "leave the loop when ticktrue_begin_tick does not return TICKTRUE_OK";
@@ -285,9 +423,28 @@ void Comparing::finish(std::uint64_t ticks_run) {
     report_.hint = "every tick up to the cut matches; `ticktrue recover` makes a complete trace of it";
   } else if (report_.ticks_compared == 0) {
     report_.reason = "no tick was compared";
+  } else if (const std::string missing = gaps(); !missing.empty()) {
+    report_.reason = "ticks " + missing + " were not compared: ticktrue_seek went past them";
   } else {
     report_.verdict = Verdict::match;
   }
+}
+
+void Comparing::second_run_differs(SecondRunFinding finding) {
+  if (decided_) return;
+  decided_ = true;
+  report_.verdict = Verdict::state_incomplete;
+  report_.checkpoint = finding.begin;
+  report_.reason = std::move(finding.reason);
+  report_.hint = second_run_hint;
+  report_.divergence = std::move(finding.divergence);
+}
+
+void Comparing::not_whole(const std::string& reason, const std::string& hint) {
+  if (report_.verdict != Verdict::match) return;
+  report_.verdict = Verdict::incomplete;
+  report_.reason = reason;
+  report_.hint = hint;
 }
 
 }  // namespace ticktrue::capi

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -20,15 +21,33 @@
 
 namespace ticktrue::capi {
 
+/// Of what a verification takes from the options.
+struct CompareRange {
+  std::uint64_t from = 0;           // first tick that counts as compared
+  std::optional<std::uint64_t> to;  // last tick
+};
+
+/// The second run of a tick ended otherwise than the first.
+struct SecondRunFinding {
+  std::uint64_t begin = 0;  // tick of the save from which both runs went on
+  std::string reason;
+  verifier::Divergence divergence;
+};
+inline constexpr const char* second_run_hint =
+    "something that these ticks read is not in what save gives or not restored by load (a static, a cache, a counter, "
+    "a generator), or a tick reads a clock or addresses";
+
 /// A copy of a recorded tick, held until the tick is confirmed.
 struct RecordedTick : verifier::StoredTick {
   std::optional<verifier::StoredCheckpoint> checkpoint;  // behind it
+  std::optional<Bytes> save;                             // of that checkpoint
+  std::optional<Bytes> shown;                            // the shown image after the tick
   bool is_not_finite = false;                            // the recording ended because of this tick
 };
 
 class Comparing {
  public:
-  Comparing(replay::TraceReader reader, std::string file);
+  Comparing(replay::TraceReader reader, std::string file, CompareRange range);
 
   const replay::TraceSetup& setup() const { return reader_.setup(); }
 
@@ -36,38 +55,77 @@ class Comparing {
   void set_facts(replay::BuildFacts facts) { report_.here_build = std::move(facts); }
   /// Whether the program is the one that recorded. False: the report says what differs.
   bool check_identity(const Identity& identity);
-  /// Compares columns, stages and the initial state. False: the report says what differs.
-  bool start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name);
+  std::uint64_t first_tick() const { return reader_.first_tick(); }
+  bool has_saves() const { return setup().has(replay::Feature::saves); }
+  void set_mode(const std::string& mode) { report_.mode = mode; }
+
+  /// Goes to the last checkpoint with a save at or before `tick`. False: there is none, and the position is as before.
+  bool seek(std::uint64_t tick);
+  /// Where the run begins.
+  std::uint64_t begin_tick() const { return begin_ ? begin_->tick : 0; }
+  /// What brings the program there; null: it begins with its setup.
+  const Bytes* begin_save() const { return begin_save_ ? &*begin_save_ : nullptr; }
+  /// Of the checkpoint at tick 0, where the run begins with the setup; null: none. Requires: check_begin().
+  const Bytes* first_save() const { return first_save_ ? &*first_save_ : nullptr; }
+
+  /// Compares columns and stages. False: the report says what differs.
+  bool start(const StateView& state, const std::vector<std::string>& stages);
+  /// Compares the state from which the run goes on. False: the report says what differs.
+  bool check_begin(const StateView& state, const RowNamer& row_name);
+
+  /// The save behind this tick, which is recorded and not compared yet; nothing where the trace has none there.
+  std::optional<Bytes> save_behind(std::uint64_t tick);
 
   /// The tick as recorded, or null when there are no more. Valid until compare() of that tick.
   const RecordedTick* at(std::uint64_t tick);
 
-  /// Compares the next tick. False: it differs, and the report says where.
-  bool compare(const DoneTick& done, const RowNamer& row_name);
+  /// Compares the next tick. False: it differs, and the report says where. `whole`: the schema here, with the shown
+  /// columns.
+  bool compare(const DoneTick& done, const StateSchema& whole, const RowNamer& row_name);
+  /// Other shown columns than recorded are told, and change no verdict.
+  void note_shown_schema(const StateSchema& whole);
 
   /// The inputs that a tick took are not those it was recorded with.
   void other_inputs(std::uint64_t tick, const std::string& what);
 
   /// Decides the verdict; later ticks are not compared. `ticks_run`: by the program.
   void finish(std::uint64_t ticks_run);
+
+  /// Two runs of this program differ, and the first was as recorded.
+  void second_run_differs(SecondRunFinding finding);
+  /// The verdict of a run that otherwise matches. `reason` is one line.
+  void not_whole(const std::string& reason, const std::string& hint);
+  void refuse(const std::string& reason, const std::string& hint) { not_comparable(reason, hint); }
+  void note(std::string text) { report_.notes.push_back(std::move(text)); }
   const verifier::Report& report() const { return report_; }
   bool has_finding() const { return decided_; }
 
  private:
   bool read_until(std::uint64_t tick);
+  void count(std::uint64_t tick);
+  /// Ticks of the range that lie between the first and the last compared and were not; empty: none.
+  std::string gaps() const;
+  bool is_behind_range() const { return range_.to && next_ > *range_.to; }
   void take_checkpoint(const replay::CheckpointRecord& checkpoint);
   void diverge(const RecordedTick& recorded, const DoneTick& done, const verifier::TickSide& expected,
                const verifier::TickSide& here, const RowNamer& row_name);
   void not_comparable(const std::string& reason, const std::string& hint);
   bool compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name);
+  void note_shown(const Bytes* recorded, const Bytes* here, const StateSchema& whole);
   void note_addresses(const verifier::Divergence& divergence);
   void note_floats();
 
   replay::TraceReader reader_;
   verifier::TickComparer comparer_;
   verifier::Report report_;
+  CompareRange range_;
   std::optional<verifier::StoredCheckpoint> initial_;  // the recorded initial state, once it was read
-  std::deque<RecordedTick> ahead_;                     // read and not yet compared
+  std::optional<Bytes> first_save_;                    // behind it
+  std::optional<verifier::StoredCheckpoint> begin_;    // where the run begins, if not there
+  std::optional<Bytes> begin_save_;
+  std::uint64_t next_ = 0;                                        // tick that is compared next
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> counted_;  // compared: first tick, one behind the last
+  std::deque<RecordedTick> ahead_;                                // read and not yet compared
   bool at_end_ = false;
   bool decided_ = false;
   bool changed_ = false;

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 
 namespace ticktrue::capi {
@@ -30,7 +31,27 @@ bool Recording::wants_stages(std::uint64_t tick) const {
   return options_.detail == replay::Detail::full && options_.full_first <= tick && tick <= options_.full_last;
 }
 
-Status Recording::start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name) {
+bool Recording::wants_save(std::uint64_t tick) const {
+  const auto saves = static_cast<std::uint32_t>(replay::Feature::saves);
+  return (options_.features & saves) != 0 && tick % options_.checkpoint_interval == 0;
+}
+
+bool Recording::wants_shown(std::uint64_t tick) const {
+  return wants_stages(tick) || (tick + 1) % options_.checkpoint_interval == 0;
+}
+
+Status Recording::write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents) {
+  if (const Status status = writer_->checkpoint(state, root_); !status) return status;
+  if (contents.shown != nullptr)
+    if (const Status status = writer_->shown(*contents.shown); !status) return status;
+  if (!wants_save(tick)) return {};
+  if (contents.save != nullptr) return writer_->save(*contents.save);
+  ++missing_saves_;
+  return {};
+}
+
+Status Recording::start(const StateView& state, const StateSchema& whole, const CheckpointContents& contents,
+                        const std::vector<std::string>& stages, const RowNamer& row_name) {
   if (const auto place = find_non_finite(state))
     return Error{ErrorCode::usage,
                  options_.path + ": initial state: " + place_text(*state.schema, *place, row_name) +
@@ -45,15 +66,22 @@ Status Recording::start(const StateView& state, const std::vector<std::string>& 
   setup.full_first = options_.full_first;
   setup.full_last = options_.full_last;
   setup.checkpoint_interval = options_.checkpoint_interval;
+  if (has_shown_columns(whole)) {
+    options_.features |= static_cast<std::uint32_t>(replay::Feature::shown);
+    setup.whole_schema = whole;
+  }
+  setup.features = options_.features;
   setup.schema = *state.schema;
   setup.stages = stages;
   setup.setup = options_.setup;
+  // Version 3 is written where the program uses what it has, and nowhere else.
+  options_.writer.allow_third = options_.features != 0;
   Result<replay::TraceWriter> writer =
       replay::TraceWriter::create(options_.path, setup, options_.facts, options_.writer);
   if (!writer) return writer.error();
   writer_.emplace(std::move(*writer));
   first_root_ = root_ = root_hash(state);
-  if (const Status status = writer_->checkpoint(state, root_); !status) return writer_->abandon(status.error());
+  if (const Status status = write_checkpoint(state, 0, contents); !status) return writer_->abandon(status.error());
   return {};
 }
 
@@ -74,9 +102,12 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
   changed_ = changed_ || root_ != first_root_;
   if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status)
     return writer_->abandon(status.error());
+  if (tick.contents.shown != nullptr && wants_stages(tick.tick))
+    if (const Status status = writer_->shown(*tick.contents.shown); !status) return writer_->abandon(status.error());
   time_s_ += tick.dt;
   if (writer_->wants_checkpoint())
-    if (const Status status = writer_->checkpoint(*tick.state, root_); !status) return writer_->abandon(status.error());
+    if (const Status status = write_checkpoint(*tick.state, tick.tick + 1, tick.contents); !status)
+      return writer_->abandon(status.error());
   return true;
 }
 
@@ -93,6 +124,9 @@ Status Recording::finish(replay::EndReason reason, const std::string& note) {
   if (!changed_ && writer_->tick_count() > 0)
     warnings.push_back("no registered value changed in " + std::to_string(writer_->tick_count()) +
                        " ticks: is all of the state registered, and by its own address rather than a copy's?");
+  if (missing_saves_ > 0)
+    warnings.push_back(count_text(missing_saves_, "checkpoint") +
+                       " without a save: the save callback returned TICKTRUE_SAVE_FAILED");
   if (const Status status = writer_->finish(reason, note); !status) return writer_->abandon(status.error());
   return {};
 }
@@ -105,8 +139,9 @@ std::string Recording::text() const {
   std::string text = "recorded  " + options_.path + "  " + numbers + "\n  hash    " + hex64(root_) + "\n";
   if (reason_ != replay::EndReason::complete)
     text += "  ended   " + reason_name(reason_) + (note_.empty() ? "" : ": " + note_) + "\n";
+  for (const std::string& line : notes) text += "  note    " + line + "\n";
   for (const std::string& warning : warnings) text += "  warning " + warning + "\n";
-  return text;
+  return finding_ ? text + verifier::report_text(*finding_) : text;
 }
 
 std::string Recording::json() const {
@@ -117,7 +152,13 @@ std::string Recording::json() const {
                      ", \"reason\": " + json_string(reason_name(reason_)) + ", \"note\": " + json_string(note_) +
                      ", \"hash\": \"" + hex64(root_) + "\", \"warnings\": [";
   for (std::size_t i = 0; i < warnings.size(); ++i) text += (i > 0 ? ", " : "") + json_string(warnings[i]);
-  return text + "]}\n";
+  text += "]";
+  if (finding_) {
+    std::string finding = verifier::report_json({&*finding_, 1}, false);
+    while (!finding.empty() && finding.back() == '\n') finding.pop_back();
+    text += ", \"sync_test\": " + finding;
+  }
+  return text + "}\n";
 }
 
 }  // namespace ticktrue::capi

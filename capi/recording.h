@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/result.h"
 #include "capi/tick.h"
 #include "replay/trace_writer.h"
+#include "verifier/report/report.h"
 
 namespace ticktrue::capi {
 
@@ -21,6 +24,7 @@ struct RecordingOptions {
   std::uint64_t full_first = 0;
   std::uint64_t full_last = 0;
   std::uint32_t checkpoint_interval = 0;
+  std::uint32_t features = 0;  // bits of replay::Feature
   Bytes setup;
   replay::WriterOptions writer;
   replay::BuildFacts facts;
@@ -36,8 +40,16 @@ class Recording {
   /// Whether the state and the hashes after each stage of this tick are stored.
   bool wants_stages(std::uint64_t tick) const;
 
-  /// Creates the trace. Errors: io, limit, usage (a value that is not finite).
-  Status start(const StateView& state, const std::vector<std::string>& stages, const RowNamer& row_name);
+  /// Whether the checkpoint with so many ticks done holds a save.
+  bool wants_save(std::uint64_t tick) const;
+
+  /// Whether the shown columns after this tick are stored.
+  bool wants_shown(std::uint64_t tick) const;
+
+  /// Creates the trace. `whole`: the schema with the shown columns; `contents`: of the first checkpoint.
+  /// Errors: io, limit, usage (a value that is not finite).
+  Status start(const StateView& state, const StateSchema& whole, const CheckpointContents& contents,
+               const std::vector<std::string>& stages, const RowNamer& row_name);
   bool is_started() const { return writer_.has_value(); }
 
   /// Hands the inputs of a tick to the operating system. Errors: io, limit.
@@ -48,12 +60,19 @@ class Recording {
   /// Closes the trace. A recording without a tick leaves no file. Errors: io, usage.
   Status finish(replay::EndReason reason, const std::string& note);
 
+  /// What a sync test found: its report becomes a part of this one.
+  void add_finding(verifier::Report finding) { finding_ = std::move(finding); }
+  bool has_finding() const { return finding_.has_value(); }
+
   std::string text() const;
   std::string json() const;
   bool is_finite() const { return reason_ != replay::EndReason::non_finite; }
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;
 
  private:
+  Status write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
+
   RecordingOptions options_;
   std::optional<replay::TraceWriter> writer_;
   std::uint64_t first_root_ = 0;
@@ -63,6 +82,8 @@ class Recording {
   bool closed_ = false;
   replay::EndReason reason_ = replay::EndReason::complete;
   std::string note_;
+  std::uint64_t missing_saves_ = 0;  // checkpoints without one
+  std::optional<verifier::Report> finding_;
 };
 
 }  // namespace ticktrue::capi

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute, and each waits with a copy of the state
 constexpr std::uint32_t checkpoint_interval_default = 600;
-constexpr std::uint32_t known_flags = TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC;
+constexpr std::uint32_t known_flags =
+    TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE;
 
 std::string_view text_of(const char* text) {
   // Bounded: an unterminated name is too long, not a read out of bounds.
@@ -31,8 +32,13 @@ std::string number(std::uint64_t value) {
   return std::to_string(value);
 }
 
+/// `type` may have the flag of a shown column.
 ScalarType scalar_type(int type) {
-  return static_cast<ScalarType>(type >= 0 && type <= 255 ? type : 0);
+  const int plain = type & ~TICKTRUE_SHOWN;
+  return static_cast<ScalarType>(type >= 0 && plain <= 255 ? plain : 0);
+}
+bool is_shown_type(int type) {
+  return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
 bool is_dt(double dt) {
@@ -48,7 +54,17 @@ Session::Session(const ticktrue_options& options) {
   }
   set_facts();
   if (!comparing_) return;
-  if (!comparing_->check_identity(identity_)) stop(TICKTRUE_FAILED);
+  if (!comparing_->check_identity(identity_)) {
+    stop(TICKTRUE_FAILED);
+    return;
+  }
+  if (restores_ && !comparing_->has_saves()) {
+    comparing_->refuse("holds no saves", "record it with the callbacks save and load in the options");
+    stop(TICKTRUE_FAILED);
+    return;
+  }
+  const std::uint64_t begin = std::max(from_, comparing_->first_tick());
+  if (saves_.is_set() && begin > 0 && comparing_->seek(begin)) tick_ = confirmed_ = comparing_->begin_tick();
 }
 
 Status Session::check_options(const ticktrue_options& options) {
@@ -77,10 +93,14 @@ Status Session::check_options(const ticktrue_options& options) {
                  number(rollback_count_max));
   rollback_max_ = options.rollback_max;
 
+  if (const Status status = check_run_options(options); !status) return status;
+
   if (!is_record) {
     Result<replay::TraceReader> reader = replay::TraceReader::open(path_);
     if (!reader) return reader.error();
-    comparing_.emplace(std::move(*reader), path_);
+    comparing_.emplace(std::move(*reader), path_,
+                       CompareRange{from_, options.to == 0 ? std::nullopt : std::optional(options.to)});
+    if (restores_) comparing_->set_mode("restore");
     return {};
   }
   if (options.setup == nullptr && options.setup_size > 0)
@@ -98,6 +118,7 @@ Status Session::check_options(const ticktrue_options& options) {
   recording.checkpoint_interval =
       options.checkpoint_interval == 0 ? checkpoint_interval_default : options.checkpoint_interval;
   recording.setup = setup_;
+  if (saves_.is_set()) recording.features |= static_cast<std::uint32_t>(replay::Feature::saves);
   recording.writer.overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
   recording.writer.sync = (flags_ & TICKTRUE_NO_SYNC) == 0;
   bool is_known = options.detail == TICKTRUE_DETAIL_DEFAULT;
@@ -120,6 +141,47 @@ Status Session::check_options(const ticktrue_options& options) {
   return {};
 }
 
+Status Session::check_run_options(const ticktrue_options& options) {
+  const bool is_verify = options.mode == TICKTRUE_VERIFY;
+  if ((options.save == nullptr) != (options.load == nullptr))
+    return usage(std::string("options: ") +
+                     (options.save == nullptr ? "load: found it without save" : "save: found it without load") +
+                     ", expected both or none",
+                 "load takes the bytes that save gave");
+  if (options.reserved != 0) return usage("options: reserved: found " + number(options.reserved) + ", expected 0");
+  saves_ = SaveCalls(options.save, options.load, options.user);
+  from_ = options.from;
+  sync_ticks_ = options.sync_test;
+  restores_ = (flags_ & TICKTRUE_RESTORE) != 0;
+  if (sync_ticks_ > rollback_count_max)
+    return usage("options: sync_test: found " + number(sync_ticks_) + ", expected at most " +
+                 number(rollback_count_max));
+  const struct {
+    const char* name;
+    bool is_there;
+    bool needs_load;
+    bool needs_verify;
+  } rules[] = {{"from", from_ > 0, true, true},
+               {"to", options.to > 0, false, true},
+               {"sync_test", sync_ticks_ > 0, true, false},
+               {"flags: TICKTRUE_RESTORE", restores_, true, true}};
+  for (const auto& rule : rules) {
+    if (!rule.is_there) continue;
+    if (rule.needs_verify && !is_verify)
+      return usage(std::string("options: ") + rule.name + ": found it in a recording",
+                   "it says what a verification does");
+    if (rule.needs_load && !saves_.is_set())
+      return usage(std::string("options: ") + rule.name + ": found it without the callbacks save and load",
+                   "without them the program can only begin at tick 0 and run on");
+  }
+  if (restores_ && sync_ticks_ > 0)
+    return usage("options: sync_test: found it with TICKTRUE_RESTORE, expected one of them",
+                 "one loads saves of this run, the other those of the trace: verify twice");
+  if (options.to > 0 && options.to < from_)
+    return usage("options: to: found " + number(options.to) + ", expected at least from, " + number(from_));
+  return {};
+}
+
 int Session::stop(int status) {
   if (status_ == TICKTRUE_OK) status_ = status;
   return status_;
@@ -136,6 +198,13 @@ int Session::fail(const Error& error) {
 
 int Session::wrong_order(const std::string& what, const std::string& hint) {
   return fail(usage("tick " + number(tick_) + ": " + what, hint));
+}
+
+bool Session::refuse_in_callback(const char* what) {
+  if (!in_callback_) return false;
+  wrong_order(std::string(what) + ": found a call from inside the save or load callback",
+              "they may call ticktrue_column and ticktrue_rows, and no other function");
+  return true;
 }
 
 bool Session::can_call(const char* what) {
@@ -155,7 +224,7 @@ void Session::set_facts() {
 }
 
 int Session::build_facts(const char* unit, const char* facts) {
-  if (!can_call("build_facts")) return status_;
+  if (!can_call("build_facts") || refuse_in_callback("build_facts")) return status_;
   if (phase_ != Phase::registering)
     return wrong_order("build_facts: found facts after the first tick", "give them before the first tick");
   if (const Status status = check_name("build_facts: unit", text_of(unit)); !status) return fail(status.error());
@@ -173,13 +242,14 @@ int Session::column(const char* table, const char* name, const void* data, int t
   source.lane_count = lanes;
   source.row_count = rows;
   source.stride = stride;
+  source.is_shown = is_shown_type(type);
   const Status status = state_.column(text_of(table), text_of(name), source);
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
 int Session::table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
                    std::uint32_t& table_number) {
-  if (!can_call("table")) return status_;
+  if (!can_call("table") || refuse_in_callback("table")) return status_;
   if (const Status status = check_name("table", text_of(name)); !status) return fail(status.error());
   const std::string place = "table " + std::string(text_of(name)) + ": ";
   if (members == nullptr || member_count == 0 || member_count > limits::column_count_max)
@@ -189,7 +259,7 @@ int Session::table(const char* name, std::size_t stride, const ticktrue_member* 
   std::vector<RowMember> row(member_count);
   for (std::uint32_t i = 0; i < member_count; ++i) {
     const ticktrue_member& member = members[i];
-    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset};
+    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
     if (const Status status = check_name(place + "column", row[i].name); !status) return fail(status.error());
     const ScalarInfo* scalar = scalar_info(row[i].type);
     if (scalar == nullptr || member.size == 0) continue;
@@ -216,19 +286,19 @@ int Session::rows(std::uint32_t table, const void* base, std::uint32_t rows) {
 }
 
 int Session::key(const char* table, std::uint32_t columns) {
-  if (!can_call("key")) return status_;
+  if (!can_call("key") || refuse_in_callback("key")) return status_;
   const Status status = state_.key(text_of(table), columns);
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
 int Session::reference(const char* table, const char* column, const char* target) {
-  if (!can_call("reference")) return status_;
+  if (!can_call("reference") || refuse_in_callback("reference")) return status_;
   const Status status = state_.reference(text_of(table), text_of(column), text_of(target));
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
 int Session::row_names(const char* table, ticktrue_namer call, void* user) {
-  if (!can_call("row_names")) return status_;
+  if (!can_call("row_names") || refuse_in_callback("row_names")) return status_;
   if (!state_.find_table(text_of(table)))
     return fail(usage("row_names: table " + std::string(text_of(table)) + ": found none of this name",
                       "register its columns first"));
@@ -237,7 +307,7 @@ int Session::row_names(const char* table, ticktrue_namer call, void* user) {
 }
 
 int Session::add_stage(const char* name) {
-  if (!can_call("add_stage")) return status_;
+  if (!can_call("add_stage") || refuse_in_callback("add_stage")) return status_;
   if (phase_ != Phase::registering)
     return wrong_order("add_stage: found a new stage after the first tick", "add every stage before the first tick");
   const std::string text(text_of(name));
@@ -257,7 +327,7 @@ bool Session::wants_stages(const RecordedTick* recorded) const {
 }
 
 int Session::stage(const char* name) {
-  if (!can_call("stage")) return status_;
+  if (!can_call("stage") || refuse_in_callback("stage")) return status_;
   if (phase_ != Phase::inside) return wrong_order("stage: found no tick that runs", "call it after begin_tick");
   const std::string_view text = text_of(name);
   if (stages_done_ >= stages_.size() || stages_[stages_done_] != text)
@@ -276,12 +346,13 @@ const RecordedTick* Session::recorded() {
 }
 
 int Session::input(void* data, std::size_t size) {
-  if (!can_call("input")) return status_;
+  if (!can_call("input") || refuse_in_callback("input")) return status_;
   if (phase_ == Phase::inside)
     return wrong_order("input: found a tick that runs already, expected its inputs before begin_tick",
                        "so they are in the file before the tick runs, and a crash does not lose them");
   if (size == 0) return TICKTRUE_OK;
   if (data == nullptr) return wrong_order("input: found null, expected " + number(size) + " bytes", "");
+  if (second_.is_second()) return input_of_second(data, size);
   if (recording_) {
     if (size > replay::input_size_max - std::min(inputs_.size(), replay::input_size_max))
       return wrong_order("input: found more than " + number(replay::input_size_max) + " bytes",
@@ -291,7 +362,10 @@ int Session::input(void* data, std::size_t size) {
     return TICKTRUE_OK;
   }
   const RecordedTick* tick = recorded();
-  if (tick == nullptr) return stop(TICKTRUE_END);
+  if (tick == nullptr) {
+    if (!can_go_back()) return stop(TICKTRUE_END);
+    return go_back() ? input_of_second(data, size) : status_;
+  }
   const std::size_t left = tick->inputs.size() - inputs_taken_;
   if (size > left) {
     comparing_->other_inputs(tick_, "recorded " + number(tick->inputs.size()) + " bytes, the program asks for " +
@@ -318,18 +392,30 @@ int Session::start() {
   if (const Status status = state_.freeze(); !status) return fail(status.error());
   if (const Status status = state_.gather(); !status) return fail(status.error());
   if (recording_) {
-    const Status status = recording_->start(state_.view(), stages_, namer());
+    std::optional<Bytes> save;
+    if (saves_.is_set() && !save_now(save)) return status_;
+    std::optional<Bytes> shown;
+    if (state_.has_shown() && !gather_shown(shown)) return status_;
+    const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
+    const Status status = recording_->start(state_.view(), state_.whole_schema(), contents, stages_, namer());
     if (!status) return fail(status.error());
-  } else if (!comparing_->start(state_.view(), stages_, namer())) {
-    return stop(comparing_->report().verdict == verifier::Verdict::diverged ? TICKTRUE_DIVERGED : TICKTRUE_FAILED);
+  } else {
+    if (!comparing_->start(state_.view(), stages_)) return stop(TICKTRUE_FAILED);
+    comparing_->note_shown_schema(state_.whole_schema());
+    const Bytes* begin = comparing_->begin_save();
+    if (begin != nullptr && !load_now(tick_, *begin)) return status_;
+    if (!comparing_->check_begin(state_.view(), namer())) return stop(TICKTRUE_DIVERGED);
+    const Bytes* save = begin != nullptr ? begin : comparing_->first_save();
+    if (restores_ && save != nullptr) second_.open(tick_, *save, state_.view());
   }
+  if (sync_ticks_ > 0 && !open_sync_block()) return status_;
   return TICKTRUE_OK;
 }
 
 int Session::begin_tick(double* dt) {
-  if (!can_call("begin_tick")) return status_;
+  if (!can_call("begin_tick") || refuse_in_callback("begin_tick")) return status_;
   if (phase_ == Phase::inside) return wrong_order("begin_tick: found a tick that runs already", "end_tick comes first");
-  if (rollback_max_ > 0 && pending_.size() >= rollback_max_)
+  if (rollback_max_ > 0 && pending_.size() >= rollback_max_ && !second_.is_second())
     return wrong_order("begin_tick: found " + number(pending_.size()) + " ticks that wait for ticktrue_confirm, " +
                            "expected at most rollback_max, " + number(rollback_max_),
                        "confirm every tick whose inputs are known of all players, or raise rollback_max");
@@ -338,6 +424,8 @@ int Session::begin_tick(double* dt) {
     if (start() != TICKTRUE_OK) return status_;
     phase_ = Phase::between;
   }
+  if (comparing_ && !second_.is_second() && recorded() == nullptr && can_go_back() && !go_back()) return status_;
+  if (second_.is_second()) return begin_second_tick(dt);
   dt_ = dt != nullptr ? *dt : default_dt_;
   if (recording_) {
     if (!is_dt(dt_)) return wrong_order("begin_tick: dt: found a value that is negative or not finite", "");
@@ -368,14 +456,22 @@ int Session::begin_tick(double* dt) {
 }
 
 int Session::take(const DoneTick& done) {
-  if (comparing_) return comparing_->compare(done, namer()) ? TICKTRUE_OK : stop(TICKTRUE_DIVERGED);
+  if (comparing_) {
+    if (comparing_->compare(done, state_.whole_schema(), namer())) return TICKTRUE_OK;
+    if (load_count_ > 0)
+      comparing_->note(
+          "before this tick the load callback brought the program back: only a run from tick 0 without it tells "
+          "whether "
+          "the tick itself differs, or state is missing from the save");
+    return stop(TICKTRUE_DIVERGED);
+  }
   const Result<bool> written = recording_->end(done, namer());
   if (!written) return fail(written.error());
   return *written ? TICKTRUE_OK : stop(TICKTRUE_DIVERGED);
 }
 
 int Session::end_tick() {
-  if (!can_call("end_tick")) return status_;
+  if (!can_call("end_tick") || refuse_in_callback("end_tick")) return status_;
   if (phase_ != Phase::inside) return wrong_order("end_tick: found no tick that runs", "begin_tick comes first");
   if (stages_done_ != stages_.size())
     return wrong_order("end_tick: stage " + stages_[stages_done_] + ": found no ticktrue_stage for it in this tick",
@@ -384,12 +480,20 @@ int Session::end_tick() {
   phase_ = Phase::between;
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
+  if (second_.is_second()) return end_second(tick);
+  std::optional<Bytes> save, shown, recorded_save;
+  if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
+  if (state_.has_shown() && (comparing_ || recording_->wants_shown(tick)) && !gather_shown(shown)) return status_;
+  if (restores_) recorded_save = comparing_->save_behind(tick);
+  const bool is_last = comparing_ && comparing_->at(tick) != nullptr && comparing_->at(tick)->is_not_finite;
+  if (second_.is_open() && second_.behind() == tick && !is_last) second_.add(dt_, inputs_, state_.view());
   if (rollback_max_ == 0) {
-    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view()};
+    const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
+    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents};
     const int status = take(done);
     inputs_.clear();
     confirmed_ = tick_;
-    return status;
+    return status == TICKTRUE_OK ? after_first_run(std::move(recorded_save)) : status;
   }
   PendingTick& pending = pending_.emplace_back();
   pending.tick = tick;
@@ -397,18 +501,14 @@ int Session::end_tick() {
   pending.inputs = std::move(inputs_);
   inputs_.clear();
   pending.stage_hashes = stage_hashes_;
-  pending.state.schema = &state_.schema();
-  for (std::size_t t = 0; t < state_.view().tables.size(); ++t) {
-    const TableRows& rows = state_.view().tables[t];
-    const std::size_t size = static_cast<std::size_t>(rows.row_count) * state_.schema().tables[t].row_size;
-    pending.rows.emplace_back(rows.data, rows.data + size);
-    pending.state.tables.push_back({pending.rows.back().data(), rows.row_count});
-  }
-  return TICKTRUE_OK;
+  pending.state = KeptState(state_.view());
+  pending.save = std::move(save);
+  pending.shown = std::move(shown);
+  return after_first_run(std::move(recorded_save));
 }
 
 int Session::rewind(std::uint64_t tick) {
-  if (!can_call("rewind")) return status_;
+  if (!can_call("rewind") || refuse_in_callback("rewind")) return status_;
   if (rollback_max_ == 0)
     return wrong_order("rewind: found a session without rollback", "set rollback_max in the options");
   if (phase_ == Phase::inside)
@@ -416,10 +516,25 @@ int Session::rewind(std::uint64_t tick) {
   if (tick > tick_)
     return wrong_order("rewind: found tick " + number(tick) + ", expected at most the ticks done, " + number(tick_),
                        "");
+  if (comparing_ && second_.is_second() && tick >= second_.first()) {
+    tick_ = tick;  // the recorded inputs come again, in the second run as in the first
+    inputs_taken_ = 0;
+    return TICKTRUE_OK;
+  }
+  if (tick < confirmed_ && second_.is_second() && tick < second_.first())
+    return wrong_order("rewind: found tick " + number(tick) +
+                           ", expected at least the tick to which load brought the " + "program, " +
+                           number(second_.first()),
+                       "behind load, a program has no older states of its own");
   if (tick < confirmed_)
     return wrong_order(
         "rewind: found tick " + number(tick) + ", expected at least the ticks confirmed, " + number(confirmed_),
         "a confirmed tick is final: confirm a tick when the inputs of all players are known for it");
+  // Without recorded inputs, the program knows now what these ticks did not run with.
+  if (second_.is_open() && !second_.is_second() && (comparing_ || tick >= second_.first()))
+    second_.drop_from(tick);
+  else
+    second_.close();
   while (!pending_.empty() && pending_.back().tick >= tick) pending_.pop_back();
   tick_ = tick;
   inputs_.clear();
@@ -428,10 +543,11 @@ int Session::rewind(std::uint64_t tick) {
 }
 
 int Session::confirm(std::uint64_t tick) {
-  if (!can_call("confirm")) return status_;
-  if (tick > tick_)
-    return wrong_order("confirm: found tick " + number(tick) + ", expected at most the ticks done, " + number(tick_),
-                       "confirm(n) says that the first n ticks are final");
+  if (!can_call("confirm") || refuse_in_callback("confirm")) return status_;
+  if (tick > ticks_done())
+    return wrong_order(
+        "confirm: found tick " + number(tick) + ", expected at most the ticks done, " + number(ticks_done()),
+        "confirm(n) says that the first n ticks are final");
   return confirm_pending(tick);
 }
 
@@ -440,7 +556,10 @@ int Session::confirm_pending(std::uint64_t tick) {
     const PendingTick& pending = pending_.front();
     if (recording_)
       if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
-    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state}) != TICKTRUE_OK)
+    const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
+                                      pending.shown ? &*pending.shown : nullptr};
+    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents}) !=
+        TICKTRUE_OK)
       return status_;
     confirmed_ = pending.tick + 1;
     pending_.pop_front();
@@ -456,7 +575,7 @@ int Session::finish_recording() {
     return exit_code_;
   }
   const bool is_whole = status_ != TICKTRUE_FAILED;
-  if (is_whole && phase_ == Phase::inside)
+  if (is_whole && !second_.is_second() && phase_ == Phase::inside)
     recording_->warnings.push_back("tick " + number(tick_) + " was begun and not ended: it is not in the trace");
   if (is_whole && !pending_.empty())
     recording_->warnings.push_back("ticks " + number(pending_.front().tick) + ".." + number(pending_.back().tick) +
@@ -466,18 +585,21 @@ int Session::finish_recording() {
                                            is_whole ? "" : first_line);
   if (!status) fail(status.error());
   if (status_ == TICKTRUE_FAILED) return exit_code_;
-  return recording_->is_finite() ? verifier::exit_ok : verifier::exit_finding;
+  if (!recording_->is_finite() || recording_->has_finding()) return verifier::exit_finding;
+  return sync_ticks_ > 0 && second_count_ == 0 ? verifier::exit_incomplete : verifier::exit_ok;
 }
 
 int Session::finish() {
-  if (phase_ == Phase::finished) return exit_code_;
+  if (phase_ == Phase::finished || refuse_in_callback("finish")) return exit_code_;
   if (recording_) {
+    judge_second_runs();
     exit_code_ = finish_recording();
   } else if (comparing_) {
     const bool is_wrong_call = status_ == TICKTRUE_FAILED && !message_.empty();
     // Unconfirmed ticks are final now: no rollback can follow.
-    if (!is_wrong_call && status_ != TICKTRUE_DIVERGED) confirm_pending(tick_);
-    comparing_->finish(tick_);
+    if (!is_wrong_call && status_ != TICKTRUE_DIVERGED) confirm_pending(ticks_done());
+    comparing_->finish(ticks_done());
+    judge_second_runs();
     if (!is_wrong_call) exit_code_ = comparing_->report().exit_code();
   }
   phase_ = Phase::finished;

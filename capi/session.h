@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -15,6 +16,8 @@
 #include "capi/comparing.h"
 #include "capi/program_facts.h"
 #include "capi/recording.h"
+#include "capi/saves.h"
+#include "capi/second_run.h"
 #include "capi/tick.h"
 #include "include/ticktrue.h"
 
@@ -50,10 +53,13 @@ class Session {
   int end_tick();
   int rewind(std::uint64_t tick);
   int confirm(std::uint64_t tick);
+  int seek(std::uint64_t tick);
 
   /// Closes the session, decides the verdict and returns the exit code. A second call returns the same.
   int finish();
   bool is_finished() const { return phase_ == Phase::finished; }
+  /// Whether the program calls from inside its save or load callback. Then this is a failure of the session.
+  bool refuse_in_callback(const char* what);
   bool is_quiet() const { return (flags_ & TICKTRUE_QUIET) != 0; }
   bool wants_json() const { return (flags_ & TICKTRUE_JSON) != 0; }
   /// Requires: is_finished(). Empty where the session failed.
@@ -74,11 +80,13 @@ class Session {
     double dt = 0;
     Bytes inputs;
     std::vector<std::uint64_t> stage_hashes;
-    std::vector<Bytes> rows;
-    StateView state;
+    KeptState state;
+    std::optional<Bytes> save;
+    std::optional<Bytes> shown;
   };
 
   Status check_options(const ticktrue_options& options);
+  Status check_run_options(const ticktrue_options& options);
   void set_facts();
   int stop(int status);
   int wrong_order(const std::string& what, const std::string& hint);
@@ -91,6 +99,29 @@ class Session {
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
+
+  // ---- Saves and second runs (session_runs.cpp) ----
+
+  /// Calls the save callback; `bytes` becomes nothing where it has no save now. False: the session has failed.
+  bool save_now(std::optional<Bytes>& bytes);
+  /// False: the session has failed.
+  bool gather_shown(std::optional<Bytes>& bytes);
+  /// Calls the load callback and gathers the state. False: the session has failed.
+  bool load_now(std::uint64_t tick, ByteView bytes);
+  bool open_sync_block();
+  /// Loads the save at the begin of the ticks that ran once: they come again. False: the session has ended.
+  bool go_back();
+  bool can_go_back() const { return second_.is_open() && !second_.is_second() && second_.behind() > second_.first(); }
+  /// Behind a tick of the first run. `recorded_save`: of the trace, for the state now.
+  int after_first_run(std::optional<Bytes> recorded_save);
+  /// Behind a tick of the second run.
+  int end_second(std::uint64_t tick);
+  int differs(std::uint64_t tick, const KeptState* first, const std::string& reason, std::string_view stage);
+  int input_of_second(void* data, std::size_t size);
+  int begin_second_tick(double* dt);
+  void judge_second_runs();
+  /// Ticks that the first run has done.
+  std::uint64_t ticks_done() const { return second_.is_second() ? std::max(tick_, second_.behind()) : tick_; }
 
   Identity identity_;
   ProgramFacts facts_;
@@ -123,6 +154,19 @@ class Session {
   std::size_t stages_done_ = 0;
   std::vector<std::uint64_t> stage_hashes_;
   std::deque<PendingTick> pending_;
+
+  SaveCalls saves_;
+  bool in_callback_ = false;
+  std::uint64_t from_ = 0;  // verify
+  std::uint32_t sync_ticks_ = 0;
+  bool restores_ = false;
+  SecondRun second_;
+  std::optional<Bytes> next_save_;  // restore: of the state behind the ticks that run a second time
+  std::uint64_t second_count_ = 0;  // ticks that ran twice with the same result
+  std::uint64_t second_run_count_ = 0;
+  bool begins_twice_ = true;  // the next second run
+  std::uint64_t load_count_ = 0;
+  std::uint64_t missing_saves_ = 0;  // that a sync test asked for
 };
 
 }  // namespace ticktrue::capi

@@ -13,6 +13,12 @@
 
 namespace ticktrue::capi {
 
+/// What a program gives for a state beside the judged columns. Null: nothing.
+struct CheckpointContents {
+  const Bytes* save = nullptr;
+  const Bytes* shown = nullptr;  // encoded
+};
+
 /// A tick that has run. Views are valid during the call.
 struct DoneTick {
   std::uint64_t tick = 0;
@@ -20,6 +26,7 @@ struct DoneTick {
   ByteView inputs;
   std::vector<std::uint64_t> stage_hashes;  // empty unless wanted
   const StateView* state = nullptr;         // after it
+  CheckpointContents contents = {};
 };
 
 /// What a program says of itself.

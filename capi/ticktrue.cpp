@@ -3,7 +3,9 @@
 #include "include/ticktrue.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <iterator>
@@ -61,7 +63,8 @@ int without_exceptions(ticktrue_session* handle, Call&& call) {
 /// What the headers of all versions give as struct_size, in ascending order.
 constexpr std::size_t option_sizes[] = {
     offsetof(ticktrue_options, caller_facts),  // version 1
-    sizeof(ticktrue_options),                  // version 2
+    offsetof(ticktrue_options, save),          // version 2
+    sizeof(ticktrue_options),                  // version 3
 };
 
 std::string option_sizes_text() {
@@ -108,6 +111,40 @@ ticktrue_session* open_session(const ticktrue_options& options, const std::strin
   return handle.release();
 }
 
+/// A number behind a word of the command line.
+bool read_number(const char* text, std::uint64_t max, std::uint64_t& number) {
+  if (text == nullptr || text[0] < '0' || text[0] > '9') return false;
+  errno = 0;
+  char* end = nullptr;
+  number = std::strtoull(text, &end, 10);
+  return errno == 0 && *end == 0 && number <= max;
+}
+
+/// Words about what runs and how often: of programs that can load. Others may have such words of their own.
+/// Returns how many words were read; 0: it is none of them.
+int read_run_word(const char* word, const char* value, ticktrue_options& options, std::string& error) {
+  const auto is = [&](const char* name) { return std::strcmp(word, name) == 0; };
+  std::uint64_t number = 0;
+  const auto wrong = [&](const char* expected) {
+    if (error.empty())
+      error = std::string("command line: ") + word + ": found " + (value == nullptr ? "nothing" : value) +
+              " behind it, expected " + expected;
+    return 2;
+  };
+  if (is("--mode")) {
+    const bool restores = value != nullptr && std::strcmp(value, "restore") == 0;
+    if (!restores && (value == nullptr || std::strcmp(value, "replay") != 0)) return wrong("replay or restore");
+    if (restores) options.flags |= TICKTRUE_RESTORE;
+    return 2;
+  }
+  if (!is("--from") && !is("--to") && !is("--sync-test")) return 0;
+  if (!read_number(value, is("--sync-test") ? UINT32_MAX : UINT64_MAX, number)) return wrong("a number");
+  if (is("--from")) options.from = number;
+  if (is("--to")) options.to = number;
+  if (is("--sync-test")) options.sync_test = static_cast<std::uint32_t>(number);
+  return 2;
+}
+
 }  // namespace
 
 extern "C" {
@@ -129,10 +166,15 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
     std::string error;
     const bool is_read = read_options(given, options, error);
     bool is_asked = false;
+    std::string run_error;
     for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
       const bool record = std::strcmp(argv[i], "--record") == 0;
       const bool verify = std::strcmp(argv[i], "--verify") == 0;
       if (std::strcmp(argv[i], "--force") == 0) options.flags |= TICKTRUE_OVERWRITE;
+      if (!record && !verify && options.load != nullptr && is_read) {
+        const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
+        if (read_run_word(argv[i], value, options, run_error) > 1) ++i;
+      }
       if (!record && !verify) continue;
       if (is_asked && is_read) error = "command line: found --record and --verify twice, expected one of them";
       is_asked = true;
@@ -142,6 +184,7 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
         error = std::string("command line: ") + argv[i] + ": found no file name behind it";
     }
     if (!is_asked) return nullptr;
+    if (error.empty()) error = run_error;
     return open_session(options, error);
   } catch (...) {
     return &memory_failure;
@@ -213,6 +256,9 @@ int ticktrue_rewind(ticktrue_session* session, uint64_t tick) {
 int ticktrue_confirm(ticktrue_session* session, uint64_t tick) {
   return without_exceptions(session, [&](Session& s) { return s.confirm(tick); });
 }
+int ticktrue_seek(ticktrue_session* session, uint64_t tick) {
+  return without_exceptions(session, [&](Session& s) { return s.seek(tick); });
+}
 
 uint64_t ticktrue_tick(const ticktrue_session* session) {
   return session == nullptr || session->session == nullptr ? 0 : session->session->tick();
@@ -258,6 +304,7 @@ const char* ticktrue_report_json(ticktrue_session* session) {
 
 int ticktrue_close(ticktrue_session* session) {
   if (session == nullptr) return 0;
+  if (session->session != nullptr && session->session->refuse_in_callback("close")) return 2;
   const InLibrary inside;
   const int exit_code = ticktrue_finish(session);
   const bool is_quiet = session->session != nullptr && session->session->is_quiet();

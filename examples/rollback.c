@@ -4,6 +4,9 @@
 //   ./rollback --record game.ttr                  plays 600 ticks over a bad line; only confirmed ticks are recorded
 //   ./rollback --verify game.ttr                  plays the recorded inputs again, and goes back every few ticks
 //   ./rollback --verify game.ttr --bug unsaved    going back forgets one field: verify names it
+//   ./rollback --record sync.ttr --sync-test 1    runs each tick twice, and needs no other player for that
+//   ./rollback --verify game.ttr --mode restore   loads each save of the trace and runs on from it
+//   ./rollback --verify game.ttr --from 500       begins at the last save before tick 500
 #include <stdio.h>
 #include <string.h>
 
@@ -70,7 +73,25 @@ typedef struct Match {
   Game saved[history_count];   /* [tick % history_count], before that tick */
   uint8_t used[history_count]; /* [tick % history_count], buttons of the other player it ran with */
   int forgets;                 /* the bug: one field is not restored */
+  uint64_t loaded;             /* tick to which load brought the game: `saved` has none before it */
 } Match;
+
+/* What ticktrue calls: everything that a later tick reads, and nothing else. */
+static size_t save_game(void* user, void* buffer, size_t size) {
+  const Game* game = &((const Match*)user)->game;
+  if (size >= sizeof *game) memcpy(buffer, game, sizeof *game);
+  return sizeof *game;
+}
+
+static int load_game(void* user, const void* bytes, size_t size) {
+  Match* match = (Match*)user;
+  const uint32_t cooldown = match->game.fighters[0].cooldown;
+  if (size != sizeof match->game) return 1;
+  memcpy(&match->game, bytes, size);
+  if (match->forgets) match->game.fighters[0].cooldown = cooldown;
+  match->loaded = match->game.tick;
+  return 0;
+}
 
 static int run_tick(Match* match, uint64_t arrived) {
   const uint64_t tick = match->game.tick;
@@ -105,6 +126,10 @@ int main(int argc, char** argv) {
   options.name = "rollback-example";
   options.detail = TICKTRUE_DETAIL_FULL;
   options.rollback_max = history_count;
+  options.checkpoint_interval = 50; /* ticks between two saves */
+  options.save = save_game;
+  options.load = load_game;
+  options.user = &match;
   match.session = ticktrue_open_arguments(&options, argc, argv);
   register_state(match.session, &match.game);
 
@@ -115,7 +140,7 @@ int main(int argc, char** argv) {
     if (arrived < confirmed) arrived = confirmed;
     uint64_t wrong = confirmed;
     while (wrong < arrived && (is_verify || match.used[wrong % history_count] == buttons_of(wrong, 1))) ++wrong;
-    if (is_verify && now % 5 == 0 && now > 4) wrong = now - 3; /* going back must be harmless: try it */
+    if (is_verify && now % 5 == 0 && now > match.loaded + 4) wrong = now - 3; /* going back must be harmless: try it */
     if (wrong < arrived) {
       run_again_from(&match, wrong, arrived);
       ++back_count;

@@ -35,8 +35,9 @@ extern "C" {
 #endif
 
 /* The version of this interface. It rises when something is added; what was there stays.
-   2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows. */
-#define TICKTRUE_API_VERSION 2u
+   2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
+   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN. */
+#define TICKTRUE_API_VERSION 3u
 
 /* What calls return. */
 enum {
@@ -55,7 +56,11 @@ enum {
   TICKTRUE_I32 = 5,
   TICKTRUE_I64 = 6,
   TICKTRUE_F32 = 7,
-  TICKTRUE_F64 = 8
+  TICKTRUE_F64 = 8,
+  /* Added to one of these, as in TICKTRUE_F32 | TICKTRUE_SHOWN: the column is stored and printed, and never compared.
+     For what people want to see in a report and what may differ: sprites, names of assets, costs, addresses. Its table
+     has at least one column that is compared. Stored in checkpoints and with ticks in full detail. */
+  TICKTRUE_SHOWN = 0x100
 };
 
 /* ---- sessions: a program that owns its loop ---------------------------------------------------------------------- */
@@ -76,8 +81,18 @@ enum {
   TICKTRUE_OVERWRITE = 1, /* record: replace an existing file */
   TICKTRUE_QUIET = 2,     /* ticktrue_close prints nothing */
   TICKTRUE_JSON = 4,      /* ticktrue_close prints the report as JSON */
-  TICKTRUE_NO_SYNC = 8    /* record: leave it to the system when the file reaches the disk */
+  TICKTRUE_NO_SYNC = 8,   /* record: leave it to the system when the file reaches the disk */
+  TICKTRUE_RESTORE = 16   /* verify: each save of the trace is loaded, and the ticks behind it run a second time */
 };
+
+/* Optional, as in rollback games. Save gives the bytes that bring the program back to its present state: it writes at
+   most `size` bytes to `buffer` and returns how many there are. More than `size`: it is called again with room for
+   them. TICKTRUE_SAVE_FAILED: no save now. It changes nothing. */
+#define TICKTRUE_SAVE_FAILED ((size_t)-1)
+typedef size_t (*ticktrue_saver)(void* user, void* buffer, size_t size);
+/* Brings the program into that state; 0 for success. Both are called in begin_tick, input, end_tick and
+   ticktrue_seek. They may call ticktrue_column and ticktrue_rows, for what has moved, and no other function. */
+typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
 
 /* All zero but struct_size is a good start. */
 typedef struct ticktrue_options {
@@ -99,13 +114,22 @@ typedef struct ticktrue_options {
   uint32_t rollback_max;        /* ticks that may wait for ticktrue_confirm; 0: the program never rolls back */
   /* Since version 2 of this interface. */
   const char* caller_facts; /* how the program is compiled: TICKTRUE_CALLER_FACTS; null: not known */
+  /* Since version 3. */
+  ticktrue_saver save;  /* both or none; with them, checkpoints of a recording hold a save */
+  ticktrue_loader load; /* what `from`, `sync_test`, TICKTRUE_RESTORE and ticktrue_seek need */
+  void* user;           /* given to both */
+  uint64_t from;        /* verify: first tick compared; the run begins at the last save before it */
+  uint64_t to;          /* verify: last tick compared; 0: to the end */
+  uint32_t sync_test;   /* k > 0: after each k ticks the program is brought back and runs them again */
+  uint32_t reserved;    /* 0 */
 } ticktrue_options;
 
 /* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
 TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
 
 /* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
-   neither of the first two is there. */
+   neither of the first two is there. If `load` is set, also --sync-test K and, with --verify, --from N, --to N and
+   --mode replay or restore. */
 TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);
 
 /* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
@@ -179,7 +203,11 @@ TICKTRUE_API int ticktrue_rewind(ticktrue_session* session, uint64_t tick);
 /* The first `tick` ticks are final: only such are written and compared. */
 TICKTRUE_API int ticktrue_confirm(ticktrue_session* session, uint64_t tick);
 
-/* Ticks done. */
+/* Verify, between two ticks: loads the last save of the trace at or before `tick`. The program runs on from there:
+   ticktrue_tick tells where that is. */
+TICKTRUE_API int ticktrue_seek(ticktrue_session* session, uint64_t tick);
+
+/* Ticks done. In a sync test and with TICKTRUE_RESTORE it goes back when the program is brought back: count by it. */
 TICKTRUE_API uint64_t ticktrue_tick(const ticktrue_session* session);
 /* What the last call returned, and would return again. */
 TICKTRUE_API int ticktrue_status(const ticktrue_session* session);

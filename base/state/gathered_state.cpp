@@ -125,6 +125,41 @@ Status check_source(std::string_view table, std::string_view name, const ColumnS
 
 }  // namespace
 
+namespace {
+
+/// `first`: the column that has row_count rows.
+Status check_row_counts(const TableSchema& table, const std::vector<ColumnSource>& sources, const Column& first,
+                        std::uint32_t row_count) {
+  for (std::size_t c = 0; c < sources.size(); ++c)
+    if (sources[c].row_count != row_count)
+      return refused("table " + table.name + ": rows: column " + table.columns[c].name + " has " +
+                         std::to_string(sources[c].row_count) + ", column " + first.name + " has " +
+                         std::to_string(row_count),
+                     "all columns of a table have the same number of rows: register all of them again when it changes");
+  return {};
+}
+
+void pack_rows(const TableSchema& table, const std::vector<ColumnSource>& sources, std::uint32_t row_count,
+               std::uint8_t* rows) {
+  if (row_count == 0) return;
+  for (std::size_t c = 0; c < sources.size();) {
+    // Neighbours in memory that are neighbours in the row are copied together.
+    const auto* from = static_cast<const std::uint8_t*>(sources[c].data);
+    const std::size_t stride = source_stride(sources[c]);
+    const std::size_t offset = table.columns[c].offset;
+    std::size_t size = 0;
+    do {
+      size += values_size(sources[c].type, sources[c].lane_count);
+      ++c;
+    } while (c < sources.size() && static_cast<const std::uint8_t*>(sources[c].data) == from + size &&
+             source_stride(sources[c]) == stride &&
+             size + values_size(sources[c].type, sources[c].lane_count) <= stride);
+    copy_strided(from, stride, rows + offset, table.row_size, size, row_count);
+  }
+}
+
+}  // namespace
+
 Status GatheredState::column(std::string_view table_name, std::string_view name, const ColumnSource& source) {
   std::optional<std::size_t> t = table_names_.find(table_name);
   std::optional<std::size_t> c;
@@ -135,15 +170,17 @@ Status GatheredState::column(std::string_view table_name, std::string_view name,
   }
   if (const Status status = check_type(table_name, name, source.type, source.lane_count); !status) return status;
   if (const Status status = check_source(table_name, name, source); !status) return status;
-  if (t && !sources_[*t].offsets.empty())
+  if (t && !sources_[*t].members.empty())
     return refused(place_of(table_name, name) + ": found a table whose columns are members of a struct",
                    "ticktrue_rows says where its rows lie; columns of their own make a table of another name");
   if (c) {
-    const Column& column = schema_.tables[*t].columns[*c];
-    if (column.type != source.type || column.lane_count != source.lane_count)
+    const bool was_shown = *c >= shown_place;
+    TableSource& known = sources_[*t];
+    const Column& column = was_shown ? known.shown_columns[*c - shown_place] : schema_.tables[*t].columns[*c];
+    if (column.type != source.type || column.lane_count != source.lane_count || was_shown != source.is_shown)
       return refused(place_of(table_name, name) + ": found another type or lane count than before, expected the same",
                      "a column that is registered again says where its values lie now, nothing else");
-    sources_[*t].columns[*c] = source;
+    (was_shown ? known.shown[*c - shown_place] : known.columns[*c]) = source;
     return {};
   }
   if (frozen_)
@@ -173,8 +210,10 @@ Status GatheredState::add_table(std::string_view name) {
 /// Requires: a name that is checked and not known in this table; check_type.
 Status GatheredState::add_column(std::size_t t, std::string_view name, const ColumnSource& source) {
   TableSchema& table = schema_.tables[t];
-  const std::size_t row_size = table.row_size + values_size(source.type, source.lane_count);
-  if (table.columns.size() >= limits::column_count_max || row_size > limits::row_size_max)
+  TableSource& known = sources_[t];
+  const std::uint32_t before = source.is_shown ? known.shown_row_size : table.row_size;
+  const std::size_t row_size = before + values_size(source.type, source.lane_count);
+  if (table.columns.size() + known.shown.size() >= limits::column_count_max || row_size > limits::row_size_max)
     return Error{ErrorCode::limit,
                  place_of(table.name, name) + ": the row grows beyond " + std::to_string(limits::column_count_max) +
                      " columns or " + std::to_string(limits::row_size_max) + " bytes",
@@ -189,22 +228,32 @@ Status GatheredState::add_column(std::size_t t, std::string_view name, const Col
   column.name = std::string(name);
   column.type = source.type;
   column.lane_count = static_cast<std::uint8_t>(source.lane_count);
-  column.offset = static_cast<std::uint16_t>(table.row_size);
+  column.offset = static_cast<std::uint16_t>(before);
+  column.is_shown = source.is_shown;
+  if (source.is_shown) {
+    known.shown_row_size = static_cast<std::uint32_t>(row_size);
+    known.names.add(name, shown_place + known.shown.size());
+    known.shown.push_back(source);
+    known.shown_columns.push_back(std::move(column));
+    return {};
+  }
   table.row_size = static_cast<std::uint32_t>(row_size);
-  sources_[t].names.add(name, table.columns.size());
-  sources_[t].columns.push_back(source);
+  known.names.add(name, table.columns.size());
+  known.columns.push_back(source);
   table.columns.push_back(std::move(column));
   return {};
 }
 
 bool GatheredState::has_members(std::size_t t, std::size_t stride, std::span<const RowMember> members) const {
-  const std::vector<Column>& columns = schema_.tables[t].columns;
   const TableSource& source = sources_[t];
-  if (source.offsets.size() != members.size() || source.columns.front().stride != stride) return false;
-  for (std::size_t c = 0; c < members.size(); ++c)
-    if (columns[c].name != members[c].name || columns[c].type != members[c].type ||
-        columns[c].lane_count != members[c].lane_count || source.offsets[c] != members[c].offset)
+  if (source.members.size() != members.size() || source.stride != stride) return false;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    const RowMember& known = source.members[m].member;
+    if (source.members[m].name != members[m].name || known.type != members[m].type ||
+        known.lane_count != members[m].lane_count || known.offset != members[m].offset ||
+        known.is_shown != members[m].is_shown)
       return false;
+  }
   return true;
 }
 
@@ -248,14 +297,17 @@ Result<std::size_t> GatheredState::table(std::string_view name, std::size_t stri
     source.type = member.type;
     source.lane_count = member.lane_count;
     source.stride = stride;
+    source.is_shown = member.is_shown;
     if (const Status status = add_column(t, member.name, source); !status) return status.error();
-    sources_[t].offsets.push_back(member.offset);
+    sources_[t].members.push_back({std::string(member.name), member});
+    sources_[t].members.back().member.name = {};
   }
+  sources_[t].stride = stride;
   return t;
 }
 
 Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_count) {
-  if (t >= sources_.size() || sources_[t].offsets.empty())
+  if (t >= sources_.size() || sources_[t].members.empty())
     return refused("rows: table " + std::to_string(t) + ": found " +
                        (t < sources_.size() ? "columns that were registered one by one" : "no such number") +
                        ", expected a number that ticktrue_table gave",
@@ -264,9 +316,11 @@ Status GatheredState::rows(std::size_t t, const void* first, std::uint32_t row_c
     return status;
   const auto* bytes = static_cast<const std::uint8_t*>(first);
   TableSource& source = sources_[t];
-  for (std::size_t c = 0; c < source.columns.size(); ++c) {
-    source.columns[c].data = row_count == 0 ? nullptr : bytes + source.offsets[c];
-    source.columns[c].row_count = row_count;
+  std::size_t judged = 0, shown = 0;
+  for (const Member& member : source.members) {
+    ColumnSource& column = member.member.is_shown ? source.shown[shown++] : source.columns[judged++];
+    column.data = row_count == 0 ? nullptr : bytes + member.member.offset;
+    column.row_count = row_count;
   }
   return {};
 }
@@ -294,6 +348,8 @@ Status GatheredState::reference(std::string_view table_name, std::string_view co
   if (!c)
     return refused("reference: table " + schema_.tables[*t].name + ": column " + std::string(column_name) +
                    ": found none of this name");
+  if (*c >= shown_place)
+    return refused("reference: " + place_of(table_name, column_name) + ": found a shown column, expected a judged one");
   Column& column = schema_.tables[*t].columns[*c];
   if (frozen_ && column.target == static_cast<std::int16_t>(*other)) return {};
   if (frozen_)
@@ -307,13 +363,65 @@ Status GatheredState::freeze() {
   if (schema_.tables.empty())
     return refused("state: found no column, expected at least one",
                    "register everything that can influence a later tick, before the first tick");
-  if (const Status status = check_schema(schema_, SchemaLayout::third); !status)
+  for (std::size_t t = 0; t < schema_.tables.size(); ++t)
+    if (schema_.tables[t].columns.empty())
+      return refused("table " + schema_.tables[t].name + ": found shown columns alone, expected a judged one",
+                     "an id or an index, whose number of rows is judged");
+  make_whole_schema();
+  if (const Status status = check_schema(whole_, SchemaLayout::third); !status)
     return Error{ErrorCode::usage, status.error().message, status.error().hint};
   rows_.resize(schema_.tables.size());
   view_.schema = &schema_;
   view_.tables.resize(schema_.tables.size());
   frozen_ = true;
   return {};
+}
+
+void GatheredState::make_whole_schema() {
+  whole_ = schema_;
+  shown_schema_.tables.clear();
+  shown_tables_.clear();
+  for (std::size_t t = 0; t < sources_.size(); ++t) {
+    const TableSource& source = sources_[t];
+    if (source.shown.empty()) continue;
+    TableSchema& table = whole_.tables[t];
+    table.columns.insert(table.columns.end(), source.shown_columns.begin(), source.shown_columns.end());
+    table.shown_row_size = source.shown_row_size;
+    TableSchema& part = shown_schema_.tables.emplace_back();
+    part.name = table.name;
+    part.columns = source.shown_columns;
+    part.row_size = source.shown_row_size;
+    shown_tables_.push_back(static_cast<std::uint32_t>(t));
+  }
+  shown_rows_.resize(shown_tables_.size());
+}
+
+Result<std::vector<ShownRows>> GatheredState::gather_shown() {
+  TICKTRUE_ASSERT(frozen_);
+  StateView view;
+  view.schema = &shown_schema_;
+  std::uint64_t size = 0;
+  for (std::size_t i = 0; i < shown_tables_.size(); ++i) {
+    const TableSource& source = sources_[shown_tables_[i]];
+    const std::uint32_t row_count = source.columns.front().row_count;
+    const TableSchema& table = shown_schema_.tables[i];
+    const Column& first = schema_.tables[shown_tables_[i]].columns[0];
+    if (const Status status = check_row_counts(table, source.shown, first, row_count); !status) return status.error();
+    size += static_cast<std::uint64_t>(row_count) * table.row_size;
+    if (size > limits::shown_size_max)
+      return Error{
+          ErrorCode::limit,
+          "table " + table.name + ": shown columns: grow beyond " + std::to_string(limits::shown_size_max) + " bytes",
+          ""};
+    shown_rows_[i].resize(static_cast<std::size_t>(row_count) * table.row_size);
+    pack_rows(table, source.shown, row_count, shown_rows_[i].data());
+    view.tables.push_back({shown_rows_[i].data(), row_count});
+  }
+  const std::vector<ImageTable> canonical = canonical_tables(view, shown_canonical_);
+  std::vector<ShownRows> rows;
+  for (std::size_t i = 0; i < canonical.size(); ++i)
+    if (canonical[i].row_count > 0) rows.push_back({shown_tables_[i], canonical[i]});
+  return rows;
 }
 
 Status GatheredState::check_keys(std::size_t t) const {
@@ -341,13 +449,7 @@ Status GatheredState::gather() {
     const TableSchema& table = schema_.tables[t];
     const std::vector<ColumnSource>& sources = sources_[t].columns;
     const std::uint32_t row_count = sources.front().row_count;
-    for (std::size_t c = 1; c < sources.size(); ++c)
-      if (sources[c].row_count != row_count)
-        return refused(
-            "table " + table.name + ": rows: column " + table.columns[c].name + " has " +
-                std::to_string(sources[c].row_count) + ", column " + table.columns[0].name + " has " +
-                std::to_string(row_count),
-            "all columns of a table have the same number of rows: register all of them again when it changes");
+    if (const Status status = check_row_counts(table, sources, table.columns[0], row_count); !status) return status;
     image_size += static_cast<std::uint64_t>(row_count) * table.row_size;
     if (image_size > limits::state_image_size_max)
       return Error{
@@ -357,20 +459,7 @@ Status GatheredState::gather() {
     rows_[t].resize(static_cast<std::size_t>(row_count) * table.row_size);
     view_.tables[t] = {rows_[t].data(), row_count};
     if (row_count == 0) continue;
-    for (std::size_t c = 0; c < sources.size();) {
-      // Neighbours in memory that are neighbours in the row are copied together.
-      const auto* from = static_cast<const std::uint8_t*>(sources[c].data);
-      const std::size_t stride = source_stride(sources[c]);
-      const std::size_t offset = table.columns[c].offset;
-      std::size_t size = 0;
-      do {
-        size += values_size(sources[c].type, sources[c].lane_count);
-        ++c;
-      } while (c < sources.size() && static_cast<const std::uint8_t*>(sources[c].data) == from + size &&
-               source_stride(sources[c]) == stride &&
-               size + values_size(sources[c].type, sources[c].lane_count) <= stride);
-      copy_strided(from, stride, rows_[t].data() + offset, table.row_size, size, row_count);
-    }
+    pack_rows(table, sources, row_count, rows_[t].data());
     if (const Status status = check_keys(t); !status) return status;
   }
   return {};

@@ -26,6 +26,7 @@ struct ColumnSource {
   std::uint32_t row_count = 0;
   std::size_t stride = 0;    // bytes; 0: the values of a row alone, packed
   void* writable = nullptr;  // the same place, where scatter() may write
+  bool is_shown = false;     // stored and printed, never judged
 };
 
 /// One column of a table whose rows are structs: its value lies `offset` bytes behind the begin of a row.
@@ -34,6 +35,13 @@ struct RowMember {
   ScalarType type = ScalarType::u8;
   std::uint32_t lane_count = 1;
   std::size_t offset = 0;
+  bool is_shown = false;
+};
+
+/// The shown part of the rows of a table that has some.
+struct ShownRows {
+  std::uint32_t table = 0;
+  ImageTable rows;  // canonical
 };
 
 /// Finds a place by its name. Hashed: a program may register thousands of columns in every tick.
@@ -93,16 +101,34 @@ class GatheredState {
 
   std::uint32_t row_count(std::size_t table) const { return sources_[table].columns.front().row_count; }
 
+  /// With the shown columns, behind the judged ones. Requires: is_frozen().
+  const StateSchema& whole_schema() const { return whole_; }
+  bool has_shown() const { return !shown_tables_.empty(); }
+  /// Copies the shown values of all tables that have rows; valid until the next call. Errors: usage (other row counts
+  /// than the judged columns), limit. Requires: is_frozen().
+  Result<std::vector<ShownRows>> gather_shown();
+
  private:
+  /// A member of the struct of a table, as it was registered.
+  struct Member {
+    std::string name;
+    RowMember member;  // its name is empty
+  };
   /// Where the columns of one table lie.
   struct TableSource {
-    NameIndex names;
+    NameIndex names;  // of a shown column: shown_place and its place in `shown`
     std::vector<ColumnSource> columns;
-    std::vector<std::size_t> offsets;  // of the members of a struct; empty: each column lies where it says
+    std::vector<Column> shown_columns;
+    std::vector<ColumnSource> shown;
+    std::uint32_t shown_row_size = 0;
+    std::vector<Member> members;  // empty: each column lies where it says
+    std::size_t stride = 0;       // of these
   };
+  static constexpr std::size_t shown_place = std::size_t{1} << 20;
 
   Status add_table(std::string_view name);
   Status add_column(std::size_t table, std::string_view name, const ColumnSource& source);
+  void make_whole_schema();
   Status check_keys(std::size_t table) const;
   bool has_members(std::size_t table, std::size_t stride, std::span<const RowMember> members) const;
 
@@ -112,6 +138,11 @@ class GatheredState {
   std::size_t column_count_ = 0;      // of all tables
   std::vector<Bytes> rows_;           // [table], in the machine's byte order
   StateView view_;
+  StateSchema whole_;
+  StateSchema shown_schema_;                 // the shown part alone, of the tables that have one
+  std::vector<std::uint32_t> shown_tables_;  // their numbers
+  std::vector<Bytes> shown_rows_;            // [place in shown_tables_]
+  Bytes shown_canonical_;
   bool frozen_ = false;
 };
 

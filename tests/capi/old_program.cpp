@@ -1,19 +1,25 @@
-// A program built with the header of interface version 1, as it was: it must run unchanged with the library of today.
+// A program built with the header of an older interface version, as it was: it must run unchanged with the library of
+// today.
 // SPDX-License-Identifier: MIT
 //
-// tests/capi/header_1/ticktrue.h is a copy of that header and is never edited. The program includes nothing else of
-// this tree, is linked to the shared library, and checks itself: every case prints what it found and the exit code
-// is 1.
+// tests/capi/header_1/ticktrue.h and header_2/ticktrue.h are copies of the headers of versions 1 and 2 and are never
+// edited. TICKTRUE_OLD_VERSION says which of them this is built with. The program includes nothing else of this tree,
+// is linked to the shared library, and checks itself: every case prints what it found and the exit code is 1.
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <string>
 
+#if TICKTRUE_OLD_VERSION == 1
 #include "tests/capi/header_1/ticktrue.h"
+#else
+#include "tests/capi/header_2/ticktrue.h"
+#endif
 
-static_assert(TICKTRUE_API_VERSION == 1, "the copy of the header was edited");
-static_assert(sizeof(void*) != 8 || sizeof(ticktrue_options) == 104, "the copy of the header was edited");
+static_assert(TICKTRUE_API_VERSION == TICKTRUE_OLD_VERSION, "the copy of the header was edited");
+static_assert(sizeof(void*) != 8 || sizeof(ticktrue_options) == (TICKTRUE_OLD_VERSION == 1 ? 104 : 112),
+              "the copy of the header was edited");
 static_assert(sizeof(void*) != 8 || sizeof(ticktrue_host) == 48, "the copy of the header was edited");
 static_assert(sizeof(void*) != 8 || sizeof(ticktrue_plugin) == 112, "the copy of the header was edited");
 
@@ -47,6 +53,9 @@ struct GuardedOptions {
     options.full_first = 3;
     options.full_last = 20;
     options.checkpoint_interval = 10;
+#if TICKTRUE_OLD_VERSION >= 2
+    options.caller_facts = TICKTRUE_CALLER_FACTS;
+#endif
   }
 };
 
@@ -71,6 +80,12 @@ Outcome play(ticktrue_session* session, std::uint32_t rollback_max, float fault)
   ticktrue_column(session, "balls", "id", game.id, TICKTRUE_U32, 1, 3, 0);
   ticktrue_column(session, "balls", "position", game.position, TICKTRUE_F32, 1, 3, sizeof(float));
   ticktrue_column(session, "balls", "kind", game.kind, TICKTRUE_U8, 1, 3, 0);
+#if TICKTRUE_OLD_VERSION >= 2
+  const ticktrue_member members[] = {TICKTRUE_MEMBER(Game, kind, TICKTRUE_U8)};
+  const std::uint32_t table = ticktrue_table(session, "game", sizeof game, members, 1);
+  expect(table != TICKTRUE_NO_TABLE && ticktrue_rows(session, table, &game, 1) == TICKTRUE_OK, "table", "a refusal");
+  ticktrue_build_facts(session, "unit", TICKTRUE_CALLER_FACTS);
+#endif
   ticktrue_key(session, "balls", 1);
   ticktrue_row_names(session, "balls", name_row, nullptr);
   ticktrue_add_stage(session, "move");
@@ -170,6 +185,7 @@ int main(int argc, char** argv) {
   check_arguments(path);
   check_no_session();
   std::remove(path.c_str());
-  if (failure_count == 0) std::printf("old_program: interface version 1 runs with the library of today\n");
+  if (failure_count == 0)
+    std::printf("old_program: interface version %u runs with the library of today\n", TICKTRUE_API_VERSION);
   return failure_count == 0 ? 0 : 1;
 }

@@ -93,9 +93,9 @@ void Forger::image(ChunkKind kind, std::uint64_t root_hash, ByteView head, std::
   } while (part.offset < image_size && out_.size() < size_max);
 }
 
-void Forger::list(ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s) {
+void Forger::list(ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s, std::uint64_t root_hash) {
   replay::ImagePart part;
-  part.root_hash = 1;
+  part.root_hash = root_hash;
   part.image_size = image_size;
   part.size = static_cast<std::uint32_t>(bytes.size());
   part.time_s = time_s;

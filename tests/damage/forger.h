@@ -31,7 +31,8 @@ class Forger {
   /// Ticks go on from here.
   void begin_at(std::uint64_t tick) { tick_ = tick; }
   /// One part with these bytes, which say to be the first of `image_size`.
-  void list(replay::ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s = 0);
+  void list(replay::ChunkKind kind, ByteView bytes, std::uint64_t image_size, double time_s = 0,
+            std::uint64_t root_hash = 1);
   void list(replay::ChunkKind kind, ByteView bytes) { list(kind, bytes, bytes.size()); }
   /// A chunk outside of the chain.
   void bound_chunk(replay::ChunkKind kind, ByteView payload);

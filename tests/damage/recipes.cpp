@@ -6,6 +6,7 @@
 #include "base/limits.h"
 #include "base/random.h"
 #include "base/state/cells.h"
+#include "replay/format/table_list.h"
 #include "tests/damage/forger.h"
 
 namespace ticktrue::damage {
@@ -446,6 +447,51 @@ Bytes forge_headers(const Recording& from, std::uint64_t seed) {
   return bytes;
 }
 
+/// The recording in version 3, with a save behind each checkpoint: of any bytes, some of which claim to be more.
+Bytes forge_saves(const Recording& from, std::uint64_t seed) {
+  Random random(seed);
+  replay::TraceSetup setup = from.setup;
+  setup.detail = replay::Detail::root;
+  setup.full_first = setup.full_last = 0;
+  setup.features = static_cast<std::uint32_t>(replay::Feature::saves);
+  Changes changes = unchanged(from);
+  ByteWriter payload;
+  replay::encode_setup(setup, payload);
+  changes.setup = payload.take();
+  Forger forger(replay::format_version_third);
+  begin(forger, changes);
+  const std::uint64_t first = forger.size();
+  std::size_t next_checkpoint = 0;
+  for (std::size_t t = 0; forger.size() < forged_size_max / 2; ++t) {
+    if (next_checkpoint < from.checkpoints.size() && from.checkpoints[next_checkpoint].tick == t) {
+      const Recording::Checkpoint& checkpoint = from.checkpoints[next_checkpoint++];
+      const Result<std::vector<ImageTable>> tables = split_image(setup.schema, checkpoint.image);
+      if (!tables) break;
+      std::vector<std::uint32_t> listed;
+      for (std::uint32_t i = 0; i < tables->size(); ++i)
+        if ((*tables)[i].row_count > 0) listed.push_back(i);
+      Bytes list;
+      replay::encode_table_list(replay::ListBase::nothing, *tables, listed, list);
+      forger.list(ChunkKind::checkpoint, list, list.size(), 0, checkpoint.root_hash);
+      Bytes save(random.below(4'096), static_cast<std::uint8_t>(random.bits()));
+      change_bytes(random, save, random.below(9));
+      const bool lies = random.below(3) == 0;
+      forger.content(ChunkKind::save, save, random.below(2) == 0, lies ? any_size(random, std::uint64_t{1} << 40) : 0);
+    }
+    if (t >= from.ticks.size()) break;
+    Recording::Tick tick = from.ticks[t];
+    tick.has_image = false;
+    tick.stage_hashes.clear();
+    tick.cells.clear();
+    double dt = setup.dt;
+    forger.open_ticks();
+    write_tick(forger, from, tick, dt, forged_size_max);
+    forger.close_ticks();
+  }
+  if (random.below(3) != 0) finish(forger, first, "");
+  return forger.take();
+}
+
 }  // namespace
 
 const std::vector<Recipe>& recipes() {
@@ -465,6 +511,7 @@ const std::vector<Recipe>& recipes() {
       {"inputs", "other inputs, and many", forge_inputs},
       {"index", "an index that leads anywhere", forge_index},
       {"headers", "damage, and right headers behind it", forge_headers},
+      {"saves", "format version 3 with saves of any bytes", forge_saves},
   };
   return list;
 }

@@ -102,6 +102,7 @@ home=$work/home
 mkdir -p "$home" "$work/doc"
 ln -s "$prefix" "$home/ticktrue"
 cp game.c "$work/doc/game.c"
+cp rollback "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
 sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
@@ -119,16 +120,19 @@ while IFS= read -r command; do
   case $command in
     *game_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
   esac
-  case $command in ./game_fma*) wanted=$is_red is_red=0 ;; esac
+  case $command in
+    ./game_fma*) wanted=$is_red is_red=0 ;;
+    *--bug*) wanted=1 ;;
+  esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
 done <printed
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback swarm libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback swarm consumer libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c swarm.c plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c swarm.c consumer.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -182,11 +186,21 @@ expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback --verify ro
 expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --bug unsaved
 expect 0 "recorded  unsaved.ttr" ./rollback --record unsaved.ttr --bug unsaved
 expect 1 "fighters.cooldown" ./rollback --verify unsaved.ttr
+expect 0 "ticks ran twice with the same state" ./rollback --record sync.ttr --sync-test 1
+cmp -s sync.ttr rollback.ttr || complain "rollback: a sync test records other bytes"
+expect 1 "fighters.cooldown" ./rollback --record forgets.ttr --sync-test 1 --bug unsaved
+expect 0 "sync test: " ./rollback --verify rollback.ttr --sync-test 7
+expect 0 "ticks ran twice with the same state" ./rollback --verify rollback.ttr --mode restore
+expect 0 "match  rollback.ttr  100 of 600 ticks compared" ./rollback --verify rollback.ttr --from 500
+expect 0 "match  rollback.ttr  30 of 600 ticks compared" ./rollback --verify rollback.ttr --from 310 --to 339
+expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --mode restore --bug unsaved
+expect 2 "--mode: found fast behind it" ./rollback --verify rollback.ttr --mode fast
+expect 0 "saves       13" "$tool" show rollback.ttr
 
 # --- programs and plug-ins built with the header of interface version 1 ----------------------------------------------
 old=$source/tests/capi/header_1
 compile_old() { cc -std=c99 -O2 -ffp-contract=off -I"$old" "$@" -Wl,-rpath,"$(dirname "$library")"; }
-expect 0 "" compile_old ../examples/rollback.c "$library" -o rollback_old
+expect 0 "" compile_old "$old/rollback.c" "$library" -o rollback_old
 expect 0 "match  rollback.ttr  600 of 600 ticks compared" ./rollback_old --verify rollback.ttr
 expect 0 "recorded  rollback_old.ttr  600 ticks" ./rollback_old --record rollback_old.ttr
 expect 0 "match  rollback_old.ttr" ./rollback --verify rollback_old.ttr
@@ -201,6 +215,10 @@ done
 expect 0 "recorded  consumer.ttr  120 ticks" ./consumer --record consumer.ttr
 expect 0 "match  consumer.ttr" ./consumer --verify consumer.ttr
 expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --fault
+expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --from 60 --fault
+expect 0 "sync test: 120 ticks ran twice" ./consumer --record consumer_sync.ttr --sync-test 1
+expect 0 "restore: 120 ticks ran twice" ./consumer --verify consumer.ttr --mode restore
+expect 0 "20 of 120 ticks compared" ./consumer --verify consumer.ttr --from 100
 
 # --- Python ----------------------------------------------------------------------------------------------------------
 if command -v python3 >/dev/null 2>&1; then
@@ -275,8 +293,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..2
-2 old it does not work with interface version 2
+2 version interface version: found 99, expected 1..3
+2 old it does not work with interface version 3
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000

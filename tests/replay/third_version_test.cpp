@@ -332,6 +332,64 @@ TEST_CASE("a wrong value of the records outside of the chain costs these records
   CHECK(read_third(bytes).ticks.empty());
 }
 
+/// A trace of one ticks chunk whose notes take more than the reader reads ahead.
+Bytes write_long_notes(std::uint64_t tick_count) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("notes.ttr");
+  SessionPlan plan;
+  plan.features = bit(Feature::notes);
+  replay::WriterOptions options = plain_writer();
+  options.allow_third = true;
+  auto writer = replay::TraceWriter::create(path, setup_of(plan), toy_facts, options);
+  REQUIRE(writer);
+  RandomTables state(plan.table_count, plan.seed);
+  REQUIRE(writer->checkpoint(state.view(), root_hash(state.view())));
+  for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
+    ByteWriter note;
+    note.text("log");
+    note.bytes(Bytes(4'000, static_cast<std::uint8_t>(tick)));
+    REQUIRE(writer->begin_tick({0.015625, Bytes{1}}));
+    REQUIRE(writer->bound_record(replay::RecordTag::note, note.view()));
+    state.change(1);
+    REQUIRE(writer->end_tick(root_hash(state.view()), {}, nullptr));
+  }
+  REQUIRE(writer->finish(replay::EndReason::complete, ""));
+  return read_file(path);
+}
+
+TEST_CASE("a record outside of the chain that changes while it is read is refused", "[replay][third][corruption]") {
+  const Bytes long_chunk = write_long_notes(200);
+  const Bytes short_chunk = write_long_notes(20);
+  const std::vector<ChunkPlace> places = chunk_places(long_chunk);
+  REQUIRE(is_kind(places[3], ChunkKind::ticks));
+  REQUIRE(places[3].size > (600u << 10));
+  const std::size_t records = places[3].offset + replay::chunk_header_size;
+  const replay::Record inputs =
+      replay::parse_record(ByteView(long_chunk).subspan(records), nullptr, replay::format_version_third);
+  const std::size_t in_note = records + inputs.size + 100;
+  const struct {
+    const char* name;
+    Bytes bytes;
+    std::size_t place;  // that changes
+  } cases[] = {
+      {"note of a chunk that is read in two parts", long_chunk, in_note},
+      {"inputs of the same", long_chunk, records + 2},
+      {"note of a chunk that is cut off", Bytes(short_chunk.begin(), short_chunk.end() - 2'000), in_note},
+  };
+  for (const auto& one : cases) {
+    CAPTURE(one.name);
+    Bytes bytes = one.bytes;
+    auto reader = TraceReader::open_bytes(bytes, "changing.ttr");
+    REQUIRE(reader);
+    // Behind the checkpoint, the reader holds the begin of the ticks chunk already.
+    REQUIRE(std::holds_alternative<replay::CheckpointRecord>(reader->next()));
+    bytes[one.place] ^= 1;
+    CHECK(std::holds_alternative<std::monostate>(reader->next()));
+    CHECK(reader->tail().condition == TraceCondition::damaged);
+    CHECK(contains(reader->tail().message, "(ticks): the file changed while it was read"));
+  }
+}
+
 TEST_CASE("removed, doubled and swapped chunks of version 3 are damage", "[replay][third][splice][corruption]") {
   const Bytes whole = write_session(full_plan());
   const ThirdTrace contents = read_third(whole);

@@ -69,6 +69,7 @@ TraceSummary summarize(replay::TraceReader& reader, const std::function<void(std
       summary.checkpoint_size += item_size;
       if (summary.tick_count == 0) summary.last_root_hash = checkpoint->root_hash;
       summary.checkpoints.push_back({checkpoint->tick, checkpoint->root_hash, checkpoint->image.size(), item_size});
+      if (checkpoint->save) summary.checkpoints.back().save_size = checkpoint->save->size();
     }
   }
   summary.rest_size = reader.size() > offset ? reader.size() - offset : 0;

@@ -37,8 +37,9 @@ class InputListing {
 struct CheckpointSummary {
   std::uint64_t tick = 0;
   std::uint64_t root_hash = 0;
-  std::uint64_t image_size = 0;   // bytes of the state
-  std::uint64_t stored_size = 0;  // bytes in the file
+  std::uint64_t image_size = 0;                           // bytes of the state
+  std::uint64_t stored_size = 0;                          // bytes in the file
+  std::optional<std::uint64_t> save_size = std::nullopt;  // bytes of its save; absent: it has none that is intact
 };
 
 struct TraceSummary {

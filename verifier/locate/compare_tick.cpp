@@ -68,7 +68,9 @@ StoredTick copy_of(const replay::TickRecord& record) {
 }
 
 StoredCheckpoint copy_of(const replay::CheckpointRecord& record) {
-  return {record.tick, record.root_hash, Bytes(record.image.begin(), record.image.end())};
+  StoredCheckpoint copy{record.tick, record.root_hash, Bytes(record.image.begin(), record.image.end())};
+  if (record.shown) copy.shown.emplace(record.shown->begin(), record.shown->end());
+  return copy;
 }
 
 TickSide side_of(const StoredTick& stored) {

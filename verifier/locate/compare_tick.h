@@ -39,6 +39,7 @@ struct StoredCheckpoint {
   std::uint64_t tick = 0;  // ticks done
   std::uint64_t root_hash = 0;
   Bytes image;
+  std::optional<Bytes> shown = std::nullopt;
 };
 StoredCheckpoint copy_of(const replay::CheckpointRecord& record);
 

@@ -7,6 +7,7 @@
 
 #include "base/hash.h"
 #include "base/plain_text.h"
+#include "replay/format/shown_image.h"
 #include "tool/cli/commands.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
@@ -22,6 +23,7 @@ struct ShowOptions {
   bool inputs = false;
   std::string ticks;
   bool checkpoints = false;
+  bool shown = false;
   bool json = false;
 };
 
@@ -70,6 +72,49 @@ int list_inputs(replay::TraceReader& reader, const ShowOptions& options, const T
                " were written, its result was not; they are not listed");
   if (has_own_dt) print_note(options.file + ": some ticks have a dt of their own, which these lines do not say");
   return exit_code_of_condition(tail.condition);
+}
+
+/// "units.glow, units.sprite"
+std::string shown_columns_text(const StateSchema& whole) {
+  std::string text;
+  for (const TableSchema& table : whole.tables)
+    for (const Column& column : table.columns)
+      if (column.is_shown) text += (text.empty() ? "" : ", ") + table.name + "." + column.name;
+  return text;
+}
+
+/// The rows of a shown image, a line each. `when`: of the state.
+void print_shown(const StateSchema& whole, ByteView shown, const std::string& when) {
+  const auto tables = replay::decode_shown(whole, shown);
+  if (!tables) return print_warning(when + ": " + tables.error().message);
+  for (const ShownRows& rows : *tables)
+    for (std::size_t row = 0; row < rows.rows.row_count && output_is_open(); ++row)
+      print(fmt::format("{}  {} row {}  {}\n", when, plain_line(whole.tables[rows.table].name), row,
+                        plain_line(replay::shown_row_text(whole.tables[rows.table], rows, row))));
+}
+
+/// The shown values of checkpoints and of ticks stored in full.
+int list_shown(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+  if (!reader.setup().whole_schema) {
+    print_note(options.file + ": has no shown columns");
+    return exit_ok;
+  }
+  const StateSchema& whole = *reader.setup().whole_schema;
+  while (output_is_open()) {
+    const replay::TraceReader::Item& item = reader.next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    if (const auto* checkpoint = std::get_if<replay::CheckpointRecord>(&item)) {
+      if (checkpoint->shown && range.contains(checkpoint->tick))
+        print_shown(whole, *checkpoint->shown, fmt::format("before tick {}", checkpoint->tick));
+    } else if (const auto& record = std::get<replay::TickRecord>(item); record.shown && range.contains(record.tick)) {
+      print_shown(whole, *record.shown, fmt::format("after tick {}", record.tick));
+    } else if (record.tick > range.last) {
+      return exit_ok;
+    }
+  }
+  if (!output_is_open()) return exit_ok;
+  print_listing_end(options, reader.tail());
+  return exit_code_of_condition(reader.tail().condition);
 }
 
 int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
@@ -145,6 +190,11 @@ void print_summary_json(const replay::TraceReader& reader, const ShowOptions& op
                                      {"hash", hex64(checkpoint.root_hash)},
                                      {"image_size", checkpoint.image_size},
                                      {"stored_size", checkpoint.stored_size}});
+  if (setup.has(replay::Feature::saves)) {
+    object["saves"] = Json::array();
+    for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
+      if (checkpoint.save_size) object["saves"].push_back({{"tick", checkpoint.tick}, {"size", *checkpoint.save_size}});
+  }
   object["inputs"] = inputs_json(summary);
   object["sizes"] = {{"setup", summary.setup_size},
                      {"checkpoints", summary.checkpoint_size},
@@ -156,6 +206,12 @@ void print_summary_json(const replay::TraceReader& reader, const ShowOptions& op
     Json columns = Json::array();
     for (const Column& column : table.columns) columns.push_back(column.name);
     object["tables"].push_back({{"name", table.name}, {"row_size", table.row_size}, {"columns", std::move(columns)}});
+  }
+  if (setup.whole_schema) {
+    object["shown"] = Json::array();
+    for (const TableSchema& table : setup.whole_schema->tables)
+      for (const Column& column : table.columns)
+        if (column.is_shown) object["shown"].push_back(table.name + "." + column.name);
   }
   object["build"] = Json::object();
   for (const auto& [name, value] : reader.facts()) object["build"][name] = value;
@@ -205,6 +261,15 @@ void print_build(const replay::BuildFacts& facts) {
                       (unit.empty() ? "" : plain_line(unit) + ": ") + text));
 }
 
+std::string saves_line(const verifier::TraceSummary& summary) {
+  std::uint64_t count = 0, size = 0;
+  for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints) {
+    count += checkpoint.save_size ? 1 : 0;
+    size += checkpoint.save_size.value_or(0);
+  }
+  return fmt::format("  saves       {}, {} bytes\n", count, size);
+}
+
 void print_summary_text(const replay::TraceReader& reader, const ShowOptions& options,
                         const verifier::TraceSummary& summary) {
   const replay::TraceSetup& setup = reader.setup();
@@ -233,10 +298,15 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
   print_build(reader.facts());
   print(fmt::format("  checkpoints {}", summary.checkpoints.size()));
   print(setup.checkpoint_interval > 0 ? fmt::format(", every {} ticks\n", setup.checkpoint_interval) : "\n");
+  if (setup.has(replay::Feature::saves)) print(saves_line(summary));
+  if (setup.whole_schema)
+    print(fmt::format("  shown       {} (--shown lists the values)\n",
+                      plain_line(shown_columns_text(*setup.whole_schema))));
   if (options.checkpoints)
     for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
-      print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored\n", checkpoint.tick,
-                        hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size));
+      print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored{}\n", checkpoint.tick,
+                        hex64(checkpoint.root_hash), checkpoint.image_size, checkpoint.stored_size,
+                        checkpoint.save_size ? fmt::format(", a save of {}", *checkpoint.save_size) : ""));
 }
 
 int run_show(const ShowOptions& options) {
@@ -253,6 +323,7 @@ int run_show(const ShowOptions& options) {
     if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
       return fail_usage(known.error());
   if (options.inputs) return list_inputs(*reader, options, range);
+  if (options.shown) return list_shown(*reader, options, range);
   if (!options.ticks.empty()) return list_ticks(*reader, options, range);
 
   Progress progress("read " + options.file, 0, "bytes");
@@ -280,6 +351,8 @@ void add_show(CLI::App& app, CliContext& context) {
                    "the inputs of these only")
       ->type_name("A..B");
   command->add_flag("--checkpoints", options->checkpoints, "List the checkpoints");
+  command->add_flag("--shown", options->shown,
+                    "List the values of shown columns, where they are stored; with --ticks of these ticks only");
   command->add_flag("--json", options->json, "One JSON object; with --ticks one a line");
   set_examples(*command,
                "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"

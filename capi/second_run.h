@@ -1,0 +1,65 @@
+// The ticks that a session runs twice: from a save on, then again after that save was loaded.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "base/bytes.h"
+#include "base/state/state_view.h"
+#include "capi/saves.h"
+
+namespace ticktrue::capi {
+
+/// A tick of the first run.
+struct FirstRunTick {
+  double dt = 0;  // s
+  Bytes inputs;
+  std::optional<KeptState> state;  // after it; nothing where the copies of all ticks became too large
+  std::uint64_t root_hash = 0;     // of that state, where it is not kept
+
+  bool is_same(const StateView& now) const {
+    return state ? state->is_same(now) : root_hash == ticktrue::root_hash(now);
+  }
+};
+
+/// What brings the program back, and the state that it must then be in.
+struct SecondRunBegin {
+  std::uint64_t tick = 0;
+  Bytes save;
+  KeptState state;
+};
+
+class SecondRun {
+ public:
+  /// The program is in `state`, with `tick` ticks done; `save` brings it back.
+  void open(std::uint64_t tick, Bytes save, const StateView& state);
+  void close();
+  bool is_open() const { return begin_.has_value(); }
+  bool is_second() const { return is_second_; }
+
+  // Requires: is_open().
+  std::uint64_t first() const { return begin_->tick; }                   // ticks done at the save
+  std::uint64_t behind() const { return begin_->tick + ticks_.size(); }  // ticks done behind the first run
+  ByteView save() const { return begin_->save; }
+  const KeptState& state() const { return begin_->state; }
+
+  /// The next tick of the first run has ended.
+  void add(double dt, const Bytes& inputs, const StateView& state);
+  bool has_room() const { return size_ < size_max; }
+  /// The ticks from `tick` on come again.
+  void drop_from(std::uint64_t tick);
+
+  void begin_second() { is_second_ = true; }
+  const FirstRunTick& at(std::uint64_t tick) const { return ticks_[static_cast<std::size_t>(tick - begin_->tick)]; }
+
+ private:
+  static constexpr std::size_t size_max = std::size_t{64} << 20;  // bytes of copied states
+  std::optional<SecondRunBegin> begin_;
+  std::deque<FirstRunTick> ticks_;
+  std::size_t size_ = 0;  // bytes of their states
+  bool is_second_ = false;
+};
+
+}  // namespace ticktrue::capi
