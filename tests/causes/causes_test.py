@@ -98,7 +98,8 @@ class Gallery:
             stem = name.split(".")[0]
             if not name.endswith(".py") and not cause["source"].endswith(f"{stem}.cpp"):
                 raise Failed(f"{name}: {named[0]}: found the call in {cause['source']}, expected {stem}.cpp")
-        return f"{named[0]}: " + (moved[named[0]]["run"]["column"] if named[0] in moved else "held still")
+        return f"{named[0]}: " + (moved[named[0]]["run"].get("column", "as recorded") if named[0] in moved
+                                  else "held still")
 
     def mended(self, folder, name, rows):
         options = ["--class", "A,B"] + (self.options() if self.full else ["--vary", ",".join(rows)])
