@@ -49,6 +49,7 @@ class WorldBuilder {
   void add_structures();
   void add_links(std::uint32_t count);  // a row
   void add_plate(std::uint32_t count);  // a long box under so many discs that touch it
+  void add_ring(std::uint32_t count);   // a large body at rest, all others fly at it from every side
   void add_prototypes();
   void finish();
   void push(Body body, const Placement& placement);

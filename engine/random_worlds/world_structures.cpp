@@ -1,8 +1,10 @@
-// Structures that arrangements never make: a row of many links, a body with many contacts.
+// Structures that arrangements never make: a row of many links, a body with many contacts, a ring that closes in.
 // SPDX-License-Identifier: MIT
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
-// colours of contacts.
+// colours of contacts; and what only bodies of unlike sizes reach that meet from every side, in touch with others.
+#include <iterator>
+
 #include "engine/builtin_scenes/pieces.h"
 #include "engine/random_worlds/world_builder.h"
 
@@ -23,11 +25,14 @@ void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& pl
   if (plan.carries_joints() && draw.chance(10)) plan.link_count = draw_count(draw, 9, 72, room);
   room -= plan.link_count;
   if (draw.chance(6)) plan.plate_body_count = draw_count(draw, 34, 30, room);
+  room -= plan.plate_body_count;
+  if (draw.chance(8)) plan.ring_body_count = draw_count(draw, 8, 25, room);
 }
 
 void WorldBuilder::add_structures() {
   if (plan.link_count > 0) add_links(plan.link_count);
   if (plan.plate_body_count > 0) add_plate(plan.plate_body_count);
+  if (plan.ring_body_count > 0) add_ring(plan.ring_body_count);
 }
 
 void WorldBuilder::add_links(std::uint32_t count) {
@@ -67,6 +72,30 @@ void WorldBuilder::add_plate(std::uint32_t count) {
     body.type = BodyType::dynamic_body;
     body.shapes.push_back(circle(size / 2));
     push(std::move(body), {{start.x + size * (i + 0.5), start.y + size * 0.75}, 0, {}, 0});
+  }
+}
+
+void WorldBuilder::add_ring(std::uint32_t count) {
+  constexpr Point directions[] = {{1, 0},  {0.8, 0.6},   {0.6, 0.8},   {0, 1},  {-0.6, 0.8}, {-0.8, 0.6},
+                                  {-1, 0}, {-0.8, -0.6}, {-0.6, -0.8}, {0, -1}, {0.6, -0.8}, {0.8, -0.6}};
+  const double radius = size * draw.one_of({1, 2, 4});
+  const double small = size * draw.one_of({0.0625, 0.125, 0.25});
+  const Point center{lower.x, upper.y + 4 * radius};
+  Body large;
+  large.type = BodyType::dynamic_body;
+  large.shapes.push_back(draw.half() ? circle(radius) : box(radius, radius));
+  push(std::move(large), {center, 0, {}, 0});
+  for (std::uint32_t i = 0; i + 1 < count; ++i) {
+    const Point to = directions[i % std::size(directions)];
+    // The corner of the box is at 1.4 radii; those of one direction follow each other without touching.
+    const double row = 4.0 * (i / std::size(directions));
+    const double distance = 1.5 * radius + small * (row + draw.part(16, 32, 16));
+    const double speed = size * draw.one_of({0.5, 2, 8, 32});
+    Body body;
+    body.type = BodyType::dynamic_body;
+    body.shapes.push_back(circle(small));
+    push(std::move(body),
+         {{center.x + distance * to.x, center.y + distance * to.y}, 0, {-speed * to.x, -speed * to.y}, 0});
   }
 }
 
