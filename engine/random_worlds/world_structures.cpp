@@ -88,7 +88,7 @@ void WorldBuilder::add_ring(std::uint32_t count) {
   for (std::uint32_t i = 0; i + 1 < count; ++i) {
     const Point to = directions[i % std::size(directions)];
     // The corner of the box is at 1.4 radii; those of one direction follow each other without touching.
-    const double row = 4.0 * (i / std::size(directions));
+    const double row = 4.0 * static_cast<double>(i / std::size(directions));
     const double distance = 1.5 * radius + small * (row + draw.part(16, 32, 16));
     const double speed = size * draw.one_of({0.5, 2, 8, 32});
     Body body;

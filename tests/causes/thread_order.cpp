@@ -19,8 +19,8 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
       const std::lock_guard<std::mutex> guard(lock);
       arrived.push_back(i);
     });
-    // On a quiet machine a thread is done long before the next one begins.
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    // A thread is done long before the next one begins, on a loaded machine, too.
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   for (std::thread& thread : threads) thread.join();
   if (is_mended) std::sort(arrived.begin(), arrived.end());

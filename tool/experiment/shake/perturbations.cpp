@@ -260,8 +260,8 @@ void fix_one_cpu(Conditions& conditions) {
   conditions.process.on_one_cpu = true;
 }
 
-void thread_start(Conditions& conditions, unsigned, std::uint64_t seed, const Facts&) {
-  conditions.settings.thread_delay_us = 2000;
+void thread_start(Conditions& conditions, unsigned variant, std::uint64_t seed, const Facts&) {
+  conditions.settings.thread_delay_us = variant == 0 ? 2000 : 50000;
   conditions.settings.seed = seed;
 }
 

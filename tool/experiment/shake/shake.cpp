@@ -3,6 +3,7 @@
 #include "tool/experiment/shake/shake.h"
 
 #include <algorithm>
+#include <cmath>
 #include <chrono>
 #include <iterator>
 #include <map>
@@ -25,6 +26,7 @@ constexpr int unstable_control_count = 12;
 // Runs in a row that must agree before chance is ruled out: it would make them agree so rarely.
 constexpr double chance_max = 1e-3;
 constexpr int still_count_max = 40;
+constexpr int confirmation_count_max = 100;
 constexpr unsigned together_count = 4;  // every variant of each
 constexpr double slowest_run = 20;      // times the control
 constexpr double run_time_min_s = 10;   // under emulation a short program takes seconds
@@ -357,6 +359,30 @@ class Shaking {
     return true;
   }
 
+  /// Whether the program varies as it is, and not with these conditions, in runs that take turns. The first runs of the
+  /// program say little of later ones: the load of the machine changes.
+  Result<bool> is_confirmed(const Conditions& conditions, std::size_t source_count) {
+    Conditions plain;
+    plain.has_shim = false;
+    std::string first;
+    std::map<std::string, int> counts;
+    int most = 0;
+    for (int round = 1; round <= confirmation_count_max && goes_on(); ++round) {
+      const Result<Run> varying = launcher_.run(plain);
+      tell(1);
+      if (!varying) return varying.error();
+      most = std::max(most, ++counts[signature(varying->outcome)]);
+      const Result<Run> still = launcher_.run(conditions);
+      tell(1);
+      if (!still) return still.error();
+      if (round == 1) first = signature(still->outcome);
+      if (signature(still->outcome) != first) return false;
+      if (std::pow(static_cast<double>(most) / round, round) <= chance_max / static_cast<double>(source_count))
+        return true;
+    }
+    return false;
+  }
+
   Conditions fixed(const std::vector<const Perturbation*>& rows) const {
     Conditions conditions;
     for (const Perturbation* row : rows) row->fix(conditions);
@@ -378,12 +404,17 @@ class Shaking {
       if (!goes_on()) return {};
       const Result<bool> still = holds_still(fixed({source}));
       if (!still) return still.error();
-      if (*still) return found_fix({source});
+      if (!*still) continue;
+      const Result<bool> confirmed = is_confirmed(fixed({source}), sources.size());
+      if (!confirmed) return confirmed.error();
+      if (*confirmed) return found_fix({source});
     }
     if (sources.size() >= 2) {
       const Result<bool> still = holds_still(fixed(sources));
       if (!still) return still.error();
-      if (*still) return find_least_fix(sources);
+      const Result<bool> confirmed = *still ? is_confirmed(fixed(sources), sources.size()) : still;
+      if (!confirmed) return confirmed.error();
+      if (*confirmed) return find_least_fix(sources);
     }
     report_.instructions = find_instructions(facts_.program);
     return {};
