@@ -27,6 +27,11 @@ void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& pl
   if (draw.chance(6)) plan.plate_body_count = draw_count(draw, 34, 30, room);
   room -= plan.plate_body_count;
   if (draw.chance(8)) plan.ring_body_count = draw_count(draw, 8, 25, room);
+  // The contacts of a body that bounces are solved again at one pose.
+  if (plan.ring_body_count > 0 && plan.settings.integrator == IntegratorKind::semi_implicit_euler && draw.half()) {
+    plan.features[static_cast<std::size_t>(WorldFeature::locate_impacts)] = true;
+    plan.settings.locate_impacts = true;
+  }
 }
 
 void WorldBuilder::add_structures() {

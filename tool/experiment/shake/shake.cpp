@@ -3,8 +3,8 @@
 #include "tool/experiment/shake/shake.h"
 
 #include <algorithm>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <memory>
