@@ -3,6 +3,8 @@
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
 // colours of contacts; and what only bodies of unlike sizes reach that meet from every side, in touch with others.
+#include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "engine/builtin_scenes/pieces.h"
@@ -83,18 +85,21 @@ void WorldBuilder::add_plate(std::uint32_t count) {
 void WorldBuilder::add_ring(std::uint32_t count) {
   constexpr Point directions[] = {{1, 0},  {0.8, 0.6},   {0.6, 0.8},   {0, 1},  {-0.6, 0.8}, {-0.8, 0.6},
                                   {-1, 0}, {-0.8, -0.6}, {-0.6, -0.8}, {0, -1}, {0.6, -0.8}, {0.8, -0.6}};
-  const double radius = size * draw.one_of({1, 2, 4});
+  const double radius = size * draw.one_of({1, 2, 4, 64});
   const double small = size * draw.one_of({0.0625, 0.125, 0.25});
+  const bool is_disc = draw.half();
   const Point center{lower.x, upper.y + 4 * radius};
   Body large;
   large.type = BodyType::dynamic_body;
-  large.shapes.push_back(draw.half() ? circle(radius) : box(radius, radius));
+  large.shapes.push_back(is_disc ? circle(radius) : box(radius, radius));
   push(std::move(large), {center, 0, {}, 0});
+  scene.bodies.back().angle = 0;
   for (std::uint32_t i = 0; i + 1 < count; ++i) {
     const Point to = directions[i % std::size(directions)];
-    // The corner of the box is at 1.4 radii; those of one direction follow each other without touching.
+    const double surface = is_disc ? radius : radius / std::max(std::abs(to.x), std::abs(to.y));
+    // Those of one direction follow each other without touching.
     const double row = 4.0 * static_cast<double>(i / std::size(directions));
-    const double distance = 1.5 * radius + small * (row + draw.part(16, 32, 16));
+    const double distance = surface + small * (row + draw.part(16, 32, 16));
     const double speed = size * draw.one_of({0.5, 2, 8, 32});
     Body body;
     body.type = BodyType::dynamic_body;
