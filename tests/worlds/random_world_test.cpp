@@ -15,6 +15,7 @@
 #include "base/hash.h"
 #include "engine/engine.h"
 #include "engine/random_worlds/world_features.h"
+#include "engine/random_worlds/world_plan.h"
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
 #include "tests/support/catch.h"
@@ -219,6 +220,27 @@ TEST_CASE("of 2000 random worlds 100 have each row, one has each possible pair",
       if ((counts[a][b] > 0) != reason.empty()) CHECK(counts[a][b] == (reason.empty() ? 1 : 0));
     }
   }
+}
+
+TEST_CASE("of 2000 random worlds 20 have a row of links, a plate, a ring, a ring with located impacts",
+          "[worlds][coverage]") {
+  int links = 0;
+  int plates = 0;
+  int rings = 0;
+  int located_rings = 0;
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    engine::Draw draw(seed);
+    engine::WorldPlan plan = engine::draw_plan(draw, {});
+    engine::draw_structures(draw, {}, plan);
+    links += plan.link_count > 0 ? 1 : 0;
+    plates += plan.plate_body_count > 0 ? 1 : 0;
+    rings += plan.ring_body_count > 0 ? 1 : 0;
+    located_rings += plan.ring_body_count > 0 && plan.settings.locate_impacts ? 1 : 0;
+  }
+  CHECK(links >= 20);
+  CHECK(plates >= 20);
+  CHECK(rings >= 20);
+  CHECK(located_rings >= 20);
 }
 
 TEST_CASE("2000 random worlds are legal, and fewer than one in 200 blows up", "[worlds][equivalence]") {
