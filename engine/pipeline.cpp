@@ -109,6 +109,7 @@ Pipeline compose(const Model& model, BroadPhaseKind broad_phase, bool full) {
     pipeline.description.push_back({"sleep", false, "the scene lets nothing sleep"});
   pipeline.tables.sleep = settings.sleep.has_value();
   pipeline.tables.substeps = settings.auto_substeps.has_value();
+  pipeline.tables.loads = settings.substep_loads == SubstepLoads::measured;
   pipeline.tables.pointers = model.has_pointer;
   pipeline.tables.joints = !model.joints.empty();
   pipeline.tables.accelerations = keeps_accelerations(model);

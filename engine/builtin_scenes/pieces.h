@@ -28,6 +28,7 @@ struct SceneArguments {
   std::optional<BroadPhaseKind> broad_phase;
   std::optional<ClockKind> clock;
   std::optional<JointSolverKind> joints;
+  std::optional<SubstepLoads> substep_loads;
   std::optional<double> gravity;
 
   double real(std::string_view name) const {

@@ -19,6 +19,7 @@ struct IslandError {
 struct Support {
   std::uint32_t other;      // row
   Real compliance;          // m/N at four substeps
+  Real force;               // N, of the last tick; 0 where loads are not measured
   Real arm, other_arm;      // of a joint, from the two centres of mass, m; of a contact 0
   Vec2 middle;              // of a contact, or a joint's anchor, from the body's centre of mass, m
   Real half_width2;         // of a contact with two points, m^2; else 0

@@ -212,6 +212,16 @@ TableSchema schema_of(const Model&, const std::string& name, const std::vector<S
           1};
 }
 
+TableSchema schema_of(const Model&, const std::string& name, const std::vector<LoadRow>&) {
+  return {name,
+          {
+              whole("body", ScalarType::u32, 1, offsetof(LoadRow, body), id_max, body_table),
+              whole("wanted", ScalarType::u32, 1, offsetof(LoadRow, wanted), limits::substep_count_max),
+          },
+          sizeof(LoadRow),
+          1};
+}
+
 TableSchema schema_of(const Model&, const std::string& name, const std::vector<SubstepRow>&) {
   return {name,
           {
@@ -329,8 +339,9 @@ Status load_state(const Model& model, const StateSchema& schema, StateTables tab
   if (tables.joints)
     if (const Status joints = check_joints(model, loaded); !joints) return joints;
   if ((tables.sleep && !is_parallel(loaded.sleep, loaded.bodies)) ||
-      (tables.substeps && !is_parallel(loaded.substeps, loaded.bodies)))
-    return image_error("sleep, substeps: expected a row for each body, in order");
+      (tables.substeps && !is_parallel(loaded.substeps, loaded.bodies)) ||
+      (tables.loads && !is_parallel(loaded.loads, loaded.bodies)))
+    return image_error("sleep, substeps, loads: expected a row for each body, in order");
   state = std::move(loaded);
   return {};
 }
@@ -377,6 +388,7 @@ void add_body_row(const Model& model, State& state, const BodyRow& body) {
   if (settings.sleep) state.sleep.push_back({body.id, 0, 0});
   if (keeps_accelerations(model)) state.accelerations.push_back({});
   if (settings.auto_substeps) state.substeps.push_back({body.id, static_cast<std::uint32_t>(settings.substeps), 0});
+  if (settings.substep_loads == SubstepLoads::measured) state.loads.push_back({body.id, 0});
 }
 
 void erase_body_row(State& state, std::size_t row) {
@@ -385,6 +397,7 @@ void erase_body_row(State& state, std::size_t row) {
   if (!state.accelerations.empty()) state.accelerations.erase(state.accelerations.begin() + at);
   if (!state.sleep.empty()) state.sleep.erase(state.sleep.begin() + at);
   if (!state.substeps.empty()) state.substeps.erase(state.substeps.begin() + at);
+  if (!state.loads.empty()) state.loads.erase(state.loads.begin() + at);
 }
 
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -95,6 +95,12 @@ struct SubstepRow {
   std::uint32_t idle_ticks;  // for which fewer would have been enough
 };
 
+/// What the loads measured in the last tick ask for. Row by row those of the bodies, with SubstepLoads::measured.
+struct LoadRow {
+  std::uint32_t body;    // id
+  std::uint32_t wanted;  // substeps; 0 before the first tick
+};
+
 /// Accelerations of a body in the last substep; row by row those of the bodies. Owned by thesis_verlet.
 struct AccelerationRow {
   Vec2 linear;   // m/s^2
@@ -115,6 +121,7 @@ static_assert(sizeof(PointerRow) == 8 + 6 * sizeof(Real));
 static_assert(sizeof(JointRow) == 16 + 9 * sizeof(Real));
 static_assert(sizeof(SleepRow) == 8 + sizeof(Real));
 static_assert(sizeof(SubstepRow) == 12);
+static_assert(sizeof(LoadRow) == 8);
 static_assert(sizeof(AccelerationRow) == 3 * sizeof(Real));
 static_assert(sizeof(IntegratorRow) == 4);
 
@@ -130,6 +137,7 @@ struct StateTables {
   bool joints = false;
   bool sleep = false;
   bool substeps = false;
+  bool loads = false;
   bool accelerations = false;
   bool integrator = false;
 };
@@ -144,6 +152,7 @@ struct State {
   std::vector<JointRow> joints;                // ascending by joint
   std::vector<SleepRow> sleep;                 // [body], or empty
   std::vector<SubstepRow> substeps;            // [body], or empty
+  std::vector<LoadRow> loads;                  // [body], or empty
   std::vector<AccelerationRow> accelerations;  // [body], or empty
   IntegratorRow integrator{};
 
@@ -170,6 +179,7 @@ void for_each_table(StateType& state, const StateTables& owned, Visit visit) {
   if (owned.joints) visit("joints", state.joints);
   if (owned.sleep) visit("sleep", state.sleep);
   if (owned.substeps) visit("substeps", state.substeps);
+  if (owned.loads) visit("loads", state.loads);
   if (owned.accelerations) visit("accelerations", state.accelerations);
   if (owned.integrator) visit("integrator", state.integrator);
 }

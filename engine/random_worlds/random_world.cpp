@@ -10,6 +10,7 @@ namespace {
 
 // Streams of their own: worlds without what they choose do not depend on them.
 constexpr std::uint64_t joint_solver_stream = 0x6a6f696e74735f31;
+constexpr std::uint64_t loads_stream = 0x6c6f6164735f5f31;
 constexpr std::uint64_t structure_stream = 0x7374727563745f31;
 
 }  // namespace
@@ -27,6 +28,8 @@ RandomWorld random_world(std::uint64_t seed, const RandomWorldOptions& options) 
   if (!world.scene.joints.empty() && info_of(solvers, world.scene.settings.solver).chooses_joints &&
       Draw(seed ^ joint_solver_stream).half())
     world.scene.settings.joints = JointSolverKind::direct;
+  if (world.scene.settings.auto_substeps && Draw(seed ^ loads_stream).half())
+    world.scene.settings.substep_loads = SubstepLoads::measured;
   add_forces(draw, plan, world.scene);
   world.inputs = add_inputs(draw, plan, world.scene);
   world.tick_count = plan.tick_count;

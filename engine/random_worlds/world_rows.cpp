@@ -39,13 +39,19 @@ Names feature_names() {
 void repair_settings(Settings& settings) {
   const SolverInfo& solver = info_of(solvers, settings.solver);
   if (!solver.chooses_joints) settings.joints = JointSolverKind::iterative;
-  if (solver.substeps) return;
-  settings.substeps = 1;
-  settings.auto_substeps.reset();
+  if (!solver.substeps) {
+    settings.substeps = 1;
+    settings.auto_substeps.reset();
+  }
+  if (!settings.auto_substeps) settings.substep_loads = SubstepLoads::weight;
 }
 
 bool has_joint_solver(const World& world, std::size_t row) {
   return !world.scene.joints.empty() && world.scene.settings.joints == joint_solvers[row].kind;
+}
+
+bool has_substep_loads(const World& world, std::size_t row) {
+  return world.scene.settings.auto_substeps && world.scene.settings.substep_loads == substep_loads[row].kind;
 }
 
 template <const auto& table, auto Settings::*choice>
@@ -226,7 +232,7 @@ bool take_feature(World& world, std::size_t row) {
   return true;
 }
 
-const std::array<RowTable, 14> tables{{
+const std::array<RowTable, 15> tables{{
     {"precision", names_of<precisions>, has_choice<precisions, &Settings::precision>,
      take_choice<precisions, &Settings::precision>, true},
     {"solver", names_of<solvers>, has_choice<solvers, &Settings::solver>, take_choice<solvers, &Settings::solver>,
@@ -244,6 +250,8 @@ const std::array<RowTable, 14> tables{{
     {"shape", names_of<shape_kinds>, has_shape, take_shape, true},
     {"joint", names_of<joint_kinds>, has_joint, take_joint, true},
     {"joint_solver", names_of<joint_solvers>, has_joint_solver, take_choice<joint_solvers, &Settings::joints>, true},
+    {"substep_loads", names_of<substep_loads>, has_substep_loads, take_choice<substep_loads, &Settings::substep_loads>,
+     true},
     {"force", names_of<force_kinds>, has_force, take_force, true},
     {"input", names_of<input_kinds>, has_input, take_input, true},
     {"feature", feature_names, has_feature, take_feature, true},

@@ -30,6 +30,7 @@ enum class IntegratorKind : std::uint8_t {
 enum class BroadPhaseKind : std::uint8_t { brute_force, bounding_circle, sweep_and_prune, uniform_grid, aabb_tree };
 /// How joints are solved. Not every solver has a choice.
 enum class JointSolverKind : std::uint8_t { iterative, direct };
+enum class SubstepLoads : std::uint8_t { weight, measured };
 enum class MixRule : std::uint8_t { geometric_mean, maximum, minimum, average };
 enum class BodyType : std::uint8_t { static_body, kinematic_body, dynamic_body };
 enum class ShapeKind : std::uint8_t { circle, box, polygon, capsule, segment, chain };
@@ -123,6 +124,11 @@ inline constexpr std::array<Choice<MixRule>, 4> mix_rules{{
 inline constexpr std::array<Choice<JointSolverKind>, 2> joint_solvers{{
     {JointSolverKind::iterative, "iterative", "one joint after the other, as soft rows"},
     {JointSolverKind::direct, "direct", "bodies that joints connect are solved as one, unless they have many loops"},
+}};
+
+inline constexpr std::array<Choice<SubstepLoads>, 2> substep_loads{{
+    {SubstepLoads::weight, "weight", "what stands on a body, and what whirls about a fixed one"},
+    {SubstepLoads::measured, "measured", "the forces of the last two ticks, too, and what whirls without a fixed body"},
 }};
 
 inline constexpr std::array<Choice<BodyType>, 3> body_types{{
@@ -236,6 +242,7 @@ struct Tables {
   static constexpr const auto& of(IntegratorKind) { return integrators; }
   static constexpr const auto& of(BroadPhaseKind) { return broad_phases; }
   static constexpr const auto& of(JointSolverKind) { return joint_solvers; }
+  static constexpr const auto& of(SubstepLoads) { return substep_loads; }
   static constexpr const auto& of(MixRule) { return mix_rules; }
   static constexpr const auto& of(BodyType) { return body_types; }
 };

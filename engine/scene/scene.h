@@ -217,6 +217,7 @@ struct Settings {
   bool events = false;                 // begin and end of contacts are part of the state
   ClockSettings clock;
   JointSolverKind joints = JointSolverKind::iterative;
+  SubstepLoads substep_loads = SubstepLoads::weight;  // that automatic substeps follow from
   bool operator==(const Settings&) const = default;
 };
 

@@ -16,7 +16,7 @@ namespace {
 // Versions of this encoding alone. docs/engine_setup.md says what each byte means. A scene is written in the first
 // version that can tell it, so that its bytes stay those of older programs.
 constexpr std::uint16_t first_version = 2;
-constexpr std::uint16_t last_version = 3;
+constexpr std::uint16_t last_version = 4;
 
 /// The first version that has all fields of the settings that differ from their defaults.
 std::uint16_t version_of(const Scene& scene) {

@@ -236,6 +236,7 @@ struct Fields<Settings> {
     visit(FieldInfo{"events"}, &Settings::events);
     visit(FieldInfo{"clock"}, &Settings::clock);
     visit(FieldInfo{"joints", {}, "", false, 3}, &Settings::joints);
+    visit(FieldInfo{"substep_loads", {}, "", false, 4}, &Settings::substep_loads);
   }
 };
 

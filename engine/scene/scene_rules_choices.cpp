@@ -88,6 +88,12 @@ bool SceneRules::check_choices() {
         name_of_solver + " solves joints one after the other, if at all: found " +
             std::string(info_of(joint_solvers, scene_.settings.joints).name) + ", expected iterative",
         "leave joints out, or use " + names_where(solvers, [](const SolverInfo& s) { return s.chooses_joints; }));
+  if (!scene_.settings.auto_substeps && scene_.settings.substep_loads != SubstepLoads::weight)
+    return fail(ErrorCode::incompatible, "settings.substep_loads",
+                "loads choose automatic substeps: found " +
+                    std::string(info_of(substep_loads, scene_.settings.substep_loads).name) + " and " +
+                    std::to_string(scene_.settings.substeps) + " substeps",
+                "use \"substeps\": \"auto\"");
   return true;
 }
 

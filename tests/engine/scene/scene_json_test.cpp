@@ -518,6 +518,7 @@ TEST_CASE("the JSON Schema and the parser know the same keys and names", "[engin
   same_names("broad_phase", broad_phases);
   same_names("mix_rule", mix_rules);
   same_names("joint_solver", joint_solvers);
+  same_names("substep_loads", substep_loads);
   same_names("body_type", body_types);
   same_names("clock_kind", clock_kinds);
   same_names("input_kind", input_kinds);

@@ -1,0 +1,124 @@
+// Automatic substeps from measured loads: forces that are no weight squeeze no more than weights do, what whirls
+// without a fixed body keeps its energy, and one impact does not count. SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "tests/support/engine_runs.h"
+#include "tests/support/joints.h"
+
+using namespace ticktrue;
+using namespace ticktrue::test;
+using engine::BodyReport;
+using engine::Engine;
+using engine::Input;
+
+namespace {
+
+constexpr int tick_count = 300;
+constexpr double pi = 3.14159265358979323846;
+
+enum class Load { weight, element, input, ram };
+
+void measure_loads(Scene& scene) {
+  scene.settings.auto_substeps.emplace();
+  scene.settings.substep_loads = engine::SubstepLoads::measured;
+}
+
+// How far the top of a stack of 1 kg boxes sinks under a force, m.
+double squeeze(int count, double force, Load load, Precision precision) {
+  Scene scene = stack_scene(count, 0, precision);
+  measure_loads(scene);
+  const auto top = static_cast<std::uint32_t>(scene.bodies.size() - 1);
+  std::vector<Input> inputs;
+  if (load == Load::weight)
+    scene.bodies[top].mass = engine::ExplicitMass{1 + force / std::abs(scene.gravity.y), {}, {}};
+  if (load == Load::element) {
+    engine::Force element;
+    element.kind = engine::ForceKind::constant;
+    element.body = top;
+    element.vector = {0, -force};
+    scene.forces.push_back(element);
+  }
+  if (load == Load::input) {
+    scene.inputs = {engine::InputKind::force};
+    Input push;
+    push.kind = engine::InputKind::force;
+    push.body = top;
+    push.values = {0, -force};
+    inputs = {push};
+  }
+  if (load == Load::ram) {
+    scene.bodies.push_back(peg({0, count + 20.0}));
+    Joint ram = joint_of(JointKind::prismatic, top + 1, top);
+    ram.axis = {0, -1};
+    ram.anchor_a = {0, -20.5};
+    ram.motor = engine::JointMotor{10, force};
+    scene.joints.push_back(ram);
+  }
+  const auto engine = make_engine_or_fail(scene);
+  const double start = engine->bodies()[top].center.y;
+  Bytes bytes;
+  engine::encode_inputs(inputs, bytes);
+  for (int i = 0; i < tick_count; ++i) REQUIRE(engine->step({scene.settings.dt, bytes}, nullptr));
+  return start - engine->bodies()[top].center.y;
+}
+
+double kinetic_energy(const Engine& engine) {
+  double energy = 0;
+  for (const BodyReport& body : engine.bodies())
+    energy += body.mass * (body.velocity.x * body.velocity.x + body.velocity.y * body.velocity.y) / 2 +
+              body.inertia * body.angular_velocity * body.angular_velocity / 2;
+  return energy;
+}
+
+// A disc of 1 kg with pinned rods that turns about itself in empty space.
+Scene hub(int rods, double speed, Precision precision) {
+  Scene scene = empty_scene(precision);
+  scene.gravity = {0, 0};
+  measure_loads(scene);
+  Body disc = body_of(disc_shape(0.5), {0, 0});
+  disc.mass = engine::ExplicitMass{1, 0.125, {}};
+  disc.angular_velocity = speed;
+  scene.bodies.push_back(disc);
+  for (int i = 0; i < rods; ++i) {
+    const double angle = 2 * pi * i / rods;
+    const Point to{std::cos(angle), std::sin(angle)};
+    Body rod = body_of(box_shape(1, 0.05), {1.5 * to.x, 1.5 * to.y});
+    rod.angle = angle;
+    rod.velocity = {-1.5 * speed * to.y, 1.5 * speed * to.x};
+    rod.angular_velocity = speed;
+    rod.shapes[0].filter.group = -1;
+    scene.bodies.push_back(rod);
+    Joint pin = joint_of(JointKind::revolute, 0, static_cast<std::uint32_t>(i + 1));
+    pin.anchor_a = {0.5 * to.x, 0.5 * to.y};
+    pin.anchor_b = {-1, 0};
+    scene.joints.push_back(pin);
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a stack is squeezed by forces at most 1.2 times as much as by the same weight",
+          "[engine][islands][analytic]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int count : {5, 20})
+      for (const double force : {1e2, 1e3, 1e4, 1e5}) {
+        const double by_weight = squeeze(count, force, Load::weight, precision);
+        for (const Load load : {Load::element, Load::input, Load::ram}) {
+          CAPTURE(precision, count, force, static_cast<int>(load), by_weight);
+          CHECK(squeeze(count, force, load, precision) <= 1.2 * by_weight);
+        }
+      }
+}
+
+TEST_CASE("a hub that floats keeps its energy within a thousandth for 10 s", "[engine][islands][conservation]") {
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (const int rods : {3, 8, 12})
+      for (const double speed : {5.0, 20.0, 50.0}) {
+        CAPTURE(precision, rods, speed);
+        const auto engine = make_engine_or_fail(hub(rods, speed, precision));
+        const double start = kinetic_energy(*engine);
+        run_ticks(*engine, 600);
+        CHECK(std::abs(kinetic_energy(*engine) / start - 1) < 1e-3);
+      }
+}
