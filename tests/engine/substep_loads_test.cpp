@@ -1,5 +1,5 @@
-// Automatic substeps from measured loads: forces that are no weight squeeze no more than weights do, what whirls
-// without a fixed body keeps its energy, and one impact does not count. SPDX-License-Identifier: MIT
+// Automatic substeps from measured loads: forces squeeze no more than weights, hubs that float keep their energy.
+// SPDX-License-Identifier: MIT
 #include <cmath>
 
 #include "tests/support/engine_runs.h"
