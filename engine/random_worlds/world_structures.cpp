@@ -98,8 +98,8 @@ void WorldBuilder::add_ring(std::uint32_t count) {
     const Point to = directions[i % std::size(directions)];
     const double surface = is_disc ? radius : radius / std::max(std::abs(to.x), std::abs(to.y));
     // Those of one direction follow each other without touching.
-    const double row = 4.0 * static_cast<double>(i / std::size(directions));
-    const double distance = surface + small * (row + draw.part(16, 32, 16));
+    const std::size_t row = i / std::size(directions);
+    const double distance = surface + small * (4.0 * static_cast<double>(row) + draw.part(16, 32, 16));
     const double speed = size * draw.one_of({0.5, 2, 8, 32});
     Body body;
     body.type = BodyType::dynamic_body;
