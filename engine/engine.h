@@ -18,7 +18,7 @@
 namespace ticktrue::engine {
 
 /// Rises with every change that changes bits on purpose; CHANGELOG says so under *TRACE*.
-inline constexpr std::uint32_t physics_version = 11;
+inline constexpr std::uint32_t physics_version = 12;
 inline constexpr std::string_view simulation_name = "ticktrue.engine";
 
 /// Choices that change no bit of what both sides have.

@@ -154,6 +154,7 @@ void DirectComponents::finish(const Model& model, const State& state) {
       shape.shape.meets_in_middle = shape.body_a < component.moving_count && shape.body_b < component.moving_count;
       const auto body_turns = [&](std::uint32_t body) { return body < turns.size() && turns[body] != 0; };
       joints.push_back(graph_joint(shape, component.moving_count, body_turns(shape.body_a), body_turns(shape.body_b)));
+      component.is_free = component.is_free && is_internal(shape, component.moving_count);
       component.shapes.push_back(shape);
     }
     const auto moving_count = static_cast<std::uint32_t>(component.moving_count);

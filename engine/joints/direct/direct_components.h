@@ -32,6 +32,7 @@ struct DirectComponent {
   std::vector<std::uint32_t> joints;  // rows in State::joints
   std::vector<std::uint32_t> bodies;  // rows; those that joints move first, ascending
   std::size_t moving_count = 0;
+  bool is_free = true;              // each joint acts on two moving bodies, oppositely
   std::vector<DirectJoint> shapes;  // [joint] shape and bodies, nothing else
   std::shared_ptr<const JointGraph> graph;
 };

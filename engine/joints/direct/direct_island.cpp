@@ -141,9 +141,34 @@ double target_of(const DirectIsland& island, double error, double h) {
   return error - island.push_share * taken_back(error, h);
 }
 
-/// Solves for system.values and adds the solution to velocities.
-void add_velocities(DirectIsland& island) {
+/// Takes the momentum of the solution's velocities off, by the same velocity for all bodies: rows of joints between
+/// bodies do not see that. The elimination leaves some by rounding, the more the more masses differ.
+void remove_momentum(DirectIsland& island) {
+  double mass = 0;
+  double x = 0;
+  double y = 0;
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    const Triple& change = island.system.values[island.graph->body_nodes[i]];
+    mass += island.bodies[i].mass;
+    x += island.bodies[i].mass * change[0];
+    y += island.bodies[i].mass * change[1];
+  }
+  for (std::size_t i = 0; i < island.moving_count; ++i) {
+    Triple& change = island.system.values[island.graph->body_nodes[i]];
+    change[0] -= x / mass;
+    change[1] -= y / mass;
+  }
+}
+
+/// Solves for system.values.
+void solve_system(DirectIsland& island) {
   solve(*island.graph, island.system);
+  if (island.is_free) remove_momentum(island);
+}
+
+/// The same, and adds the solution to velocities.
+void add_velocities(DirectIsland& island) {
+  solve_system(island);
   for (std::size_t i = 0; i < island.moving_count; ++i) {
     const Triple& change = island.system.values[island.graph->body_nodes[i]];
     for (std::size_t k = 0; k < 3; ++k) island.bodies[i].velocity[k] += change[k];
@@ -433,13 +458,19 @@ GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool 
   return row;
 }
 
+bool is_internal(const DirectJoint& joint, std::size_t moving_count) {
+  return joint.body_a < moving_count && joint.body_b < moving_count && traits_of(joint.shape.kind).conserves_momentum;
+}
+
 void order_island(DirectIsland& island) {
   island.moving_count = island.bodies.size();
   island.has_drives = false;
+  island.is_free = true;
   std::vector<GraphJoint> joints;
   for (const DirectJoint& joint : island.joints) {
     joints.push_back(graph_joint(joint, island.moving_count, true, true));
     for (const DirectDrive& drive : joint.drives) island.has_drives = island.has_drives || exists(drive);
+    island.is_free = island.is_free && is_internal(joint, island.moving_count);
   }
   island.graph =
       std::make_shared<const JointGraph>(make_joint_graph(static_cast<std::uint32_t>(island.moving_count), joints));
@@ -545,7 +576,7 @@ void begin_substep(DirectIsland& island, double h) {
   set_residuals(island, [h](const DirectJoint& joint, std::size_t row) {
     return row < joint.equations.rigid_count ? taken_back(joint.equations.errors[row], h) / h : 0;
   });
-  solve(*island.graph, island.system);
+  solve_system(island);
   double asked = 0;
   double allowed = 0;
   for (std::size_t i = 0; i < island.moving_count; ++i) {

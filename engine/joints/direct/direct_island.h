@@ -59,6 +59,7 @@ struct DirectIsland {
   std::vector<Triple> push_impulses;  // [joint]
   double push_share = 1;              // of what is to be taken back
   bool has_drives = false;
+  bool is_free = false;           // each joint acts on two moving bodies, oppositely: momentum stays
   std::vector<Pose> moved_poses;  // [body] by the present velocities
   std::vector<Triple> saved_velocities;
   std::vector<Triple> saved_impulses;
@@ -72,6 +73,8 @@ Pose moved(const DirectBody& body, double h);
 /// The joint as the graph sees it. Bodies below `moving_count` are moved by joints; `turns(body)`: not by linear
 /// impulses alone.
 GraphJoint graph_joint(const DirectJoint& joint, std::size_t moving_count, bool a_turns, bool b_turns);
+/// Whether the joint acts on two moving bodies, with opposite impulses.
+bool is_internal(const DirectJoint& joint, std::size_t moving_count);
 /// Makes the graph of bodies that all are moved by joints. Call again when bodies or joints were added or removed.
 void order_island(DirectIsland& island);
 /// Equations and matrix of the present poses, for project_velocities.

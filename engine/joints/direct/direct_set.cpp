@@ -122,6 +122,7 @@ void fill_island(const SolvedSet& solved, const DirectComponent& component, Dire
   DirectIsland& island = at.island;
   island.graph = component.graph;
   island.moving_count = component.moving_count;
+  island.is_free = component.is_free;
   island.bodies.resize(component.bodies.size());
   for (std::size_t i = 0; i < component.bodies.size(); ++i) {
     const BodyMass& mass = solved.bodies.masses[component.bodies[i]];
