@@ -200,9 +200,8 @@ void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches) {
   for_colors(solved, batches, solved.kernels().contacts.warm_start);
 }
 
-void solve_contacts(const SolvedSet& solved, ContactBatches& batches, Poses poses) {
-  const ContactKernels& kernels = solved.kernels().contacts;
-  for_colors(solved, batches, poses == Poses::moved ? kernels.solve : kernels.solve_again);
+void solve_contacts(const SolvedSet& solved, ContactBatches& batches) {
+  for_colors(solved, batches, solved.kernels().contacts.solve);
 }
 
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches) {

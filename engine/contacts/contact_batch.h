@@ -65,8 +65,8 @@ void color_contacts(const SolvedSet& solved, bool may_split, ContactWorkspace& w
 /// and stores the range in the set. Requires: color_contacts, as one block.
 void prepare_contacts(const SolvedSet& solved, const ContactColors& colors, ContactBatches& out);
 void warm_start_contacts(const SolvedSet& solved, ContactBatches& batches);
-/// `poses`: unmoved if no pose has changed since the last pass over the same contacts.
-void solve_contacts(const SolvedSet& solved, ContactBatches& batches, Poses poses);
+/// Requires: no pose has changed since prepare_contacts or the last relax_contacts.
+void solve_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Removes the velocity that solve_contacts added to correct overlaps.
 void relax_contacts(const SolvedSet& solved, ContactBatches& batches);
 /// Applies restitution at points that hit faster than `threshold`. True if there was one.

@@ -39,7 +39,7 @@ void solve_blocks(SolvedSet& solved, ContactWorkspace& work, const MotionWorkspa
       for (int substep = 0; substep < solved.set.substeps; ++substep) {
         steps.step_velocities(bodies, gains, rows.data(), rows.size());
         contacts.warm_start(of_block);
-        contacts.solve_again(of_block);
+        contacts.solve(of_block);
         steps.move_bodies(bodies, rows.data(), rows.size(), dummy_body(solved.bodies), sink, solved.set.h);
         contacts.relax(of_block);
       }

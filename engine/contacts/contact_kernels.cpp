@@ -168,8 +168,8 @@ TICKTRUE_INLINE Target<V> target_of(V separation, V inv_h, const Softness& soft)
           select(is_separated, zero, broadcast(soft.impulse_scale))};
 }
 
-/// solve_again: no pose has changed since the last pass.
-enum class Pass { solve, solve_again, relax };
+/// solve: no pose has changed since `fill` or the last relax pass.
+enum class Pass { solve, relax };
 
 template <unsigned features, Pass pass, typename V>
 TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const LaneRange<V>& lanes, Real inv_h) {
@@ -178,7 +178,7 @@ TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const L
   const Softness& soft = batch.immovable != 0 ? work.immovable : work.moving;
   Pair<V> pair = load_pair(lanes, work.bodies);
   RelativeMotion<V> motion;
-  if constexpr (pass != Pass::solve_again) motion = load_relative_motion<features>(lanes, pair, work.bodies);
+  if constexpr (pass == Pass::relax) motion = load_relative_motion<features>(lanes, pair, work.bodies);
   const V inv_mass = pair.inv_mass_a + pair.inv_mass_b;
   const V dx = pair.b.at[0] - pair.a.at[0];
   const V dy = pair.b.at[1] - pair.a.at[1];
@@ -191,7 +191,7 @@ TICKTRUE_INLINE void solve_lanes(const ContactWork& work, std::size_t i, const L
     const V arm_a = lanes.load(point.normal_arm_a);
     const V arm_b = lanes.load(point.normal_arm_b);
     V separation;
-    if constexpr (pass == Pass::solve_again) {
+    if constexpr (pass == Pass::solve) {
       separation = lanes.load(point.present_separation);
     } else {
       separation = separation_of<features>(lanes, point, motion, arm_a, arm_b);
@@ -450,7 +450,6 @@ template <unsigned features>
 constexpr ContactKernels kernels_with{prepare<compiled(features)>,
                                       warm_start<compiled(features)>,
                                       solve<compiled(features), Pass::solve>,
-                                      solve<compiled(features), Pass::solve_again>,
                                       solve<compiled(features), Pass::relax>,
                                       bounce<compiled(features)>};
 

@@ -30,7 +30,7 @@ struct ContactPointLanes {
   ContactLanes normal_arm_a, normal_arm_b;
   ContactLanes tangent_arm_a, tangent_arm_b;
   ContactLanes separation;          // at the start of the tick, plus slop, m
-  ContactLanes present_separation;  // at the poses of the last `solve` or `relax`, m
+  ContactLanes present_separation;  // at the poses of `fill` or of the last `relax`, m
   ContactLanes normal_mass;         // effective mass, kg; 0 where there is no point
   ContactLanes normal_impulse;      // N s, accumulated in this substep
   ContactLanes tangent_mass;
@@ -139,9 +139,8 @@ struct ContactKernels {
   /// `found`: [batch], as filled.
   void (*prepare)(const ContactWork& work, const FoundPoints* found);
   void (*warm_start)(const ContactWork& work);
+  /// Requires: `fill` or `relax` since the poses changed.
   void (*solve)(const ContactWork& work);
-  /// As `solve`. Requires: `fill`, `solve` or `relax` since the poses changed.
-  void (*solve_again)(const ContactWork& work);
   void (*relax)(const ContactWork& work);
   /// Applies restitution at points that hit faster than `threshold`. True if there was one.
   bool (*bounce)(const ContactWork& work, Real threshold);

@@ -36,7 +36,7 @@ struct Twist {
 /// Whether a pass corrects positions by velocities.
 enum class Bias : std::uint8_t { off, on };
 
-/// Whether poses have changed since the last pass over the same joints or contacts.
+/// Whether poses have changed since the last pass over the same joints.
 enum class Poses : std::uint8_t { moved, unmoved };
 
 /// A bit that a test flips in a hot record after a substep.

@@ -39,7 +39,7 @@ void solve_pgs(const Model& model, State& state, TickLists& tick, SolverWork& wo
     for (int iteration = 0; iteration < model.scene.settings.iterations; ++iteration) {
       solve_joints(solved, joints, Bias::on);
       solve_mouse_joints(mouse_joints, work.bodies);
-      solve_contacts(solved, contacts, iteration > 0 ? Poses::unmoved : Poses::moved);
+      solve_contacts(solved, contacts);
     }
     scheme.drift(solved, work.motion, dt);
     finish_impacts(solved, work.impacts);

@@ -53,9 +53,4 @@ SubstepStrategy plan_substeps(const SolvedSet& solved, bool some_are_free, Solve
   return some_are_free ? solve_beside_free : solve_in_turn;
 }
 
-Poses poses_before_solve(const SolvedSet& solved, int substep) {
-  const bool poses_stay = bodies_step_alone(solved.model) && !solved.tick.injected;  // between two drifts
-  return poses_stay && (substep > 0 || solved.tick.impacts.empty()) ? Poses::unmoved : Poses::moved;
-}
-
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

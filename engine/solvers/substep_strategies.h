@@ -21,7 +21,4 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
 /// `some_are_free`: find_constrained. Requires: prepare_mouse_joints.
 SubstepStrategy plan_substeps(const SolvedSet& solved, bool some_are_free, SolverWork& work);
 
-/// Whether no pose has changed between the relax pass of the substep before, or the start, and the solve pass.
-Poses poses_before_solve(const SolvedSet& solved, int substep);
-
 }  // namespace ticktrue::engine::TICKTRUE_PRECISION

@@ -32,7 +32,7 @@ void solve_in_turn(SolvedSet& solved, TickLists& tick, SolverWork& work, State& 
       if (direct.turn_count > 1) solve_direct(solved, motion, direct);
       for (std::uint32_t i = 0; i < set.joint_iterations; ++i) solve_joints(solved, joints, Bias::on);
       solve_mouse_joints(mouse_joints, bodies);
-      solve_contacts(solved, contacts, turn > 0 ? Poses::unmoved : poses_before_solve(solved, substep));
+      solve_contacts(solved, contacts);
     }
     Real settled = settled_speed(solved);  // 0 unless an impact on bodies at rest has hit
     propagate_shock(solved, settled, tick.shock_work_left, contacts, shock);
