@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/limits.h"
+#include "base/plain_text.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
@@ -189,8 +190,8 @@ int Session::stop(int status) {
 
 int Session::fail(const Error& error) {
   if (status_ != TICKTRUE_OK) return status_;
-  message_ = error.message;
-  if (!error.hint.empty()) message_ += "\n  " + error.hint;
+  message_ = plain_line(error.message);
+  if (!error.hint.empty()) message_ += "\n  " + plain_line(error.hint);
   exit_code_ = verifier::exit_code_of(error.code);
   status_ = TICKTRUE_FAILED;
   return status_;

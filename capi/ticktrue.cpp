@@ -313,7 +313,7 @@ int ticktrue_close(ticktrue_session* session) {
     std::fputs(is_json ? ticktrue_report_json(session) : ticktrue_report(session), stdout);
     std::fflush(stdout);
     if (const char* message = ticktrue_message(session); message[0] != 0)
-      std::fprintf(stderr, "ticktrue: error: %s\n", ticktrue::plain_line(message).c_str());
+      std::fprintf(stderr, "ticktrue: error: %s\n", ticktrue::plain_text(message).c_str());
   }
   if (session != &memory_failure) delete session;
   return exit_code;

@@ -155,6 +155,7 @@ lines=$(wc -l <../examples/lockstep.c)
 expect 0 "score" ./lockstep
 expect 0 "recorded  lockstep.ttr  600 ticks" ./lockstep --record lockstep.ttr
 expect 2 "use --force to replace it" ./lockstep --record lockstep.ttr
+grep -q '^  .*use --force to replace it' "$out" || complain "lockstep --record: the next step: expected on a line of its own"
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep --verify lockstep.ttr
 expect 0 "match  lockstep.ttr  600 of 600 ticks compared" ./lockstep_static --verify lockstep.ttr
 expect 1 "balls.velocity    row 3, lane 0" ./lockstep --verify lockstep.ttr --bug clock
