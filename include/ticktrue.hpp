@@ -1,0 +1,777 @@
+// The C++20 layer over ticktrue.h: each member of a struct is named once, and a session does the rest.
+// SPDX-License-Identifier: MIT
+//
+//   TICKTRUE_COLUMNS(Unit, id, pos, vel, team, hp)                  // once, beside the struct
+//   ticktrue::Session session(argc, argv, "mygame");                // --record F, --verify F
+//   session.table("units", units);                                  // std::vector<Unit>, may grow and move
+//   while (...) { if (!session.begin_tick()) break; step(); session.end_tick(); }
+//   return session.close();
+//
+// docs/any_simulation.md, "C++: five lines", leads through it. What holds:
+// - Header-only over the C interface: the same calls, the same bytes in a trace. `handle()` gives the C session.
+// - Nothing throws but memory that runs out and callbacks of the program. It builds with -fno-exceptions and -fno-rtti.
+// - A recording that fails never ends the game: calls return true, `error()` says why, `close()` returns 2.
+// - A verification that ends, differs or fails returns false: leave the loop.
+// - A session without --record and --verify is off: calls return true and do nothing.
+#pragma once
+
+#include <ticktrue.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace ticktrue {
+
+/// Says that a type consists of `count` equal numbers and nothing else, where the header cannot see it:
+///   template <> struct ticktrue::lanes<Matrix4> : ticktrue::lanes_of<float, 16> {};
+template <class T>
+struct lanes;
+template <class Scalar, std::size_t Count>
+struct lanes_of {
+  using scalar = Scalar;
+  static constexpr std::size_t count = Count;
+};
+
+namespace detail {
+
+template <class T>
+struct Of {};
+struct Ignore {
+  template <class Entry>
+  constexpr void operator()(Entry) const {}
+};
+
+template <class T>
+concept HasLanes = requires {
+  typename lanes<T>::scalar;
+  lanes<T>::count;
+};
+/// TICKTRUE_COLUMNS stands in the namespace of the struct: it is found by the argument (ADL).
+template <class T>
+concept HasColumns = requires {
+  ticktrue_columns_of(Of<T>{}, Ignore{});
+};
+template <class T>
+concept IsScalar = (std::is_arithmetic_v<T> && !std::is_same_v<T, long double>) || std::is_enum_v<T>;
+template <class T>
+concept IsSmartPointer = requires(const T& pointer) {
+  typename T::element_type;
+  pointer.get();
+};
+template <class T>
+concept IsContainer = requires(const T& container) {
+  container.begin();
+  container.end();
+};
+template <class T>
+concept IsContiguous = requires(const T& container) {
+  {*std::data(container)};
+  {std::size(container)};
+};
+
+template <class T>
+struct ArrayOf {
+  using element = void;
+  static constexpr std::size_t count = 0;
+};
+template <class T, std::size_t Count>
+struct ArrayOf<T[Count]> {
+  using element = std::remove_cv_t<T>;
+  static constexpr std::size_t count = Count;
+};
+template <class T, std::size_t Count>
+struct ArrayOf<std::array<T, Count>> {
+  using element = std::remove_cv_t<T>;
+  static constexpr std::size_t count = Count;
+};
+template <class T>
+concept IsArray = !std::is_void_v<typename ArrayOf<T>::element>;
+
+/// How many of x, y, z, w a vector of equal numbers without padding has; 0: it is no such vector.
+template <class T>
+constexpr std::size_t vector_size() {
+  if constexpr (requires(T & v) { requires IsScalar<decltype(v.x)> && std::is_same_v<decltype(v.x), decltype(v.y)>; }) {
+    constexpr std::size_t count = sizeof(T) / sizeof(decltype(std::declval<T&>().x));
+    constexpr bool has_z = requires(T & v) {
+      requires std::is_same_v<decltype(v.x), decltype(v.z)>;
+    };
+    constexpr bool has_w = requires(T & v) {
+      requires std::is_same_v<decltype(v.x), decltype(v.w)>;
+    };
+    constexpr bool is_whole = sizeof(T) == count * sizeof(decltype(std::declval<T&>().x));
+    return is_whole && count == 2u + (has_z ? 1u : 0u) + (has_w ? 1u : 0u) ? count : 0;
+  } else {
+    return 0;
+  }
+}
+
+/// What a member is.
+enum class Kind { numbers, columns, pointer, text, container, long_double, too_wide, other };
+
+template <class T>
+constexpr std::size_t lane_count();
+
+template <class T>
+constexpr Kind plain_kind() {
+  if constexpr (std::is_reference_v<T> || std::is_pointer_v<T> || std::is_member_pointer_v<T> || IsSmartPointer<T>)
+    return Kind::pointer;
+  else if constexpr (HasLanes<T>)
+    return Kind::numbers;
+  else if constexpr (HasColumns<T>)
+    return Kind::columns;
+  else if constexpr (std::is_same_v<T, long double>)
+    return Kind::long_double;
+  else if constexpr (IsScalar<T> || vector_size<T>() > 0)
+    return Kind::numbers;
+  else if constexpr (IsArray<T>)
+    return ArrayOf<T>::count > 0 ? plain_kind<typename ArrayOf<T>::element>() : Kind::other;
+  else if constexpr (IsContainer<T> && requires { typename T::traits_type; })
+    return Kind::text;
+  else
+    return IsContainer<T> ? Kind::container : Kind::other;
+}
+
+template <class T>
+constexpr Kind kind_of() {
+  if constexpr (plain_kind<std::remove_cv_t<T>>() != Kind::numbers)
+    return plain_kind<std::remove_cv_t<T>>();
+  else
+    return lane_count<std::remove_cv_t<T>>() <= 255 ? Kind::numbers : Kind::too_wide;
+}
+
+template <class T>
+constexpr std::size_t lane_count() {
+  if constexpr (HasLanes<T>) {
+    static_assert(sizeof(T) == lanes<T>::count * sizeof(typename lanes<T>::scalar),
+                  "ticktrue: lanes: the type has other bytes beside these numbers: padding, or further members");
+    return lanes<T>::count;
+  } else if constexpr (IsArray<T>) {
+    static_assert(sizeof(T) == ArrayOf<T>::count * sizeof(typename ArrayOf<T>::element));
+    return ArrayOf<T>::count * lane_count<typename ArrayOf<T>::element>();
+  } else if constexpr (IsScalar<T>) {
+    return 1;
+  } else {
+    return vector_size<T>();
+  }
+}
+
+/// The type of the numbers in T.
+template <class T>
+constexpr auto number_in() {
+  if constexpr (HasLanes<T>)
+    return Of<typename lanes<T>::scalar>{};
+  else if constexpr (IsArray<T>)
+    return number_in<typename ArrayOf<T>::element>();
+  else if constexpr (std::is_enum_v<T>)
+    return Of<std::underlying_type_t<T>>{};
+  else if constexpr (std::is_arithmetic_v<T>)
+    return Of<T>{};
+  else
+    return number_in<decltype(std::declval<T&>().x)>();
+}
+
+/// One of TICKTRUE_U8..TICKTRUE_F64. Signed numbers of 8 and 16 bits are compared as their bits, as ticktrue.h says.
+template <class T>
+constexpr int type_of(Of<T>) {
+  static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4 || sizeof(T) == 8);
+  if constexpr (std::is_floating_point_v<T>)
+    return sizeof(T) == 4 ? TICKTRUE_F32 : TICKTRUE_F64;
+  else if constexpr (sizeof(T) <= 2)
+    return sizeof(T) == 1 ? TICKTRUE_U8 : TICKTRUE_U16;
+  else if constexpr (sizeof(T) == 4)
+    return std::is_signed_v<T> ? TICKTRUE_I32 : TICKTRUE_U32;
+  else
+    return std::is_signed_v<T> ? TICKTRUE_I64 : TICKTRUE_U64;
+}
+
+enum class Role { plain, key, shown, reference };
+
+template <class T>
+constexpr bool can_be_key() {
+  if constexpr (std::is_enum_v<T>)
+    return std::is_unsigned_v<std::underlying_type_t<T>>;
+  else
+    return std::is_unsigned_v<T> && !std::is_same_v<T, bool>;
+}
+template <class T>
+constexpr bool can_refer() {
+  if constexpr (kind_of<T>() == Kind::numbers)
+    return type_of(number_in<std::remove_cv_t<T>>()) == TICKTRUE_U32;
+  else
+    return false;
+}
+
+/// A member in the list of TICKTRUE_COLUMNS.
+template <class T, Role member_role>
+struct Entry {
+  using type = std::remove_cv_t<T>;
+  static constexpr Role role = member_role;
+  const char* name;
+  std::size_t offset;  // bytes
+  const char* target;  // of a reference: a table
+};
+
+/// A column as the library sees it.
+struct Column {
+  std::string name;
+  int type;
+  std::uint32_t lanes;
+  std::size_t offset;  // bytes from the begin of a row
+  std::size_t size;    // bytes
+  Role role;
+  const char* target;
+};
+
+/// Appends the columns of a T that begins `offset` bytes behind the begin of a row.
+template <class T>
+void add_columns(const std::string& name, std::size_t offset, Role role, const char* target,
+                 std::vector<Column>& columns) {
+  if constexpr (kind_of<T>() == Kind::numbers) {
+    constexpr int type = type_of(number_in<T>());
+    columns.push_back({name, type, static_cast<std::uint32_t>(lane_count<T>()), offset, sizeof(T), role, target});
+  } else if constexpr (IsArray<T>) {
+    using Element = typename ArrayOf<T>::element;
+    for (std::size_t i = 0; i < ArrayOf<T>::count; ++i)
+      add_columns<Element>(name + "[" + std::to_string(i) + "]", offset + i * sizeof(Element), role, target, columns);
+  } else {
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) {
+      using Member = decltype(entry);
+      const bool is_nested = !name.empty();
+      // A key orders the rows of a table: inside of a nested struct it is a column as any other.
+      const Role own = is_nested && Member::role == Role::key ? Role::plain : Member::role;
+      add_columns<typename Member::type>(is_nested ? name + "." + entry.name : std::string(entry.name),
+                                         offset + entry.offset, role == Role::shown ? role : own, entry.target,
+                                         columns);
+    });
+  }
+}
+
+template <class T>
+constexpr std::size_t column_count() {
+  if constexpr (kind_of<T>() == Kind::numbers) {
+    return 1;
+  } else if constexpr (IsArray<T>) {
+    return ArrayOf<T>::count * column_count<typename ArrayOf<T>::element>();
+  } else {
+    std::size_t count = 0;
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) { count += column_count<typename decltype(entry)::type>(); });
+    return count;
+  }
+}
+
+template <class T>
+constexpr bool keys_lead() {
+  bool holds = true;
+  if constexpr (HasColumns<T>) {
+    bool is_leading = true;
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) {
+      const bool is_key = decltype(entry)::role == Role::key;
+      holds = holds && (!is_key || is_leading);
+      is_leading = is_leading && is_key;
+    });
+  }
+  return holds;
+}
+
+/// Where the rows of a table lie.
+struct Rows {
+  const void* first = nullptr;
+  std::size_t count = 0;
+  bool operator==(const Rows&) const = default;
+};
+
+/// Whether C is a row by itself and no container of rows.
+template <class C>
+constexpr bool is_single_row() {
+  return !IsArray<C> && !IsContainer<C> && (!IsContiguous<C> || HasColumns<C>);
+}
+
+template <class C>
+constexpr auto row_of() {
+  if constexpr (std::is_array_v<C>)
+    return Of<std::remove_cv_t<std::remove_all_extents_t<C>>>{};
+  else if constexpr (is_single_row<C>())
+    return Of<std::remove_cv_t<C>>{};
+  else if constexpr (IsContiguous<C>)
+    return Of<std::remove_cvref_t<decltype(*std::data(std::declval<const C&>()))>>{};
+  else
+    return Of<void>{};
+}
+
+template <class C, class Row>
+Rows rows_of(const void* at) {
+  const C& container = *static_cast<const C*>(at);
+  if constexpr (std::is_array_v<C>)
+    return {&container, sizeof(C) / sizeof(Row)};
+  else if constexpr (is_single_row<C>())
+    return {&container, 1};
+  else
+    return {std::data(container), static_cast<std::size_t>(std::size(container))};
+}
+
+template <class Row>
+constexpr bool is_row() {
+  if constexpr (std::is_void_v<Row>)
+    return false;
+  else
+    return plain_kind<Row>() == Kind::columns || plain_kind<Row>() == Kind::numbers;
+}
+
+template <class Row>
+constexpr void check_row(Of<Row>) {
+  if constexpr (std::is_void_v<Row>) {
+    static_assert(!std::is_void_v<Row>,
+                  "ticktrue: table: the rows do not lie side by side: copy them into a std::vector before end_tick");
+  } else {
+    constexpr Kind kind = plain_kind<Row>();
+    static_assert(kind != Kind::pointer,
+                  "ticktrue: table: the rows are pointers: copy what they point to into a std::vector before end_tick");
+    static_assert(kind == Kind::pointer || is_row<Row>(),
+                  "ticktrue: table: the rows have no columns: write TICKTRUE_COLUMNS(Row, members...) beside the "
+                  "struct; `ticktrue columns PROGRAM Row` prints that line");
+    if constexpr (is_row<Row>()) {
+      static_assert(column_count<Row>() <= 256, "ticktrue: table: more than 256 columns: make two tables of them");
+      static_assert(keys_lead<Row>(), "ticktrue: TICKTRUE_COLUMNS: key(...) members come first");
+    }
+  }
+}
+
+/// What the session of a program keeps; the callbacks of the C interface point to it.
+struct Core {
+  struct Table {
+    std::uint32_t number;
+    const void* container;
+    Rows (*rows)(const void* container);
+    Rows known;
+  };
+  struct Reference {
+    std::string table, column;
+    const char* target;
+  };
+
+  ticktrue_session* session = nullptr;
+  std::vector<Table> tables;
+  std::vector<Reference> references;  // given to the library when all tables are there
+  ticktrue_saver saver = nullptr;
+  ticktrue_loader loader = nullptr;
+  void* user = nullptr;
+  std::uint64_t ticks = 0;  // while the library counts none
+  std::string closed_error;
+
+  Core() = default;
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+  ~Core() { close(); }
+
+  int close() {
+    if (session == nullptr) return 0;
+    closed_error = ticktrue_message(session);
+    return ticktrue_close(std::exchange(session, nullptr));
+  }
+
+  /// Containers may have grown and moved.
+  void refresh() {
+    if (session == nullptr) return;
+    for (Table& table : tables) {
+      const Rows rows = table.rows(table.container);
+      if (rows == table.known) continue;
+      table.known = rows;
+      const auto count = static_cast<std::uint32_t>(rows.count < UINT32_MAX ? rows.count : UINT32_MAX);
+      ticktrue_rows(session, table.number, rows.first, count);
+    }
+  }
+
+  void refer() {
+    for (const Reference& r : references) ticktrue_reference(session, r.table.c_str(), r.column.c_str(), r.target);
+    references.clear();
+  }
+
+  static std::size_t save(void* core, void* buffer, std::size_t size) {
+    const Core& self = *static_cast<const Core*>(core);
+    return self.saver(self.user, buffer, size);
+  }
+  static int load(void* core, const void* bytes, std::size_t size) {
+    Core& self = *static_cast<Core*>(core);
+    const int status = self.loader(self.user, bytes, size);
+    if (status == 0) self.refresh();
+    return status;
+  }
+};
+
+/// The bytes of a T as inputs of a tick: without padding, and a bool from a trace is 0 or 1.
+template <class T>
+int input_of(ticktrue_session* session, unsigned char* at) {
+  if constexpr (std::is_same_v<T, bool>) {
+    unsigned char byte = *at != 0 ? 1 : 0;
+    const int status = ticktrue_input(session, &byte, 1);
+    const bool value = byte != 0;
+    std::memcpy(at, &value, 1);
+    return status;
+  } else if constexpr (IsArray<T> && !HasLanes<T>) {
+    using Element = typename ArrayOf<T>::element;
+    int status = TICKTRUE_OK;
+    for (std::size_t i = 0; i < ArrayOf<T>::count && status == TICKTRUE_OK; ++i)
+      status = input_of<Element>(session, at + i * sizeof(Element));
+    return status;
+  } else if constexpr (HasColumns<T> && !HasLanes<T>) {
+    int status = TICKTRUE_OK;
+    ticktrue_columns_of(Of<T>{}, [&](auto entry) {
+      if (status == TICKTRUE_OK) status = input_of<typename decltype(entry)::type>(session, at + entry.offset);
+    });
+    return status;
+  } else {
+    return ticktrue_input(session, at, sizeof(T));
+  }
+}
+
+template <class T>
+constexpr bool has_plain_bytes() {
+  return std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T> && !std::is_pointer_v<T>;
+}
+template <class T>
+constexpr bool can_be_input() {
+  const Kind kind = kind_of<T>();
+  return kind == Kind::columns || kind == Kind::numbers || kind == Kind::too_wide ||
+         (kind == Kind::other && has_plain_bytes<T>());
+}
+
+template <class State, class Save>
+std::size_t save_state(void* state, void* buffer, std::size_t size) {
+  const auto bytes = Save{}(*static_cast<const State*>(state));
+  static_assert(sizeof(*std::data(bytes)) == 1, "ticktrue: saves: save returns bytes: std::string, std::vector<char>");
+  const auto count = static_cast<std::size_t>(std::size(bytes));
+  if (count > 0 && count <= size) std::memcpy(buffer, std::data(bytes), count);
+  return count;
+}
+template <class State, class Load>
+int load_state(void* state, const void* bytes, std::size_t size) {
+  return Load{}(*static_cast<State*>(state), std::span(static_cast<const std::byte*>(bytes), size)) ? 0 : 1;
+}
+template <class State>
+std::size_t copy_state(void* state, void* buffer, std::size_t size) {
+  if (size >= sizeof(State)) std::memcpy(buffer, state, sizeof(State));
+  return sizeof(State);
+}
+template <class State>
+int paste_state(void* state, const void* bytes, std::size_t size) {
+  if (size != sizeof(State)) return 1;
+  std::memcpy(state, bytes, size);
+  return 0;
+}
+
+}  // namespace detail
+
+/// The options of ticktrue.h with their names and meaning, and what C++ can fill in.
+struct Options : ticktrue_options {
+  /// `facts` are those of the unit that makes the options: the last argument is never written.
+  explicit Options(const char* program, const char* facts = TICKTRUE_CALLER_FACTS) : ticktrue_options() {
+    struct_size = sizeof(ticktrue_options);
+    name = program;
+    caller_facts = facts;
+  }
+
+  /// What the program needs to begin again, as in a struct of level, seed and players. Session::setup reads it back.
+  /// Requires: `value` lives until the session is opened.
+  template <class T>
+  Options& set_setup(const T& value) {
+    static_assert(detail::has_plain_bytes<T>(),
+                  "ticktrue: set_setup: takes a struct of integers without padding; else set setup and setup_size");
+    setup = &value;
+    setup_size = sizeof value;
+    return *this;
+  }
+
+  /// Save and load of the program's state. Both lambdas capture nothing:
+  ///   save(const State&) returns bytes, as std::string or std::vector<char>;
+  ///   load(State&, std::span<const std::byte>) returns whether the bytes were a state.
+  /// Requires: `state` lives as long as the session.
+  template <class State, class Save, class Load>
+  Options& saves(State& state, Save, Load) {
+    static_assert(std::is_empty_v<Save> && std::is_empty_v<Load>,
+                  "ticktrue: saves: the lambdas capture nothing: they are given the state");
+    save = &detail::save_state<State, Save>;
+    load = &detail::load_state<State, Load>;
+    user = &state;
+    return *this;
+  }
+  /// The same for a state that is one block of memory, without pointers.
+  template <class State>
+  Options& saves(State& state) {
+    static_assert(std::is_trivially_copyable_v<State>,
+                  "ticktrue: saves: the state is more than one block of memory: give the lambdas save and load");
+    save = &detail::copy_state<State>;
+    load = &detail::paste_state<State>;
+    user = &state;
+    return *this;
+  }
+};
+
+/// A recording or a verification of a program that owns its loop. Closed at its end at the latest.
+/// Calls return whether the program goes on.
+class Session {
+ public:
+  /// Records with `--record FILE` among the words, verifies with `--verify FILE`, else it is off. `program` names the
+  /// simulation; the facts about the build are those of the unit that opens the session.
+  Session(int argc, char* const* argv, const char* program, const char* facts = TICKTRUE_CALLER_FACTS)
+      : Session(argc, argv, Options(program, facts)) {}
+  Session(int argc, char* const* argv, const Options& options)
+      : core_(std::make_unique<detail::Core>()), is_verifying_(asks_to_verify(argc, argv)) {
+    const ticktrue_options wrapped = wrap(options);
+    core_->session = ticktrue_open_arguments(&wrapped, argc, argv);
+  }
+  /// With mode and path of the options.
+  explicit Session(const Options& options)
+      : core_(std::make_unique<detail::Core>()), is_verifying_(options.mode == TICKTRUE_VERIFY) {
+    const ticktrue_options wrapped = wrap(options);
+    core_->session = ticktrue_open(&wrapped);
+  }
+
+  /// Registers a table before the first tick: a std::vector, std::array, std::span or array of rows, or a single struct
+  /// as a table of one row. Rows are structs with TICKTRUE_COLUMNS, or numbers (one column "value").
+  /// Requires: `container` stays where it is until the session is closed; its rows may grow, shrink and move.
+  template <class Container>
+  bool table(const char* name, Container&& container) {
+    using C = std::remove_reference_t<Container>;
+    static_assert(std::is_lvalue_reference_v<Container>,
+                  "ticktrue: table: the session keeps the address of the container: give it a name");
+    constexpr auto row = detail::row_of<std::remove_cv_t<C>>();
+    detail::check_row(row);
+    return add_table<std::remove_cv_t<C>>(name, &container, row);
+  }
+
+  /// Inputs of the tick that begins next: a number, a vector, or a struct with TICKTRUE_COLUMNS or without padding.
+  /// Record: keeps the value. Verify: replaces it by the recorded one.
+  template <class T>
+  bool input(T& value) {
+    static_assert(!std::is_const_v<T>, "ticktrue: input: a verification replaces the value: it is not const");
+    static_assert(detail::can_be_input<T>(),
+                  "ticktrue: input: has padding, pointers or no fixed size: write TICKTRUE_COLUMNS for the struct");
+    if constexpr (detail::can_be_input<T>() && !std::is_const_v<T>)
+      return goes_on(detail::input_of<T>(core_->session, reinterpret_cast<unsigned char*>(&value)));
+    else
+      return false;
+  }
+  /// The same for a list: its size is recorded, too, and restored.
+  template <class T, class Allocator>
+  bool input(std::vector<T, Allocator>& values) {
+    auto count = static_cast<std::uint32_t>(values.size());
+    if (core_->session == nullptr) return true;
+    int status = ticktrue_input(core_->session, &count, sizeof count);
+    if (status != TICKTRUE_OK) return goes_on(status);
+    if (count != values.size()) {
+      // The count comes from outside. More bytes than a tick can have: the library refuses before it looks at memory.
+      if (count > input_size_max / sizeof(T)) return goes_on(ticktrue_input(core_->session, &count, SIZE_MAX));
+      values.resize(count);
+    }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!input(values[i])) return false;
+    return true;
+  }
+  /// The same for `size` bytes.
+  bool input(void* data, std::size_t size) { return goes_on(ticktrue_input(core_->session, data, size)); }
+
+  /// Verify: the recorded setup in `value`; record: that of the options. Unchanged where the session is off.
+  /// Returns false, and changes nothing, where the recorded setup has another size.
+  template <class T>
+  [[nodiscard]] bool setup(T& value) const {
+    static_assert(detail::has_plain_bytes<T>(),
+                  "ticktrue: setup: takes a struct of integers without padding; else ticktrue_setup(handle(), ...)");
+    if (core_->session == nullptr) return true;
+    std::size_t size = 0;
+    const void* bytes = ticktrue_setup(core_->session, &size);
+    if (bytes == nullptr || size != sizeof value) return false;
+    std::memcpy(&value, bytes, size);
+    return true;
+  }
+
+  /// Begins a tick. Leave the loop where it returns false.
+  bool begin_tick() { return begin(nullptr); }
+  /// The same with a step of its own length: `dt` (s) is recorded, or replaced by the recorded one.
+  bool begin_tick(double& dt) { return begin(&dt); }
+  bool begin_tick(float& dt) {
+    double exact = static_cast<double>(dt);
+    const bool runs = begin(&exact);
+    dt = static_cast<float>(exact);
+    return runs;
+  }
+  /// Ends it: the rows are hashed and written, or compared.
+  bool end_tick() {
+    core_->refresh();
+    const int status = ticktrue_end_tick(core_->session);
+    core_->ticks = counts() ? ticktrue_tick(core_->session) : core_->ticks + 1;
+    return goes_on(status);
+  }
+
+  /// Stages of a tick: see ticktrue_add_stage.
+  bool add_stage(const char* name) { return goes_on(ticktrue_add_stage(core_->session, name)); }
+  bool stage(const char* name) {
+    core_->refresh();
+    return goes_on(ticktrue_stage(core_->session, name));
+  }
+
+  /// Rollback: see ticktrue_rewind and ticktrue_confirm.
+  bool rewind(std::uint64_t tick) {
+    core_->ticks = tick;
+    return goes_on(ticktrue_rewind(core_->session, tick));
+  }
+  bool confirm(std::uint64_t tick) { return goes_on(ticktrue_confirm(core_->session, tick)); }
+  bool seek(std::uint64_t tick) {
+    core_->refresh();
+    return goes_on(ticktrue_seek(core_->session, tick));
+  }
+
+  /// Ticks done, also where the session is off or a recording has failed.
+  std::uint64_t tick() const { return counts() ? ticktrue_tick(core_->session) : core_->ticks; }
+  bool is_on() const { return core_->session != nullptr; }
+  bool is_verifying() const { return is_verifying_; }
+  /// What went wrong; empty if nothing did. Also behind close().
+  const char* error() const {
+    return core_->session != nullptr ? ticktrue_message(core_->session) : core_->closed_error.c_str();
+  }
+  /// For every call of ticktrue.h; null where the session is off.
+  ticktrue_session* handle() const { return core_->session; }
+
+  /// Ends the session and prints its report. Returns the exit code of the tool; 0 where the session is off.
+  int close() { return core_->close(); }
+
+ private:
+  static constexpr std::size_t input_size_max = std::size_t{8} << 20;  // bytes a tick
+
+  /// As ticktrue_open_arguments reads the words.
+  static bool asks_to_verify(int argc, char* const* argv) {
+    for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
+      if (std::strcmp(argv[i], "--verify") == 0) return true;
+      if (std::strcmp(argv[i], "--record") == 0) return false;
+    }
+    return false;
+  }
+
+  ticktrue_options wrap(const Options& options) {
+    ticktrue_options wrapped = options;
+    core_->saver = options.save;
+    core_->loader = options.load;
+    core_->user = options.user;
+    // The library refuses one without the other.
+    if (options.save != nullptr) wrapped.save = &detail::Core::save;
+    if (options.load != nullptr) wrapped.load = &detail::Core::load;
+    wrapped.user = core_.get();
+    return wrapped;
+  }
+
+  bool goes_on(int status) const { return status == TICKTRUE_OK || !is_verifying_; }
+  /// Whether the library counts the ticks.
+  bool counts() const { return core_->session != nullptr && ticktrue_status(core_->session) == TICKTRUE_OK; }
+
+  bool begin(double* dt) {
+    if (core_->session == nullptr) return true;
+    core_->refresh();
+    core_->refer();
+    return goes_on(ticktrue_begin_tick(core_->session, dt));
+  }
+
+  template <class C, class Row>
+  bool add_table(const char* name, const void* container, detail::Of<Row>) {
+    if constexpr (detail::is_row<Row>()) {
+      if (core_->session == nullptr) return true;
+      std::vector<detail::Column> columns;
+      constexpr bool is_number = detail::kind_of<Row>() == detail::Kind::numbers;
+      detail::add_columns<Row>(is_number ? "value" : "", 0, detail::Role::plain, nullptr, columns);
+      const std::uint32_t number = register_table(name, sizeof(Row), columns);
+      if (number == TICKTRUE_NO_TABLE) return goes_on(TICKTRUE_FAILED);
+      std::erase_if(core_->tables, [&](const detail::Core::Table& table) { return table.number == number; });
+      core_->tables.push_back({number, container, &detail::rows_of<C, Row>, {}});
+    }
+    return goes_on(ticktrue_status(core_->session));
+  }
+
+  std::uint32_t register_table(const char* name, std::size_t stride, const std::vector<detail::Column>& columns) {
+    std::vector<ticktrue_member> members;
+    std::uint32_t keys = 0;
+    for (const detail::Column& column : columns) {
+      const bool is_shown = column.role == detail::Role::shown;
+      members.push_back({column.name.c_str(), is_shown ? column.type | TICKTRUE_SHOWN : column.type, column.lanes,
+                         column.offset, column.size});
+      keys += column.role == detail::Role::key ? 1 : 0;
+      if (column.role == detail::Role::reference) core_->references.push_back({name, column.name, column.target});
+    }
+    const std::uint32_t number =
+        ticktrue_table(core_->session, name, stride, members.data(), static_cast<std::uint32_t>(members.size()));
+    if (number != TICKTRUE_NO_TABLE && keys > 0) ticktrue_key(core_->session, name, keys);
+    return number;
+  }
+
+  std::unique_ptr<detail::Core> core_;  // never null but behind a move
+  bool is_verifying_ = false;
+};
+
+}  // namespace ticktrue
+
+/// Names the members of a struct that are its columns, in order: at the namespace of the struct, behind the struct.
+/// `friend TICKTRUE_COLUMNS(...)` inside of the struct reaches private members; `template <class T>` may stand before.
+/// A member is named as it is, or as one of
+///   key(id)                       first members: rows ascend by them, and are compared by them
+///   shown(sprite)                 stored and printed, never compared
+///   reference(target, "units")    a u32 that holds keys of the rows of that table, or 0xffffffff
+#define TICKTRUE_COLUMNS(Row, ...)                                                         \
+  constexpr void ticktrue_columns_of(::ticktrue::detail::Of<Row>, auto&& ticktrue_visit) { \
+    using TicktrueRow = Row;                                                               \
+    TICKTRUE_QUIET_OFFSETS_                                                                \
+    TICKTRUE_EXPAND_(TICKTRUE_EACH_(__VA_ARGS__))                                          \
+    TICKTRUE_LOUD_OFFSETS_                                                                 \
+  }
+
+// offsetof of a struct with bases or private members: every compiler of ours defines it, some warn.
+#if defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_QUIET_OFFSETS_ _Pragma("GCC diagnostic push") _Pragma("GCC diagnostic ignored \"-Winvalid-offsetof\"")
+#define TICKTRUE_LOUD_OFFSETS_ _Pragma("GCC diagnostic pop")
+#else
+#define TICKTRUE_QUIET_OFFSETS_
+#define TICKTRUE_LOUD_OFFSETS_
+#endif
+
+// `key(id)` becomes TICKTRUE_ROLE_key(id), which is a macro; `id` becomes TICKTRUE_ROLE_id, which is none and is
+// dropped.
+#define TICKTRUE_ROLE_key(member) , key, member, nullptr
+#define TICKTRUE_ROLE_shown(member) , shown, member, nullptr
+#define TICKTRUE_ROLE_reference(member, target) , reference, member, target
+#define TICKTRUE_MEMBER_(member) TICKTRUE_MEMBER_ROLE_(TICKTRUE_ROLE_##member, plain, member, nullptr, )
+#define TICKTRUE_MEMBER_ROLE_(...) TICKTRUE_MEMBER_ENTRY_(__VA_ARGS__)
+#define TICKTRUE_MEMBER_ENTRY_(dropped, role, member, target, ...)                                                  \
+  TICKTRUE_REFUSE_(member, pointer, "is a pointer: another address in every run. Use an index or an id")            \
+  TICKTRUE_REFUSE_(member, text, "is text, which lies elsewhere. Use std::array<char, N>, or the number of a name") \
+  TICKTRUE_REFUSE_(member, container, "is a container, which lies elsewhere. Make its rows a table of their own")   \
+  TICKTRUE_REFUSE_(member, long_double, "is long double: other bytes on other machines. Use double")                \
+  TICKTRUE_REFUSE_(member, too_wide, "has more than 255 numbers. Make them rows of a table of their own")           \
+  TICKTRUE_REFUSE_(member, other,                                                                                   \
+                   "is a struct without columns, or has padding. Write TICKTRUE_COLUMNS for it before this line, "  \
+                   "or specialise ticktrue::lanes")                                                                 \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::key ||                                  \
+                    ::ticktrue::detail::can_be_key<decltype(TicktrueRow::member)>(),                                \
+                "ticktrue: key(" #member "): is no unsigned integer");                                              \
+  static_assert(::ticktrue::detail::Role::role != ::ticktrue::detail::Role::reference ||                            \
+                    ::ticktrue::detail::can_refer<decltype(TicktrueRow::member)>(),                                 \
+                "ticktrue: reference(" #member ", ...): is no std::uint32_t");                                      \
+  ticktrue_visit(::ticktrue::detail::Entry<decltype(TicktrueRow::member), ::ticktrue::detail::Role::role>{          \
+      #member, offsetof(TicktrueRow, member), target});
+#define TICKTRUE_REFUSE_(member, kind, hint)                                                                    \
+  static_assert(::ticktrue::detail::kind_of<decltype(TicktrueRow::member)>() != ::ticktrue::detail::Kind::kind, \
+                "ticktrue: " #member " " hint);
+
+// TICKTRUE_MEMBER_ of each argument: the preprocessor reads the list again and again until none is left, at most 340.
+#define TICKTRUE_EACH_(member, ...) TICKTRUE_MEMBER_(member) __VA_OPT__(TICKTRUE_AGAIN_ TICKTRUE_PARENS_(__VA_ARGS__))
+#define TICKTRUE_AGAIN_() TICKTRUE_EACH_
+#define TICKTRUE_PARENS_ ()
+#define TICKTRUE_EXPAND_(...) TICKTRUE_EXPAND4_(TICKTRUE_EXPAND4_(TICKTRUE_EXPAND4_(TICKTRUE_EXPAND4_(__VA_ARGS__))))
+#define TICKTRUE_EXPAND4_(...) TICKTRUE_EXPAND3_(TICKTRUE_EXPAND3_(TICKTRUE_EXPAND3_(TICKTRUE_EXPAND3_(__VA_ARGS__))))
+#define TICKTRUE_EXPAND3_(...) TICKTRUE_EXPAND2_(TICKTRUE_EXPAND2_(TICKTRUE_EXPAND2_(TICKTRUE_EXPAND2_(__VA_ARGS__))))
+#define TICKTRUE_EXPAND2_(...) TICKTRUE_EXPAND1_(TICKTRUE_EXPAND1_(TICKTRUE_EXPAND1_(TICKTRUE_EXPAND1_(__VA_ARGS__))))
+#define TICKTRUE_EXPAND1_(...) __VA_ARGS__
