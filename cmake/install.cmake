@@ -17,7 +17,8 @@ if(TARGET ticktrue_shim)
   install(TARGETS ticktrue_shim LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
 endif()
 install(TARGETS ticktrue EXPORT ticktrue-targets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sdk)
-install(FILES ${PROJECT_SOURCE_DIR}/include/ticktrue.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT sdk)
+install(FILES ${PROJECT_SOURCE_DIR}/include/ticktrue.h ${PROJECT_SOURCE_DIR}/include/ticktrue.hpp
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT sdk)
 install(FILES ${PROJECT_SOURCE_DIR}/include/ticktrue/math.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ticktrue COMPONENT sdk)
 install(EXPORT ticktrue-targets NAMESPACE ticktrue:: DESTINATION ${ticktrue_package} COMPONENT sdk)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ticktrue-config.cmake.in

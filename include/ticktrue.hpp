@@ -242,7 +242,7 @@ void add_columns(const std::string& name, std::size_t offset, Role role, const c
     using Element = typename ArrayOf<T>::element;
     for (std::size_t i = 0; i < ArrayOf<T>::count; ++i)
       add_columns<Element>(name + "[" + std::to_string(i) + "]", offset + i * sizeof(Element), role, target, columns);
-  } else {
+  } else if constexpr (HasColumns<T>) {
     ticktrue_columns_of(Of<T>{}, [&](auto entry) {
       using Member = decltype(entry);
       const bool is_nested = !name.empty();
@@ -261,6 +261,8 @@ constexpr std::size_t column_count() {
     return 1;
   } else if constexpr (IsArray<T>) {
     return ArrayOf<T>::count * column_count<typename ArrayOf<T>::element>();
+  } else if constexpr (!HasColumns<T>) {
+    return 0;  // refused where the member is named
   } else {
     std::size_t count = 0;
     ticktrue_columns_of(Of<T>{}, [&](auto entry) { count += column_count<typename decltype(entry)::type>(); });
@@ -715,6 +717,20 @@ class Session {
 
 }  // namespace ticktrue
 
+// Messages about a member stand without the hundred steps of the expansion of the macros below. Compilers also keep
+// quiet about offsetof of a struct with bases or private members, which all of them define.
+#if defined(__clang__)
+#define TICKTRUE_QUIET_OFFSETS_ \
+  _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Winvalid-offsetof\"")
+#define TICKTRUE_LOUD_OFFSETS_ _Pragma("clang diagnostic pop")
+#else
+#define TICKTRUE_QUIET_OFFSETS_
+#define TICKTRUE_LOUD_OFFSETS_
+#endif
+#if defined(__GNUC__)
+#pragma GCC system_header
+#endif
+
 /// Names the members of a struct that are its columns, in order: at the namespace of the struct, behind the struct.
 /// `friend TICKTRUE_COLUMNS(...)` inside of the struct reaches private members; `template <class T>` may stand before.
 /// A member is named as it is, or as one of
@@ -729,15 +745,6 @@ class Session {
     TICKTRUE_LOUD_OFFSETS_                                                                 \
   }
 
-// offsetof of a struct with bases or private members: every compiler of ours defines it, some warn.
-#if defined(__GNUC__) || defined(__clang__)
-#define TICKTRUE_QUIET_OFFSETS_ _Pragma("GCC diagnostic push") _Pragma("GCC diagnostic ignored \"-Winvalid-offsetof\"")
-#define TICKTRUE_LOUD_OFFSETS_ _Pragma("GCC diagnostic pop")
-#else
-#define TICKTRUE_QUIET_OFFSETS_
-#define TICKTRUE_LOUD_OFFSETS_
-#endif
-
 // `key(id)` becomes TICKTRUE_ROLE_key(id), which is a macro; `id` becomes TICKTRUE_ROLE_id, which is none and is
 // dropped.
 #define TICKTRUE_ROLE_key(member) , key, member, nullptr
@@ -746,7 +753,8 @@ class Session {
 #define TICKTRUE_MEMBER_(member) TICKTRUE_MEMBER_ROLE_(TICKTRUE_ROLE_##member, plain, member, nullptr, )
 #define TICKTRUE_MEMBER_ROLE_(...) TICKTRUE_MEMBER_ENTRY_(__VA_ARGS__)
 #define TICKTRUE_MEMBER_ENTRY_(dropped, role, member, target, ...)                                                  \
-  TICKTRUE_REFUSE_(member, pointer, "is a pointer: another address in every run. Use an index or an id")            \
+  TICKTRUE_REFUSE_(member, pointer,                                                                                 \
+                   "is a pointer or a reference: another address in every run. Use an index or an id")              \
   TICKTRUE_REFUSE_(member, text, "is text, which lies elsewhere. Use std::array<char, N>, or the number of a name") \
   TICKTRUE_REFUSE_(member, container, "is a container, which lies elsewhere. Make its rows a table of their own")   \
   TICKTRUE_REFUSE_(member, long_double, "is long double: other bytes on other machines. Use double")                \

@@ -136,8 +136,8 @@ TEST_CASE("the setup of a trace replaces that of the program", "[capi][columns]"
   const TracePath path;
   const auto play = [&](int mode, Level level) {
     std::uint32_t value = 0;
-    ticktrue::Options options = options_of(path("x.ttr"), mode);
-    ticktrue::Session session(options.set_setup(level));
+    const std::string file = path("x.ttr");
+    ticktrue::Session session(options_of(file, mode).set_setup(level));
     std::uint64_t wide = 0;
     std::uint16_t small = 6;
     CHECK(session.setup(wide));

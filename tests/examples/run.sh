@@ -102,6 +102,9 @@ home=$work/home
 mkdir -p "$home" "$work/doc"
 ln -s "$prefix" "$home/ticktrue"
 cp game.c "$work/doc/game.c"
+# The first program behind the heading, and what the document says that it prints.
+sed -n '/^## C++: five lines$/,$p' "$source/docs/any_simulation.md" >five_lines
+awk '/^```cpp$/ { n++; next } /^```/ { if (n) exit } n' five_lines >"$work/doc/units.cpp"
 cp rollback "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
@@ -118,21 +121,34 @@ while IFS= read -r command; do
       sed "s|\$(pkg-config[^)]*)|-I$prefix/include -L$library_folder -lticktrue|") ;;
   esac
   case $command in
-    *game_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
+    *_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
   esac
   case $command in
     ./game_fma*) wanted=$is_red is_red=0 ;;
+    ./units_fma*) wanted=1 ;;
     *--bug*) wanted=1 ;;
   esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
 done <printed
+if [ "$(uname -m)" = x86_64 ]; then # other machines fuse by themselves
+  LD_LIBRARY_PATH=$library_folder "$work/doc/units" --record "$work/doc/v.ttr" >"$out" 2>&1
+  is_told() { grep -qF "$1" five_lines && grep -qF "$1" "$out" || { cat "$out"; complain "any_simulation.md: five lines: expected $1"; }; }
+  is_told "600 ticks (10.000 s)"
+  is_told "hash    8191fa7a62d5f9f9"
+  if [ -x "$work/doc/units_fma" ]; then
+    LD_LIBRARY_PATH=$library_folder "$work/doc/units_fma" --verify "$work/doc/v.ttr" >"$out" 2>&1
+    is_told "tick 33 of 600"
+    is_told "columns units.pos"
+    is_told "fused: recorded no, here yes (changes bits)"
+  fi
+fi
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback swarm consumer libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback swarm consumer units libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c swarm.c consumer.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c swarm.c consumer.cpp units.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -220,6 +236,17 @@ expect 1 "tick 77 of 120" ./consumer --verify consumer.ttr --from 60 --fault
 expect 0 "sync test: 120 ticks ran twice" ./consumer --record consumer_sync.ttr --sync-test 1
 expect 0 "restore: 120 ticks ran twice" ./consumer --verify consumer.ttr --mode restore
 expect 0 "20 of 120 ticks compared" ./consumer --verify consumer.ttr --from 100
+
+# --- C++20: a struct named once --------------------------------------------------------------------------------------
+expect 0 "" c++ -std=c++20 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror -fsyntax-only -I"$prefix/include" ../examples/units.cpp
+expect 0 "" ./units
+expect 0 "recorded  units.ttr  300 ticks" ./units --record units.ttr
+expect 0 "match  units.ttr  300 of 300 ticks compared" ./units --verify units.ttr
+expect 1 "units.hp          row 3 (id 4)" ./units --verify units.ttr --fault
+expect 1 "tick 150 of 300" ./units --verify units.ttr --fault
+expect 0 "sync test: 300 ticks ran twice" ./units --record units_sync.ttr --sync-test 5
+expect 0 "restore: 300 ticks ran twice" ./units --verify units.ttr --mode restore
+expect 0 "100 of 300 ticks compared" ./units --verify units.ttr --from 200
 
 # --- Python ----------------------------------------------------------------------------------------------------------
 if command -v python3 >/dev/null 2>&1; then
@@ -321,7 +348,7 @@ FAULTS
 # --- traces as CTest tests -------------------------------------------------------------------------------------------
 cd .. || exit 2
 configure >"$out" 2>&1 || { cat "$out"; complain "examples: configuration with traces"; }
-expect 0 "100% tests passed, 0 tests failed out of 5" ctest --test-dir build
+expect 0 "100% tests passed, 0 tests failed out of 6" ctest --test-dir build
 expect 8 "0% tests passed" env TICKTRUE_EXAMPLE_FAULT=drift ctest --test-dir build -R pendulum
 
 [ "$failures" = 0 ] || exit 1
