@@ -142,6 +142,7 @@ constexpr HeaderBan header_bans[] = {
     {"", "CLI/", "tool/,bench/", "an options struct, filled by the subcommand"},
     {"", "benchmark/", "bench/", "bench/"},
     {"", "SDL2/", "tool/play/window/window.cpp", "tool/play/window/host.h"},
+    {"", "elfutils/", "tool/debug_info/dwarf_types.cpp", "tool/debug_info/program_types.h"},
 };
 
 /// A room is a folder. What its files may include, beside the room's own: rooms, not what is below them.
@@ -209,6 +210,7 @@ constexpr Room rooms[] = {
     {"tool/environment", "below"},
     {"tool/import", "below"},
     {"tool/drawing", "below"},
+    {"tool/debug_info", "below"},
     {"tool/box2d", "below"},
     {"tool/session", "below,tool/output"},
     {"tool/corpus", "below,tool/session"},
@@ -229,7 +231,8 @@ constexpr Room rooms[] = {
      "tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak,tool/report_page"},
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"
+     "tool/experiment/soak,tool/report_page"},
     {"bench", all_but_tests},
 };
 

@@ -21,9 +21,9 @@ using ticktrue_example::ExpectedColumn;
 using ticktrue_example::make_unit;
 using ticktrue_example::Unit;
 
-constexpr std::uint32_t tick_count = 24;
+constexpr std::uint32_t columns_ticks = 24;
 
-ticktrue::Options options_of(const std::string& path, int mode) {
+ticktrue::Options columns_options(const std::string& path, int mode) {
   ticktrue::Options options("columns-test", nullptr);
   options.mode = mode;
   options.path = path.c_str();
@@ -41,24 +41,24 @@ void step_units(std::vector<Unit>& units, std::uint32_t tick, int filler, std::m
   if (random() % 4 == 0) units.shrink_to_fit();
 }
 
-struct Change {
+struct BitChange {
   std::uint32_t tick = 0;
   std::size_t row = 0;
   std::size_t byte = 0;  // of the unit
   unsigned char mask = 0;
 };
 
-struct Outcome {
+struct CppOutcome {
   int exit_code = 0;
   std::string report;
 };
 
-Outcome play_cpp(const std::string& path, int mode, int filler = 0x55, const Change* change = nullptr) {
+CppOutcome play_cpp(const std::string& path, int mode, int filler = 0x55, const BitChange* change = nullptr) {
   std::mt19937 random(11);
-  ticktrue::Session session(options_of(path, mode));
+  ticktrue::Session session(columns_options(path, mode));
   std::vector<Unit> units;
   session.table("units", units);
-  for (std::uint32_t tick = 0; tick < tick_count; ++tick) {
+  for (std::uint32_t tick = 0; tick < columns_ticks; ++tick) {
     if (!session.begin_tick()) break;
     step_units(units, tick, filler, random);
     if (change != nullptr && change->tick == tick)
@@ -73,7 +73,7 @@ Outcome play_cpp(const std::string& path, int mode, int filler = 0x55, const Cha
 /// The same program in words of the C interface.
 int play_c(const std::string& path, int mode) {
   std::mt19937 random(11);
-  const ticktrue::Options options = options_of(path, mode);
+  const ticktrue::Options options = columns_options(path, mode);
   ticktrue_session* session = ticktrue_open(&options);
   std::vector<ticktrue_member> members;
   for (const ExpectedColumn& column : ticktrue_example::expected_columns())
@@ -83,7 +83,7 @@ int play_c(const std::string& path, int mode) {
   ticktrue_key(session, "units", 1);
   ticktrue_reference(session, "units", "target", "units");
   std::vector<Unit> units;
-  for (std::uint32_t tick = 0; tick < tick_count; ++tick) {
+  for (std::uint32_t tick = 0; tick < columns_ticks; ++tick) {
     if (ticktrue_begin_tick(session, nullptr) != TICKTRUE_OK) break;
     step_units(units, tick, 0x33, random);
     ticktrue_rows(session, table, units.data(), static_cast<std::uint32_t>(units.size()));
@@ -127,7 +127,7 @@ TEST_CASE("a bit that is changed in any column is named by tick, table, column a
     const std::string name = column.name;
     const std::size_t scalar = ticktrue_example::scalar_size(column.type);
     const std::size_t lane = random() % column.lanes;
-    Change change;
+    BitChange change;
     change.tick = 6 + static_cast<std::uint32_t>(random() % 12);
     change.row = 1;
     // The lowest bit: floats stay finite, a bool stays one.
@@ -135,7 +135,7 @@ TEST_CASE("a bit that is changed in any column is named by tick, table, column a
     change.mask = 1;
     if (name == "id" || name == "target") continue;  // the key names rows, and a reference names what it refers to
     CAPTURE(name, lane, change.tick);
-    const Outcome outcome = play_cpp(path("x.ttr"), TICKTRUE_VERIFY, 0x55, &change);
+    const CppOutcome outcome = play_cpp(path("x.ttr"), TICKTRUE_VERIFY, 0x55, &change);
     const std::string report = single_spaced(outcome.report);
     if (name == "glow") {
       CHECK(outcome.exit_code == 0);
@@ -171,7 +171,7 @@ TEST_CASE("arrays, spans and single structs are tables", "[capi][columns]") {
     renew(world.one);
     for (int i = 0; i < 8; ++i) renew(world.pool.emplace_back());
     std::span<Unit> active(world.pool.data(), 2);
-    ticktrue::Session session(options_of(file, mode));
+    ticktrue::Session session(columns_options(file, mode));
     session.table("pair", world.pair);
     session.table("three", world.three);
     session.table("grid", world.grid);
@@ -200,7 +200,7 @@ TEST_CASE("arrays, spans and single structs are tables", "[capi][columns]") {
     }
     CHECK(std::string(session.error()).empty());
     const int exit_code = ticktrue_finish(session.handle());
-    return Outcome{exit_code, single_spaced(ticktrue_report(session.handle()))};
+    return CppOutcome{exit_code, single_spaced(ticktrue_report(session.handle()))};
   };
   REQUIRE(play(path("x.ttr"), TICKTRUE_RECORD, "").exit_code == 0);
   CHECK(play(path("x.ttr"), TICKTRUE_VERIFY, "").exit_code == 0);
@@ -216,7 +216,7 @@ TEST_CASE("arrays, spans and single structs are tables", "[capi][columns]") {
                 {"seed", "column seed.value row 0"},
                 {"wind", "column wind.value row 0, lane 1"}};
   for (const auto& [fault, place] : faults) {
-    const Outcome outcome = play(path("x.ttr"), TICKTRUE_VERIFY, fault);
+    const CppOutcome outcome = play(path("x.ttr"), TICKTRUE_VERIFY, fault);
     CAPTURE(fault, outcome.report);
     CHECK(outcome.exit_code == 1);
     CHECK(contains(outcome.report, "tick 4 of 6"));
@@ -228,7 +228,7 @@ TEST_CASE("a reference of the macro is a reference of the table, also to one reg
   const TracePath path;
   std::vector<Unit> units{make_unit(3, 0)};
   {
-    ticktrue::Session session(options_of(path("x.ttr"), TICKTRUE_RECORD));
+    ticktrue::Session session(columns_options(path("x.ttr"), TICKTRUE_RECORD));
     session.table("scouts", units);  // refers to "units"
     session.table("units", units);
     CHECK(session.begin_tick());
@@ -236,7 +236,7 @@ TEST_CASE("a reference of the macro is a reference of the table, also to one reg
     CHECK(std::string(session.error()).empty());
     CHECK(session.close() == 0);
   }
-  ticktrue::Session session(options_of(path("y.ttr"), TICKTRUE_RECORD));
+  ticktrue::Session session(columns_options(path("y.ttr"), TICKTRUE_RECORD));
   session.table("scouts", units);
   CHECK(session.begin_tick());
   CHECK(contains(session.error(), "reference: table units: found none of this name"));
@@ -246,7 +246,7 @@ TEST_CASE("a recording that fails never ends the game", "[capi][columns]") {
   const TracePath path;
   const auto play = [](const std::string& file, float heat) {
     std::vector<Unit> units{make_unit(0, 0)};
-    ticktrue::Session session(options_of(file, TICKTRUE_RECORD));
+    ticktrue::Session session(columns_options(file, TICKTRUE_RECORD));
     session.table("units", units);
     std::uint32_t ticks = 0;
     while (session.tick() < 40) {

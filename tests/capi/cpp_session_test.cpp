@@ -56,7 +56,7 @@ using ticktrue_example::Command;
 using ticktrue_example::Game;
 using ticktrue_example::Level;
 
-ticktrue::Options options_of(const std::string& path, int mode) {
+ticktrue::Options cpp_options(const std::string& path, int mode) {
   ticktrue::Options options("cpp-session-test", nullptr);
   options.mode = mode;
   options.path = path.c_str();
@@ -79,7 +79,7 @@ Command command_of(std::uint32_t tick, int filler) {
 /// Ten ticks with one command and a list of them. The verification begins with other inputs.
 int play_inputs(const std::string& path, int mode, int filler, std::vector<std::uint32_t>& sizes) {
   std::vector<float> values(4);
-  ticktrue::Session session(options_of(path, mode));
+  ticktrue::Session session(cpp_options(path, mode));
   session.table("values", values);
   for (std::uint32_t tick = 0; tick < 10; ++tick) {
     const bool is_record = mode == TICKTRUE_RECORD;
@@ -115,7 +115,7 @@ TEST_CASE("a forged length of a list is refused before it is believed", "[capi][
   const TracePath path;
   std::uint32_t value = 1;
   const auto play = [&](int mode, std::uint32_t length) {
-    ticktrue::Session session(options_of(path("x.ttr"), mode));
+    ticktrue::Session session(cpp_options(path("x.ttr"), mode));
     session.table("value", value);
     std::vector<std::uint64_t> list;
     bool goes_on = mode == TICKTRUE_RECORD ? session.input(length) : session.input(list);
@@ -137,7 +137,7 @@ TEST_CASE("the setup of a trace replaces that of the program", "[capi][columns]"
   const auto play = [&](int mode, Level level) {
     std::uint32_t value = 0;
     const std::string file = path("x.ttr");
-    ticktrue::Session session(options_of(file, mode).set_setup(level));
+    ticktrue::Session session(cpp_options(file, mode).set_setup(level));
     std::uint64_t wide = 0;
     std::uint16_t small = 6;
     CHECK(session.setup(wide));
@@ -155,14 +155,14 @@ TEST_CASE("the setup of a trace replaces that of the program", "[capi][columns]"
   CHECK(play(TICKTRUE_VERIFY, {2, 50}) == std::pair(0, 41u));
 }
 
-std::vector<char> bytes_of(const Game& game) {
+std::vector<char> bytes_of_game(const Game& game) {
   std::vector<char> bytes(sizeof game.counter + 4 * game.values.size());
   std::memcpy(bytes.data(), &game.counter, sizeof game.counter);
   if (!game.values.empty()) std::memcpy(bytes.data() + sizeof game.counter, game.values.data(), 4 * game.values.size());
   return bytes;
 }
 
-bool from_bytes(Game& game, std::span<const std::byte> bytes) {
+bool game_from_bytes(Game& game, std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof game.counter) return false;
   std::memcpy(&game.counter, bytes.data(), sizeof game.counter);
   std::vector<std::uint32_t> values((bytes.size() - sizeof game.counter) / 4);  // at another address
@@ -171,13 +171,13 @@ bool from_bytes(Game& game, std::span<const std::byte> bytes) {
   return true;
 }
 
-std::string sync_test(const std::string& path, bool forgets) {
+std::string run_sync_test(const std::string& path, bool forgets) {
   Game game;
-  ticktrue::Options options = options_of(path, TICKTRUE_RECORD);
+  ticktrue::Options options = cpp_options(path, TICKTRUE_RECORD);
   options.sync_test = 3;
   options.saves(
-      game, [](const Game& g) { return bytes_of(g); },
-      [](Game& g, std::span<const std::byte> bytes) { return from_bytes(g, bytes); });
+      game, [](const Game& g) { return bytes_of_game(g); },
+      [](Game& g, std::span<const std::byte> bytes) { return game_from_bytes(g, bytes); });
   ticktrue::Session session(options);
   session.table("counter", game.counter);
   session.table("values", game.values);
@@ -195,10 +195,10 @@ std::string sync_test(const std::string& path, bool forgets) {
 TEST_CASE("lambdas save and load a state whose rows move, and a sync test finds what they forget",
           "[capi][columns][determinism]") {
   const TracePath path;
-  const std::string good = sync_test(path("x.ttr"), false);
+  const std::string good = run_sync_test(path("x.ttr"), false);
   CAPTURE(good);
   CHECK(contains(good, "ticks ran twice with the same state"));
-  const std::string bad = sync_test(path("y.ttr"), true);
+  const std::string bad = run_sync_test(path("y.ttr"), true);
   CAPTURE(bad);
   CHECK(contains(bad, "state_incomplete"));
   CHECK(contains(bad, "values.value"));
@@ -213,7 +213,7 @@ struct Score {
 /// 40 ticks in blocks. With `goes_back`, each block runs with guessed inputs first.
 int play_rollback(const std::string& path, int mode, bool goes_back) {
   Score score;
-  ticktrue::Options options = options_of(path, mode);
+  ticktrue::Options options = cpp_options(path, mode);
   options.rollback_max = 8;
   ticktrue::Session session(options.saves(score));
   session.table("sum", score.sum);
@@ -254,12 +254,12 @@ TEST_CASE("a session that goes back records the bytes of a straight run", "[capi
 TEST_CASE("a session moves, and closes what it replaces", "[capi][columns]") {
   const TracePath path;
   std::uint32_t value = 0;
-  ticktrue::Session session(options_of(path("a.ttr"), TICKTRUE_RECORD));
+  ticktrue::Session session(cpp_options(path("a.ttr"), TICKTRUE_RECORD));
   session.table("value", value);
   ticktrue::Session moved(std::move(session));
   CHECK(moved.begin_tick());
   CHECK(moved.end_tick());
-  moved = ticktrue::Session(options_of(path("b.ttr"), TICKTRUE_RECORD));
+  moved = ticktrue::Session(cpp_options(path("b.ttr"), TICKTRUE_RECORD));
   CHECK(path.bytes("a.ttr").size() > 100);
   CHECK(moved.table("value", value));
   CHECK(moved.begin_tick());

@@ -55,6 +55,7 @@ constexpr const char* footer =
   verify thousands of traces, and none twice                      corpus
   prove that verify finds a changed bit in a trace                inject
   look for worlds in which something cached changes a bit         soak
+  name the members of a struct of a program for ticktrue.hpp      columns
   know what this build and this machine compute with              env
 
 Exit codes: 0 match, or done. 1 divergence, non-finite state or a failed check. 2 usage, input/output, bad scene or
@@ -171,6 +172,7 @@ int parse_and_run(int argc, char** argv) {
   add_corpus(app, context);
   add_inject(app, context);
   add_soak(app, context);
+  add_columns(app, context);
   add_env(app, context);
 
   drop_text_labels(app);

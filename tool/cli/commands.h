@@ -40,6 +40,7 @@ void add_golden(CLI::App& app, CliContext& context);
 void add_corpus(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_soak(CLI::App& app, CliContext& context);
+void add_columns(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
 
 // shared by verify and report
