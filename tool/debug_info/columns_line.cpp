@@ -176,10 +176,11 @@ class Layouts {
         continue;
       }
       if (field.name.empty()) {
-        layout.members.push_back({"(base)", type.name, offset, type.size, "is a virtual base, at no fixed place", false});
+        layout.members.push_back(
+            {"(base)", field.type_name, offset, type.size, "is a virtual base, at no fixed place", false});
         continue;
       }
-      LayoutMember member{field.name, type.name, offset, type.size, "", field.is_private};
+      LayoutMember member{field.name, field.type_name, offset, type.size, "", field.is_private};
       if (field.name.rfind("_vptr", 0) == 0)
         member.refusal = "is the compiler's, for virtual functions: an address";
       else if (field.is_bit_field)
@@ -255,8 +256,7 @@ std::string struct_text(const StructLayout& layout) {
     text += wrapped("TICKTRUE_COLUMNS(" + name + ", ", columns, ")");
   }
   for (const LayoutMember& member : layout.members)
-    if (!member.refusal.empty())
-      text += fmt::format("//   left out  {:<{}}  {}  {}\n", member.name, width, member.type, member.refusal);
+    if (!member.refusal.empty()) text += fmt::format("//   left out  {:<{}}  {}\n", member.name, width, member.refusal);
   std::string gaps;
   for (const Gap& gap : layout.gaps) gaps += (gaps.empty() ? "" : ", ") + gap_text(gap);
   if (!gaps.empty()) text += "//   padding   bytes " + gaps + " of " + std::to_string(layout.size) + ", in no trace\n";

@@ -212,8 +212,10 @@ class Types {
       default:
         break;
     }
-    if (const auto record = records_.find(die.addr); record != records_.end())
-      return qualified(record->second->scope, record->second->name);
+    if (const auto record = records_.find(die.addr); record != records_.end()) {
+      const std::string whole = qualified(record->second->scope, record->second->name);
+      return whole.rfind("std::__cxx11::basic_string<char,", 0) == 0 ? "std::string" : whole;
+    }
     const std::string name = name_of(die);
     return name.empty() ? "(no name)" : name;
   }
@@ -323,6 +325,7 @@ class Types {
       if (!type_of(child, type)) continue;
       Field field = field_of(child, is_base, tag == DW_TAG_class_type);
       field.type = add(type, depth + 1);
+      field.type_name = text(type, 0);
       types_.types[place].fields.push_back(std::move(field));
     } while (--left > 0 && dwarf_siblingof(&child, &child) == 0);
   }
@@ -424,23 +427,27 @@ Result<Opened> open_program(const std::string& path) {
   return opened;
 }
 
-/// "Unit" and "game::Unit" are names of game::Unit.
+/// "Unit" and "game::Unit" are names of game::Unit; "Pair" is one of Pair<int>.
 bool is_named(const Found& found, const std::string& name) {
-  const std::string whole = qualified(found.scope, found.name);
+  std::string whole = qualified(found.scope, found.name);
+  if (whole == name) return true;
+  if (name.find('<') == std::string::npos) whole = qualified(found.scope, found.name.substr(0, found.name.find('<')));
   if (whole == name) return true;
   return whole.size() > name.size() + 2 &&
          whole.compare(whole.size() - name.size() - 2, std::string::npos, "::" + name) == 0;
 }
 
-bool is_of_std(const Found& found) {
-  return !found.scope.names.empty() && (found.scope.names[0] == "std" || found.scope.names[0].rfind("__", 0) == 0);
+/// Of the language and its library: namespace std, and names with an underscore in front.
+bool is_reserved(const Found& found) {
+  const std::string& first = found.scope.names.empty() ? found.name : found.scope.names[0];
+  return first == "std" || first.rfind("_", 0) == 0 || first.find(' ') < first.find('<');
 }
 
 /// What two definitions of one struct have in common.
 std::string shape_of(const StructTypes& types) {
   std::string shape = types.types[0].name + " " + std::to_string(types.types[0].size);
   for (const Field& field : types.types[0].fields)
-    shape += " " + field.name + "@" + std::to_string(field.offset) + ":" + types.types[field.type].name;
+    shape += " " + field.name + "@" + std::to_string(field.offset) + ":" + field.type_name;
   return shape;
 }
 
@@ -455,7 +462,7 @@ Result<std::vector<StructName>> struct_names(const std::string& path) {
   if (!opened) return opened.error();
   std::set<std::pair<std::string, std::uint64_t>> names;
   for (Found& found : opened->found)
-    if (!is_of_std(found))
+    if (!is_reserved(found))
       names.insert({qualified(found.scope, found.name), number_of(found.die, DW_AT_byte_size).value_or(0)});
   std::vector<StructName> result;
   for (const auto& [name, size] : names) result.push_back({name, size});

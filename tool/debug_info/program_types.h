@@ -14,6 +14,7 @@ namespace ticktrue::debug_info {
 /// A member of a struct, or a base.
 struct Field {
   std::string name;          // empty: a base, or an anonymous struct or union
+  std::string type_name;     // as the source has it
   std::size_t type = 0;      // place in StructTypes::types
   std::uint64_t offset = 0;  // bytes
   bool is_base = false;
@@ -25,7 +26,7 @@ struct Field {
 struct Type {
   enum class Kind { floating, integer, boolean, enumeration, pointer, array, record, unknown };
   Kind kind = Kind::unknown;
-  std::string name;         // as the source has it; records with their namespaces
+  std::string name;         // records with their namespaces
   std::uint64_t size = 0;   // bytes
   std::uint64_t count = 0;  // of an array; 0: not known
   std::size_t element = 0;  // of an array
@@ -50,7 +51,7 @@ struct StructName {
 /// Whether this build reads debug information. Else the functions below fail with `unsupported`.
 bool can_read_debug_info();
 
-/// Every struct with members, sorted by name; those of namespace std are left out.
+/// Every struct with members, sorted by name; without those of the language and its library.
 /// Errors: io, corrupt, unsupported (no debug information), limit.
 Result<std::vector<StructName>> struct_names(const std::string& path);
 
