@@ -79,12 +79,17 @@ class Layouts {
     return {};
   }
 
+  /// Each unit of the program may have a `double` of its own.
+  bool is_same_scalar(std::size_t a, std::size_t b) const {
+    return at(a).kind == at(b).kind && at(a).size == at(b).size && at(a).name == at(b).name;
+  }
+
   /// x, y and perhaps z, w of one scalar type that fill the struct.
   std::optional<Numbers> vector_of(const Type& record) const {
     const auto x = type_of_member(record, "x", 0), y = type_of_member(record, "y", 0);
-    if (!x || !y || *x != *y || !is_scalar(at(*x))) return {};
+    if (!x || !y || !is_same_scalar(*x, *y) || !is_scalar(at(*x))) return {};
     const auto z = type_of_member(record, "z", 0), w = type_of_member(record, "w", 0);
-    const std::uint64_t count = 2u + (z && *z == *x ? 1u : 0u) + (w && *w == *x ? 1u : 0u);
+    const std::uint64_t count = 2u + (z && is_same_scalar(*z, *x) ? 1u : 0u) + (w && is_same_scalar(*w, *x) ? 1u : 0u);
     if (record.is_union || record.size != count * at(*x).size) return {};
     return Numbers{*x, count};
   }

@@ -68,9 +68,20 @@ std::optional<std::uint64_t> number_of(Dwarf_Die& die, unsigned attribute) {
   return number;
 }
 
+/// A declaration becomes its definition in a type unit of its own.
+void follow_signature(Dwarf_Die& die) {
+  Dwarf_Attribute found;
+  Dwarf_Die definition;
+  if (dwarf_attr(&die, DW_AT_signature, &found) != nullptr && dwarf_formref_die(&found, &definition) != nullptr)
+    die = definition;
+}
+
 bool type_of(Dwarf_Die& die, Dwarf_Die& type) {
   Dwarf_Attribute found;
-  return dwarf_attr_integrate(&die, DW_AT_type, &found) != nullptr && dwarf_formref_die(&found, &type) != nullptr;
+  if (dwarf_attr_integrate(&die, DW_AT_type, &found) == nullptr || dwarf_formref_die(&found, &type) == nullptr)
+    return false;
+  follow_signature(type);
+  return true;
 }
 
 bool is_record(int tag) {
@@ -119,7 +130,9 @@ class Search {
     }
     if (tag == DW_TAG_typedef) return visit_typedef(die, scope);
     if (!is_record(tag)) return;
-    const std::string name = name_of(die);
+    Dwarf_Die named = die;
+    follow_signature(named);
+    const std::string name = name_of(named);
     if (name.empty()) return;
     Scope own = scope;
     // Defined outside of the struct that declares it.
@@ -239,8 +252,8 @@ class Types {
 
   /// The place of the type in the list.
   std::size_t add(Dwarf_Die die, std::size_t depth) {
-    const std::string name = text(die, 0);
     const bool is_known = peel(die);
+    const std::string name = text(die, 0);
     if (const auto known = places_.find(die.addr); known != places_.end() && is_known) return known->second;
     const std::size_t place = types_.types.size();
     types_.types.emplace_back().name = name;
