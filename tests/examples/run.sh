@@ -118,9 +118,10 @@ while IFS= read -r command; do
   case $command in
     export\ *) environment=${command%%  #*}; continue ;; # without what it is for
     *pkg-config*) command -v pkg-config >/dev/null 2>&1 || command=$(printf '%s' "$command" |
-      sed "s|\$(pkg-config[^)]*)|-I$prefix/include -L$library_folder -lticktrue|") ;;
+      sed "s|\$(pkg-config --cflags ticktrue)|-I$prefix/include|; s|\$(pkg-config[^)]*)|-I$prefix/include -L$library_folder -lticktrue|") ;;
   esac
   case $command in
+    *columns*) ! "$tool" columns "$tool" x 2>&1 | grep -q 'without libdw' || continue ;;
     *_fma*) grep -qw fma /proc/cpuinfo 2>/dev/null || continue ;;
   esac
   case $command in
