@@ -42,6 +42,7 @@ constexpr const char* footer =
   look at a trace and what verify finds, in a browser             report
   see what is in a trace, or take its inputs out                  show
   know what makes a program diverge: heap, clock, libm, ...       shake
+  make a failing session small: few bodies, inputs and ticks      reduce
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
@@ -161,6 +162,7 @@ int parse_and_run(int argc, char** argv) {
   add_recover(app, context);
   add_import(app, context);
   add_shake(app, context);
+  add_reduce(app, context);
   add_compare(app, context);
   add_accuracy(app, context);
   add_stress(app, context);

@@ -25,6 +25,7 @@ void add_report(CLI::App& app, CliContext& context);
 void add_show(CLI::App& app, CliContext& context);
 void add_recover(CLI::App& app, CliContext& context);
 void add_import(CLI::App& app, CliContext& context);
+void add_reduce(CLI::App& app, CliContext& context);
 void add_shake(CLI::App& app, CliContext& context);
 
 // study
