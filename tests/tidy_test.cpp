@@ -221,6 +221,7 @@ constexpr Room rooms[] = {
     {"tool/expression", "below,tool/study"},
     {"tool/experiment/reduce",
      "below,tool/crosscheck,tool/experiment,tool/experiment/oracle,tool/expression,tool/output,tool/session"},
+    {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
@@ -233,7 +234,8 @@ constexpr Room rooms[] = {
      "tool/experiment/shake,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/soak,tool/report_page"},
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/environment,tool/experiment/bisect,"
+     "tool/experiment/soak,tool/report_page"},
     {"bench", all_but_tests},
 };
 

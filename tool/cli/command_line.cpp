@@ -54,6 +54,7 @@ constexpr const char* footer =
   list the built-in scenes, print one as JSON                     scenes
   keep golden traces for continuous integration                   golden
   verify thousands of traces, and none twice                      corpus
+  find the commit that made a trace diverge                       bisect
   prove that verify finds a changed bit in a trace                inject
   look for worlds in which something cached changes a bit         soak
   know what this build and this machine compute with              env
@@ -171,6 +172,7 @@ int parse_and_run(int argc, char** argv) {
   add_scenes(app, context);
   add_golden(app, context);
   add_corpus(app, context);
+  add_bisect(app, context);
   add_inject(app, context);
   add_soak(app, context);
   add_env(app, context);

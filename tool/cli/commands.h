@@ -39,6 +39,7 @@ void add_describe(CLI::App& app, CliContext& context);
 void add_scenes(CLI::App& app, CliContext& context);
 void add_golden(CLI::App& app, CliContext& context);
 void add_corpus(CLI::App& app, CliContext& context);
+void add_bisect(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_soak(CLI::App& app, CliContext& context);
 void add_env(CLI::App& app, CliContext& context);
