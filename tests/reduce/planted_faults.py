@@ -145,7 +145,7 @@ def energy(i, body_count):
         scene["joints"].append({"name": "planted", "type": "revolute", "body_a": "floor", "body_b": "planted",
                                 "anchor_a": [scene["bodies"][body]["position"][0],
                                              scene["bodies"][body]["position"][1] + 1],
-                                "motor": {"speed": 90, "torque_max": 1e6}})
+                                "motor": {"speed": 90, "force_max": 1e6}})
         expect = "kinetic < 2e5"
     elif kind == 2:
         scene["bodies"].append({"name": "planted", "type": "static", "position": [rng.uniform(-15, 15), 0.0],

@@ -56,13 +56,12 @@ int run_bisect_command(BisectCommand command) {
   const auto folder = verifier::RunFolder::make("ticktrue-bisect", "");
   if (!folder) return fail_usage(folder.error());
   if (const Status status = complete(command, folder->path()); !status) return fail_usage(status.error());
-  std::optional<Result<verifier::StoreFolder>> store_folder;
-  std::optional<verifier::VerdictStore> store;
-  if (!command.store.empty()) {
-    store_folder = verifier::StoreFolder::open(command.store, verifier::StoreFolder::Use::writing, true);
-    if (!*store_folder) return fail_usage(store_folder->error());
-    store.emplace(**store_folder);
-  }
+  // Without --store, verdicts live as long as this run: builds that are the same are run once.
+  const std::string verdicts = command.store.empty() ? folder->path() + "/verdicts" : command.store;
+  const auto store_folder =
+      verifier::StoreFolder::open(verdicts, verifier::StoreFolder::Use::writing, !command.store.empty());
+  if (!store_folder) return fail_usage(store_folder.error());
+  const verifier::VerdictStore store(*store_folder);
   catch_stop_signals();  // so that the work tree is removed
   Progress progress("bisect", 0, "commits");
   std::uint64_t judged_count = 0;
@@ -70,7 +69,7 @@ int run_bisect_command(BisectCommand command) {
     progress.update(++judged_count);
     return !stop_requested();
   };
-  const auto report = bisect::run_bisect(command.options, store ? &*store : nullptr);
+  const auto report = bisect::run_bisect(command.options, store);
   progress.finish();
   if (!report) return fail_usage(report.error());
   print(command.json ? bisect::bisect_json(*report, command.options) : bisect::bisect_text(*report));

@@ -23,7 +23,7 @@ const char* word_of(Kind kind) {
 
 class Bisection {
  public:
-  Bisection(const BisectOptions& options, const verifier::VerdictStore* store)
+  Bisection(const BisectOptions& options, const verifier::VerdictStore& store)
       : options_(options), judge_(options.judge, store) {}
 
   Result<BisectReport> run() {
@@ -135,7 +135,7 @@ Counts counts_of(const BisectReport& report) {
 
 }  // namespace
 
-Result<BisectReport> run_bisect(const BisectOptions& options, const verifier::VerdictStore* store) {
+Result<BisectReport> run_bisect(const BisectOptions& options, const verifier::VerdictStore& store) {
   return Bisection(options, store).run();
 }
 

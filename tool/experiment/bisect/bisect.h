@@ -32,7 +32,7 @@ struct BisectOptions {
 };
 
 /// Errors: usage (no such commit; the good one fails, the bad one does not); unsupported (git; it was stopped); io.
-Result<BisectReport> run_bisect(const BisectOptions& options, const verifier::VerdictStore* store);
+Result<BisectReport> run_bisect(const BisectOptions& options, const verifier::VerdictStore& store);
 
 std::string bisect_text(const BisectReport& report);
 /// Schema ticktrue.bisect/1.

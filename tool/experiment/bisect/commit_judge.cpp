@@ -3,7 +3,6 @@
 #include "tool/experiment/bisect/commit_judge.h"
 
 #include <filesystem>
-#include <map>
 #include <system_error>
 
 #include "base/hash128.h"
@@ -95,10 +94,9 @@ std::string CommitJudge::key_of(const std::string& identity, const std::string& 
 
 /// A verdict, where the store has one of a trace that fails, or of every trace.
 Result<std::optional<CommitVerdict>> CommitJudge::from_store(const std::string& identity) const {
-  if (store_ == nullptr) return std::optional<CommitVerdict>();
   bool knows_all = true;
   for (const std::string& trace : options_.traces) {
-    const auto found = store_->find(key_of(identity, trace));
+    const auto found = store_.find(key_of(identity, trace));
     if (!found) return found.error();
     if (!found->report) {
       knows_all = false;
@@ -117,8 +115,7 @@ Result<std::optional<CommitVerdict>> CommitJudge::from_store(const std::string& 
 
 Status CommitJudge::add_to_store(const std::string& identity, const std::string& trace,
                                  const std::optional<Failure>& found) {
-  if (store_ == nullptr) return {};
-  const auto added = store_->add(key_of(identity, trace), report_of(trace, found));
+  const auto added = store_.add(key_of(identity, trace), report_of(trace, found));
   if (!added) return added.error();
   return {};
 }
@@ -142,8 +139,9 @@ Result<CommitVerdict> CommitJudge::build_and_run(const std::string& work_tree, c
       const auto stored = from_store(identities.back());
       if (!stored) return stored.error();
       if (*stored) {
-        (*stored)->was_built = verdict.was_built;
-        return **stored;
+        CommitVerdict known = **stored;
+        known.was_built = verdict.was_built;
+        return known;
       }
     }
   }

@@ -37,8 +37,7 @@ struct CommitVerdict {
 
 class CommitJudge {
  public:
-  /// `store` null: nothing is stored.
-  CommitJudge(const JudgeOptions& options, const verifier::VerdictStore* store) : options_(options), store_(store) {}
+  CommitJudge(const JudgeOptions& options, const verifier::VerdictStore& store) : options_(options), store_(store) {}
 
   /// The commit is checked out in `work_tree`. Errors: io; those of git.
   Result<CommitVerdict> judge(const std::string& work_tree);
@@ -54,7 +53,7 @@ class CommitJudge {
   std::string key_of(const std::string& identity, const std::string& trace) const;
 
   const JudgeOptions& options_;
-  const verifier::VerdictStore* store_;
+  const verifier::VerdictStore& store_;
 };
 
 }  // namespace ticktrue::bisect

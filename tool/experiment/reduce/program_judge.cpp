@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/reduce/program_judge.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -29,6 +30,11 @@ T value_of(const json& object, const char* key, const T& otherwise) {
   }
 }
 
+void add_once(std::uint32_t body, std::vector<std::uint32_t>& bodies) {
+  if (bodies.size() < body_count_max && std::find(bodies.begin(), bodies.end(), body) == bodies.end())
+    bodies.push_back(body);
+}
+
 void read_rows(const json& divergence, Failure& failure) {
   const auto rows = divergence.find("rows");
   if (rows == divergence.end() || !rows->is_array()) return;
@@ -46,8 +52,7 @@ void read_rows(const json& divergence, Failure& failure) {
     }
     const auto id = value_of<std::int64_t>(row, "id", -1);
     // Tables of pairs have the id of their first body as key.
-    if (id >= 0 && table != "joints" && failure.bodies.size() < body_count_max)
-      failure.bodies.push_back(static_cast<std::uint32_t>(id));
+    if (id >= 0 && table != "joints") add_once(static_cast<std::uint32_t>(id), failure.bodies);
   }
 }
 

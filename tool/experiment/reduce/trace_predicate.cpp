@@ -24,7 +24,9 @@ class DiffersElsewhere : public Predicate {
     whole.detail = replay::Detail::full;
     whole.full_last = session.tick_count;
     if (session.tick_count * session.scene.bodies.size() <= body_ticks_max) return judge(session, whole);
-    Answer answer = judge(session, {});
+    verifier::TraceChoices names;
+    names.detail = replay::Detail::cells;
+    Answer answer = judge(session, names);
     if (!answer || !*answer) return answer;
     SoakCase begin = session;
     begin.tick_count = (*answer)->tick + 1;
