@@ -385,4 +385,24 @@ TEST_CASE("an expectation that is broken at first is refused, one that breaks la
   CHECK(result->smallest.tick_count == 1);
 }
 
+TEST_CASE("inputs that are needed at different ticks move together", "[verifier][reduce][analytic]") {
+  if (!verifier::Expression::parse("1", "--expect")) return;
+  SoakCase session = columns_of_boxes(5, 90);
+  session.scene.inputs = {InputKind::spawn, InputKind::impulse};
+  session.scene.prototypes.push_back(unit_box({}));
+  session.scene.prototypes[0].name = "crate";
+  for (const std::uint64_t tick : {20u, 51u, 80u})
+    session.inputs.push_back(input_of(tick, InputKind::spawn, 0, {0, 9.0 + static_cast<double>(tick)}));
+  std::stable_sort(session.inputs.begin(), session.inputs.end(),
+                   [](const Input& a, const Input& b) { return a.tick < b.tick; });
+  for (std::size_t i = 0; i < session.inputs.size(); ++i) session.inputs[i].sequence = static_cast<std::uint32_t>(i);
+  const auto predicate =
+      broken_expectation(*verifier::Expression::parse("bodies < bodies_start + 3", "--expect"), engine::make_engine);
+  const auto result = reduce::reduce(session, *predicate, options_of());
+  REQUIRE(result);
+  CHECK(result->smallest.inputs.size() == 3);
+  CHECK(result->smallest.tick_count == 3);
+  CHECK(result->smallest.scene.bodies.empty());
+}
+
 }  // namespace ticktrue::test

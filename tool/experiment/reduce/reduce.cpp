@@ -53,6 +53,7 @@ class Reducer {
       keep_groups();
       shrink_rest();
       remove_shapes();
+      close_gaps();
     }
     simplify_numbers();
     return ReduceResult{std::move(session_), std::move(first_), std::move(last_), cut_tick_, run_count_, ended_early_};
@@ -207,6 +208,22 @@ class Reducer {
           ddmin(count, [&](const Indices& some) { return same_failure(with_shapes(some)).has_value(); });
       if (left.size() < count) take_if_same(with_shapes(left));
     }
+  }
+
+  /// Inputs come as early as they may: all from one on move by what lies before it, or half of that, and so on.
+  void close_gaps() {
+    for (std::size_t i = 0; i < session_.inputs.size(); ++i) {
+      const std::uint64_t before = i == 0 ? 0 : session_.inputs[i - 1].tick + 1;
+      if (session_.inputs[i].tick <= before) continue;
+      for (std::uint64_t step = session_.inputs[i].tick - before; step > 0; step /= 2)
+        if (take_if_same(moved_earlier(i, step))) break;
+    }
+  }
+
+  SoakCase moved_earlier(std::size_t first, std::uint64_t step) const {
+    SoakCase moved = session_;
+    for (std::size_t i = first; i < moved.inputs.size(); ++i) moved.inputs[i].tick -= step;
+    return moved;
   }
 
   void simplify_numbers() {
