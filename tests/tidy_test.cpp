@@ -220,7 +220,8 @@ constexpr Room rooms[] = {
     {"tool/experiment", "below"},
     {"tool/expression", "below,tool/study"},
     {"tool/experiment/reduce",
-     "below,tool/crosscheck,tool/experiment,tool/experiment/oracle,tool/expression,tool/output,tool/session"},
+     "below,tool/crosscheck,tool/experiment,tool/experiment/oracle,tool/expression,tool/output,tool/session,"
+     "tool/study"},
     {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},

@@ -8,7 +8,9 @@
 #include <system_error>
 
 #include "base/limits.h"
+#include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
+#include "tool/experiment/reduce/foreign_session.h"
 #include "tool/experiment/reduce/program_judge.h"
 #include "tool/experiment/reduce/reduce_report.h"
 #include "tool/experiment/reduce/result_folder.h"
@@ -16,6 +18,7 @@
 #include "tool/output/progress.h"
 #include "tool/session/session_inputs.h"
 #include "tool/session/simulations.h"
+#include "verifier/runs/data_file.h"
 #include "verifier/runs/run_folder.h"
 
 namespace ticktrue::cli {
@@ -151,6 +154,65 @@ int run_search(const ReduceCommand& command, const SoakCase& session, Predicate&
   return exit_ok;
 }
 
+/// Whether the session is a trace of another simulation than the engine.
+Result<bool> is_foreign(const ReduceCommand& command) {
+  if (!is_trace_argument(command.session)) return false;
+  const Result<replay::TraceReader> reader = replay::TraceReader::open(command.session);
+  if (!reader) return reader.error();
+  return reader->setup().simulation != engine::simulation_name;
+}
+
+/// What a plug-in's session needs. Errors: usage.
+Result<const SimulationInfo*> recorder_of(const ReduceCommand& command, const reduce::ForeignSession& session) {
+  const SimulationInfo* recorder = verifier::find_simulation(session.setup.simulation);
+  if (recorder == nullptr)
+    return Error{ErrorCode::usage,
+                 command.session + ": simulation: found " + session.setup.simulation + ", expected " +
+                     verifier::simulation_names(),
+                 "--plugin LIB.so loads the simulation that records the session anew"};
+  if (!command.program.empty() && !command.once) return recorder;
+  return Error{ErrorCode::usage, "reduce: found no --command and -o, expected them for a session of a plug-in",
+               "as in --command 'ticktrue --plugin other.so verify {} --json'"};
+}
+
+Status write_foreign(const ReduceCommand& command, const reduce::ForeignResult& result, const SimulationInfo& recorder,
+                     const std::string& shown) {
+  std::error_code failed;
+  std::filesystem::create_directories(command.output, failed);
+  if (failed) return Error{ErrorCode::io, command.output + ": cannot be made: " + failed.message(), ""};
+  if (const Status status = record_foreign(result.smallest, recorder, command.output + "/trace.ttr"); !status)
+    return status;
+  if (const Status status =
+          verifier::write_data_file(command.output + "/inputs.jsonl", foreign_inputs_text(result.smallest));
+      !status)
+    return status;
+  return verifier::write_data_file(command.output + "/command", shown + "\n");
+}
+
+int run_foreign(const ReduceCommand& command, const std::string& folder) {
+  const Result<reduce::ForeignSession> session = reduce::read_foreign_session(command.session, command.tick_count);
+  if (!session) return fail_usage(session.error());
+  const auto recorder = recorder_of(command, *session);
+  if (!recorder) return fail_usage(recorder.error());
+  catch_stop_signals();
+  reduce::ReduceOptions options;
+  options.is_loose = command.is_loose;
+  options.stops = stop_requested;
+  const std::vector<std::string> words{"sh", "-c", command.program};
+  const auto judge = reduce::program_judge(words, folder, static_cast<double>(command.timeout_s));
+  const auto result = reduce_foreign(*session, **recorder, judge, folder, options);
+  if (!result) return fail_usage(result.error());
+  const std::string shown =
+      reduce::words_with_trace({command.program}, verifier::shell_word(command.output + "/trace.ttr")).front();
+  if (const Status written = write_foreign(command, *result, **recorder, shown); !written)
+    return fail_usage(written.error());
+  print(reduce::once_text(command.session, result->last) + "  inputs   " + std::to_string(session->input_count()) +
+        " -> " + std::to_string(result->smallest.input_count()) + "\n  ticks    " +
+        std::to_string(session->ticks.size()) + " -> " + std::to_string(result->smallest.ticks.size()) +
+        "\n  search   " + std::to_string(result->run_count) + " runs\n  again    " + shown + "\n");
+  return exit_ok;
+}
+
 int run_reduce(const ReduceCommand& command) {
   if (command.once == !command.output.empty())
     return fail_usage(Error{
@@ -159,6 +221,9 @@ int run_reduce(const ReduceCommand& command) {
         "-o DIR names the folder of the result; --once reduces nothing"});
   const auto folder = verifier::RunFolder::make("ticktrue-reduce", "");
   if (!folder) return fail_usage(folder.error());
+  const Result<bool> foreign = is_foreign(command);
+  if (!foreign) return fail_usage(foreign.error());
+  if (*foreign) return run_foreign(command, folder->path());
   const MadePredicate predicate = predicate_of(command, folder->path());
   if (!predicate) return fail_usage(predicate.error());
   const Result<SoakCase> session = read_subject(command);
@@ -196,7 +261,7 @@ void add_reduce(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<ReduceCommand>();
   CLI::App* command = app.add_subcommand("reduce", "Make a failing session as small as it still fails in the same way")
                           ->group(group_session);
-  command->add_option("SESSION", options->session, "A scene, or a trace of the engine")->required();
+  command->add_option("SESSION", options->session, "A scene, or a trace of the engine or of a plug-in")->required();
   command->add_option("--inputs", options->inputs, "Inputs of a scene as JSON Lines")->type_name("FILE");
   add_number(*command, "--ticks", options->tick_count, "Ticks of the session; default: to its end",
              {1, limits::tick_count_max});

@@ -157,13 +157,6 @@ std::string list_text() {
   return text;
 }
 
-Status write_text(const std::string& path, const std::string& text) {
-  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
-  if (!file) return file.error();
-  if (const Status written = file->write(text); !written) return written;
-  return file->close();
-}
-
 int run_shake_command(const ShakeCommand& command) {
   if (command.list) {
     print(list_text());
@@ -208,7 +201,7 @@ int run_shake_command(const ShakeCommand& command) {
   if (!report) return fail_usage(report.error());
   print(command.json ? shake::shake_json(*report, subject) : shake::shake_text(*report, subject));
   if (!command.junit.empty())
-    if (const Status status = write_text(command.junit, shake::shake_junit(*report, subject)); !status)
+    if (const Status status = verifier::write_data_file(command.junit, shake::shake_junit(*report, subject)); !status)
       return fail_usage(status.error());
   if (command.github) {
     const std::string lines = shake::shake_github(*report, subject);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/bisect/bisect.h"
 
+#include <filesystem>
 #include <sstream>
 #include <utility>
 
@@ -59,7 +60,7 @@ class Bisection {
     const Result<CommitVerdict> verdict = judge(tree, commit);
     if (!verdict) return verdict.error();
     if (verdict->kind == expected) return {};
-    const std::string why = verdict->kind == Kind::bad ? ": " + verdict->failure.what : verdict->why;
+    const std::string why = verdict->kind == Kind::bad ? verdict->failure.what : verdict->why;
     return Error{ErrorCode::usage,
                  "bisect: " + commit.hash.substr(0, short_hash_size) + ": found " + word_of(verdict->kind) +
                      (why.empty() ? "" : " (" + why + ")") + ", expected " + word_of(expected),
@@ -114,8 +115,8 @@ const JudgedCommit* find_judged(const BisectReport& report, const Commit& commit
 
 std::string failure_text(const CommitVerdict& verdict) {
   const std::string place = place_text(verdict.failure);
-  return verdict.failure.kind + "  " + plain_text(verdict.trace) + "  tick " + std::to_string(verdict.failure.tick) +
-         (place.empty() ? "" : "  " + place);
+  return verdict.failure.kind + "  " + plain_text(std::filesystem::proximate(verdict.trace).string()) + "  tick " +
+         std::to_string(verdict.failure.tick) + (place.empty() ? "" : "  " + place);
 }
 
 struct Counts {

@@ -22,13 +22,6 @@ using verifier::shell_word;
 
 constexpr std::size_t scene_size_max = std::size_t{64} << 20;
 
-Status write_file(const std::string& path, const std::string& text) {
-  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
-  if (!file) return file.error();
-  if (const Status written = file->write(text); !written) return written;
-  return file->close();
-}
-
 std::string shell_words(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + shell_word(word);
@@ -52,7 +45,8 @@ class ResultWriter {
                                                          {"command", folder_.command + "\n"},
                                                          {"test.sh", test_text()}};
     for (const auto& [name, text] : files)
-      if (const Status written = write_file(folder_.path + "/" + name, text); !written) return written.error();
+      if (const Status written = verifier::write_data_file(folder_.path + "/" + name, text); !written)
+        return written.error();
     fs::permissions(folder_.path + "/test.sh", fs::perms::owner_exec, fs::perm_options::add, failed);
     if (const Status recorded = record_trace(); !recorded) return recorded.error();
     if (const Status same = read_again(); !same) return same.error();
