@@ -11,6 +11,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/forwarding_engine.h"
 #include "tests/support/scenes.h"
+#include "tool/experiment/reduce/foreign_session.h"
 #include "tool/experiment/reduce/neighbourhood.h"
 #include "tool/experiment/reduce/program_judge.h"
 #include "tool/experiment/reduce/result_folder.h"
@@ -111,6 +112,31 @@ Result<std::optional<Failure>> judge_with_fault(const std::string& trace) {
   };
   verifier::VerifyOptions options;
   options.simulation = &faulty;
+  const verifier::Report report = verifier::verify(*reader, options);
+  return failure_of_report(verifier::report_json({&report, 1}, false));
+}
+
+/// A toy that miscounts as soon as it has six bodies.
+class CrowdedToy : public ToySimulation {
+ public:
+  using ToySimulation::ToySimulation;
+  Status step(const TickInput& input, StageObserver* observer) override {
+    if (Status did = ToySimulation::step(input, observer); !did) return did;
+    if (bodies.size() >= 6) bodies[0].charge += 1;
+    return {};
+  }
+};
+
+Result<std::optional<Failure>> judge_with_crowd(const std::string& trace) {
+  Result<replay::TraceReader> reader = replay::TraceReader::open(trace);
+  if (!reader) return reader.error();
+  SimulationInfo crowded = toy_info;
+  crowded.make = [](ByteView setup) -> Result<std::unique_ptr<Simulation>> {
+    ByteReader in(setup);
+    return std::unique_ptr<Simulation>(std::make_unique<CrowdedToy>(in.u32()));
+  };
+  verifier::VerifyOptions options;
+  options.simulation = &crowded;
   const verifier::Report report = verifier::verify(*reader, options);
   return failure_of_report(verifier::report_json({&report, 1}, false));
 }
@@ -301,6 +327,30 @@ TEST_CASE("what was written fails in the same way when it is read again", "[veri
   const auto refused = write_result(wrong, *predicate, options_of(), folder.file("wrong"));
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::inconsistent);
+}
+
+TEST_CASE("a session of a plug-in loses the ticks and inputs that its failure does not need",
+          "[verifier][reduce][determinism]") {
+  const TemporaryFolder folder;
+  REQUIRE(record_toy(folder.file("long.ttr"), toy_setup(3), 60));
+  const auto session = read_foreign_session(folder.file("long.ttr"), std::nullopt);
+  REQUIRE(session);
+  REQUIRE(session->ticks.size() == 60);
+  const auto result = reduce_foreign(*session, toy_info, judge_with_crowd, folder.file("."), options_of());
+  REQUIRE(result);
+  CHECK(is_same(result->first, result->last, false));
+  CHECK(result->last.column == "charge");
+  CHECK(result->first.tick == 23);  // the fourth body that is spawned, one having gone
+  // Three more bodies are enough where none goes.
+  CHECK(result->smallest.ticks.size() == 3);
+  CHECK(result->smallest.input_count() == 3);
+  REQUIRE(record_foreign(result->smallest, toy_info, folder.file("short.ttr")));
+  CHECK(judge_with_crowd(folder.file("short.ttr"))->has_value());
+  const std::string text = foreign_inputs_text(result->smallest);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 3);
+  const auto quiet = reduce_foreign(*read_foreign_session(folder.file("long.ttr"), 5), toy_info, judge_with_crowd,
+                                    folder.file("."), options_of());
+  CHECK_FALSE(quiet.has_value());
 }
 
 TEST_CASE("reports of other programs are read, and wrong ones are refused", "[verifier][reduce][hostile]") {

@@ -32,7 +32,7 @@ Result<RunFolder> RunFolder::make(const std::string& name, const std::string& as
     return RunFolder(path.string(), true);
   }
   return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
-               "--out names a folder for the files of runs"};
+               "the variable TMPDIR names another folder for temporary files"};
 }
 
 RunFolder::RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}

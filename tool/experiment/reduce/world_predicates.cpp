@@ -211,7 +211,7 @@ class CrosscheckDiffers : public Predicate {
       failure.kind = "crosscheck";
       failure.tick = session.tick_count - 1;
       failure.table = row.criterion;
-      failure.what = row.criterion + ": " + row.reason;
+      failure.what = row.criterion + (row.reason.empty() ? " differs from Box2D" : ": " + row.reason);
       return std::optional(failure);
     }
     return std::optional<Failure>();
