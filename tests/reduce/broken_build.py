@@ -4,7 +4,7 @@
 #   broken_build.py TREE FOLDER [JOBS]
 #
 # TREE is the tree to copy, FOLDER where the copy goes (made anew). The program is FOLDER/build/release/ticktrue.
-# TICKTRUE_PLANTED=7: the seventh change of arithmetic below, as another compiler, library or processor would make it.
+# TICKTRUE_PLANTED=7: the change of arithmetic with this number, as another compiler, library or processor would make it.
 # TICKTRUE_PLANTED=flip STAGE TABLE COLUMN LANE BIT WHERE WHERE_LANE LOWER UPPER: after this stage a bit of the column
 # flips, in the first row of the table in which lane WHERE_LANE of column WHERE is in LOWER..UPPER.
 # Without the variable the copy computes as the tree does.
@@ -102,53 +102,49 @@ inline void plant_after_stage(const std::string& stage, const StateView& view) {
 
 VEC2, CIRCLES, KERNELS = "engine/math/vec2.h", "engine/narrow_phase/collide_circles.cpp", "engine/contacts/contact_kernels.cpp"
 MOTION, FORCES = "engine/integrators/motion_kernels.cpp", "engine/integrators/forces.cpp"
-# file, text, what stands before it while the number is planted
-CHANGES = [
-    (VEC2, "  return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y};",
+# number: file, text, what stands before it while the number is planted
+CHANGES = {
+    1: (VEC2, "  return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y};",
      "return {std::fma(q.c, v.x, -(q.s * v.y)), std::fma(q.s, v.x, q.c * v.y)};"),
-    (VEC2, "  return {q.c * v.x + q.s * v.y, q.c * v.y - q.s * v.x};",
+    2: (VEC2, "  return {q.c * v.x + q.s * v.y, q.c * v.y - q.s * v.x};",
      "return {std::fma(q.c, v.x, q.s * v.y), std::fma(q.c, v.y, -(q.s * v.x))};"),
-    (VEC2, "  return a.x * b.x + a.y * b.y;", "return std::fma(a.x, b.x, a.y * b.y);"),
-    (VEC2, "  return a.x * b.y - a.y * b.x;", "return std::fma(a.x, b.y, -(a.y * b.x));"),
-    (VEC2, "  return a.x * a.x + a.y * a.y;", "return std::fma(a.x, a.x, a.y * a.y);"),
-    (VEC2, "  return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};",
+    3: (VEC2, "  return a.x * b.x + a.y * b.y;", "return std::fma(a.x, b.x, a.y * b.y);"),
+    4: (VEC2, "  return a.x * b.y - a.y * b.x;", "return std::fma(a.x, b.y, -(a.y * b.x));"),
+    5: (VEC2, "  return a.x * a.x + a.y * a.y;", "return std::fma(a.x, a.x, a.y * a.y);"),
+    6: (VEC2, "  return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};",
      "return {std::fma(a.c, b.c, -(a.s * b.s)), std::fma(a.s, b.c, a.c * b.s)};"),
-    (VEC2, "  return {a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c};",
+    7: (VEC2, "  return {a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c};",
      "return {std::fma(a.c, b.c, a.s * b.s), std::fma(a.c, b.s, -(a.s * b.c))};"),
-    (VEC2, "  const Real scale = Real(1) / square_root(q.c * q.c + q.s * q.s);",
+    8: (VEC2, "  const Real scale = Real(1) / square_root(q.c * q.c + q.s * q.s);",
      "{ const Real size = square_root(q.c * q.c + q.s * q.s); return {q.c / size, q.s / size}; }"),
-    (VEC2, "  if (quadrant == 0) return {cosine, sine};", "return {Real(std::cos(angle)), Real(std::sin(angle))};"),
-    (MOTION, "    velocity = decay * velocity + gain;",
+    9: (VEC2, "  if (quadrant == 0) return {cosine, sine};", "return {Real(std::cos(angle)), Real(std::sin(angle))};"),
+    10: (MOTION, "    velocity = decay * velocity + gain;",
      "{ velocity = (decay * velocity + gain * Real(0.25)) + gain * Real(0.75); "
      "std::memcpy(bodies + begin, &velocity, sizeof velocity); continue; }"),
-    (MOTION, "    const RealxN c = delta.c * pose.at[2] - delta.s * pose.at[3];",
+    11: (MOTION, "    const RealxN c = delta.c * pose.at[2] - delta.s * pose.at[3];",
      "pose.at[0] = (pose.at[0] - step * velocity.at[0]) + velocity.at[0] / broadcast(Real(1) / h);"),
-    (MOTION, "  // quadrant modulo 4, in -2..2.",
+    12: (MOTION, "  // quadrant modulo 4, in -2..2.",
      "{ const_cast<RealxN&>(sine) = x * (broadcast(1) + z * series(sine_terms, term_count)); }"),
-    (KERNELS, "      const V wanted = old_impulse - lanes.load(point.tangent_mass) * velocity;",
+    13: (KERNELS, "      const V wanted = old_impulse - lanes.load(point.tangent_mass) * velocity;",
      "{ const_cast<V&>(velocity) = (tangent_velocity + wb * arm_b) - wa * arm_a; }"),
-    (KERNELS, "    wa -= (pair.inv_inertia_a * arm_a) * change;\n    wb += (pair.inv_inertia_b * arm_b) * change;\n"
+    14: (KERNELS, "    wa -= (pair.inv_inertia_a * arm_a) * change;\n    wb += (pair.inv_inertia_b * arm_b) * change;\n"
      "    normal_sum += change;",
      "{ wa -= pair.inv_inertia_a * (arm_a * change); wb += pair.inv_inertia_b * (arm_b * change); "
      "normal_sum += change; continue; }"),
-    (CIRCLES, "  const Vec2 on_a = center_a + radius_a * manifold.normal;",
+    15: (CIRCLES, "  const Vec2 on_a = center_a + radius_a * manifold.normal;",
      "{ if (distance > 0) manifold.normal = {offset.x / distance, offset.y / distance}; }"),
-    (CIRCLES, "  if (!(separation <= margin)) return manifold;",
+    16: (CIRCLES, "  if (!(separation <= margin)) return manifold;",
      "{ const_cast<Real&>(separation) = distance - (radius_a + radius_b); }"),
-    (CIRCLES, "  manifold.points[0] = {Real(0.5) * (on_a + on_b), {}, outside - b.radius, edge};",
-     "{ manifold.points[0] = {on_a + Real(0.5) * (on_b - on_a), {}, outside - b.radius, edge}; return manifold; }"),
-    ("engine/narrow_phase/collide_polygons.cpp", "  Axis best{0, separations[0]};",
-     "store_x4(separations, (deepest - normal_x * load_x4(a.x)) - normal_y * load_x4(a.y));"),
-    ("engine/contacts/soft.h", "  return {omega / a1, a2 * a3, a3};", "return {omega / a1, 1 - a3, a3};"),
-    (FORCES, "  line.tension = spring.stiffness * (line.length - spring.rest_length);",
+    19: ("engine/contacts/soft.h", "  return {omega / a1, a2 * a3, a3};", "return {omega / a1, 1 - a3, a3};"),
+    20: (FORCES, "  line.tension = spring.stiffness * (line.length - spring.rest_length);",
      "{ line.tension = spring.stiffness * line.length - spring.stiffness * spring.rest_length; return line; }"),
-    (FORCES, "    if (linear_loss != 0) body.velocity",
+    21: (FORCES, "    if (linear_loss != 0) body.velocity",
      "{ if (linear_loss != 0) { body.velocity = solved.model.wind + Vec2{through_air.x / (1 + linear_loss), "
      "through_air.y / (1 + linear_loss)}; continue; } }"),
-    ("engine/joints/joint_distance.cpp", "  return longer + dot(span.row.axis, arm_rotation_rate(span.arm_a, span.arm_b, pair, h));",
+    22: ("engine/joints/joint_distance.cpp", "  return longer + dot(span.row.axis, arm_rotation_rate(span.arm_a, span.arm_b, pair, h));",
      "return (whole - 2 * span.distance > 0 ? (whole - 2 * span.distance) / h : Real(0)) + "
      "dot(span.row.axis, arm_rotation_rate(span.arm_a, span.arm_b, pair, h));"),
-]
+}
 
 
 def change(folder, name, text, to):
@@ -172,9 +168,9 @@ def main(tree, folder, jobs="2"):
     subprocess.run(["tar", "-x", "-C", folder], input=archive, check=True)
     write(folder, "engine/math/planted_number.h", NUMBER)
     write(folder, "engine/planted_flip.h", FLIP)
-    for i, (name, text, instead) in enumerate(CHANGES):
-        change(folder, name, text, f"  if (planted_number() == {i + 1}) {instead}\n{text}")
-    for name in {name for name, _, _ in CHANGES}:
+    for number, (name, text, instead) in CHANGES.items():
+        change(folder, name, text, f"  if (planted_number() == {number}) {instead}\n{text}")
+    for name in {name for name, _, _ in CHANGES.values()}:
         change(folder, name, "#pragma once\n" if name.endswith(".h") else "#include",
                '#pragma once\n\n#include "engine/math/planted_number.h"\n' if name.endswith(".h")
                else '#include "engine/math/planted_number.h"\n#include')
