@@ -54,8 +54,9 @@ SoakCase columns_of_boxes(int column_count, std::uint64_t tick_count) {
   return session;
 }
 
-/// The same with a spring on one box that no tick can hold.
+/// The same in f32, with a spring on one box that no tick can hold.
 SoakCase with_stiff_spring(SoakCase session, std::uint32_t body) {
+  session.scene.settings.precision = Precision::f32;
   engine::Force spring;
   spring.kind = engine::ForceKind::spring;
   spring.body = body;
@@ -266,7 +267,7 @@ TEST_CASE("a value that is not finite is reduced to the body that makes it", "[v
 TEST_CASE("a search that is stopped keeps the smallest session so far", "[verifier][reduce][analytic]") {
   const SoakCase session = with_stiff_spring(columns_of_boxes(30, 80), 41);
   const auto predicate = not_finite(engine::make_engine);
-  for (const std::size_t limit : {1u, 3u, 12u, 30u}) {
+  for (const std::size_t limit : {1u, 3u, 12u}) {
     ReduceOptions options = options_of();
     std::size_t asked = 0;
     options.stops = [&] { return ++asked > limit; };

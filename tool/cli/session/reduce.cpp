@@ -273,12 +273,14 @@ void add_reduce(CLI::App& app, CliContext& context) {
   add_number(*command, "--timeout", options->timeout_s, "Seconds that another program may take (default 60)",
              {1, 1'000'000});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.reduce/1)");
-  set_examples(*command,
-               "ticktrue reduce pile.json --ticks 600 --not-finite -o reduced\n"
-               "ticktrue reduce session.ttr --expect 'energy < 1.1 * energy_start' -o reduced\n"
-               "ticktrue reduce session.ttr --against-build ../old/ticktrue -o reduced\n"
-               "ticktrue reduce reduced/scene.json --inputs reduced/inputs.jsonl --ticks 3 --not-finite --once",
-               "Exit codes: 0 reduced. 2 the session does not fail, or usage. With --once: 1 it fails, 0 it does not.");
+  set_examples(
+      *command,
+      "ticktrue reduce 'mixed_pile?bodies=60' --ticks 100 --expect 'overlap < overlap_start + 0.03' -o reduced\n"
+      "ticktrue record 'stack?boxes=3' --ticks 30 -o stack.ttr\n"
+      "ticktrue reduce stack.ttr --not-finite --once\n"
+      "ticktrue reduce stack.ttr --against-build ticktrue --once\n"
+      "ticktrue reduce stack.ttr --command 'ticktrue verify {}' --once",
+      "Exit codes: 0 reduced. 2 the session does not fail, or usage. With --once: 1 it fails, 0 it does not.");
   command->callback([options, &context] { context.exit_code = run_reduce(*options); });
 }
 

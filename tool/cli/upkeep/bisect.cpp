@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "tool/cli/commands.h"
-#include "tool/experiment/reduce/program_judge.h"
 #include "tool/output/progress.h"
 #include "verifier/runs/run_folder.h"
 
@@ -41,7 +40,7 @@ Status complete(BisectCommand& command, const std::string& folder) {
     options.judge.program = default_program;
     if (command.identity.empty()) command.identity = default_identity;
   }
-  if (options.judge.program.find(reduce::trace_mark) == std::string::npos)
+  if (options.judge.program.find(bisect::trace_mark) == std::string::npos)
     return Error{ErrorCode::usage,
                  "--program: found \"" + options.judge.program + "\", expected {} where the trace belongs",
                  "as in --program './mygame --verify {}'"};

@@ -13,6 +13,9 @@
 
 namespace ticktrue::bisect {
 
+/// What stands for the trace in JudgeOptions::program.
+inline constexpr const char* trace_mark = "{}";
+
 struct JudgeOptions {
   std::vector<std::string> traces;
   std::string build;                    // a command for sh, run in the work tree; empty: nothing is built
