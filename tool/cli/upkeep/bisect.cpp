@@ -112,11 +112,11 @@ void add_bisect(CLI::App& app, CliContext& context) {
   add_number(*command, "--timeout", options->verify_time_s, "Seconds that a program may take (default 600)",
              {1, 1'000'000});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.bisect/1)");
-  set_examples(
-      *command,
-      "ticktrue bisect v1.0 main desync.ttr --build 'make -j2' --program './mygame --verify {}' --store verdicts\n"
-      "ticktrue bisect v1.0 HEAD traces/stack.ttr --paths base,engine,replay,verifier,cmake --build "
-      "'cmake --preset release && cmake --build build/release --target ticktrue'",
+  command->footer(
+      "In a repository:\n"
+      "  ticktrue bisect v1.0 main desync.ttr --build 'make -j2' --program './mygame --verify {}' --store verdicts\n"
+      "  ticktrue bisect v1.0 HEAD traces/stack.ttr --paths base,engine,replay,verifier,cmake "
+      "--build 'cmake --preset release && cmake --build build/release --target ticktrue'\n\n"
       "A commit is good if every trace matches, bad if one diverges or the program crashes, and skipped if it\n"
       "does not build or cannot judge a trace. The checkout of the repository stays as it is.\n"
       "Exit codes: 0 one commit is named. 3 several may be the one, since some were skipped. 2 usage, git.");
