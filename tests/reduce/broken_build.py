@@ -117,7 +117,6 @@ CHANGES = {
      "return {std::fma(a.c, b.c, a.s * b.s), std::fma(a.c, b.s, -(a.s * b.c))};"),
     8: (VEC2, "  const Real scale = Real(1) / square_root(q.c * q.c + q.s * q.s);",
      "{ const Real size = square_root(q.c * q.c + q.s * q.s); return {q.c / size, q.s / size}; }"),
-    9: (VEC2, "  if (quadrant == 0) return {cosine, sine};", "return {Real(std::cos(angle)), Real(std::sin(angle))};"),
     10: (MOTION, "    velocity = decay * velocity + gain;",
      "{ velocity = (decay * velocity + gain * Real(0.25)) + gain * Real(0.75); "
      "std::memcpy(bodies + begin, &velocity, sizeof velocity); continue; }"),
