@@ -141,6 +141,7 @@ constexpr HeaderBan header_bans[] = {
     {"", "catch2/", "tests/support/catch.h,tests/main.cpp", "tests/support/catch.h"},
     {"", "CLI/", "tool/,bench/", "an options struct, filled by the subcommand"},
     {"", "benchmark/", "bench/", "bench/"},
+    {"", "muParser.h", "tool/expression/expression.cpp", "tool/expression/expression.h"},
     {"", "SDL2/", "tool/play/window/window.cpp", "tool/play/window/host.h"},
     {"", "elfutils/", "tool/debug_info/dwarf_types.cpp", "tool/debug_info/program_types.h"},
 };
@@ -219,6 +220,11 @@ constexpr Room rooms[] = {
     {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
     {"tool/study/stress", "below,tool/study"},
     {"tool/experiment", "below"},
+    {"tool/expression", "below,tool/study"},
+    {"tool/experiment/reduce",
+     "below,tool/crosscheck,tool/experiment,tool/experiment/oracle,tool/expression,tool/output,tool/session,"
+     "tool/study"},
+    {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
@@ -227,11 +233,12 @@ constexpr Room rooms[] = {
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/shake,tool/import,tool/play,"
-     "tool/report_page"},
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/reduce,"
+     "tool/experiment/shake,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"
+     "tool/experiment/bisect,"
      "tool/experiment/soak,tool/report_page"},
     {"bench", all_but_tests},
 };

@@ -237,6 +237,12 @@ TEST_CASE("a session goes from scene to trace to states and back", "[cli][sessio
 TEST_CASE("shake tells what is wrong with its words, and finds the engine of this project quiet", "[cli][shake]") {
   run_cases("shake.case");
 }
+TEST_CASE("a failing session is reduced to one that its own command shows", "[cli][reduce][equivalence]") {
+  run_cases("reduce.case");
+}
+TEST_CASE("the first bad commit of a repository is named", "[cli][bisect][equivalence]") {
+  run_cases("bisect.case");
+}
 TEST_CASE("traces are verified in parts, in parallel, on shards and against other builds",
           "[cli][verify][equivalence]") {
   run_cases("verify.case");

@@ -42,6 +42,7 @@ constexpr const char* footer =
   look at a trace and what verify finds, in a browser             report
   see what is in a trace, or take its inputs out                  show
   know what makes a program diverge: heap, clock, libm, ...       shake
+  make a failing session small: few bodies, inputs and ticks      reduce
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
@@ -53,6 +54,7 @@ constexpr const char* footer =
   list the built-in scenes, print one as JSON                     scenes
   keep golden traces for continuous integration                   golden
   verify thousands of traces, and none twice                      corpus
+  find the commit that made a trace diverge                       bisect
   prove that verify finds a changed bit in a trace                inject
   look for worlds in which something cached changes a bit         soak
   name the members of a struct of a program for ticktrue.hpp      columns
@@ -162,6 +164,7 @@ int parse_and_run(int argc, char** argv) {
   add_recover(app, context);
   add_import(app, context);
   add_shake(app, context);
+  add_reduce(app, context);
   add_compare(app, context);
   add_accuracy(app, context);
   add_stress(app, context);
@@ -170,6 +173,7 @@ int parse_and_run(int argc, char** argv) {
   add_scenes(app, context);
   add_golden(app, context);
   add_corpus(app, context);
+  add_bisect(app, context);
   add_inject(app, context);
   add_soak(app, context);
   add_columns(app, context);

@@ -25,6 +25,7 @@ void add_report(CLI::App& app, CliContext& context);
 void add_show(CLI::App& app, CliContext& context);
 void add_recover(CLI::App& app, CliContext& context);
 void add_import(CLI::App& app, CliContext& context);
+void add_reduce(CLI::App& app, CliContext& context);
 void add_shake(CLI::App& app, CliContext& context);
 
 // study
@@ -38,6 +39,7 @@ void add_describe(CLI::App& app, CliContext& context);
 void add_scenes(CLI::App& app, CliContext& context);
 void add_golden(CLI::App& app, CliContext& context);
 void add_corpus(CLI::App& app, CliContext& context);
+void add_bisect(CLI::App& app, CliContext& context);
 void add_inject(CLI::App& app, CliContext& context);
 void add_soak(CLI::App& app, CliContext& context);
 void add_columns(CLI::App& app, CliContext& context);

@@ -22,6 +22,13 @@ std::string system_message(int error_number) {
   return std::generic_category().message(error_number);
 }
 
+Status write_data_file(const std::string& path, std::string_view text) {
+  Result<DataFile> file = DataFile::create(path, true);
+  if (!file) return file.error();
+  if (const Status written = file->write(text); !written) return written;
+  return file->close();
+}
+
 Status check_writable_target(const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code code;

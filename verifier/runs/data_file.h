@@ -39,6 +39,9 @@ class DataFile {
   std::uint64_t size_ = 0;
 };
 
+/// A whole file, over an older one. Errors: io.
+Status write_data_file(const std::string& path, std::string_view text);
+
 /// What DataFile::create refuses, without creating anything: asked before long work begins.
 Status check_writable_target(const std::string& path, bool overwrite);
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/shake.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +15,7 @@
 #include "tool/experiment/shake/shake_report.h"
 #include "tool/output/progress.h"
 #include "verifier/runs/data_file.h"
+#include "verifier/runs/run_folder.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -147,42 +146,6 @@ std::vector<std::string> words_with_trace(const std::vector<std::string>& words,
   return with;
 }
 
-/// The folder for the files of runs: removed at the end unless it was named.
-class RunFolder {
- public:
-  static Result<std::unique_ptr<RunFolder>> make(const std::string& asked) {
-    std::error_code failed;
-    if (!asked.empty()) {
-      fs::create_directories(asked, failed);
-      if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
-      return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
-    }
-    const fs::path temporary = fs::temp_directory_path(failed);
-    constexpr int try_count = 1000;
-    for (int i = 0; !failed && i < try_count; ++i) {
-      const fs::path path = temporary / ("ticktrue-shake-" + std::to_string(::getpid()) + "-" + std::to_string(i));
-      if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
-      fs::permissions(path, fs::perms::owner_all, failed);
-      return std::make_unique<RunFolder>(path.string(), true);
-    }
-    return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
-                 "--out names a folder for the files of runs"};
-  }
-
-  RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-  ~RunFolder() {
-    std::error_code ignored;
-    if (is_temporary_) fs::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  bool is_temporary_;
-};
-
 std::string list_text() {
   std::string text;
   constexpr std::size_t width = 18;
@@ -192,13 +155,6 @@ std::string list_text() {
     text += class_word(row) + "  " + name + std::string(row.what) + "\n";
   }
   return text;
-}
-
-Status write_text(const std::string& path, const std::string& text) {
-  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
-  if (!file) return file.error();
-  if (const Status written = file->write(text); !written) return written;
-  return file->close();
 }
 
 int run_shake_command(const ShakeCommand& command) {
@@ -224,12 +180,12 @@ int run_shake_command(const ShakeCommand& command) {
   std::error_code failed;
   const std::string trace = fs::canonical(command.trace, failed).string();
   if (failed) return fail_usage(Error{ErrorCode::io, command.trace + ": " + failed.message(), ""});
-  const auto folder = RunFolder::make(command.folder);
+  const auto folder = verifier::RunFolder::make("ticktrue-shake", command.folder);
   if (!folder) return fail_usage(folder.error());
 
   shake::ShakeOptions options;
   options.launch.words = words_with_trace(command.words, trace);
-  options.launch.folder = (*folder)->path();
+  options.launch.folder = folder->path();
   options.launch.shim_path = shim_path();
   options.launch.time_s = static_cast<double>(command.timeout_s);
   options.choices = *choices;
@@ -245,7 +201,7 @@ int run_shake_command(const ShakeCommand& command) {
   if (!report) return fail_usage(report.error());
   print(command.json ? shake::shake_json(*report, subject) : shake::shake_text(*report, subject));
   if (!command.junit.empty())
-    if (const Status status = write_text(command.junit, shake::shake_junit(*report, subject)); !status)
+    if (const Status status = verifier::write_data_file(command.junit, shake::shake_junit(*report, subject)); !status)
       return fail_usage(status.error());
   if (command.github) {
     const std::string lines = shake::shake_github(*report, subject);

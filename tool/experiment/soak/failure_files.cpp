@@ -15,13 +15,6 @@
 namespace ticktrue::verifier::soak {
 namespace {
 
-Status write_file(const std::string& path, const std::string& text) {
-  Result<DataFile> file = DataFile::create(path, true);
-  if (!file) return file.error();
-  if (const Status written = file->write(text); !written) return written;
-  return file->close();
-}
-
 std::string inputs_text(const SoakCase& soak_case) {
   std::string text;
   for (const engine::Input& input : soak_case.inputs)
@@ -33,12 +26,14 @@ Status write_case(const SoakCase& soak_case, const std::string& folder, const Va
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) return Error{ErrorCode::io, folder + ": cannot be made: " + failed.message(), ""};
-  if (const Status written = write_file(folder + "/scene.json", print_scene(soak_case.scene)); !written) return written;
-  if (const Status written = write_file(folder + "/inputs.jsonl", inputs_text(soak_case)); !written) return written;
-  return write_file(folder + "/command", "ticktrue soak " + shell_word(folder + "/scene.json") + " --inputs " +
-                                             shell_word(folder + "/inputs.jsonl") + " --ticks " +
-                                             std::to_string(soak_case.tick_count) + " --checks " +
-                                             variant_text(variant) + "\n");
+  if (const Status written = write_data_file(folder + "/scene.json", print_scene(soak_case.scene)); !written)
+    return written;
+  if (const Status written = write_data_file(folder + "/inputs.jsonl", inputs_text(soak_case)); !written)
+    return written;
+  return write_data_file(folder + "/command", "ticktrue soak " + shell_word(folder + "/scene.json") + " --inputs " +
+                                                  shell_word(folder + "/inputs.jsonl") + " --ticks " +
+                                                  std::to_string(soak_case.tick_count) + " --checks " +
+                                                  variant_text(variant) + "\n");
 }
 
 SoakCase shrink_case(const SoakCase& soak_case, const Finding& finding, const FailureOptions& options,

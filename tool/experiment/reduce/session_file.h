@@ -1,0 +1,24 @@
+// Sessions to reduce, read from a scene and inputs, or from a trace.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "engine/scene/scene.h"
+#include "tool/experiment/soak_case.h"
+
+namespace ticktrue::reduce {
+
+/// `inputs_path` empty: no inputs. `tick_count` absent: an `end` input says it.
+/// Errors: usage (no end), io, invalid_input, limit.
+Result<verifier::soak::SoakCase> read_session(const engine::Scene& scene, const std::string& inputs_path,
+                                              std::optional<std::uint64_t> tick_count);
+
+/// The scene and the inputs of a trace of the engine; at most `tick_count` ticks.
+/// Errors: what TraceReader::open refuses; unsupported (ticks of different lengths); corrupt.
+Result<verifier::soak::SoakCase> read_trace_session(const std::string& path, std::optional<std::uint64_t> tick_count);
+
+}  // namespace ticktrue::reduce

@@ -1,0 +1,28 @@
+// A folder for the files of runs: a temporary one that is removed at the end, or one that was named.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+
+namespace ticktrue::verifier {
+
+class RunFolder {
+ public:
+  /// `asked` empty: a new folder NAME-PROCESS-NUMBER among the temporary files, for this user alone. Errors: io.
+  static Result<RunFolder> make(const std::string& name, const std::string& asked);
+  RunFolder(RunFolder&& other) noexcept;
+  RunFolder& operator=(RunFolder&&) = delete;
+  ~RunFolder();
+
+  const std::string& path() const { return path_; }
+
+ private:
+  RunFolder(std::string path, bool is_temporary);
+
+  std::string path_;
+  bool is_temporary_;
+};
+
+}  // namespace ticktrue::verifier
