@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "base/limits.h"
 #include "base/plain_text.h"
@@ -17,8 +18,9 @@ namespace {
 
 constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute, and each waits with a copy of the state
 constexpr std::uint32_t checkpoint_interval_default = 600;
+constexpr std::size_t note_count_max = 1024;  // that wait for their tick
 constexpr std::uint32_t known_flags =
-    TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE;
+    TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE | TICKTRUE_MARKS;
 
 std::string_view text_of(const char* text) {
   // Bounded: an unterminated name is too long, not a read out of bounds.
@@ -102,6 +104,7 @@ Status Session::check_options(const ticktrue_options& options) {
     comparing_.emplace(std::move(*reader), path_,
                        CompareRange{from_, options.to == 0 ? std::nullopt : std::optional(options.to)});
     if (restores_) comparing_->set_mode("restore");
+    if (comparing_->has_marks()) marks_.turn_on();
     return {};
   }
   if (options.setup == nullptr && options.setup_size > 0)
@@ -120,6 +123,11 @@ Status Session::check_options(const ticktrue_options& options) {
       options.checkpoint_interval == 0 ? checkpoint_interval_default : options.checkpoint_interval;
   recording.setup = setup_;
   if (saves_.is_set()) recording.features |= static_cast<std::uint32_t>(replay::Feature::saves);
+  if ((flags_ & TICKTRUE_MARKS) != 0) {
+    recording.features |=
+        static_cast<std::uint32_t>(replay::Feature::marks) | static_cast<std::uint32_t>(replay::Feature::notes);
+    marks_.turn_on();
+  }
   recording.writer.overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
   recording.writer.sync = (flags_ & TICKTRUE_NO_SYNC) == 0;
   bool is_known = options.detail == TICKTRUE_DETAIL_DEFAULT;
@@ -378,6 +386,34 @@ int Session::input(void* data, std::size_t size) {
   return TICKTRUE_OK;
 }
 
+int Session::note(const char* topic, const char* text) {
+  if (!can_call("note") || refuse_in_callback("note")) return status_;
+  const std::string_view name =
+      topic == nullptr ? std::string_view() : std::string_view(topic, strnlen(topic, replay::topic_size_max + 1));
+  if (name.empty() || name.size() > replay::topic_size_max || name.compare(0, 9, "ticktrue.") == 0)
+    return wrong_order("note: topic: found \"" + std::string(name) + "\", expected 1.." +
+                           number(replay::topic_size_max) + " bytes that do not begin with ticktrue.",
+                       "");
+  if (comparing_ || second_.is_second()) return TICKTRUE_OK;
+  if (!recording_->has_marks()) {
+    has_dropped_marks_ = true;
+    return TICKTRUE_OK;
+  }
+  if (notes_.size() >= note_count_max) return TICKTRUE_OK;
+  notes_.push_back({std::string(name),
+                    text == nullptr ? std::string() : std::string(text, strnlen(text, replay::note_body_size_max))});
+  return phase_ == Phase::inside ? write_notes() : TICKTRUE_OK;
+}
+
+/// Inside of a tick. Those of a tick that may be taken back wait with it.
+int Session::write_notes() {
+  if (rollback_max_ > 0) return TICKTRUE_OK;
+  for (const replay::Note& note : notes_)
+    if (const Status status = recording_->note(note); !status) return fail(status.error());
+  notes_.clear();
+  return TICKTRUE_OK;
+}
+
 RowNamer Session::namer() {
   return [this](std::size_t table, std::size_t row) -> std::string {
     const auto found = namers_.find(state_.schema().tables[table].name);
@@ -453,7 +489,8 @@ int Session::begin_tick(double* dt) {
   stages_done_ = 0;
   stage_hashes_.clear();
   phase_ = Phase::inside;
-  return TICKTRUE_OK;
+  marks_.begin_tick(recording_ && recording_->wants_stages(tick_));
+  return recording_ ? write_notes() : TICKTRUE_OK;
 }
 
 int Session::take(const DoneTick& done) {
@@ -481,7 +518,9 @@ int Session::end_tick() {
   phase_ = Phase::between;
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
+  BoundContents bound = marks_.take();
   if (second_.is_second()) return end_second(tick);
+  bound.notes = std::exchange(notes_, {});
   std::optional<Bytes> save, shown, recorded_save;
   if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
   if (state_.has_shown() && (comparing_ || recording_->wants_shown(tick)) && !gather_shown(shown)) return status_;
@@ -490,7 +529,7 @@ int Session::end_tick() {
   if (second_.is_open() && second_.behind() == tick && !is_last) second_.add(dt_, inputs_, state_.view());
   if (rollback_max_ == 0) {
     const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
-    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents};
+    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents, &bound};
     const int status = take(done);
     inputs_.clear();
     confirmed_ = tick_;
@@ -505,6 +544,7 @@ int Session::end_tick() {
   pending.state = KeptState(state_.view());
   pending.save = std::move(save);
   pending.shown = std::move(shown);
+  pending.bound = std::move(bound);
   return after_first_run(std::move(recorded_save));
 }
 
@@ -539,6 +579,7 @@ int Session::rewind(std::uint64_t tick) {
   while (!pending_.empty() && pending_.back().tick >= tick) pending_.pop_back();
   tick_ = tick;
   inputs_.clear();
+  notes_.clear();
   inputs_taken_ = 0;
   return TICKTRUE_OK;
 }
@@ -559,8 +600,8 @@ int Session::confirm_pending(std::uint64_t tick) {
       if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
     const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
                                       pending.shown ? &*pending.shown : nullptr};
-    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents}) !=
-        TICKTRUE_OK)
+    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents,
+              &pending.bound}) != TICKTRUE_OK)
       return status_;
     confirmed_ = pending.tick + 1;
     pending_.pop_front();
@@ -581,6 +622,8 @@ int Session::finish_recording() {
   if (is_whole && !pending_.empty())
     recording_->warnings.push_back("ticks " + number(pending_.front().tick) + ".." + number(pending_.back().tick) +
                                    " were never confirmed and are not in the trace");
+  if (has_dropped_marks_)
+    recording_->warnings.push_back("marks and notes were not stored: set TICKTRUE_MARKS in the flags of the options");
   const std::string first_line = message_.substr(0, std::min(message_.find('\n'), limits::name_size_max));
   const Status status = recording_->finish(is_whole ? replay::EndReason::complete : replay::EndReason::interrupted,
                                            is_whole ? "" : first_line);

@@ -14,6 +14,7 @@
 #include "base/result.h"
 #include "base/state/gathered_state.h"
 #include "capi/comparing.h"
+#include "capi/marks.h"
 #include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/saves.h"
@@ -49,6 +50,15 @@ class Session {
   int add_stage(const char* name);
   int stage(const char* name);
   int input(void* data, std::size_t size);
+  int mark(const char* name, std::uint64_t value) {
+    if (phase_ != Phase::inside) return status_;
+    if (marks_.is_on())
+      marks_.add(name, value);
+    else
+      has_dropped_marks_ = true;
+    return status_;
+  }
+  int note(const char* topic, const char* text);
   int begin_tick(double* dt);
   int end_tick();
   int rewind(std::uint64_t tick);
@@ -83,6 +93,7 @@ class Session {
     KeptState state;
     std::optional<Bytes> save;
     std::optional<Bytes> shown;
+    BoundContents bound;
   };
 
   Status check_options(const ticktrue_options& options);
@@ -96,6 +107,7 @@ class Session {
   /// The recorded tick that begins next; null at the end of the trace.
   const RecordedTick* recorded();
   int take(const DoneTick& done);
+  int write_notes();
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
@@ -154,6 +166,9 @@ class Session {
   std::size_t stages_done_ = 0;
   std::vector<std::uint64_t> stage_hashes_;
   std::deque<PendingTick> pending_;
+  SessionMarks marks_;
+  std::vector<replay::Note> notes_;  // of the tick that runs or begins next, not yet written
+  bool has_dropped_marks_ = false;   // of a recording that stores none
 
   SaveCalls saves_;
   bool in_callback_ = false;

@@ -235,6 +235,18 @@ int ticktrue_stage(ticktrue_session* session, const char* name) {
 int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
   return without_exceptions(session, [&](Session& s) { return s.input(data, size); });
 }
+int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value) {
+  if (session == nullptr) return TICKTRUE_OK;
+  if (session->session == nullptr) return TICKTRUE_FAILED;
+  try {
+    return session->session->mark(name, value);
+  } catch (const std::bad_alloc&) {
+    return without_exceptions(session, [](Session& s) { return s.fail(Error{ErrorCode::limit, no_memory, ""}); });
+  }
+}
+int ticktrue_note(ticktrue_session* session, const char* topic, const char* text) {
+  return without_exceptions(session, [&](Session& s) { return s.note(topic, text); });
+}
 int ticktrue_begin_tick(ticktrue_session* session, double* dt) {
   return without_exceptions(session, [&](Session& s) {
     const int status = s.begin_tick(dt);
