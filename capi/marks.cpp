@@ -4,6 +4,10 @@
 
 #include <utility>
 
+#ifdef __linux__
+#include <link.h>
+#endif
+
 #include "capi/shake_page.h"
 
 namespace ticktrue::capi {
@@ -11,7 +15,36 @@ namespace {
 
 constexpr std::size_t list_count_max = std::size_t{1} << 20;
 
+#ifdef __linux__
+
+/// Whether the address lies in what a module has mapped and nobody may write, as literals do.
+bool is_constant(const char* name) {
+  const auto address = reinterpret_cast<std::uintptr_t>(name);
+  return ::dl_iterate_phdr(
+             [](dl_phdr_info* module, std::size_t, void* wanted) {
+               const std::uintptr_t at = *static_cast<const std::uintptr_t*>(wanted);
+               for (std::size_t i = 0; i < module->dlpi_phnum; ++i) {
+                 const auto& part = module->dlpi_phdr[i];
+                 const std::uintptr_t begin = module->dlpi_addr + part.p_vaddr;
+                 const bool is_written = part.p_type != PT_LOAD || (part.p_flags & PF_W) != 0;
+                 if (!is_written && at >= begin && at - begin < part.p_memsz) return 1;
+               }
+               return 0;
+             },
+             const_cast<std::uintptr_t*>(&address)) != 0;
+}
+
+#else
+
+bool is_constant(const char*) {
+  return false;
+}
+
+#endif
+
 }  // namespace
+
+SessionMarks::SessionMarks() : tally_(is_constant) {}
 
 void SessionMarks::add_slowly(const char* name, std::uint64_t value) {
   const InLibrary inside;

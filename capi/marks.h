@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "replay/format/marks.h"
+#include "replay/format/mark_tally.h"
 
 namespace ticktrue::capi {
 
@@ -20,6 +20,8 @@ struct BoundContents {
 
 class SessionMarks {
  public:
+  SessionMarks();
+
   /// Off: marks are dropped.
   bool is_on() const { return is_on_; }
   void turn_on() { is_on_ = true; }

@@ -3,11 +3,8 @@
 #include "replay/format/marks.h"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 
-#include "base/hash.h"
-#include "base/limits.h"
 #include "replay/format/chunk.h"
 
 namespace ticktrue::replay {
@@ -32,43 +29,6 @@ std::size_t varint_size(std::uint64_t value) {
 }
 
 }  // namespace
-
-std::uint32_t MarkTally::find_slowly(const char* name) {
-  constexpr auto none = static_cast<std::uint32_t>(name_count_max);
-  if (name == nullptr) return none;
-  const std::size_t size = ::strnlen(name, limits::name_size_max + 1);
-  if (size == 0 || size > limits::name_size_max) return none;
-  const std::string text(name, size);
-  auto found = numbers_.find(text);
-  if (found == numbers_.end()) {
-    if (entries_.size() == name_count_max) return none;
-    found = numbers_.emplace(text, static_cast<std::uint32_t>(entries_.size())).first;
-    Entry& entry = entries_.emplace_back();
-    entry.name = text;
-    entry.key = hash64(bytes_of(text));
-  }
-  slots_[slot_of(name)] = {name, found->second};
-  return found->second;
-}
-
-std::optional<TickMarks> MarkTally::take() {
-  std::optional<TickMarks> marks;
-  if (!active_.empty() || is_left_out_) marks.emplace();
-  if (!is_left_out_ && marks) {
-    marks->trail = trail_;
-    marks->names.reserve(active_.size());
-  }
-  for (const std::uint32_t index : active_) {
-    Entry& entry = entries_[index];
-    if (!is_left_out_)
-      marks->names.push_back({entry.name, entry.count, static_cast<std::uint32_t>(mix_mark(entry.hash, entry.count))});
-    entry.count = 0;
-  }
-  active_.clear();
-  trail_ = mark_trail_begin;
-  is_left_out_ = false;
-  return marks;
-}
 
 void encode_marks(const TickMarks& marks, const std::vector<std::uint32_t>& ids, ByteWriter& out) {
   out.u64(marks.trail);

@@ -4,13 +4,10 @@
 // Format: docs/trace_format.md, section 20. Nothing of it is in the chain.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "base/bytes.h"
@@ -65,62 +62,6 @@ struct Note {
   std::string text;
 
   bool operator==(const Note&) const = default;
-};
-
-/// Counts the marks of the tick that runs. add() is for programs that call it thousands of times a tick.
-class MarkTally {
- public:
-  static constexpr std::size_t name_count_max = 4'096;  // of a session
-
-  /// Index of the name, or name_count_max where there is no room or the name is empty or too long.
-  std::uint32_t find(const char* name) {
-    const Slot& slot = slots_[slot_of(name)];
-    // The text at an address may have changed: comparing it costs less than a wrong name.
-    if (slot.name == name && std::string_view(name) == entries_[slot.entry].name) return slot.entry;
-    return find_slowly(name);
-  }
-  /// Requires: `entry` is of find() and below name_count_max.
-  void add(std::uint32_t entry, std::uint64_t value) {
-    Entry& of_name = entries_[entry];
-    if (of_name.count++ == 0) {
-      of_name.hash = of_name.key;
-      active_.push_back(entry);
-    }
-    trail_ = mix_mark(mix_mark(trail_, of_name.key), value);
-    of_name.hash = mix_mark(of_name.hash, value);
-  }
-  /// A mark has no name here: those of this tick cannot be compared.
-  void leave_out() { is_left_out_ = true; }
-
-  const std::string& name(std::uint32_t entry) const { return entries_[entry].name; }
-  /// The marks since the last call, in the order of their first marks; nothing without a mark.
-  std::optional<TickMarks> take();
-
- private:
-  struct Entry {
-    std::string name;
-    std::uint64_t key = 0;   // hash of the name
-    std::uint64_t hash = 0;  // of this tick
-    std::uint64_t count = 0;
-  };
-  struct Slot {
-    const char* name = nullptr;
-    std::uint32_t entry = 0;
-  };
-  static constexpr std::size_t slot_count = 64;
-
-  static std::size_t slot_of(const char* name) {
-    const auto address = reinterpret_cast<std::uintptr_t>(name);
-    return (address ^ (address >> 6)) % slot_count;
-  }
-  std::uint32_t find_slowly(const char* name);
-
-  std::array<Slot, slot_count> slots_;
-  std::vector<Entry> entries_;
-  std::unordered_map<std::string, std::uint32_t> numbers_;
-  std::vector<std::uint32_t> active_;  // entries with marks in this tick
-  std::uint64_t trail_ = mark_trail_begin;
-  bool is_left_out_ = false;
 };
 
 // ---- Records ----
