@@ -46,22 +46,26 @@ bool is_constant(const char*) {
 
 SessionMarks::SessionMarks() : tally_(is_constant) {}
 
-void SessionMarks::add_slowly(const char* name, std::uint64_t value) {
+void SessionMarks::add_slowly(const char* name, std::uint64_t value, const void* caller) {
   const InLibrary inside;
   const std::uint32_t entry = name == nullptr ? replay::MarkTally::name_count_max : tally_.find(name);
   if (entry == replay::MarkTally::name_count_max) return tally_.leave_out();
   tally_.add(entry, value);
   // One more than there is room for: so the list is known to be cut.
-  if (lists_ && list_.size() <= list_count_max) list_.push_back({entry, value});
+  if (detail_ == MarkDetail::counts || list_.size() > list_count_max) return;
+  list_.push_back({entry, value});
+  if (detail_ == MarkDetail::stacks) stacks_.add(caller);
 }
 
 BoundContents SessionMarks::take() {
   BoundContents contents;
   contents.marks = tally_.take();
-  if (!lists_ || list_.empty()) return contents;
+  contents.stacks = stacks_.take();
+  if (list_.empty()) return contents;
   replay::MarkList& list = contents.mark_list.emplace();
   list.is_cut = list_.size() > list_count_max;
   if (list.is_cut) list_.pop_back();
+  if (list.is_cut && !contents.stacks.of_marks.empty()) contents.stacks.of_marks.pop_back();
   std::vector<std::uint32_t> numbers(replay::MarkTally::name_count_max, replay::MarkTally::name_count_max);
   for (replay::Mark& mark : list_) {
     std::uint32_t& number = numbers[mark.name];

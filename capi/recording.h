@@ -46,7 +46,12 @@ class Recording {
   /// Whether the shown columns after this tick are stored.
   bool wants_shown(std::uint64_t tick) const;
 
-  /// Whether marks and notes are stored.
+  /// Marks and notes are stored. Requires: !is_started().
+  void add_marks() {
+    options_.features |=
+        static_cast<std::uint32_t>(replay::Feature::marks) | static_cast<std::uint32_t>(replay::Feature::notes);
+  }
+  /// Whether they are.
   bool has_marks() const { return (options_.features & static_cast<std::uint32_t>(replay::Feature::marks)) != 0; }
 
   /// Creates the trace. `whole`: the schema with the shown columns; `contents`: of the first checkpoint.

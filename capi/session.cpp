@@ -10,6 +10,7 @@
 
 #include "base/limits.h"
 #include "base/plain_text.h"
+#include "capi/shake_page.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
@@ -44,6 +45,12 @@ bool is_shown_type(int type) {
   return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
+/// Another address in each thread.
+const void* own_thread() {
+  static thread_local const char of_thread = 0;
+  return &of_thread;
+}
+
 bool is_dt(double dt) {
   return std::isfinite(dt) && dt >= 0;
 }
@@ -55,6 +62,7 @@ Session::Session(const ticktrue_options& options) {
     fail(status.error());
     return;
   }
+  take_calls();
   set_facts();
   if (!comparing_) return;
   if (!comparing_->check_identity(identity_)) {
@@ -68,6 +76,29 @@ Session::Session(const ticktrue_options& options) {
   }
   const std::uint64_t begin = std::max(from_, comparing_->first_tick());
   if (saves_.is_set() && begin > 0 && comparing_->seek(begin)) tick_ = confirmed_ = comparing_->begin_tick();
+}
+
+Session::~Session() {
+  if (takes_calls_) leave_calls(this);
+}
+
+void Session::take_calls() {
+  calls_warning_ = follow_calls(take_call, this, takes_calls_);
+  if (!calls_warning_.empty() && comparing_) comparing_->note(calls_warning_);
+  if (!takes_calls_) return;
+  marks_.turn_on();
+  if (recording_) recording_->add_marks();
+}
+
+/// From any thread: calls of others than that of the tick have no order.
+void Session::take_call(void* session, const char* name, std::uint64_t value, const void* caller) {
+  auto& of_tick = *static_cast<Session*>(session);
+  if (__atomic_load_n(&of_tick.tick_thread_, __ATOMIC_RELAXED) != own_thread()) return;
+  try {
+    of_tick.mark(name, value, caller);
+  } catch (...) {
+    of_tick.has_dropped_marks_ = true;
+  }
 }
 
 Status Session::check_options(const ticktrue_options& options) {
@@ -104,7 +135,8 @@ Status Session::check_options(const ticktrue_options& options) {
     comparing_.emplace(std::move(*reader), path_,
                        CompareRange{from_, options.to == 0 ? std::nullopt : std::optional(options.to)});
     if (restores_) comparing_->set_mode("restore");
-    if (comparing_->has_marks()) marks_.turn_on();
+    trail_ = TrailLog::from_environment();
+    if (comparing_->has_marks() || trail_ != nullptr) marks_.turn_on();
     return {};
   }
   if (options.setup == nullptr && options.setup_size > 0)
@@ -123,11 +155,7 @@ Status Session::check_options(const ticktrue_options& options) {
       options.checkpoint_interval == 0 ? checkpoint_interval_default : options.checkpoint_interval;
   recording.setup = setup_;
   if (saves_.is_set()) recording.features |= static_cast<std::uint32_t>(replay::Feature::saves);
-  if ((flags_ & TICKTRUE_MARKS) != 0) {
-    recording.features |=
-        static_cast<std::uint32_t>(replay::Feature::marks) | static_cast<std::uint32_t>(replay::Feature::notes);
-    marks_.turn_on();
-  }
+  if ((flags_ & TICKTRUE_MARKS) != 0) marks_.turn_on();
   recording.writer.overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
   recording.writer.sync = (flags_ & TICKTRUE_NO_SYNC) == 0;
   bool is_known = options.detail == TICKTRUE_DETAIL_DEFAULT;
@@ -147,6 +175,7 @@ Status Session::check_options(const ticktrue_options& options) {
                    number(options.full_last));
   }
   recording_.emplace(std::move(recording));
+  if (marks_.is_on()) recording_->add_marks();
   return {};
 }
 
@@ -489,11 +518,18 @@ int Session::begin_tick(double* dt) {
   stages_done_ = 0;
   stage_hashes_.clear();
   phase_ = Phase::inside;
-  marks_.begin_tick(recording_ && recording_->wants_stages(tick_));
+  marks_.begin_tick(mark_detail());
+  __atomic_store_n(&tick_thread_, own_thread(), __ATOMIC_RELAXED);
   return recording_ ? write_notes() : TICKTRUE_OK;
 }
 
+MarkDetail Session::mark_detail() const {
+  if (trail_ != nullptr && trail_->wants_list(tick_)) return MarkDetail::stacks;
+  return recording_ && recording_->wants_stages(tick_) ? MarkDetail::list : MarkDetail::counts;
+}
+
 int Session::take(const DoneTick& done) {
+  if (trail_ != nullptr) trail_->write(done.tick, *done.bound);
   if (comparing_) {
     if (comparing_->compare(done, state_.whole_schema(), namer())) return TICKTRUE_OK;
     if (load_count_ > 0)
@@ -516,6 +552,7 @@ int Session::end_tick() {
                        "every stage is said to be done in every tick, also where it has no work");
   if (const Status status = state_.gather(); !status) return fail(status.error());
   phase_ = Phase::between;
+  __atomic_store_n(&tick_thread_, nullptr, __ATOMIC_RELAXED);
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
   BoundContents bound = marks_.take();
@@ -622,6 +659,7 @@ int Session::finish_recording() {
   if (is_whole && !pending_.empty())
     recording_->warnings.push_back("ticks " + number(pending_.front().tick) + ".." + number(pending_.back().tick) +
                                    " were never confirmed and are not in the trace");
+  if (!calls_warning_.empty()) recording_->warnings.push_back(calls_warning_);
   if (has_dropped_marks_)
     recording_->warnings.push_back("marks and notes were not stored: set TICKTRUE_MARKS in the flags of the options");
   const std::string first_line = message_.substr(0, std::min(message_.find('\n'), limits::name_size_max));

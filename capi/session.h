@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@
 #include "capi/saves.h"
 #include "capi/second_run.h"
 #include "capi/tick.h"
+#include "capi/trail_log.h"
 #include "include/ticktrue.h"
 
 namespace ticktrue::capi {
@@ -31,6 +33,9 @@ class Session {
   explicit Session(const ticktrue_options& options);
   /// A session that has failed before it began.
   explicit Session(const Error& error) { fail(error); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();
 
   int status() const { return status_; }
   const std::string& message() const { return message_; }
@@ -50,10 +55,11 @@ class Session {
   int add_stage(const char* name);
   int stage(const char* name);
   int input(void* data, std::size_t size);
-  int mark(const char* name, std::uint64_t value) {
+  /// `caller`: where the call of the program returns to; null: not known.
+  int mark(const char* name, std::uint64_t value, const void* caller) {
     if (phase_ != Phase::inside) return status_;
     if (marks_.is_on())
-      marks_.add(name, value);
+      marks_.add(name, value, caller);
     else
       has_dropped_marks_ = true;
     return status_;
@@ -108,6 +114,10 @@ class Session {
   const RecordedTick* recorded();
   int take(const DoneTick& done);
   int write_notes();
+  /// Has the preload library mark calls, where the environment asks for it.
+  void take_calls();
+  static void take_call(void* session, const char* name, std::uint64_t value, const void* caller);
+  MarkDetail mark_detail() const;
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
@@ -169,6 +179,10 @@ class Session {
   SessionMarks marks_;
   std::vector<replay::Note> notes_;  // of the tick that runs or begins next, not yet written
   bool has_dropped_marks_ = false;   // of a recording that stores none
+  bool takes_calls_ = false;         // marks of the preload library
+  std::string calls_warning_;
+  const void* tick_thread_ = nullptr;  // an address of the thread in whose tick marks count
+  std::unique_ptr<TrailLog> trail_;    // of a verification that `ticktrue trail` runs
 
   SaveCalls saves_;
   bool in_callback_ = false;

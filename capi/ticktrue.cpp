@@ -31,6 +31,12 @@ struct ticktrue_session {
 
 namespace {
 
+#if defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_CALLER __builtin_return_address(0)
+#else
+#define TICKTRUE_CALLER nullptr
+#endif
+
 constexpr const char* no_memory = "memory: the system refused to give more";
 /// Returned if a session does not fit into memory; never freed.
 ticktrue_session memory_failure;
@@ -239,7 +245,7 @@ int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value) {
   if (session == nullptr) return TICKTRUE_OK;
   if (session->session == nullptr) return TICKTRUE_FAILED;
   try {
-    return session->session->mark(name, value);
+    return session->session->mark(name, value, TICKTRUE_CALLER);
   } catch (const std::bad_alloc&) {
     return without_exceptions(session, [](Session& s) { return s.fail(Error{ErrorCode::limit, no_memory, ""}); });
   }
