@@ -218,6 +218,7 @@ constexpr Room rooms[] = {
     {"tool/study/stress", "below,tool/study"},
     {"tool/experiment", "below"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
+    {"tool/experiment/trail", "below,tool/experiment/shake,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
     {"tool/play/picture", "below,tool/drawing,tool/output"},
@@ -225,7 +226,8 @@ constexpr Room rooms[] = {
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/shake,tool/import,tool/play,"
+     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/shake,"
+     "tool/experiment/trail,tool/import,tool/play,"
      "tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/shake.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +12,7 @@
 #include "base/parallel/jobs.h"
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
+#include "tool/cli/session/program_runs.h"
 #include "tool/experiment/shake/shake_report.h"
 #include "tool/output/progress.h"
 #include "verifier/runs/data_file.h"
@@ -22,8 +21,6 @@ namespace ticktrue::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* trace_mark = "{trace}";
 
 struct ShakeCommand {
   std::string trace;
@@ -117,71 +114,6 @@ Result<std::vector<shake::Choice>> choices_of(const ShakeCommand& command) {
   if (choices.empty()) return usage("--vary, --class: found no perturbation that is left");
   return choices;
 }
-
-std::string own_folder() {
-  std::error_code failed;
-  const fs::path path = fs::read_symlink("/proc/self/exe", failed);
-  return failed ? std::string() : path.parent_path().string();
-}
-
-/// The preload library of this build or installation; empty: there is none.
-std::string shim_path() {
-  for (const char* folder : {"", "/../lib", "/../lib/x86_64-linux-gnu", "/../lib/aarch64-linux-gnu", "/../lib64"}) {
-    std::error_code failed;
-    const fs::path path = fs::canonical(own_folder() + folder + "/libticktrue_shim.so", failed);
-    if (!failed) return path.string();
-  }
-  return "";
-}
-
-/// The program's words with the trace in them.
-std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace) {
-  std::vector<std::string> with = words;
-  bool has_mark = false;
-  for (std::string& word : with)
-    for (std::size_t at = word.find(trace_mark); at != std::string::npos; at = word.find(trace_mark)) {
-      word.replace(at, std::string(trace_mark).size(), trace);
-      has_mark = true;
-    }
-  if (!has_mark) with.insert(with.end(), {"--verify", trace});
-  return with;
-}
-
-/// The folder for the files of runs: removed at the end unless it was named.
-class RunFolder {
- public:
-  static Result<std::unique_ptr<RunFolder>> make(const std::string& asked) {
-    std::error_code failed;
-    if (!asked.empty()) {
-      fs::create_directories(asked, failed);
-      if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
-      return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
-    }
-    const fs::path temporary = fs::temp_directory_path(failed);
-    constexpr int try_count = 1000;
-    for (int i = 0; !failed && i < try_count; ++i) {
-      const fs::path path = temporary / ("ticktrue-shake-" + std::to_string(::getpid()) + "-" + std::to_string(i));
-      if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
-      fs::permissions(path, fs::perms::owner_all, failed);
-      return std::make_unique<RunFolder>(path.string(), true);
-    }
-    return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
-                 "--out names a folder for the files of runs"};
-  }
-
-  RunFolder(std::string path, bool is_temporary) : path_(std::move(path)), is_temporary_(is_temporary) {}
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-  ~RunFolder() {
-    std::error_code ignored;
-    if (is_temporary_) fs::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  bool is_temporary_;
-};
 
 std::string list_text() {
   std::string text;
