@@ -1,7 +1,5 @@
 // Marks and notes in a trace: what was written comes back, whatever the chunks, and what does not fit is said to miss.
 // SPDX-License-Identifier: MIT
-#include "replay/format/mark_tally.h"
-
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -11,6 +9,8 @@
 #include "base/hash.h"
 #include "base/random.h"
 #include "replay/format/chunk.h"
+#include "replay/format/mark_log.h"
+#include "replay/format/mark_tally.h"
 #include "tests/replay/third_sessions.h"
 #include "tests/support/text.h"
 
@@ -281,6 +281,47 @@ TEST_CASE("notes of a tick that did not end are read, and a copy has them", "[re
   CHECK(read.tail.pending_notes == pending);
   require_same_marks(read, ticks, 1'000, 1'000);
   CHECK(read_marks(recovered(cut)).tail.pending_notes == pending);
+}
+
+TEST_CASE("of a log of marks, what is whole at its start is read, and no bytes do harm",
+          "[replay][marks][corruption]") {
+  ByteWriter out;
+  Random random(13);
+  std::vector<WrittenTick> ticks;
+  for (std::uint64_t t = 0; t < 20; ++t) {
+    ticks.push_back(random_tick(random, 5, 9));
+    replay::encode_logged_tick({t, ticks.back().marks}, out);
+  }
+  replay::LoggedList list;
+  list.tick = 7;
+  list.list = {{"rand", "sin"}, {{0, 1}, {1, 2}, {0, 3}}, false};
+  list.stacks = {{{"/usr/bin/game", 4'096}, {"", 0}}, {{{0, 10}, {1, 20}}, {{0, 30}}}, {0, 1, 1}};
+  replay::encode_logged_list(list, out);
+  const Bytes bytes = out.take();
+  const replay::MarkLog whole = replay::decode_mark_log(bytes);
+  REQUIRE(whole.ticks.size() == 20);
+  for (std::size_t t = 0; t < 20; ++t) CHECK(whole.ticks[t].marks == ticks[t].marks);
+  REQUIRE(whole.list);
+  CHECK(whole.list->tick == 7);
+  CHECK(whole.list->list == list.list);
+  CHECK(whole.list->stacks == list.stacks);
+  std::size_t before = 0;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const replay::MarkLog part = replay::decode_mark_log(ByteView(bytes).first(size));
+    REQUIRE_FALSE(part.list);
+    REQUIRE(part.ticks.size() >= before);
+    before = part.ticks.size();
+  }
+  CHECK(before == 20);
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes changed = bytes;
+    for (std::uint64_t k = 1 + random.below(4); k > 0; --k)
+      changed[random.below(changed.size())] = static_cast<std::uint8_t>(random.bits());
+    const replay::MarkLog log = replay::decode_mark_log(changed);
+    if (!log.list) continue;
+    for (const replay::Mark& mark : log.list->list.marks) REQUIRE(mark.name < log.list->list.names.size());
+    for (const std::uint32_t stack : log.list->stacks.of_marks) REQUIRE(stack < log.list->stacks.stacks.size());
+  }
 }
 
 TEST_CASE("of a chunk whose marks are damaged, ticks come without marks and say so", "[replay][marks][corruption]") {
