@@ -46,9 +46,9 @@ bool is_constant(const char*) {
 
 SessionMarks::SessionMarks() : tally_(is_constant) {}
 
-void SessionMarks::add_slowly(const char* name, std::uint64_t value, const void* caller) {
+void SessionMarks::add(const char* name, std::uint64_t value, const void* caller) {
   const InLibrary inside;
-  const std::uint32_t entry = name == nullptr ? replay::MarkTally::name_count_max : tally_.find(name);
+  const std::uint32_t entry = tally_.find(name);
   if (entry == replay::MarkTally::name_count_max) return tally_.leave_out();
   tally_.add(entry, value);
   // One more than there is room for: so the list is known to be cut.

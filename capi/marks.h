@@ -45,20 +45,16 @@ class SessionMarks {
   void turn_on() { is_on_ = true; }
 
   void begin_tick(MarkDetail detail) { detail_ = detail; }
-  /// Requires: is_on(), a tick runs. `caller`: where the call returns to.
-  void add(const char* name, std::uint64_t value, const void* caller) {
-    if (name != nullptr && detail_ == MarkDetail::counts) {
-      const std::uint32_t entry = tally_.find(name);
-      if (entry < replay::MarkTally::name_count_max) return tally_.add(entry, value);
-    }
-    add_slowly(name, value, caller);
+  /// Counts a mark, if that takes no more than an addition. False: add() does it.
+  bool add_again(const char* name, std::uint64_t value) {
+    return detail_ == MarkDetail::counts && tally_.add_again(name, value);
   }
+  /// Requires: is_on(), a tick runs. `caller`: where the call returns to.
+  void add(const char* name, std::uint64_t value, const void* caller);
   /// Those since begin_tick().
   BoundContents take();
 
  private:
-  void add_slowly(const char* name, std::uint64_t value, const void* caller);
-
   bool is_on_ = false;
   MarkDetail detail_ = MarkDetail::counts;
   replay::MarkTally tally_;

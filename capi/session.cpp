@@ -95,7 +95,7 @@ void Session::take_call(void* session, const char* name, std::uint64_t value, co
   auto& of_tick = *static_cast<Session*>(session);
   if (__atomic_load_n(&of_tick.tick_thread_, __ATOMIC_RELAXED) != own_thread()) return;
   try {
-    of_tick.mark(name, value, caller);
+    if (!of_tick.mark_quickly(name, value)) of_tick.mark(name, value, caller);
   } catch (...) {
     of_tick.has_dropped_marks_ = true;
   }
@@ -413,6 +413,15 @@ int Session::input(void* data, std::size_t size) {
   std::memcpy(data, tick->inputs.data() + inputs_taken_, size);
   inputs_taken_ += size;
   return TICKTRUE_OK;
+}
+
+int Session::mark(const char* name, std::uint64_t value, const void* caller) {
+  if (phase_ != Phase::inside) return status_;
+  if (marks_.is_on())
+    marks_.add(name, value, caller);
+  else
+    has_dropped_marks_ = true;
+  return status_;
 }
 
 int Session::note(const char* topic, const char* text) {

@@ -55,15 +55,14 @@ class Session {
   int add_stage(const char* name);
   int stage(const char* name);
   int input(void* data, std::size_t size);
-  /// `caller`: where the call of the program returns to; null: not known.
-  int mark(const char* name, std::uint64_t value, const void* caller) {
-    if (phase_ != Phase::inside) return status_;
-    if (marks_.is_on())
-      marks_.add(name, value, caller);
-    else
-      has_dropped_marks_ = true;
-    return status_;
+  /// A mark for which there is little to do. False: nothing was done, and mark() does it.
+  bool mark_quickly(const char* name, std::uint64_t value) {
+    if (status_ != TICKTRUE_OK) return false;
+    if (phase_ != Phase::inside) return true;
+    return marks_.add_again(name, value) || (has_dropped_marks_ && !marks_.is_on());
   }
+  /// `caller`: where the call of the program returns to; null: not known.
+  int mark(const char* name, std::uint64_t value, const void* caller);
   int note(const char* topic, const char* text);
   int begin_tick(double* dt);
   int end_tick();

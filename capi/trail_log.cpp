@@ -28,7 +28,7 @@ std::vector<const void*> stack_behind(const void* caller) {
   void** const end = frames + ::backtrace(frames, depth_max);
   // What stands before the caller is of this library and of the preload library.
   void** const first = std::find(frames, end, caller);
-  return {first == end ? frames : first, end};
+  return std::vector<const void*>(first == end ? frames : first, end);
 }
 
 std::string path_of(const Dl_info& info) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/assert.h"
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/limits.h"
 #include "replay/file/file.h"
@@ -481,8 +482,7 @@ Status TraceWriter::marks(const TickMarks& marks) {
     ByteWriter body;
     encode_marks({}, {}, body);
     impl.put_bound(RecordTag::marks, body.view());
-    if (!marks.is_left_out())
-      impl.put_left_out("marks of this tick, of " + std::to_string(marks.names.size()) + " names");
+    if (!marks.is_left_out()) impl.put_left_out("marks of this tick, of " + count_text(marks.names.size(), "name"));
   }
   return impl.flush();
 }
@@ -508,7 +508,7 @@ Status TraceWriter::mark_list(const MarkList& list) {
   if (impl.has_bound_room(body.size()))
     impl.put_bound(RecordTag::mark_list, body.view());
   else
-    impl.put_left_out("list of " + std::to_string(list.marks.size()) + " marks of this tick");
+    impl.put_left_out("list of " + count_text(list.marks.size(), "mark") + " of this tick");
   return impl.flush();
 }
 

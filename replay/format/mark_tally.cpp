@@ -2,14 +2,20 @@
 // SPDX-License-Identifier: MIT
 #include "replay/format/mark_tally.h"
 
+#include <cstring>
+
 #include "base/hash.h"
 #include "base/limits.h"
 
 namespace ticktrue::replay {
 
-std::uint32_t MarkTally::find_slowly(const char* name) {
+std::uint32_t MarkTally::find(const char* name) {
   constexpr auto none = static_cast<std::uint32_t>(name_count_max);
   if (name == nullptr) return none;
+  Slot& slot = slots_[slot_of(name)];
+  // The text at an address may have changed.
+  if (slot.name == name && (slot.is_constant || std::strcmp(name, entries_[slot.entry].name.c_str()) == 0))
+    return slot.entry;
   const std::size_t size = ::strnlen(name, limits::name_size_max + 1);
   if (size == 0 || size > limits::name_size_max) return none;
   const std::string text(name, size);
@@ -21,7 +27,6 @@ std::uint32_t MarkTally::find_slowly(const char* name) {
     entry.name = text;
     entry.key = hash64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-  Slot& slot = slots_[slot_of(name)];
   slot = {name, found->second, slot.name != name && is_constant_(name)};
   return found->second;
 }

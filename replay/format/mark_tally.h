@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -23,22 +22,27 @@ class MarkTally {
   /// `is_constant`: whether the text at an address stays as it is, as that of a literal does.
   explicit MarkTally(bool (*is_constant)(const char* name)) : is_constant_(is_constant) {}
 
-  /// Index of the name, or name_count_max where there is no room or the name is empty or too long.
-  std::uint32_t find(const char* name) {
+  /// Counts a mark whose name is a constant that was marked before in this tick. False: it is another, and nothing was
+  /// done.
+  bool add_again(const char* name, std::uint64_t value) {
     const Slot& slot = slots_[slot_of(name)];
-    if (slot.name == name && (slot.is_constant || std::strcmp(name, entries_[slot.entry].name.c_str()) == 0))
-      return slot.entry;
-    return find_slowly(name);
+    if (slot.name != name || !slot.is_constant) return false;
+    Entry& of_name = entries_[slot.entry];
+    if (of_name.count == 0) return false;
+    count(of_name, value);
+    return true;
   }
+
+  /// Index of the name, or name_count_max where there is no room or the name is null, empty or too long.
+  std::uint32_t find(const char* name);
   /// Requires: `entry` is of find() and below name_count_max.
   void add(std::uint32_t entry, std::uint64_t value) {
     Entry& of_name = entries_[entry];
-    if (of_name.count++ == 0) {
+    if (of_name.count == 0) {
       of_name.hash = of_name.key;
       active_.push_back(entry);
     }
-    trail_ = mix_mark(mix_mark(trail_, of_name.key), value);
-    of_name.hash = mix_mark(of_name.hash, value);
+    count(of_name, value);
   }
   /// A mark has no name here: those of this tick cannot be compared.
   void leave_out() { is_left_out_ = true; }
@@ -65,7 +69,11 @@ class MarkTally {
     const auto address = reinterpret_cast<std::uintptr_t>(name);
     return (address ^ (address >> 6)) % slot_count;
   }
-  std::uint32_t find_slowly(const char* name);
+  void count(Entry& of_name, std::uint64_t value) {
+    ++of_name.count;
+    trail_ = mix_mark(mix_mark(trail_, of_name.key), value);
+    of_name.hash = mix_mark(of_name.hash, value);
+  }
 
   bool (*is_constant_)(const char* name);
   std::array<Slot, slot_count> slots_;
