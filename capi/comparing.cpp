@@ -340,6 +340,9 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   if (divergence.rows.empty())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
                             ", by both builds; then `ticktrue diff A B` names columns and values");
+  if (report_.marks)
+    report_.again.push_back("ticktrue trail " + verifier::shell_word(report_.file) +
+                            " --against BUILD_THAT_RECORDED -- THIS_PROGRAM names the mark that differs first");
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
   report_.divergence = std::move(divergence);

@@ -284,6 +284,7 @@ TEST_CASE("a divergence says where marks first differ, or that they do not", "[c
       CHECK(contains(outcome.report, "  marks   differ first at tick 17, 3 ticks before: rand 8 times, recorded 7\n"));
     if (first == 25) CHECK(contains(outcome.report, "as recorded, in 21 ticks"));
     CHECK_FALSE(contains(outcome.report, "warning"));
+    CHECK(contains(outcome.report, "ticktrue trail ") == (first <= 20));
   }
 }
 

@@ -140,7 +140,7 @@ def check(args, folder, game, plain, trace, number, rng):
         code, alone = trail(args, trace, [], program)
         if code != 1 or alone["tick"] != plant["tick"] or alone["first"] is not None:
             return f"{function} {plant}, {way}: against the trace: {alone}"
-        if sum(c["here"] for c in alone["calls"]) != alone["names"][0]["here"] or alone["names"][0]["name"] != name:
+        if sum(c["here"] for c in alone["calls"] if c["name"] == name) != alone["names"][0]["here"] or alone["names"][0]["name"] != name:
             return f"{function} {plant}, {way}: against the trace: {alone}"
     os.remove(program)
     return ""

@@ -141,10 +141,14 @@ Result<std::optional<MarkSide>> list_of(const TrailOptions& options, const std::
   return std::optional<MarkSide>(side_of(*run->log.list));
 }
 
+/// Those that were marked more or less often; where there are none, those with other values.
 std::vector<std::string> names_of(const verifier::MarksDifference& marks) {
-  std::vector<std::string> names;
-  for (const verifier::NameDifference& name : marks.names) names.push_back(name.name);
-  return names;
+  std::vector<std::string> counted, all;
+  for (const verifier::NameDifference& name : marks.names) {
+    all.push_back(name.name);
+    if (name.expected != name.got) counted.push_back(name.name);
+  }
+  return counted.empty() ? all : counted;
 }
 
 /// The lists of the tick in which marks differ.

@@ -57,9 +57,11 @@ std::string first_text(const FirstMark& first, const std::string& there_name) {
   const std::string where = "mark " + std::to_string(first.index + 1) + " of the tick: ";
   switch (first.kind) {
     case FirstKind::extra:
-      return where + first.here->name + " " + value_text(*first.here) + " is extra here";
+      return where + first.here->name + " " + value_text(*first.here) + " is extra here; " +
+             (first.there ? there_name + " comes " + first.there->name : there_name + " comes no more");
     case FirstKind::missing:
-      return where + first.there->name + " " + value_text(*first.there) + " is missing here";
+      return where + first.there->name + " " + value_text(*first.there) + " is missing here; " +
+             (first.here ? "here comes " + first.here->name : "here comes no more");
     default:
       return where + "here " + first.here->name + " " + value_text(*first.here) + ", " + there_name + " " +
              first.there->name + " " + value_text(*first.there);
@@ -68,8 +70,10 @@ std::string first_text(const FirstMark& first, const std::string& there_name) {
 
 void add_stack(const std::string& label, const std::optional<MarkPlace>& mark, Lines& lines) {
   if (!mark) return;
-  for (std::size_t i = 0; i < std::min(mark->stack.size(), frames_shown_max); ++i)
+  for (std::size_t i = 0; i < std::min(mark->stack.size(), frames_shown_max); ++i) {
     lines.add(i == 0 ? label : "", mark->stack[i].text());
+    if (mark->stack[i].function == "main") return;
+  }
 }
 
 std::string outcome_line(const shake::Outcome& outcome) {
