@@ -146,6 +146,66 @@ def check(args, folder, game, plain, trace, number, rng):
     return ""
 
 
+def check_calls_in_traces(args, folder, game, plain):
+    """Calls of the C library in a recording, and in the verification of it."""
+    function = game.ways.index(LIBRARY)
+    plant = {"function": function, "tick": 9, "delta": 2}
+    program = build(args, folder, "more_calls", game.source(plant))
+    trace = os.path.join(folder, "calls.ttr")
+    preload = os.path.join(args.library, "libticktrue_shim.so")
+    environment = {**os.environ, "LD_PRELOAD": preload, "TICKTRUE_CALLS": "random"}
+    subprocess.run([plain, "--record", trace], check=True, stdout=subprocess.DEVNULL, env=environment)
+
+    def verify(words, **more):
+        return subprocess.run([*words, "--verify", trace], capture_output=True, text=True, **more).stdout
+
+    there = game.calls(function, 9) + sum(
+        game.calls(i, 9) for i, way in enumerate(game.ways) if way == LIBRARY and i != function)
+    expected = f"marks differ first at tick 9: libc.rand {there + 2} times, recorded {there}"
+    if "warning" in verify([plain], env=environment):
+        return "a recording with calls, verified with calls: found a warning"
+    if "libc.rand never, recorded" not in verify([plain]):
+        return "a recording with calls, verified without: found no warning"
+    if expected not in verify([program], env=environment):
+        return f"calls in a trace: found {verify([program], env=environment)}, expected {expected}"
+    without = verify([plain], env={**os.environ, "TICKTRUE_CALLS": "random"})
+    if "TICKTRUE_CALLS: the preload library is not loaded" not in without:
+        return f"calls without the preload library: found {without}"
+    code, report = trail(args, trace, ["--calls", "random"], program)
+    found = [c for c in report["calls"] if c["function"] == FUNCTIONS[function]]
+    if code != 1 or report["tick"] != 9 or not found or found[0]["here"] != game.calls(function, 9) + 2:
+        return f"trail of a recording with calls: found {report}"
+    return ""
+
+
+def check_ends(args, folder, game, plain):
+    """What cannot be compared, and a program that does not repeat itself."""
+    restless = game.source().replace("const uint32_t value = next_number();\n  ticktrue_mark",
+                                     "const uint32_t value = next_number();\n"
+                                     '  if (tick == 5) ticktrue_mark(session, "process", (uint64_t)getpid());\n'
+                                     "  ticktrue_mark").replace("#include <stdlib.h>",
+                                                                 "#include <stdlib.h>\n#include <unistd.h>")
+    program = build(args, folder, "restless", restless)
+    trace = os.path.join(folder, "plain.ttr")
+    code, report = trail(args, trace, [], program)
+    if code != 6 or report["verdict"] != "not_reproducible" or report["tick"] != 5:
+        return f"a program with other marks in each run: exit code {code}, {report}"
+    unmarked = os.path.join(folder, "unmarked.ttr")
+    source = game.source().replace("options.flags = TICKTRUE_MARKS;", "")
+    subprocess.run([build(args, folder, "unmarked", source), "--record", unmarked], check=True,
+                   stdout=subprocess.DEVNULL)
+    for words, expected in [
+        ([unmarked, "--", plain], "found no marks in it, expected some to compare with"),
+        ([trace, "--", "/bin/true"], "/bin/true: no tick was compared"),
+        ([trace], "trail: found no program, expected TRACE -- PROGRAM ARGUMENTS"),
+        ([os.path.join(folder, "none.ttr"), "--", plain], "none.ttr: "),
+    ]:
+        done = subprocess.run([args.ticktrue, "trail", *words], capture_output=True, text=True)
+        if done.returncode != 2 or expected not in done.stderr:
+            return f"{words}: exit code {done.returncode}, found {done.stderr}, expected {expected}"
+    return ""
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ["ticktrue", "compiler", "include", "library"]:
@@ -162,6 +222,10 @@ def main():
         code, report = trail(args, trace, ["--against", plain, "--calls", "random,libm"], plain)
         if code != 0 or report["verdict"] != "marks_same" or report["ticks_compared"] != TICKS:
             wrong.append(f"the program against itself: {report}")
+        for others in [check_calls_in_traces, check_ends]:
+            fault = others(args, folder, game, plain)
+            if fault:
+                wrong.append(fault)
         rng = random.Random(args.seed + 1)
         for number in range(args.count):
             fault = check(args, folder, game, plain, trace, number, rng)
@@ -169,7 +233,7 @@ def main():
                 wrong.append(fault)
     for fault in wrong:
         print("trail_test: error: " + fault)
-    print(f"trail_test: seed {args.seed}: {args.count - len(wrong)} of {args.count} planted changes named")
+    print(f"trail_test: seed {args.seed}: {args.count} planted changes, {len(wrong)} faults")
     return 1 if wrong else 0
 
 
