@@ -9,6 +9,7 @@
 #include "base/count_text.h"
 #include "base/limits.h"
 #include "replay/format/shown_image.h"
+#include "verifier/locate/compare_marks.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/schema_difference.h"
 
@@ -248,7 +249,7 @@ bool Comparing::read_until(std::uint64_t tick) {
     const auto* record = std::get_if<replay::TickRecord>(&item);
     if (record != nullptr) {
       last_dt_ = record->dt;
-      ahead_.push_back({verifier::copy_of(*record), std::nullopt, std::nullopt, std::nullopt, false});
+      ahead_.push_back(RecordedTick{verifier::copy_of(*record), {}, {}, {}, record->marks, record->has_bound});
       if (record->shown) ahead_.back().shown.emplace(record->shown->begin(), record->shown->end());
       continue;
     }
@@ -276,12 +277,21 @@ const RecordedTick* Comparing::at(std::uint64_t tick) {
   return nullptr;
 }
 
+void Comparing::compare_marks(const RecordedTick& recorded, const DoneTick& done) {
+  if (!has_marks() || report_.marks || !recorded.has_bound || done.bound == nullptr) return;
+  const replay::TickMarks* expected = recorded.marks ? &*recorded.marks : nullptr;
+  const replay::TickMarks* got = done.bound->marks ? &*done.bound->marks : nullptr;
+  report_.marks = verifier::compare_marks(done.tick, expected, got);
+  ++report_.compared.marks;
+}
+
 bool Comparing::compare(const DoneTick& done, const StateSchema& whole, const RowNamer& row_name) {
   if (decided_) return false;
   TICKTRUE_ASSERT(!ahead_.empty() && ahead_.front().tick == done.tick);
   const RecordedTick& recorded = ahead_.front();
   if (recorded.is_not_finite) return compare_non_finite(recorded, done, row_name);
   read_until(done.tick + 1);  // a checkpoint may follow
+  compare_marks(recorded, done);
   verifier::TickSide here{root_hash(*done.state), done.stage_hashes};
   here.state = done.state;
   std::vector<verifier::TickSide> sides{side_of(recorded), here};
@@ -330,6 +340,9 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   if (divergence.rows.empty())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
                             ", by both builds; then `ticktrue diff A B` names columns and values");
+  if (report_.marks)
+    report_.again.push_back("ticktrue trail " + verifier::shell_word(report_.file) +
+                            " --against BUILD_THAT_RECORDED -- THIS_PROGRAM names the mark that differs first");
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
   report_.divergence = std::move(divergence);
@@ -407,6 +420,9 @@ void Comparing::finish(std::uint64_t ticks_run) {
       behind = std::max(behind, end);
     }
   }
+  if (report_.marks && !report_.divergence)
+    report_.warnings.push_back("marks differ first at tick " + std::to_string(report_.marks->tick) + ": " +
+                               verifier::marks_text(*report_.marks) + "; they decide no verdict");
   if (decided_) return;
   decided_ = true;
   const replay::TraceTail* tail = report_.end ? &report_.end->tail : nullptr;

@@ -42,6 +42,8 @@ struct RecordedTick : verifier::StoredTick {
   std::optional<verifier::StoredCheckpoint> checkpoint;  // behind it
   std::optional<Bytes> save;                             // of that checkpoint
   std::optional<Bytes> shown;                            // the shown image after the tick
+  std::optional<replay::TickMarks> marks;                // nothing: no mark
+  bool has_bound = true;                                 // false: whether there are marks is not known
   bool is_not_finite = false;                            // the recording ended because of this tick
 };
 
@@ -56,6 +58,7 @@ class Comparing {
   /// Whether the program is the one that recorded. False: the report says what differs.
   bool check_identity(const Identity& identity);
   std::uint64_t first_tick() const { return reader_.first_tick(); }
+  bool has_marks() const { return setup().has(replay::Feature::marks); }
   bool has_saves() const { return setup().has(replay::Feature::saves); }
   void set_mode(const std::string& mode) { report_.mode = mode; }
 
@@ -111,6 +114,7 @@ class Comparing {
                const verifier::TickSide& here, const RowNamer& row_name);
   void not_comparable(const std::string& reason, const std::string& hint);
   bool compare_non_finite(const RecordedTick& recorded, const DoneTick& done, const RowNamer& row_name);
+  void compare_marks(const RecordedTick& recorded, const DoneTick& done);
   void note_shown(const Bytes* recorded, const Bytes* here, const StateSchema& whole);
   void note_addresses(const verifier::Divergence& divergence);
   void note_floats();

@@ -91,6 +91,19 @@ Status Recording::begin(double dt, ByteView inputs) {
   return {};
 }
 
+Status Recording::note(const replay::Note& note) {
+  if (const Status status = writer_->note(note); !status) return writer_->abandon(status.error());
+  return {};
+}
+
+Status Recording::write_bound(const BoundContents& bound, std::uint64_t tick) {
+  for (const replay::Note& note : bound.notes)
+    if (const Status status = writer_->note(note); !status) return status;
+  if (bound.marks)
+    if (const Status status = writer_->marks(*bound.marks); !status) return status;
+  return bound.mark_list && wants_stages(tick) ? writer_->mark_list(*bound.mark_list) : Status();
+}
+
 Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
   if (const auto place = find_non_finite(*tick.state)) {
     const std::string note = "tick " + std::to_string(tick.tick) + ": " +
@@ -100,6 +113,8 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
   }
   root_ = root_hash(*tick.state);
   changed_ = changed_ || root_ != first_root_;
+  if (tick.bound != nullptr && has_marks())
+    if (const Status status = write_bound(*tick.bound, tick.tick); !status) return writer_->abandon(status.error());
   if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status)
     return writer_->abandon(status.error());
   if (tick.contents.shown != nullptr && wants_stages(tick.tick))

@@ -46,6 +46,14 @@ class Recording {
   /// Whether the shown columns after this tick are stored.
   bool wants_shown(std::uint64_t tick) const;
 
+  /// Marks and notes are stored. Requires: !is_started().
+  void add_marks() {
+    options_.features |=
+        static_cast<std::uint32_t>(replay::Feature::marks) | static_cast<std::uint32_t>(replay::Feature::notes);
+  }
+  /// Whether they are.
+  bool has_marks() const { return (options_.features & static_cast<std::uint32_t>(replay::Feature::marks)) != 0; }
+
   /// Creates the trace. `whole`: the schema with the shown columns; `contents`: of the first checkpoint.
   /// Errors: io, limit, usage (a value that is not finite).
   Status start(const StateView& state, const StateSchema& whole, const CheckpointContents& contents,
@@ -54,6 +62,8 @@ class Recording {
 
   /// Hands the inputs of a tick to the operating system. Errors: io, limit.
   Status begin(double dt, ByteView inputs);
+  /// Hands a note of that tick to the operating system. Errors: io.
+  Status note(const replay::Note& note);
   /// Writes its result. False: a value is not finite, and the trace is closed before this tick. Errors: io, limit.
   Result<bool> end(const DoneTick& tick, const RowNamer& row_name);
 
@@ -71,6 +81,7 @@ class Recording {
   std::vector<std::string> notes;
 
  private:
+  Status write_bound(const BoundContents& bound, std::uint64_t tick);
   Status write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
 
   RecordingOptions options_;

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "base/limits.h"
 #include "base/plain_text.h"
+#include "capi/shake_page.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 
@@ -17,8 +19,9 @@ namespace {
 
 constexpr std::uint32_t rollback_count_max = 4096;  // ticks: over a minute, and each waits with a copy of the state
 constexpr std::uint32_t checkpoint_interval_default = 600;
+constexpr std::size_t note_count_max = 1024;  // that wait for their tick
 constexpr std::uint32_t known_flags =
-    TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE;
+    TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE | TICKTRUE_MARKS;
 
 std::string_view text_of(const char* text) {
   // Bounded: an unterminated name is too long, not a read out of bounds.
@@ -42,6 +45,12 @@ bool is_shown_type(int type) {
   return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
 }
 
+/// Another address in each thread.
+const void* own_thread() {
+  static thread_local const char of_thread = 0;
+  return &of_thread;
+}
+
 bool is_dt(double dt) {
   return std::isfinite(dt) && dt >= 0;
 }
@@ -53,6 +62,7 @@ Session::Session(const ticktrue_options& options) {
     fail(status.error());
     return;
   }
+  take_calls();
   set_facts();
   if (!comparing_) return;
   if (!comparing_->check_identity(identity_)) {
@@ -66,6 +76,29 @@ Session::Session(const ticktrue_options& options) {
   }
   const std::uint64_t begin = std::max(from_, comparing_->first_tick());
   if (saves_.is_set() && begin > 0 && comparing_->seek(begin)) tick_ = confirmed_ = comparing_->begin_tick();
+}
+
+Session::~Session() {
+  if (takes_calls_) leave_calls(this);
+}
+
+void Session::take_calls() {
+  calls_warning_ = follow_calls(take_call, this, takes_calls_);
+  if (!calls_warning_.empty() && comparing_) comparing_->note(calls_warning_);
+  if (!takes_calls_) return;
+  marks_.turn_on();
+  if (recording_) recording_->add_marks();
+}
+
+/// From any thread: calls of others than that of the tick have no order.
+void Session::take_call(void* session, const char* name, std::uint64_t value, const void* caller) {
+  auto& of_tick = *static_cast<Session*>(session);
+  if (__atomic_load_n(&of_tick.tick_thread_, __ATOMIC_RELAXED) != own_thread()) return;
+  try {
+    if (!of_tick.mark_quickly(name, value)) of_tick.mark(name, value, caller);
+  } catch (...) {
+    of_tick.has_dropped_marks_ = true;
+  }
 }
 
 Status Session::check_options(const ticktrue_options& options) {
@@ -102,6 +135,8 @@ Status Session::check_options(const ticktrue_options& options) {
     comparing_.emplace(std::move(*reader), path_,
                        CompareRange{from_, options.to == 0 ? std::nullopt : std::optional(options.to)});
     if (restores_) comparing_->set_mode("restore");
+    trail_ = TrailLog::from_environment();
+    if (comparing_->has_marks() || trail_ != nullptr) marks_.turn_on();
     return {};
   }
   if (options.setup == nullptr && options.setup_size > 0)
@@ -120,6 +155,7 @@ Status Session::check_options(const ticktrue_options& options) {
       options.checkpoint_interval == 0 ? checkpoint_interval_default : options.checkpoint_interval;
   recording.setup = setup_;
   if (saves_.is_set()) recording.features |= static_cast<std::uint32_t>(replay::Feature::saves);
+  if ((flags_ & TICKTRUE_MARKS) != 0) marks_.turn_on();
   recording.writer.overwrite = (flags_ & TICKTRUE_OVERWRITE) != 0;
   recording.writer.sync = (flags_ & TICKTRUE_NO_SYNC) == 0;
   bool is_known = options.detail == TICKTRUE_DETAIL_DEFAULT;
@@ -139,6 +175,7 @@ Status Session::check_options(const ticktrue_options& options) {
                    number(options.full_last));
   }
   recording_.emplace(std::move(recording));
+  if (marks_.is_on()) recording_->add_marks();
   return {};
 }
 
@@ -378,6 +415,43 @@ int Session::input(void* data, std::size_t size) {
   return TICKTRUE_OK;
 }
 
+int Session::mark(const char* name, std::uint64_t value, const void* caller) {
+  if (phase_ != Phase::inside) return status_;
+  if (marks_.is_on())
+    marks_.add(name, value, caller);
+  else
+    has_dropped_marks_ = true;
+  return status_;
+}
+
+int Session::note(const char* topic, const char* text) {
+  if (!can_call("note") || refuse_in_callback("note")) return status_;
+  const std::string_view name =
+      topic == nullptr ? std::string_view() : std::string_view(topic, strnlen(topic, replay::topic_size_max + 1));
+  if (name.empty() || name.size() > replay::topic_size_max || name.compare(0, 9, "ticktrue.") == 0)
+    return wrong_order("note: topic: found \"" + std::string(name) + "\", expected 1.." +
+                           number(replay::topic_size_max) + " bytes that do not begin with ticktrue.",
+                       "");
+  if (comparing_ || second_.is_second()) return TICKTRUE_OK;
+  if (!recording_->has_marks()) {
+    has_dropped_marks_ = true;
+    return TICKTRUE_OK;
+  }
+  if (notes_.size() >= note_count_max) return TICKTRUE_OK;
+  notes_.push_back({std::string(name),
+                    text == nullptr ? std::string() : std::string(text, strnlen(text, replay::note_body_size_max))});
+  return phase_ == Phase::inside ? write_notes() : TICKTRUE_OK;
+}
+
+/// Inside of a tick. Those of a tick that may be taken back wait with it.
+int Session::write_notes() {
+  if (rollback_max_ > 0) return TICKTRUE_OK;
+  for (const replay::Note& note : notes_)
+    if (const Status status = recording_->note(note); !status) return fail(status.error());
+  notes_.clear();
+  return TICKTRUE_OK;
+}
+
 RowNamer Session::namer() {
   return [this](std::size_t table, std::size_t row) -> std::string {
     const auto found = namers_.find(state_.schema().tables[table].name);
@@ -453,10 +527,18 @@ int Session::begin_tick(double* dt) {
   stages_done_ = 0;
   stage_hashes_.clear();
   phase_ = Phase::inside;
-  return TICKTRUE_OK;
+  marks_.begin_tick(mark_detail());
+  __atomic_store_n(&tick_thread_, own_thread(), __ATOMIC_RELAXED);
+  return recording_ ? write_notes() : TICKTRUE_OK;
+}
+
+MarkDetail Session::mark_detail() const {
+  if (trail_ != nullptr && trail_->wants_list(tick_)) return MarkDetail::stacks;
+  return recording_ && recording_->wants_stages(tick_) ? MarkDetail::list : MarkDetail::counts;
 }
 
 int Session::take(const DoneTick& done) {
+  if (trail_ != nullptr) trail_->write(done.tick, *done.bound);
   if (comparing_) {
     if (comparing_->compare(done, state_.whole_schema(), namer())) return TICKTRUE_OK;
     if (load_count_ > 0)
@@ -479,9 +561,12 @@ int Session::end_tick() {
                        "every stage is said to be done in every tick, also where it has no work");
   if (const Status status = state_.gather(); !status) return fail(status.error());
   phase_ = Phase::between;
+  __atomic_store_n(&tick_thread_, nullptr, __ATOMIC_RELAXED);
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
+  BoundContents bound = marks_.take();
   if (second_.is_second()) return end_second(tick);
+  bound.notes = std::exchange(notes_, {});
   std::optional<Bytes> save, shown, recorded_save;
   if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
   if (state_.has_shown() && (comparing_ || recording_->wants_shown(tick)) && !gather_shown(shown)) return status_;
@@ -490,7 +575,7 @@ int Session::end_tick() {
   if (second_.is_open() && second_.behind() == tick && !is_last) second_.add(dt_, inputs_, state_.view());
   if (rollback_max_ == 0) {
     const CheckpointContents contents{save ? &*save : nullptr, shown ? &*shown : nullptr};
-    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents};
+    DoneTick done{tick, dt_, inputs_, stage_hashes_, &state_.view(), contents, &bound};
     const int status = take(done);
     inputs_.clear();
     confirmed_ = tick_;
@@ -505,6 +590,7 @@ int Session::end_tick() {
   pending.state = KeptState(state_.view());
   pending.save = std::move(save);
   pending.shown = std::move(shown);
+  pending.bound = std::move(bound);
   return after_first_run(std::move(recorded_save));
 }
 
@@ -539,6 +625,7 @@ int Session::rewind(std::uint64_t tick) {
   while (!pending_.empty() && pending_.back().tick >= tick) pending_.pop_back();
   tick_ = tick;
   inputs_.clear();
+  notes_.clear();
   inputs_taken_ = 0;
   return TICKTRUE_OK;
 }
@@ -559,8 +646,8 @@ int Session::confirm_pending(std::uint64_t tick) {
       if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
     const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
                                       pending.shown ? &*pending.shown : nullptr};
-    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents}) !=
-        TICKTRUE_OK)
+    if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents,
+              &pending.bound}) != TICKTRUE_OK)
       return status_;
     confirmed_ = pending.tick + 1;
     pending_.pop_front();
@@ -581,6 +668,9 @@ int Session::finish_recording() {
   if (is_whole && !pending_.empty())
     recording_->warnings.push_back("ticks " + number(pending_.front().tick) + ".." + number(pending_.back().tick) +
                                    " were never confirmed and are not in the trace");
+  if (!calls_warning_.empty()) recording_->warnings.push_back(calls_warning_);
+  if (has_dropped_marks_)
+    recording_->warnings.push_back("marks and notes were not stored: set TICKTRUE_MARKS in the flags of the options");
   const std::string first_line = message_.substr(0, std::min(message_.find('\n'), limits::name_size_max));
   const Status status = recording_->finish(is_whole ? replay::EndReason::complete : replay::EndReason::interrupted,
                                            is_whole ? "" : first_line);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,11 +15,13 @@
 #include "base/result.h"
 #include "base/state/gathered_state.h"
 #include "capi/comparing.h"
+#include "capi/marks.h"
 #include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/saves.h"
 #include "capi/second_run.h"
 #include "capi/tick.h"
+#include "capi/trail_log.h"
 #include "include/ticktrue.h"
 
 namespace ticktrue::capi {
@@ -30,6 +33,9 @@ class Session {
   explicit Session(const ticktrue_options& options);
   /// A session that has failed before it began.
   explicit Session(const Error& error) { fail(error); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();
 
   int status() const { return status_; }
   const std::string& message() const { return message_; }
@@ -49,6 +55,15 @@ class Session {
   int add_stage(const char* name);
   int stage(const char* name);
   int input(void* data, std::size_t size);
+  /// A mark for which there is little to do. False: nothing was done, and mark() does it.
+  bool mark_quickly(const char* name, std::uint64_t value) {
+    if (status_ != TICKTRUE_OK) return false;
+    if (phase_ != Phase::inside) return true;
+    return marks_.add_again(name, value) || (has_dropped_marks_ && !marks_.is_on());
+  }
+  /// `caller`: where the call of the program returns to; null: not known.
+  int mark(const char* name, std::uint64_t value, const void* caller);
+  int note(const char* topic, const char* text);
   int begin_tick(double* dt);
   int end_tick();
   int rewind(std::uint64_t tick);
@@ -83,6 +98,7 @@ class Session {
     KeptState state;
     std::optional<Bytes> save;
     std::optional<Bytes> shown;
+    BoundContents bound;
   };
 
   Status check_options(const ticktrue_options& options);
@@ -96,6 +112,11 @@ class Session {
   /// The recorded tick that begins next; null at the end of the trace.
   const RecordedTick* recorded();
   int take(const DoneTick& done);
+  int write_notes();
+  /// Has the preload library mark calls, where the environment asks for it.
+  void take_calls();
+  static void take_call(void* session, const char* name, std::uint64_t value, const void* caller);
+  MarkDetail mark_detail() const;
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
@@ -154,6 +175,13 @@ class Session {
   std::size_t stages_done_ = 0;
   std::vector<std::uint64_t> stage_hashes_;
   std::deque<PendingTick> pending_;
+  SessionMarks marks_;
+  std::vector<replay::Note> notes_;  // of the tick that runs or begins next, not yet written
+  bool has_dropped_marks_ = false;   // of a recording that stores none
+  bool takes_calls_ = false;         // marks of the preload library
+  std::string calls_warning_;
+  const void* tick_thread_ = nullptr;  // an address of the thread in whose tick marks count
+  std::unique_ptr<TrailLog> trail_;    // of a verification that `ticktrue trail` runs
 
   SaveCalls saves_;
   bool in_callback_ = false;

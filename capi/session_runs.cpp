@@ -214,6 +214,7 @@ int Session::begin_second_tick(double* dt) {
   stages_done_ = 0;
   stage_hashes_.clear();
   phase_ = Phase::inside;
+  marks_.begin_tick(MarkDetail::counts);
   return TICKTRUE_OK;
 }
 

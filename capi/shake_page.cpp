@@ -4,6 +4,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
+
+#include "replay/format/mark_log.h"
 
 #ifdef __linux__
 #include <fcntl.h>
@@ -16,6 +19,9 @@
 
 /// Of the preload library, where it is loaded. 0: the library is entered, 1: it is left, 2: it is left into a tick.
 extern "C" __attribute__((weak)) void ticktrue_shim_library(int way);
+/// The same: calls of these groups go to the sink.
+extern "C" __attribute__((weak)) void ticktrue_shim_calls(ticktrue::shim::CallSink sink, void* with,
+                                                          std::uint32_t groups);
 #endif
 
 namespace ticktrue::capi {
@@ -27,6 +33,7 @@ constexpr int way_in = 0;
 constexpr int way_out = 1;
 constexpr int way_into_tick = 2;
 bool leaves_into_tick = false;
+void* followed_by = nullptr;  // the session that takes calls
 
 shim::SessionPart* map_page() {
   const char* path = std::getenv(shim::page_variable);
@@ -85,6 +92,36 @@ void tell_tick_end(std::uint64_t tick) {
   tell_position(2 * tick + 2);
 }
 
+std::string follow_calls(CallSink sink, void* with, bool& is_marking) {
+  const char* asked = std::getenv(replay::calls_variable);
+  if (asked == nullptr || *asked == 0) return "";
+  const auto bit = [](shim::Group group) { return std::uint32_t{1} << static_cast<std::uint32_t>(group); };
+  std::uint32_t groups = 0;
+  std::istringstream words(asked);
+  for (std::string word; std::getline(words, word, ',');) {
+    if (word == "random")
+      groups |= bit(shim::Group::random) | bit(shim::Group::rand);
+    else if (word == "libm")
+      groups |= bit(shim::Group::libm);
+    else
+      return std::string(replay::calls_variable) + ": found \"" + word + "\", expected random or libm";
+  }
+  if (ticktrue_shim_calls == nullptr)
+    return std::string(replay::calls_variable) +
+           ": the preload library is not loaded: LD_PRELOAD names libticktrue_shim.so";
+  if (followed_by != nullptr) return "";
+  followed_by = with;
+  is_marking = true;
+  ticktrue_shim_calls(sink, with, groups);
+  return "";
+}
+
+void leave_calls(void* with) {
+  if (followed_by != with) return;
+  ticktrue_shim_calls(nullptr, nullptr, 0);
+  followed_by = nullptr;
+}
+
 #else
 
 InLibrary::InLibrary() = default;
@@ -92,6 +129,10 @@ InLibrary::~InLibrary() = default;
 void tell_session() {}
 void tell_tick_begin(std::uint64_t) {}
 void tell_tick_end(std::uint64_t) {}
+std::string follow_calls(CallSink, void*, bool&) {
+  return "";
+}
+void leave_calls(void*) {}
 
 #endif
 

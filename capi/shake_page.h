@@ -1,4 +1,4 @@
-// Tells `ticktrue shake` the tick of a session, and which thread is inside the library.
+// Tells `ticktrue shake` the tick of a session, and which thread is inside the library. Takes calls of the program.
 // SPDX-License-Identifier: MIT
 #pragma once
 
@@ -24,6 +24,14 @@ void tell_session();
 /// Tick `tick` runs from now on, or has ended.
 void tell_tick_begin(std::uint64_t tick);
 void tell_tick_end(std::uint64_t tick);
+
+/// What the preload library does for each call that it marks.
+using CallSink = void (*)(void* with, const char* name, std::uint64_t value, const void* caller);
+/// Has calls marked as TICKTRUE_CALLS asks ("random,libm"); one session of a process at a time. Says what hinders it;
+/// empty: nothing, or nobody asks. `is_marking`: whether calls will come.
+std::string follow_calls(CallSink sink, void* with, bool& is_marking);
+/// No more calls of this session. Without it: nothing.
+void leave_calls(void* with);
 
 /// Appends the report as one line to the file that the variable TICKTRUE_RESULT names. Without it: nothing.
 void append_result(const std::string& json);

@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
+#include "capi/marks.h"
 
 namespace ticktrue::capi {
 
@@ -27,6 +28,7 @@ struct DoneTick {
   std::vector<std::uint64_t> stage_hashes;  // empty unless wanted
   const StateView* state = nullptr;         // after it
   CheckpointContents contents = {};
+  const BoundContents* bound = nullptr;
 };
 
 /// What a program says of itself.

@@ -31,6 +31,12 @@ struct ticktrue_session {
 
 namespace {
 
+#if defined(__GNUC__) || defined(__clang__)
+#define TICKTRUE_CALLER __builtin_return_address(0)
+#else
+#define TICKTRUE_CALLER nullptr
+#endif
+
 constexpr const char* no_memory = "memory: the system refused to give more";
 /// Returned if a session does not fit into memory; never freed.
 ticktrue_session memory_failure;
@@ -145,6 +151,14 @@ int read_run_word(const char* word, const char* value, ticktrue_options& options
   return 2;
 }
 
+/// Apart, so that its frame costs nothing where it is not called.
+#if defined(__GNUC__) || defined(__clang__)
+__attribute__((noinline))
+#endif
+int mark(ticktrue_session* session, const char* name, uint64_t value, const void* caller) {
+  return without_exceptions(session, [&](Session& s) { return s.mark(name, value, caller); });
+}
+
 }  // namespace
 
 extern "C" {
@@ -234,6 +248,15 @@ int ticktrue_stage(ticktrue_session* session, const char* name) {
 }
 int ticktrue_input(ticktrue_session* session, void* data, size_t size) {
   return without_exceptions(session, [&](Session& s) { return s.input(data, size); });
+}
+int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value) {
+  // Thousands of marks a tick: most of them end here.
+  if (session != nullptr && session->session != nullptr && session->session->mark_quickly(name, value))
+    return TICKTRUE_OK;
+  return mark(session, name, value, TICKTRUE_CALLER);
+}
+int ticktrue_note(ticktrue_session* session, const char* topic, const char* text) {
+  return without_exceptions(session, [&](Session& s) { return s.note(topic, text); });
 }
 int ticktrue_begin_tick(ticktrue_session* session, double* dt) {
   return without_exceptions(session, [&](Session& s) {

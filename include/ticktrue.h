@@ -14,6 +14,7 @@
 #include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #if defined(_WIN32)
 #if defined(TICKTRUE_BUILD)
@@ -36,8 +37,9 @@ extern "C" {
 
 /* The version of this interface. It rises when something is added; what was there stays.
    2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
-   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN. */
-#define TICKTRUE_API_VERSION 3u
+   3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
+   4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note. */
+#define TICKTRUE_API_VERSION 4u
 
 /* What calls return. */
 enum {
@@ -82,7 +84,8 @@ enum {
   TICKTRUE_QUIET = 2,     /* ticktrue_close prints nothing */
   TICKTRUE_JSON = 4,      /* ticktrue_close prints the report as JSON */
   TICKTRUE_NO_SYNC = 8,   /* record: leave it to the system when the file reaches the disk */
-  TICKTRUE_RESTORE = 16   /* verify: each save of the trace is loaded, and the ticks behind it run a second time */
+  TICKTRUE_RESTORE = 16,  /* verify: each save of the trace is loaded, and the ticks behind it run a second time */
+  TICKTRUE_MARKS = 32     /* record: marks and notes are stored, in a trace of format version 3 */
 };
 
 /* Optional, as in rollback games. Save gives the bytes that bring the program back to its present state: it writes at
@@ -191,6 +194,22 @@ TICKTRUE_API int ticktrue_stage(ticktrue_session* session, const char* name);
 /* Inputs of the tick that begins next, in any number of pieces. Record: keeps the bytes. Verify: replaces them by the
    recorded ones, so the same loop serves both; TICKTRUE_END (bytes untouched) when there are no more. */
 TICKTRUE_API int ticktrue_input(ticktrue_session* session, void* data, size_t size);
+
+/* Marks, for what happens in a tick and is not state: a draw of a generator, a call, the size of a list. Of each tick,
+   the trace holds how often each name was marked, and hashes of the values and of the order. A verification compares
+   them: they decide no verdict, and tell where a run first took another way. A mark takes some nanoseconds. `name` has
+   1 to 256 bytes, as in "rand". Outside of a tick, a mark does nothing. Of the thread of the session alone. */
+TICKTRUE_API int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value);
+/* The same for a double, by its bits. */
+static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name, double value) {
+  uint64_t bits = 0;
+  memcpy(&bits, &value, sizeof bits);
+  return ticktrue_mark(session, name, bits);
+}
+/* A text of the tick that runs, or begins next: what a person wants to know of it later. It is stored with
+   TICKTRUE_MARKS and never compared; a verification ignores it. `topic`: 1 to 64 bytes that do not begin with
+   "ticktrue."; `text`: at most 4096 bytes, more are cut. Inside of a tick it is in the file at once. */
+TICKTRUE_API int ticktrue_note(ticktrue_session* session, const char* topic, const char* text);
 
 /* Begins a tick: its inputs are in the file before it runs. `dt` (s; null: that of the options) is recorded, or
    replaced by the recorded one. Leave the loop when it does not return TICKTRUE_OK. */

@@ -22,13 +22,25 @@ Status copy_checkpoint(const CheckpointRecord& checkpoint, TraceWriter& writer) 
   return checkpoint.save ? writer.save(*checkpoint.save) : Status();
 }
 
+/// Names stand anew where the copy begins its own chunks.
+Status copy_bound(const TickRecord& tick, TraceWriter& writer) {
+  bool has_list = false;
+  for (const BoundRecord& record : tick.bound) {
+    Status status;
+    if (record.tag == static_cast<std::uint8_t>(RecordTag::marks)) status = writer.marks(*tick.marks);
+    if (record.tag == static_cast<std::uint8_t>(RecordTag::mark_list) && !std::exchange(has_list, true))
+      status = writer.mark_list(*tick.mark_list);
+    if (record.tag == static_cast<std::uint8_t>(RecordTag::note)) status = writer.note(decode_note(record.body));
+    if (!status) return status;
+  }
+  return {};
+}
+
 Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
   if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) return copy_checkpoint(*checkpoint, writer);
   const auto& tick = std::get<TickRecord>(item);
   if (const Status status = writer.begin_tick({tick.dt, tick.inputs}); !status) return status;
-  for (const BoundRecord& record : tick.bound)
-    if (const Status status = writer.bound_record(static_cast<RecordTag>(record.tag), record.body); !status)
-      return status;
+  if (const Status status = copy_bound(tick, writer); !status) return status;
   Bytes image;
   if (tick.image) image = tick.image->joined();
   if (const Status status = writer.end_tick_encoded(
@@ -36,6 +48,16 @@ Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
       !status)
     return status;
   return tick.shown ? writer.shown(*tick.shown) : Status();
+}
+
+/// Those of a tick that did not end. One without inputs has not begun yet.
+Status copy_pending_notes(const TraceTail& tail, TraceWriter& writer) {
+  if (tail.pending_notes.empty()) return {};
+  if (!tail.has_pending_inputs)
+    if (const Status status = writer.begin_tick({tail.pending_dt, {}}); !status) return status;
+  for (const Note& note : tail.pending_notes)
+    if (const Status status = writer.note(note); !status) return status;
+  return {};
 }
 
 /// A trace without ticks is useless, unless it was recorded without ticks.
@@ -98,6 +120,7 @@ Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) 
   if (nothing_saved(writer, reader.first_tick(), tail)) return {};
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
+  if (const Status status = copy_pending_notes(tail, writer); !status) return status;
   // With its end record, no tick was lost: only index or footer were.
   if (tail.end) return writer.finish(tail.end->reason, tail.end->note);
   return writer.finish(EndReason::recovered, tail.message);

@@ -180,6 +180,25 @@ const StateCells* TraceReader::Impl::read_cells(ByteView body) {
   return &walk_cells.cells();
 }
 
+/// A record outside of the chain that was checked.
+void TraceReader::Impl::read_bound(const Record& part, TickRecord& record) {
+  record.bound.push_back({part.tag, part.body});
+  switch (static_cast<RecordTag>(part.tag)) {
+    case RecordTag::name:
+      walk_names.emplace_back(part.body.begin(), part.body.end());
+      return;
+    case RecordTag::marks:
+      record.marks = decode_marks(part.body, walk_names);
+      return;
+    case RecordTag::mark_list:
+      if (!record.mark_list) record.mark_list.emplace();
+      decode_mark_list(part.body, walk_names, *record.mark_list);
+      return;
+    default:
+      record.notes.push_back(decode_note(part.body));
+  }
+}
+
 const TraceReader::Item& TraceReader::Impl::walk() {
   if (!std::holds_alternative<TickRecord>(item)) item = TickRecord{};
   TickRecord& record = std::get<TickRecord>(item);
@@ -190,6 +209,10 @@ const TraceReader::Item& TraceReader::Impl::walk() {
   record.shown.reset();
   record.cells = nullptr;
   record.bound.clear();
+  record.has_bound = walk_has_bound;
+  record.marks.reset();
+  record.mark_list.reset();
+  record.notes.clear();
   for (;;) {
     const Record part = parse_record(ByteView(records).subspan(walk_offset), nullptr, version);
     TICKTRUE_ASSERT(part.fault == RecordFault::none);
@@ -199,7 +222,7 @@ const TraceReader::Item& TraceReader::Impl::walk() {
     if (tag == RecordTag::dt) walk_dt = in.f64();
     if (tag == RecordTag::inputs) record.inputs = part.body;
     if (tag == RecordTag::cells) record.cells = read_cells(part.body);
-    if (is_bound_tag(part.tag) && walk_has_bound) record.bound.push_back({part.tag, part.body});
+    if (is_bound_tag(part.tag) && walk_has_bound) read_bound(part, record);
     if (tag == RecordTag::stages)
       while (!in.at_end()) record.stage_hashes.push_back(in.u64());
     if (tag != RecordTag::root && tag != RecordTag::root_image) continue;
@@ -226,9 +249,10 @@ void TraceReader::Impl::make_tail() {
   tail.end = end;
   if (cursor.has_pending) {
     tail.has_pending_inputs = true;
-    tail.pending_dt = cursor.pending_dt;
     tail.pending_inputs = cursor.pending_inputs;
   }
+  if (cursor.has_pending || !cursor.pending_notes.empty()) tail.pending_dt = cursor.pending_dt;
+  tail.pending_notes = cursor.pending_notes;
   const Fault& shown = first_damage ? *first_damage : *fault;
   tail.condition = shown.condition;
   tail.offset = shown.offset;

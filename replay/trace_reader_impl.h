@@ -73,6 +73,7 @@ struct Cursor {
   bool has_pending = false;    // inputs of a tick without hash stand at the end of the last ticks chunk
   double pending_dt = 0;
   Bytes pending_inputs;
+  std::vector<Note> pending_notes;  // behind the last tick
 };
 
 struct TicksScan;
@@ -114,6 +115,7 @@ struct TraceReader::Impl {
   double walk_dt = 0;
   std::uint64_t walk_file_offset = 0;     // of records[0]
   bool walk_has_bound = true;             // false: damaged, and not given out
+  std::vector<std::string> walk_names;    // of marks, of the chunk so far
   StateCells cells;                       // versions 1 and 2
   std::optional<CellLayout> cell_layout;  // from here on version 3, where the trace has cells
   ComposedCells walk_cells;
@@ -212,6 +214,8 @@ struct TraceReader::Impl {
   std::string fault_text(const Record& record) const;
   void set_ticks(ByteView bytes, std::size_t ticks_end, std::uint64_t tick, bool has_bound);
   void set_pending(double dt, ByteView inputs);
+  /// Takes over the notes among the records behind the last root record of a ticks chunk. `dt`: of that tick.
+  void set_pending_notes(double dt, ByteView bytes);
   Step read_end(const ChunkHeader& header);
   Step read_index(const ChunkHeader& header);
   Step read_footer(const ChunkHeader& header);
@@ -226,6 +230,7 @@ struct TraceReader::Impl {
   /// Returns the next tick of the verified chunk in `records`.
   const Item& walk();
   const StateCells* read_cells(ByteView body);
+  void read_bound(const Record& part, TickRecord& record);
   void make_tail();
   /// Finds the intact ranges after the damage at the cursor.
   std::vector<IntactRange> find_intact();

@@ -139,6 +139,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
       if (scan.bound_fault) note_damage(*scan.bound_fault);
       set_ticks(bytes, scan.ticks_end, scan.tick, !scan.bound_fault);
       if (scan.is_pending) set_pending(scan.dt, bytes.subspan(scan.inputs_offset, scan.inputs_size));
+      if (!scan.bound_fault) set_pending_notes(scan.dt, bytes.first(at - record.size).subspan(scan.ticks_end));
       cursor.offset += at;
       ++cursor.sequence;
       cursor.chain = running.chained;
@@ -167,6 +168,7 @@ Step TraceReader::Impl::read_ticks(const ChunkHeader& header) {
   if (!is_as_read(bytes, at, header, running)) return changed(header);
   set_ticks(bytes, scan.ticks_end, scan.tick, true);
   if (scan.is_pending) set_pending(scan.dt, bytes.subspan(scan.inputs_offset, scan.inputs_size));
+  set_pending_notes(scan.dt, bytes.first(at).subspan(scan.ticks_end));
   return walk_end > 0 ? Step::ticks : Step::stop;
 }
 
@@ -207,14 +209,26 @@ void TraceReader::Impl::set_ticks(ByteView bytes, std::size_t ticks_end, std::ui
   walk_dt = setup.dt;
   walk_file_offset = cursor.offset + chunk_header_size;
   walk_has_bound = has_bound;
+  walk_names.clear();
   walk_cells.reset();
   cursor.tick = tick;
+  cursor.pending_notes.clear();
 }
 
 void TraceReader::Impl::set_pending(double dt, ByteView inputs) {
   cursor.has_pending = true;
   cursor.pending_dt = dt;
   cursor.pending_inputs.assign(inputs.begin(), inputs.end());
+}
+
+void TraceReader::Impl::set_pending_notes(double dt, ByteView bytes) {
+  cursor.pending_dt = dt;
+  while (!bytes.empty()) {
+    const Record record = parse_record(bytes, nullptr, version);
+    if (record.fault != RecordFault::none) return;
+    if (is_tag(record.tag, RecordTag::note)) cursor.pending_notes.push_back(decode_note(record.body));
+    bytes = bytes.subspan(record.size);
+  }
 }
 
 }  // namespace ticktrue::replay

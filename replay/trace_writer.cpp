@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "base/assert.h"
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/limits.h"
 #include "replay/file/file.h"
@@ -20,6 +22,11 @@ namespace {
 
 // A fast recording passes many checkpoints a second, and each sync costs milliseconds.
 constexpr std::chrono::seconds sync_interval{1};
+
+// Of the bound records of a chunk: room for the records that say that others were left out, one of each for each tick.
+constexpr std::size_t left_out_room = 128u << 10;
+constexpr std::size_t record_frame_size_max = 8;  // tag, size, check
+constexpr const char* left_out_topic = "ticktrue.left_out";
 
 /// Version 3 is written where a test asks for it alone: its number must not go out before all of it is built.
 Error refuse_third(const TraceSetup& setup, const std::string& path) {
@@ -69,10 +76,12 @@ struct TraceWriter::Impl {
   Running running;
   std::uint64_t dt_bits = 0;
   std::uint32_t chunk_ticks = 0;
-  std::size_t chunk_size = 0;     // without records outside of the chain: they must not move the next chunk
-  std::size_t bound_size = 0;     // of those
-  std::size_t bound_in_out = 0;   // of those in `out`
-  bool has_cells_before = false;  // of a tick of this chunk
+  std::size_t chunk_size = 0;    // without records outside of the chain: they must not move the next chunk
+  std::size_t bound_size = 0;    // of those
+  std::size_t bound_in_out = 0;  // of those in `out`
+  std::map<std::string, std::uint32_t> mark_names;  // of the chunk: name, id
+  bool told_left_out = false;                       // notes of this chunk are left out, and it is written
+  bool has_cells_before = false;                    // of a tick of this chunk
   StateCells cells_before;
 
   ByteWriter out;  // what the current call hands over
@@ -129,6 +138,8 @@ struct TraceWriter::Impl {
     dt_bits = setup_dt_bits;
     chunk_ticks = 0;
     chunk_size = bound_size = 0;
+    mark_names.clear();
+    told_left_out = false;
     has_cells_before = false;
   }
 
@@ -268,6 +279,57 @@ struct TraceWriter::Impl {
     append_record(RecordTag::cells, cells_out.view(), running.chained, out);
   }
 
+  void put_bound(RecordTag tag, ByteView body) {
+    const std::size_t start = out.size();
+    append_record(tag, body, running.outside, out);
+    bound_in_out += out.size() - start;
+    bound_size += out.size() - start;
+  }
+
+  bool has_bound_room(std::size_t body_size) const {
+    return bound_size + body_size + record_frame_size_max + left_out_room <= bound_size_max;
+  }
+
+  void put_left_out(const std::string& what) {
+    if (!setup.has(Feature::notes)) return;
+    ByteWriter body;
+    encode_note({left_out_topic, what}, body);
+    put_bound(RecordTag::note, body.view());
+  }
+
+  /// The ids of these names in the open chunk; new ones get a record. Nothing if they do not fit.
+  std::optional<std::vector<std::uint32_t>> put_names(const std::vector<const std::string*>& names) {
+    std::size_t new_size = 0;
+    std::size_t count = mark_names.size();
+    for (const std::string* name : names) {
+      if (mark_names.count(*name) != 0) continue;
+      new_size += name->size() + record_frame_size_max;
+      ++count;
+    }
+    if (count > mark_name_count_max || !has_bound_room(new_size)) return std::nullopt;
+    std::vector<std::uint32_t> ids;
+    for (const std::string* name : names) {
+      const auto [at, is_new] = mark_names.emplace(*name, static_cast<std::uint32_t>(mark_names.size()));
+      if (is_new) put_bound(RecordTag::name, {reinterpret_cast<const std::uint8_t*>(name->data()), name->size()});
+      ids.push_back(at->second);
+    }
+    return ids;
+  }
+
+  /// False: the marks pass a limit, and nothing is written but names.
+  bool put_marks(const TickMarks& marks) {
+    if (marks.is_left_out()) return false;
+    std::vector<const std::string*> names;
+    for (const NameMarks& name : marks.names) names.push_back(&name.name);
+    const auto ids = put_names(names);
+    if (!ids) return false;
+    ByteWriter body;
+    encode_marks(marks, *ids, body);
+    if (body.size() > marks_size_max || !has_bound_room(body.size())) return false;
+    put_bound(RecordTag::marks, body.view());
+    return true;
+  }
+
   Status write_tick(std::uint64_t root_hash, std::span<const std::uint64_t> stage_hashes, std::optional<ByteView> bytes,
                     const StateCells* of_state) {
     TICKTRUE_ASSERT(in_tick);
@@ -402,16 +464,67 @@ Status TraceWriter::bound_record(RecordTag tag, ByteView body) {
   TICKTRUE_ASSERT(impl.in_tick && impl.version == format_version_third);
   if (impl.failure) return *impl.failure;
   impl.open_chunk();
-  const std::size_t start = impl.out.size();
-  constexpr std::size_t frame_size_max = 8;  // tag, size, check
-  if (impl.bound_size + body.size() + frame_size_max > bound_size_max)
+  if (impl.bound_size + body.size() + record_frame_size_max > bound_size_max)
     return Error{ErrorCode::limit,
                  impl.file.path() + ": tick " + std::to_string(impl.tick_count) +
                      ": notes and marks: reached the limit of a chunk",
                  ""};
-  append_record(tag, body, impl.running.outside, impl.out);
-  impl.bound_in_out += impl.out.size() - start;
-  impl.bound_size += impl.out.size() - start;
+  impl.put_bound(tag, body);
+  return impl.flush();
+}
+
+Status TraceWriter::marks(const TickMarks& marks) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.in_tick && impl.setup.has(Feature::marks));
+  if (impl.failure) return *impl.failure;
+  impl.open_chunk();
+  if (!impl.put_marks(marks)) {
+    ByteWriter body;
+    encode_marks({}, {}, body);
+    impl.put_bound(RecordTag::marks, body.view());
+    if (!marks.is_left_out()) impl.put_left_out("marks of this tick, of " + count_text(marks.names.size(), "name"));
+  }
+  return impl.flush();
+}
+
+Status TraceWriter::mark_list(const MarkList& list) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.in_tick && impl.setup.has(Feature::marks) && impl.setup.is_full(impl.tick_count));
+  if (impl.failure) return *impl.failure;
+  impl.open_chunk();
+  // Of the names of the list, those that it uses.
+  std::vector<bool> is_used(list.names.size());
+  for (const Mark& mark : list.marks) is_used[mark.name] = true;
+  std::vector<const std::string*> used;
+  for (std::size_t i = 0; i < is_used.size(); ++i)
+    if (is_used[i]) used.push_back(&list.names[i]);
+  const auto used_ids = impl.put_names(used);
+  if (!used_ids) return impl.flush();
+  std::vector<std::uint32_t> ids(list.names.size());
+  for (std::size_t i = 0, at = 0; i < is_used.size(); ++i)
+    if (is_used[i]) ids[i] = (*used_ids)[at++];
+  ByteWriter body;
+  encode_mark_list(list, ids, body);
+  if (impl.has_bound_room(body.size()))
+    impl.put_bound(RecordTag::mark_list, body.view());
+  else
+    impl.put_left_out("list of " + count_text(list.marks.size(), "mark") + " of this tick");
+  return impl.flush();
+}
+
+Status TraceWriter::note(const Note& note) {
+  Impl& impl = *impl_;
+  TICKTRUE_ASSERT(impl.in_tick && impl.setup.has(Feature::notes));
+  TICKTRUE_ASSERT(!note.topic.empty() && note.topic.size() <= topic_size_max && note.text.size() <= note_body_size_max);
+  if (impl.failure) return *impl.failure;
+  impl.open_chunk();
+  ByteWriter body;
+  encode_note(note, body);
+  if (impl.has_bound_room(body.size())) {
+    impl.put_bound(RecordTag::note, body.view());
+  } else if (!std::exchange(impl.told_left_out, true)) {
+    impl.put_left_out("notes from here on");
+  }
   return impl.flush();
 }
 

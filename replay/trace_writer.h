@@ -44,6 +44,13 @@ class TraceWriter {
   /// Hands a record outside of the chain to the operating system. Requires: a tick begun, the feature.
   /// Errors: limit (those of the chunk are too many; nothing is written).
   Status bound_record(RecordTag tag, ByteView body);
+  /// Hands the marks of the tick to the operating system. Where they pass a limit of their chunk, it is written that
+  /// they are left out. Requires: a tick begun, Feature::marks; once a tick.
+  Status marks(const TickMarks& marks);
+  /// Each mark of the tick, as many as fit. Requires: the same, and that the tick is stored in full.
+  Status mark_list(const MarkList& list);
+  /// Hands a note to the operating system at once. Requires: a tick begun, Feature::notes.
+  Status note(const Note& note);
 
   /// Hands the hashes of the tick to the operating system. `stage_hashes` count only where they are stored
   /// (wants_stages()), `state`, after the tick, also with detail cells (wants_state()); else it may be null.

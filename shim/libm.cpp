@@ -56,6 +56,12 @@ T finished(const Call& call, T value) {
   return call.is_changed && settings().libm_mode != 0 ? off_by_one(value, call.number) : value;
 }
 
+template <typename T>
+T marked(Function function, T value, const void* return_address) {
+  mark_call(function, bits_of(value), return_address);
+  return value;
+}
+
 bool is_logging() {
   return settings().libm_log != 0;
 }
@@ -72,7 +78,7 @@ T unary(Function function, Unary<T>& real, const char* name, T x, const void* re
   const Call call = begin_call(function);
   const T value = real_function(real, name)(x);
   if (is_logging()) log_libm(function, call, bits_of(x), bits_of(value), return_address);
-  return finished(call, value);
+  return marked(function, finished(call, value), return_address);
 }
 
 template <typename T>
@@ -80,7 +86,7 @@ T binary(Function function, Binary<T>& real, const char* name, T x, T y, const v
   const Call call = begin_call(function);
   const T value = real_function(real, name)(x, y);
   if (is_logging()) log_libm(function, call, bits_of(x) * 31 + bits_of(y), bits_of(value), return_address);
-  return finished(call, value);
+  return marked(function, finished(call, value), return_address);
 }
 
 template <typename T>
@@ -91,6 +97,7 @@ void sine_cosine(Function function, SineCosine<T>& real, const char* name, T x, 
   if (is_logging()) log_libm(function, call, bits_of(x), bits_of(*sine) * 31 + bits_of(*cosine), return_address);
   *sine = finished(call, *sine);
   *cosine = finished(call, *cosine);
+  mark_call(function, bits_of(*sine) * 31 + bits_of(*cosine), return_address);
 }
 
 }  // namespace

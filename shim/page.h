@@ -66,6 +66,10 @@ inline constexpr FunctionInfo functions[] = {
 };
 static_assert(sizeof functions / sizeof functions[0] == function_count);
 
+/// What the session of a program has called for each call of a group. `name`: of the function, as in "libc.rand";
+/// `value`: its result; `caller`: where it returns to. The calling thread may be any.
+using CallSink = void (*)(void* with, const char* name, std::uint64_t value, const void* caller);
+
 /// Calls [first, end) of a group.
 struct CallRange {
   std::uint64_t first;

@@ -67,15 +67,34 @@ FILE* open_file(FILE* (*real)(const char*, const char*), const char* path, const
   return stream >= 0 ? ::fdopen(stream, "rb") : real(path, mode);
 }
 
-/// Draws of the generators of the C library: `draw` gives the next.
 template <typename T, typename Draw>
-T drawn(Function function, Draw&& draw, T (*other)(T)) {
-  const Call call = begin_call(function);
+T changed_draw(const Call& call, Draw&& draw, T (*other)(T)) {
   if (!call.is_changed || settings().rand_mode == 0) return draw();
   count_change();
   if (settings().rand_mode == rand_drawn) draw();
   const T found = draw();
   return settings().rand_mode == rand_other ? other(found) : found;
+}
+
+/// Draws of the generators of the C library: `draw` gives the next.
+template <typename T, typename Draw>
+T drawn(Function function, Draw&& draw, T (*other)(T), const void* caller) {
+  const T value = changed_draw<T>(begin_call(function), draw, other);
+  mark_bytes(function, &value, sizeof value, caller);
+  return value;
+}
+
+void fill_arc4random(void* target, std::size_t size, const void* caller) {
+  static void (*real)(void*, std::size_t) = nullptr;
+  if (is_streaming(begin_call(Function::arc4random))) {
+    fill_from_seed(target, size);
+  } else if (const auto found = real_function(real, "arc4random_buf"); found != nullptr) {
+    found(target, size);
+  } else {
+    const Inside inside;
+    ::getentropy(target, size < entropy_size_max ? size : entropy_size_max);
+  }
+  mark_bytes(Function::arc4random, target, size, caller);
 }
 
 }  // namespace
@@ -85,44 +104,52 @@ using namespace ticktrue::shim;
 
 TICKTRUE_SHIM_API ssize_t getrandom(void* target, std::size_t size, unsigned flags) {
   static ssize_t (*real)(void*, std::size_t, unsigned) = nullptr;
-  if (!is_streaming(begin_call(Function::getrandom))) return real_function(real, "getrandom")(target, size, flags);
-  fill_from_seed(target, size);
-  return static_cast<ssize_t>(size);
+  ssize_t got = static_cast<ssize_t>(size);
+  if (is_streaming(begin_call(Function::getrandom)))
+    fill_from_seed(target, size);
+  else
+    got = real_function(real, "getrandom")(target, size, flags);
+  if (got > 0) mark_bytes(Function::getrandom, target, static_cast<std::size_t>(got), __builtin_return_address(0));
+  return got;
 }
 
 TICKTRUE_SHIM_API int getentropy(void* target, std::size_t size) {
   static int (*real)(void*, std::size_t) = nullptr;
-  if (!is_streaming(begin_call(Function::getentropy)) || size > entropy_size_max)
-    return real_function(real, "getentropy")(target, size);
-  fill_from_seed(target, size);
-  return 0;
+  int status = 0;
+  if (is_streaming(begin_call(Function::getentropy)) && size <= entropy_size_max)
+    fill_from_seed(target, size);
+  else
+    status = real_function(real, "getentropy")(target, size);
+  if (status == 0) mark_bytes(Function::getentropy, target, size, __builtin_return_address(0));
+  return status;
 }
 
 TICKTRUE_SHIM_API void arc4random_buf(void* target, std::size_t size) {
-  static void (*real)(void*, std::size_t) = nullptr;
-  if (is_streaming(begin_call(Function::arc4random))) return fill_from_seed(target, size);
-  const auto found = real_function(real, "arc4random_buf");
-  if (found != nullptr) return found(target, size);
-  ::getentropy(target, size < entropy_size_max ? size : entropy_size_max);
+  fill_arc4random(target, size, __builtin_return_address(0));
 }
 
 TICKTRUE_SHIM_API std::uint32_t arc4random() {
   std::uint32_t value = 0;
-  arc4random_buf(&value, sizeof value);
+  fill_arc4random(&value, sizeof value, __builtin_return_address(0));
   return value;
 }
 
 TICKTRUE_SHIM_API std::uint32_t arc4random_uniform(std::uint32_t end) {
-  return end < 2 ? 0 : static_cast<std::uint32_t>(std::uint64_t{arc4random()} * end >> 32);
+  if (end < 2) return 0;
+  std::uint32_t value = 0;
+  fill_arc4random(&value, sizeof value, __builtin_return_address(0));
+  return static_cast<std::uint32_t>(std::uint64_t{value} * end >> 32);
 }
 
 // std::random_device::_M_getval(): it may use an instruction of the processor, which no library stands in front of.
 TICKTRUE_SHIM_API unsigned _ZNSt13random_device9_M_getvalEv(void* device) {
   static unsigned (*real)(void*) = nullptr;
-  if (!is_streaming(begin_call(Function::random_device)))
-    return real_function(real, "_ZNSt13random_device9_M_getvalEv")(device);
   unsigned value = 0;
-  fill_from_seed(&value, sizeof value);
+  if (is_streaming(begin_call(Function::random_device)))
+    fill_from_seed(&value, sizeof value);
+  else
+    value = real_function(real, "_ZNSt13random_device9_M_getvalEv")(device);
+  mark_call(Function::random_device, value, __builtin_return_address(0));
   return value;
 }
 
@@ -148,17 +175,23 @@ TICKTRUE_SHIM_FOPEN(fopen64)
 
 TICKTRUE_SHIM_API int rand() noexcept {
   static int (*real)() = nullptr;
-  return drawn<int>(Function::rand, real_function(real, "rand"),
-                    [](int value) { return static_cast<int>(static_cast<unsigned>(value) ^ rand_bits); });
+  return drawn<int>(
+      Function::rand, real_function(real, "rand"),
+      [](int value) { return static_cast<int>(static_cast<unsigned>(value) ^ rand_bits); },
+      __builtin_return_address(0));
 }
 
 TICKTRUE_SHIM_API long random() noexcept {
   static long (*real)() = nullptr;
-  return drawn<long>(Function::random, real_function(real, "random"),
-                     [](long value) { return static_cast<long>(static_cast<unsigned long>(value) ^ rand_bits); });
+  return drawn<long>(
+      Function::random, real_function(real, "random"),
+      [](long value) { return static_cast<long>(static_cast<unsigned long>(value) ^ rand_bits); },
+      __builtin_return_address(0));
 }
 
 TICKTRUE_SHIM_API double drand48() noexcept {
   static double (*real)() = nullptr;
-  return drawn<double>(Function::drand48, real_function(real, "drand48"), [](double value) { return 0.5 * value; });
+  return drawn<double>(
+      Function::drand48, real_function(real, "drand48"), [](double value) { return 0.5 * value; },
+      __builtin_return_address(0));
 }

@@ -60,6 +60,11 @@ void begin_thread_state();
 /// A pause of at most so many microseconds that follows from the seed and `value`.
 void pause_for(std::uint32_t most_us, std::uint64_t value);
 
+/// Tells the session of a call, if it wants those of the group.
+void mark_call(Function function, std::uint64_t value, const void* caller);
+/// The same for bytes that a call gave.
+void mark_bytes(Function function, const void* bytes, std::size_t size, const void* caller);
+
 /// A result of libm goes to the log.
 void log_libm(Function function, const Call& call, std::uint64_t arguments, std::uint64_t result,
               const void* return_address);

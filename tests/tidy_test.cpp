@@ -226,6 +226,7 @@ constexpr Room rooms[] = {
      "tool/study"},
     {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
+    {"tool/experiment/trail", "below,tool/experiment/shake,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
     {"tool/play/picture", "below,tool/drawing,tool/output"},
@@ -234,7 +235,7 @@ constexpr Room rooms[] = {
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/reduce,"
-     "tool/experiment/shake,tool/import,tool/play,tool/report_page"},
+     "tool/experiment/shake,tool/experiment/trail,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"

@@ -42,10 +42,7 @@ std::string BoundRules::check(const Record& record, const TraceSetup& setup, std
     return "records outside of the chain: found more than " + std::to_string(bound_size_max) + " bytes";
   switch (tag) {
     case RecordTag::name:
-      ++name_count_;
-      if (name_count_ > mark_name_count_max)
-        return "names of marks: found more than " + std::to_string(mark_name_count_max) + " in a chunk";
-      return "";
+      return check_name(record.body);
     case RecordTag::marks:
       return check_marks(record.body);
     case RecordTag::mark_list:
@@ -54,6 +51,12 @@ std::string BoundRules::check(const Record& record, const TraceSetup& setup, std
     default:
       return check_note(record.body);
   }
+}
+
+std::string BoundRules::check_name(ByteView body) {
+  if (names_.size() == mark_name_count_max)
+    return "names of marks: found more than " + std::to_string(mark_name_count_max) + " in a chunk";
+  return names_.emplace(body.begin(), body.end()).second ? "" : "names of marks: found the same one twice in a chunk";
 }
 
 std::string BoundRules::check_marks(ByteView body) {
@@ -65,7 +68,7 @@ std::string BoundRules::check_marks(ByteView body) {
   std::uint64_t next = 0;
   for (std::uint64_t i = 0; i < count && in.ok(); ++i) {
     const std::uint64_t skip = in.varint();
-    if (!in.ok() || skip >= name_count_ - next) return "marks: found a name that does not stand before";
+    if (!in.ok() || skip >= names_.size() - next) return "marks: found a name that does not stand before";
     next += skip + 1;
     if (in.varint() == 0) return "marks: found a name without marks";
     in.u32();
@@ -80,7 +83,7 @@ std::string BoundRules::check_mark_list(ByteView body) {
   ByteReader in(body);
   if (in.u8() > 1) return "mark list: flags: found others than bit 0";
   while (in.ok() && !in.at_end()) {
-    if (in.varint() >= name_count_) return "mark list: found a name that does not stand before";
+    if (in.varint() >= names_.size()) return "mark list: found a name that does not stand before";
     in.u64();
   }
   return in.ok() ? "" : "mark list: sizes do not add up";

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 
 #include "replay/format/chunk.h"
@@ -23,13 +24,14 @@ class BoundRules {
   }
 
  private:
+  std::string check_name(ByteView body);
   std::string check_marks(ByteView body);
   std::string check_mark_list(ByteView body);
 
-  std::size_t size_ = 0;        // bytes of all records of the chunk
-  std::size_t name_count_ = 0;  // of the chunk
-  bool has_marks_ = false;      // in this tick
-  std::size_t list_size_ = 0;   // in this tick
+  std::size_t size_ = 0;         // bytes of all records of the chunk
+  std::set<std::string> names_;  // of the chunk
+  bool has_marks_ = false;       // in this tick
+  std::size_t list_size_ = 0;    // in this tick
 };
 
 }  // namespace ticktrue::replay

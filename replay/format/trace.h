@@ -14,6 +14,7 @@
 #include "base/bytes.h"
 #include "base/state/cells.h"
 #include "base/state/state_view.h"
+#include "replay/format/marks.h"
 
 namespace ticktrue::replay {
 
@@ -100,6 +101,10 @@ struct TickRecord {
   const StateCells* cells = nullptr;        // of the state after the tick; null unless stored
   std::optional<ByteView> shown;            // shown image after the tick; absent unless stored
   std::vector<BoundRecord> bound;           // in the order of the file
+  bool has_bound = true;                    // false: the records outside of the chain are damaged
+  std::optional<TickMarks> marks;           // of those records; absent: the tick has none
+  std::optional<MarkList> mark_list;        // the same
+  std::vector<Note> notes;                  // the same
 };
 
 /// Full state with `tick` ticks done. The one at tick 0 is the initial state.
@@ -157,6 +162,7 @@ struct TraceTail {
   bool has_pending_inputs = false;  // truncated in flight: inputs of tick `ticks_intact` were written
   double pending_dt = 0;
   Bytes pending_inputs;
+  std::vector<Note> pending_notes;        // of that tick
   std::vector<IntactRange> intact_after;  // damaged: what is whole behind the damage
 };
 

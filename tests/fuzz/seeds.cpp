@@ -152,17 +152,16 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   if (first_tick > 0) writer->begin_at(first_tick, 1);
   ToySession session;
   const Bytes content{1, 2, 3, 4};
-  const Bytes note{3, 0, 0, 0, 'l', 'o', 'g', 'h', 'i'};
-  const Bytes marks{1, 2, 3, 4, 5, 6, 7, 8, 1, 0, 2, 9, 9, 9, 9};
+  const replay::TickMarks marks{0x0807060504030201, {{"rand", 2, 0x09090909}, {"sin", 1, 0x08080808}}};
+  const replay::MarkList list{{"rand", "sin"}, {{0, 1}, {1, 2}, {0, 3}}, false};
   bool is_written = true;
   for (std::uint64_t tick = 0; tick < tick_count; ++tick) {
     if (writer->wants_checkpoint())
       is_written = is_written && writer->checkpoint(toy.state(), root_hash(toy.state())) && writer->shown(content) &&
                    writer->save(content);
     const auto input = session.next(tick);
-    is_written = is_written && writer->begin_tick(**input) && writer->bound_record(replay::RecordTag::note, note) &&
-                 writer->bound_record(replay::RecordTag::name, content) &&
-                 writer->bound_record(replay::RecordTag::marks, marks);
+    is_written = is_written && writer->begin_tick(**input) && writer->note({"log", "hi"}) && writer->marks(marks) &&
+                 (!writer->wants_full() || writer->mark_list(list));
     StageHashes stages;
     is_written = is_written && toy.step(**input, &stages);
     is_written = is_written && writer->end_tick(root_hash(toy.state()), stages.hashes(), &toy.state());

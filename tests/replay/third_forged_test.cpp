@@ -245,11 +245,14 @@ TEST_CASE("each limit of records outside of the chain holds", "[replay][third][f
   CHECK(fault_of_records({{RecordTag::name, Bytes(256, 'n')}}).empty());
   CHECK(contains(fault_of_records({{RecordTag::name, Bytes(257, 'n')}}), "record size"));
   CHECK(contains(fault_of_records({{RecordTag::name, {}}}), "record size"));
-  std::vector<std::pair<RecordTag, Bytes>> names(1'024, name);
+  std::vector<std::pair<RecordTag, Bytes>> names;
+  for (std::uint8_t i = 0; names.size() < 1'024; i = static_cast<std::uint8_t>((i + 1) % 32))
+    names.emplace_back(RecordTag::name, Bytes{static_cast<std::uint8_t>(names.size() / 32), i});
   CHECK(fault_of_records(names).empty());
   names.push_back(name);
   CHECK(contains(fault_of_records(names), "names of marks: found more than 1024 in a chunk"));
 
+  CHECK(contains(fault_of_records({name, name}), "names of marks: found the same one twice in a chunk"));
   CHECK(fault_of_records({name, {RecordTag::marks, marks(0)}}).empty());
   CHECK(contains(fault_of_records({name, {RecordTag::marks, marks(1)}}), "a name that does not stand before"));
   CHECK(contains(fault_of_records({name, {RecordTag::marks, marks(0, 0)}}), "a name without marks"));

@@ -43,6 +43,7 @@ constexpr const char* footer =
   see what is in a trace, or take its inputs out                  show
   know what makes a program diverge: heap, clock, libm, ...       shake
   make a failing session small: few bodies, inputs and ticks      reduce
+  know which call of a tick is missing, extra or another          trail
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
@@ -124,7 +125,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
 
 /// The words behind `--` of a command that runs a program: options among them are not ours. Returns how many are left.
 int take_program(int argc, char** argv, CliContext& context) {
-  if (argc < 2 || std::string_view(argv[1]) != "shake") return argc;
+  if (argc < 2 || (std::string_view(argv[1]) != "shake" && std::string_view(argv[1]) != "trail")) return argc;
   for (int i = 2; i < argc; ++i) {
     if (std::string_view(argv[i]) != "--") continue;
     context.program.assign(argv + i + 1, argv + argc);
@@ -165,6 +166,7 @@ int parse_and_run(int argc, char** argv) {
   add_import(app, context);
   add_shake(app, context);
   add_reduce(app, context);
+  add_trail(app, context);
   add_compare(app, context);
   add_accuracy(app, context);
   add_stress(app, context);

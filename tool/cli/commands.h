@@ -27,6 +27,7 @@ void add_recover(CLI::App& app, CliContext& context);
 void add_import(CLI::App& app, CliContext& context);
 void add_reduce(CLI::App& app, CliContext& context);
 void add_shake(CLI::App& app, CliContext& context);
+void add_trail(CLI::App& app, CliContext& context);
 
 // study
 void add_compare(CLI::App& app, CliContext& context);

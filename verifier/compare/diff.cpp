@@ -7,6 +7,7 @@
 
 #include "base/hash.h"
 #include "replay/format/shown_image.h"
+#include "verifier/locate/compare_marks.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
@@ -188,6 +189,7 @@ class Differ {
     if (comparable_) compare_checkpoints(first, time_s);
     while (a != nullptr && b != nullptr) {
       compare_inputs(tick, *a, *b);
+      compare_marks(tick, *a, *b);
       if (a->shown && b->shown) compare_shown("after tick " + std::to_string(tick), *a->shown, *b->shown);
       // Hashes of different schemas are not comparable.
       const bool found = comparable_ && !report_.divergence && differ(*a, *b);
@@ -230,6 +232,17 @@ class Differ {
     if (setup_a_.whole_schema && setup_a_.whole_schema == setup_b_.whole_schema)
       text += shown_difference(*setup_a_.whole_schema, a, b);
     report_.notes.push_back(text + ": no verdict depends on them");
+  }
+
+  /// Tells the first difference of marks. It decides nothing.
+  void compare_marks(std::uint64_t tick, const TickRecord& a, const TickRecord& b) {
+    const bool have_marks = setup_a_.has(replay::Feature::marks) && setup_b_.has(replay::Feature::marks);
+    if (told_marks_ || !have_marks || !a.has_bound || !b.has_bound) return;
+    const auto difference = verifier::compare_marks(tick, a.marks ? &*a.marks : nullptr, b.marks ? &*b.marks : nullptr);
+    if (!difference) return;
+    told_marks_ = true;
+    report_.notes.push_back("marks differ first in tick " + std::to_string(tick) + " (b " +
+                            marks_text(*difference, "a") + "): no verdict depends on them");
   }
 
   void add_differing(std::uint64_t tick) {
@@ -439,6 +452,7 @@ class Differ {
   bool comparable_ = true;
   TickComparer comparer_;
   bool told_shown_ = false;
+  bool told_marks_ = false;
   std::uint64_t first_ = 0;                   // tick that both have
   std::uint64_t root_ = 0;                    // of the tick before, on both sides
   TickPart part_ = TickPart::root_hash;       // that differs

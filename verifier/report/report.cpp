@@ -4,9 +4,25 @@
 
 #include <algorithm>
 
+#include "base/count_text.h"
 #include "verifier/report/fact_differences.h"
 
 namespace ticktrue::verifier {
+namespace {
+
+constexpr std::size_t name_shown_max = 4;  // of marks
+
+std::string times(std::uint64_t count) {
+  return count == 0 ? "never" : count_text(count, "time");
+}
+
+std::string name_text(const NameDifference& name, const char* expected_name) {
+  if (name.expected == name.got) return name.name + " " + times(name.got) + " with other values";
+  return name.name + " " + times(name.got) + ", " + expected_name + " " +
+         (name.expected == 0 ? "never" : std::to_string(name.expected));
+}
+
+}  // namespace
 
 const VerdictInfo& verdict_info(Verdict verdict) {
   const auto found =
@@ -54,6 +70,15 @@ std::string shell_word(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return word + "'";
+}
+
+std::string marks_text(const MarksDifference& difference, const char* expected_name) {
+  if (difference.names.empty()) return "the same marks in another order";
+  std::string text;
+  const std::size_t shown = std::min(difference.names.size(), name_shown_max);
+  for (std::size_t i = 0; i < shown; ++i) text += (i > 0 ? "; " : "") + name_text(difference.names[i], expected_name);
+  if (difference.name_count > shown) text += "; and " + count_text(difference.name_count - shown, "more name");
+  return text;
 }
 
 std::vector<std::string> split_lines(const std::string& text) {

@@ -130,14 +130,30 @@ struct ComparedParts {
   std::uint64_t stage_hashes = 0;
   std::uint64_t images = 0;
   std::uint64_t cells = 0;
+  std::uint64_t marks = 0;
 
   ComparedParts& operator+=(const ComparedParts& more) {
     ticks += more.ticks;
     stage_hashes += more.stage_hashes;
     images += more.images;
     cells += more.cells;
+    marks += more.marks;
     return *this;
   }
+};
+
+/// Marks of one name, of which there are more or fewer, or which have other values.
+struct NameDifference {
+  std::string name;
+  std::uint64_t expected = 0;  // times in the tick; 0: never
+  std::uint64_t got = 0;
+};
+
+/// The first tick whose marks are not as recorded.
+struct MarksDifference {
+  std::uint64_t tick = 0;
+  std::vector<NameDifference> names;  // the first of them; none: only the order differs
+  std::uint64_t name_count = 0;       // all names that differ
 };
 
 /// How the trace itself ends.
@@ -176,6 +192,7 @@ struct Report {
   std::uint64_t segments = 1;  // walked independently, between checkpoints
   double wall_s = 0;           // how long it took; 0: not measured
   std::optional<Divergence> divergence;
+  std::optional<MarksDifference> marks;     // the verdict does not depend on it
   std::optional<std::uint64_t> checkpoint;  // state_incomplete: tick of the one from which the run differs
   std::optional<NonFinite> non_finite;      // where a value here is not finite, as recorded or not
   std::optional<TraceEnd> end;              // absent: the trace was not read to its end
@@ -199,6 +216,8 @@ std::string report_json(std::span<const Report> reports, bool allow_truncated);
 /// The indented lines of a divergence. The two sides are called as given.
 std::string divergence_text(const Divergence& divergence, const char* expected_name = "expected",
                             const char* got_name = "got");
+/// "rand 12 times, recorded 5; sin 3 times with other values": the first few names.
+std::string marks_text(const MarksDifference& difference, const char* expected_name = "recorded");
 /// JSON Lines as lines.
 std::vector<std::string> split_lines(const std::string& text);
 

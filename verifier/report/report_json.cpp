@@ -116,8 +116,21 @@ Json non_finite_json(const NonFinite& found) {
 }
 
 Json compared_json(const ComparedParts& compared) {
-  return {{"stage_hashes", compared.stage_hashes}, {"images", compared.images}, {"cells", compared.cells}};
+  Json object = {{"stage_hashes", compared.stage_hashes}, {"images", compared.images}, {"cells", compared.cells}};
+  if (compared.marks > 0) object["marks"] = compared.marks;
+  return object;
 }
+
+namespace {
+
+Json marks_json(const MarksDifference& marks) {
+  Json names = Json::array();
+  for (const NameDifference& name : marks.names)
+    names.push_back({{"name", name.name}, {"expected", name.expected}, {"got", name.got}});
+  return {{"tick", marks.tick}, {"names", std::move(names)}, {"name_count", marks.name_count}};
+}
+
+}  // namespace
 
 Json input_lines_json(const std::string& lines) {
   return Json(split_lines(lines));
@@ -187,6 +200,7 @@ Json report_row_json(const Report& report) {
   object["checkpoints_compared"] = report.checkpoints_compared;
   object["compared"] = compared_json(report.compared);
   object["stretches"] = report.segments;
+  if (report.marks) object["marks"] = marks_json(*report.marks);
   object["checkpoint"] = report.checkpoint ? Json(*report.checkpoint) : Json(nullptr);
   object["non_finite"] = report.non_finite ? non_finite_json(*report.non_finite) : Json(nullptr);
   object["end"] = report.end ? end_json(*report.end) : Json(nullptr);

@@ -174,6 +174,22 @@ void add_divergence(const Divergence& divergence, const std::string& expected_na
   add_spread(divergence, lines);
 }
 
+/// Where the marks of the program first differ from the recorded ones, in the tick that diverged or before it.
+void add_marks(const Report& report, Lines& lines) {
+  if (!report.marks) {
+    if (report.compared.marks > 0)
+      lines.add("marks", "as recorded, in " + count_text(report.compared.marks, "tick") + " up to this one");
+    return;
+  }
+  const std::uint64_t tick = report.marks->tick;
+  const std::uint64_t diverged = report.divergence->tick;
+  lines.add("marks", "differ first " +
+                         (tick >= diverged ? std::string("in this tick")
+                                           : "at tick " + std::to_string(tick) + ", " +
+                                                 count_text(diverged - tick, "tick") + " before") +
+                         ": " + marks_text(*report.marks));
+}
+
 std::string range_text(const replay::IntactRange& range) {
   return "ticks " + std::to_string(range.first_tick) + ".." + std::to_string(range.last_tick) +
          (range.has_checkpoint ? " (with a checkpoint)" : "");
@@ -234,6 +250,7 @@ std::string report_text(const Report& report) {
   const bool between_builds = report.against && report.against->is_expected;
   if (report.divergence)
     add_divergence(*report.divergence, between_builds ? "there" : "expected", between_builds ? "here" : "got", lines);
+  if (report.divergence) add_marks(report, lines);
   if (report.end) add_end(report, lines);
   for (const std::string& note : report.notes) lines.add("note", note);
   for (const std::string& warning : report.warnings) lines.add("warning", warning);

@@ -65,7 +65,19 @@ void fields(Io& io, Divergence& x) {
 }
 template <typename Io>
 void fields(Io& io, ComparedParts& x) {
-  io(x.ticks, x.stage_hashes, x.images, x.cells);
+  io(x.ticks, x.stage_hashes, x.images, x.cells, x.marks);
+}
+template <typename Io>
+void fields(Io& io, NameDifference& x) {
+  io(x.name, x.expected, x.got);
+}
+template <typename Io>
+void fields(Io& io, MarksDifference& x) {
+  io(x.tick, x.names, x.name_count);
+}
+template <typename Io>
+void fields(Io& io, replay::Note& x) {
+  io(x.topic, x.text);
 }
 template <typename Io>
 void fields(Io& io, NonFinite& x) {
@@ -82,7 +94,7 @@ void fields(Io& io, replay::IntactRange& x) {
 template <typename Io>
 void fields(Io& io, replay::TraceTail& x) {
   io(x.condition, x.ticks_intact, x.offset, x.message, x.end, x.has_pending_inputs, x.pending_dt, x.pending_inputs,
-     x.intact_after);
+     x.pending_notes, x.intact_after);
 }
 template <typename Io>
 void fields(Io& io, TraceEnd& x) {
@@ -100,8 +112,8 @@ template <typename Io>
 void fields(Io& io, Report& x) {
   io(x.file, x.title, x.simulation, x.mode, x.verdict, x.reason, x.hint, x.ticks_recorded, x.ticks_compared,
      x.first_tick, x.time_s, x.root_hash, x.checkpoints_compared, x.compared, x.state_changed, x.segments, x.wall_s,
-     x.divergence, x.checkpoint, x.non_finite, x.end, x.warnings, x.notes, x.recorded_build, x.here_build, x.against,
-     x.again);
+     x.divergence, x.marks, x.checkpoint, x.non_finite, x.end, x.warnings, x.notes, x.recorded_build, x.here_build,
+     x.against, x.again);
 }
 
 template <typename T>

@@ -12,6 +12,7 @@
 #include "base/parallel/jobs.h"
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
+#include "tool/cli/session/program_runs.h"
 #include "tool/experiment/shake/shake_report.h"
 #include "tool/output/progress.h"
 #include "verifier/runs/data_file.h"
@@ -21,8 +22,6 @@ namespace ticktrue::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* trace_mark = "{trace}";
 
 struct ShakeCommand {
   std::string trace;
@@ -115,35 +114,6 @@ Result<std::vector<shake::Choice>> choices_of(const ShakeCommand& command) {
   }
   if (choices.empty()) return usage("--vary, --class: found no perturbation that is left");
   return choices;
-}
-
-std::string own_folder() {
-  std::error_code failed;
-  const fs::path path = fs::read_symlink("/proc/self/exe", failed);
-  return failed ? std::string() : path.parent_path().string();
-}
-
-/// The preload library of this build or installation; empty: there is none.
-std::string shim_path() {
-  for (const char* folder : {"", "/../lib", "/../lib/x86_64-linux-gnu", "/../lib/aarch64-linux-gnu", "/../lib64"}) {
-    std::error_code failed;
-    const fs::path path = fs::canonical(own_folder() + folder + "/libticktrue_shim.so", failed);
-    if (!failed) return path.string();
-  }
-  return "";
-}
-
-/// The program's words with the trace in them.
-std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace) {
-  std::vector<std::string> with = words;
-  bool has_mark = false;
-  for (std::string& word : with)
-    for (std::size_t at = word.find(trace_mark); at != std::string::npos; at = word.find(trace_mark)) {
-      word.replace(at, std::string(trace_mark).size(), trace);
-      has_mark = true;
-    }
-  if (!has_mark) with.insert(with.end(), {"--verify", trace});
-  return with;
 }
 
 std::string list_text() {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <map>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
 #include "replay/format/shown_image.h"
@@ -24,6 +25,8 @@ struct ShowOptions {
   std::string ticks;
   bool checkpoints = false;
   bool shown = false;
+  bool marks = false;
+  bool notes = false;
   bool json = false;
 };
 
@@ -115,6 +118,52 @@ int list_shown(replay::TraceReader& reader, const ShowOptions& options, const Ti
   if (!output_is_open()) return exit_ok;
   print_listing_end(options, reader.tail());
   return exit_code_of_condition(reader.tail().condition);
+}
+
+/// "rand 12 times, sin 3 times"
+std::string marks_line(const replay::TickRecord& record) {
+  if (!record.has_bound) return "damaged";
+  if (!record.marks) return "none";
+  if (record.marks->is_left_out()) return "left out: too many for the trace";
+  std::string text;
+  for (const replay::NameMarks& name : record.marks->names)
+    text += (text.empty() ? "" : ", ") + name.name + " " + count_text(name.count, "time");
+  return plain_line(text);
+}
+
+void print_marks(const replay::TickRecord& record) {
+  print(fmt::format("{:8}  {}\n", record.tick, marks_line(record)));
+  if (!record.mark_list) return;
+  for (std::size_t i = 0; i < record.mark_list->marks.size() && output_is_open(); ++i) {
+    const replay::Mark& mark = record.mark_list->marks[i];
+    print(fmt::format("{:8}  {:5}  {} {}\n", "", i + 1, plain_line(record.mark_list->names[mark.name]),
+                      lane_hex(ScalarType::u64, mark.value)));
+  }
+  if (record.mark_list->is_cut) print(fmt::format("{:8}         and more\n", ""));
+}
+
+void print_notes(std::uint64_t tick, const std::vector<replay::Note>& notes) {
+  for (const replay::Note& note : notes)
+    print(fmt::format("{:8}  {}: {}\n", tick, plain_line(note.topic), plain_line(note.text)));
+}
+
+/// Marks or notes of each tick, or both.
+int list_bound(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
+  while (output_is_open()) {
+    const replay::TraceReader::Item& item = reader.next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* record = std::get_if<replay::TickRecord>(&item);
+    if (record == nullptr) continue;
+    if (record->tick > range.last) return exit_ok;
+    if (!range.contains(record->tick)) continue;
+    if (options.marks) print_marks(*record);
+    if (options.notes) print_notes(record->tick, record->notes);
+  }
+  if (!output_is_open()) return exit_ok;
+  const replay::TraceTail& tail = reader.tail();
+  if (options.notes && range.contains(tail.ticks_intact)) print_notes(tail.ticks_intact, tail.pending_notes);
+  print_listing_end(options, tail);
+  return exit_code_of_condition(tail.condition);
 }
 
 int list_ticks(replay::TraceReader& reader, const ShowOptions& options, const TickRange& range) {
@@ -302,6 +351,7 @@ void print_summary_text(const replay::TraceReader& reader, const ShowOptions& op
   if (setup.whole_schema)
     print(fmt::format("  shown       {} (--shown lists the values)\n",
                       plain_line(shown_columns_text(*setup.whole_schema))));
+  if (setup.has(replay::Feature::marks)) print("  marks       stored (--marks lists them, --notes lists notes)\n");
   if (options.checkpoints)
     for (const verifier::CheckpointSummary& checkpoint : summary.checkpoints)
       print(fmt::format("    tick {:8}  {}  {} bytes of state, {} stored{}\n", checkpoint.tick,
@@ -324,6 +374,7 @@ int run_show(const ShowOptions& options) {
       return fail_usage(known.error());
   if (options.inputs) return list_inputs(*reader, options, range);
   if (options.shown) return list_shown(*reader, options, range);
+  if (options.marks || options.notes) return list_bound(*reader, options, range);
   if (!options.ticks.empty()) return list_ticks(*reader, options, range);
 
   Progress progress("read " + options.file, 0, "bytes");
@@ -353,6 +404,8 @@ void add_show(CLI::App& app, CliContext& context) {
   command->add_flag("--checkpoints", options->checkpoints, "List the checkpoints");
   command->add_flag("--shown", options->shown,
                     "List the values of shown columns, where they are stored; with --ticks of these ticks only");
+  command->add_flag("--marks", options->marks, "List the marks of each tick; with --ticks of these ticks only");
+  command->add_flag("--notes", options->notes, "List the notes; with --ticks of these ticks only");
   command->add_flag("--json", options->json, "One JSON object; with --ticks one a line");
   set_examples(*command,
                "ticktrue import mouse --model 1 --seconds 20 --scene thesis -o session.jsonl\n"

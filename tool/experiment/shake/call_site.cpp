@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/call_site.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -51,29 +52,45 @@ struct SourcePlace {
   unsigned line = 0;
 };
 
-/// The innermost place first; those behind it are what it was inlined into.
-std::vector<SourcePlace> source_places(const std::string& module, std::uint64_t address) {
+SourcePlace source_place(const std::string& function, std::string place) {
+  const std::size_t note = place.find(" (discriminator");
+  if (note != std::string::npos) place.erase(note);
+  const std::size_t colon = place.rfind(':');
+  SourcePlace found;
+  if (function != "??") found.function = plain_line(function);
+  if (colon != std::string::npos && place.compare(0, 2, "??") != 0) {
+    found.file = plain_line(place.substr(0, colon));
+    found.line = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
+  }
+  return found;
+}
+
+/// Of each address, the innermost place first; those behind it are what it was inlined into.
+std::vector<std::vector<SourcePlace>> source_places(const std::string& module,
+                                                    const std::vector<std::uint64_t>& addresses) {
   verifier::ChildCommand command;
-  command.argv = {"addr2line", "-e", module, "-f", "-C", "-i", hex(address)};
+  command.argv = {"addr2line", "-e", module, "-a", "-f", "-C", "-i"};
+  for (const std::uint64_t address : addresses) command.argv.push_back(hex(address));
   command.limits.time_s = tool_time_s;
   const verifier::ChildResult result = verifier::run_child(command);
-  std::vector<SourcePlace> places;
+  std::vector<std::vector<SourcePlace>> places;
   std::istringstream lines(result.output);
-  std::string function;
+  std::string line;
   std::string place;
-  while (std::getline(lines, function) && std::getline(lines, place)) {
-    const std::size_t note = place.find(" (discriminator");
-    if (note != std::string::npos) place.erase(note);
-    const std::size_t colon = place.rfind(':');
-    SourcePlace found;
-    if (function != "??") found.function = plain_line(function);
-    if (colon != std::string::npos && place.compare(0, 2, "??") != 0) {
-      found.file = plain_line(place.substr(0, colon));
-      found.line = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
+  while (std::getline(lines, line)) {
+    if (line.compare(0, 2, "0x") == 0) {
+      places.emplace_back();
+      continue;
     }
-    places.push_back(found);
+    if (places.empty() || !std::getline(lines, place)) break;
+    places.back().push_back(source_place(line, place));
   }
+  places.resize(addresses.size());
   return places;
+}
+
+std::vector<SourcePlace> source_places(const std::string& module, std::uint64_t address) {
+  return source_places(module, std::vector<std::uint64_t>{address}).front();
 }
 
 /// Of a return address: the call is before it. Nothing if it is within a header of the system.
@@ -114,6 +131,31 @@ std::string CallSite::text() const {
   if (function.empty()) return text;
   const std::string name = short_name(function);
   return text.empty() ? name : name + " (" + text + ")";
+}
+
+std::string CallSite::name() const {
+  return function.empty() ? text() : short_name(function);
+}
+
+std::vector<std::vector<CallSite>> call_frames(const std::string& module, std::uint64_t base,
+                                               const std::vector<std::uint64_t>& offsets) {
+  constexpr std::size_t address_count_max = 1'000;  // of one command line
+  std::vector<std::vector<CallSite>> frames(offsets.size());
+  if (is_system_library(module)) return frames;
+  const std::uint64_t added = is_at_fixed_address(module) ? base : 0;
+  for (std::size_t begin = 0; begin < offsets.size(); begin += address_count_max) {
+    const std::size_t end = std::min(offsets.size(), begin + address_count_max);
+    std::vector<std::uint64_t> addresses;
+    for (std::size_t i = begin; i < end; ++i) addresses.push_back(added + offsets[i] - 1);
+    const std::vector<std::vector<SourcePlace>> places = source_places(module, addresses);
+    for (std::size_t i = begin; i < end; ++i) {
+      for (const SourcePlace& place : places[i - begin])
+        if (!is_system_source(place.file))
+          frames[i].push_back({place.function, place.file, place.line, plain_line(module), offsets[i]});
+      if (places[i - begin].empty()) frames[i].push_back({"", "", 0, plain_line(module), offsets[i]});
+    }
+  }
+  return frames;
 }
 
 CallSite call_site(const shim::Page& page, std::uint32_t module, std::uint64_t offset) {

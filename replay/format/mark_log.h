@@ -1,0 +1,67 @@
+// The file that a session writes for `ticktrue trail`: the marks of each tick, and of one tick a list with stacks.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "replay/format/marks.h"
+
+namespace ticktrue::replay {
+
+/// Variables that a session reads: the file, the tick whose marks are listed, and the calls that the preload library
+/// marks ("random,libm").
+inline constexpr const char* trail_variable = "TICKTRUE_TRAIL";
+inline constexpr const char* trail_tick_variable = "TICKTRUE_TRAIL_TICK";
+inline constexpr const char* calls_variable = "TICKTRUE_CALLS";
+
+/// A file of the program, and where it was mapped.
+struct LogModule {
+  std::string path;
+  std::uint64_t base = 0;
+
+  bool operator==(const LogModule&) const = default;
+};
+
+/// An address as a module and the offset in it.
+struct LogFrame {
+  std::uint32_t module = 0;
+  std::uint64_t offset = 0;
+
+  bool operator==(const LogFrame&) const = default;
+};
+
+/// Where the marks of a list were made. Empty where the platform does not tell.
+struct MarkStacks {
+  std::vector<LogModule> modules;
+  std::vector<std::vector<LogFrame>> stacks;  // return addresses, the innermost first
+  std::vector<std::uint32_t> of_marks;        // [mark] index in `stacks`
+
+  bool operator==(const MarkStacks&) const = default;
+};
+
+struct LoggedTick {
+  std::uint64_t tick = 0;
+  std::optional<TickMarks> marks;  // absent: the tick has none
+};
+
+struct LoggedList {
+  std::uint64_t tick = 0;
+  MarkList list;
+  MarkStacks stacks;
+};
+
+struct MarkLog {
+  std::vector<LoggedTick> ticks;  // ascending
+  std::optional<LoggedList> list;
+};
+
+void encode_logged_tick(const LoggedTick& tick, ByteWriter& out);
+void encode_logged_list(const LoggedList& list, ByteWriter& out);
+/// What is whole at the start of `bytes`: a program may have died while it wrote.
+MarkLog decode_mark_log(ByteView bytes);
+
+}  // namespace ticktrue::replay

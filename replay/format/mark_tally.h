@@ -1,0 +1,87 @@
+// Counts the marks of the tick that runs, in a few nanoseconds each.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "replay/format/marks.h"
+
+namespace ticktrue::replay {
+
+/// Counts the marks of the tick that runs. add() is for programs that call it thousands of times a tick.
+class MarkTally {
+ public:
+  static constexpr std::size_t name_count_max = 4'096;  // of a session
+
+  /// `is_constant`: whether the text at an address stays as it is, as that of a literal does.
+  explicit MarkTally(bool (*is_constant)(const char* name)) : is_constant_(is_constant) {}
+
+  /// Counts a mark whose name is a constant that was marked before in this tick. False: it is another, and nothing was
+  /// done.
+  bool add_again(const char* name, std::uint64_t value) {
+    const Slot& slot = slots_[slot_of(name)];
+    if (slot.name != name || !slot.is_constant) return false;
+    Entry& of_name = entries_[slot.entry];
+    if (of_name.count == 0) return false;
+    count(of_name, value);
+    return true;
+  }
+
+  /// Index of the name, or name_count_max where there is no room or the name is null, empty or too long.
+  std::uint32_t find(const char* name);
+  /// Requires: `entry` is of find() and below name_count_max.
+  void add(std::uint32_t entry, std::uint64_t value) {
+    Entry& of_name = entries_[entry];
+    if (of_name.count == 0) {
+      of_name.hash = of_name.key;
+      active_.push_back(entry);
+    }
+    count(of_name, value);
+  }
+  /// A mark has no name here: those of this tick cannot be compared.
+  void leave_out() { is_left_out_ = true; }
+
+  const std::string& name(std::uint32_t entry) const { return entries_[entry].name; }
+  /// The marks since the last call, in the order of their first marks; nothing without a mark.
+  std::optional<TickMarks> take();
+
+ private:
+  struct Entry {
+    std::string name;
+    std::uint64_t key = 0;   // hash of the name
+    std::uint64_t hash = 0;  // of this tick
+    std::uint64_t count = 0;
+  };
+  struct Slot {
+    const char* name = nullptr;
+    std::uint32_t entry = 0;
+    bool is_constant = false;  // the text at this address stays as it is: it need not be compared
+  };
+  static constexpr std::size_t slot_count = 64;
+
+  static std::size_t slot_of(const char* name) {
+    const auto address = reinterpret_cast<std::uintptr_t>(name);
+    return (address ^ (address >> 6)) % slot_count;
+  }
+  void count(Entry& of_name, std::uint64_t value) {
+    ++of_name.count;
+    trail_ = mix_mark(mix_mark(trail_, of_name.key), value);
+    of_name.hash = mix_mark(of_name.hash, value);
+  }
+
+  bool (*is_constant_)(const char* name);
+  std::array<Slot, slot_count> slots_;
+  std::vector<Entry> entries_;
+  std::unordered_map<std::string, std::uint32_t> numbers_;
+  std::vector<std::uint32_t> active_;  // entries with marks in this tick
+  std::uint64_t trail_ = mark_trail_begin;
+  bool is_left_out_ = false;
+};
+
+}  // namespace ticktrue::replay

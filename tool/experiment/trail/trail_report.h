@@ -1,0 +1,25 @@
+// What a trail prints: text and JSON.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tool/experiment/trail/trail.h"
+
+namespace ticktrue::trail {
+
+struct TrailSubject {
+  std::string trace;
+  std::vector<std::string> words;  // as they were given
+  std::string against;             // program; empty: none
+  std::string calls;
+};
+
+/// 0, 1 or 6.
+int exit_code(const TrailReport& report);
+std::string trail_text(const TrailReport& report, const TrailSubject& subject);
+/// Schema ticktrue.trail/1.
+std::string trail_json(const TrailReport& report, const TrailSubject& subject);
+
+}  // namespace ticktrue::trail
