@@ -98,7 +98,7 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
     if (const Status status = finish(replay::EndReason::non_finite, note); !status) return status.error();
     return false;
   }
-  root_ = root_hash(*tick.state);
+  root_ = tick.root_hash;
   changed_ = changed_ || root_ != first_root_;
   if (const Status status = writer_->end_tick(root_, tick.stage_hashes, tick.state); !status)
     return writer_->abandon(status.error());
@@ -144,7 +144,7 @@ std::string Recording::text() const {
   return finding_ ? text + verifier::report_text(*finding_) : text;
 }
 
-std::string Recording::json() const {
+std::string Recording::json(const std::string& desync) const {
   std::string text = "{\"schema\": \"ticktrue.record/1\", \"file\": " + json_string(options_.path) +
                      ", \"scene\": " + json_string(options_.title) +
                      ", \"ticks\": " + std::to_string(writer_ ? writer_->tick_count() : 0) +
@@ -158,6 +158,7 @@ std::string Recording::json() const {
     while (!finding.empty() && finding.back() == '\n') finding.pop_back();
     text += ", \"sync_test\": " + finding;
   }
+  if (!desync.empty()) text += ", \"desync\": " + desync;
   return text + "}\n";
 }
 

@@ -27,6 +27,7 @@ struct DoneTick {
   std::vector<std::uint64_t> stage_hashes;  // empty unless wanted
   const StateView* state = nullptr;         // after it
   CheckpointContents contents = {};
+  std::uint64_t root_hash = 0;  // of the state
 };
 
 /// What a program says of itself.

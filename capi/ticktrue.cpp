@@ -64,7 +64,8 @@ int without_exceptions(ticktrue_session* handle, Call&& call) {
 constexpr std::size_t option_sizes[] = {
     offsetof(ticktrue_options, caller_facts),  // version 1
     offsetof(ticktrue_options, save),          // version 2
-    sizeof(ticktrue_options),                  // version 3
+    offsetof(ticktrue_options, peer_bytes),    // version 3
+    sizeof(ticktrue_options),                  // version 4
 };
 
 std::string option_sizes_text() {
@@ -183,7 +184,7 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
       if (options.path == nullptr && is_read)
         error = std::string("command line: ") + argv[i] + ": found no file name behind it";
     }
-    if (!is_asked) return nullptr;
+    if (!is_asked && options.mode != TICKTRUE_LIVE) return nullptr;
     if (error.empty()) error = run_error;
     return open_session(options, error);
   } catch (...) {
@@ -258,6 +259,49 @@ int ticktrue_confirm(ticktrue_session* session, uint64_t tick) {
 }
 int ticktrue_seek(ticktrue_session* session, uint64_t tick) {
   return without_exceptions(session, [&](Session& s) { return s.seek(tick); });
+}
+
+int ticktrue_root(ticktrue_session* session, uint64_t tick, uint64_t* root) {
+  if (session == nullptr) return TICKTRUE_END;
+  return without_exceptions(session, [&](Session& s) { return s.root(tick, root); });
+}
+size_t ticktrue_hello(ticktrue_session* session, void* buffer, size_t size) {
+  std::size_t bytes = 0;
+  without_exceptions(session, [&](Session& s) {
+    bytes = s.hello(buffer, size);
+    return s.status();
+  });
+  return bytes;
+}
+int ticktrue_hello_check(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size, char* text,
+                         size_t text_size) {
+  if (text != nullptr && text_size > 0) text[0] = 0;
+  return without_exceptions(session, [&](Session& s) { return s.hello_check(peer, bytes, size, text, text_size); });
+}
+int ticktrue_peer_root(ticktrue_session* session, uint32_t peer, uint64_t tick, uint64_t root) {
+  return without_exceptions(session, [&](Session& s) { return s.peer_root(peer, tick, root); });
+}
+size_t ticktrue_desync_message(ticktrue_session* session, uint32_t peer, void* buffer, size_t size) {
+  std::size_t bytes = 0;
+  without_exceptions(session, [&](Session& s) {
+    bytes = s.desync_message(peer, buffer, size);
+    return s.status();
+  });
+  return bytes;
+}
+int ticktrue_desync_receive(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size) {
+  return without_exceptions(session, [&](Session& s) { return s.desync_receive(peer, bytes, size); });
+}
+const char* ticktrue_desync_report(ticktrue_session* session, int* complete) {
+  if (complete != nullptr) *complete = 0;
+  if (session == nullptr || session->session == nullptr) return "";
+  bool is_complete = false;
+  const int status = without_exceptions(session, [&](Session& s) {
+    session->report = s.desync_report(is_complete);
+    return TICKTRUE_OK;
+  });
+  if (complete != nullptr) *complete = status == TICKTRUE_OK && is_complete ? 1 : 0;
+  return status == TICKTRUE_OK ? session->report.c_str() : "";
 }
 
 uint64_t ticktrue_tick(const ticktrue_session* session) {
