@@ -62,7 +62,10 @@ StateSchema alone(const TableSchema& table) {
   StateSchema schema{{table}};
   TableSchema& copy = schema.tables[0];
   copy.parent = -1;
-  for (Column& column : copy.columns) column.target = -1;
+  for (Column& column : copy.columns) {
+    column.target = -1;
+    column.optional = false;
+  }
   return schema;
 }
 
