@@ -46,8 +46,9 @@ class Selection {
       whole_left_ -= rows.rows.size();
       table.bytes.assign(rows.rows.begin(), rows.rows.end());
     } else {
+      const auto owners = hasher_.owners_of_rows(state_, number);
       for (std::uint32_t row = 0; row < rows.row_count && !document_.is_cut; ++row) {
-        if (!can_differ(number, row)) continue;
+        if (!can_differ(owners[row])) continue;
         if (row_size > bytes_left_ || rows_left_ == 0) {
           document_.is_cut = true;
           break;
@@ -64,8 +65,7 @@ class Selection {
   RowsDocument take() { return std::move(document_); }
 
  private:
-  bool can_differ(std::size_t table, std::size_t row) {
-    const std::vector<CellOwner> owners = hasher_.owners_of(state_, table, row);
+  bool can_differ(const std::vector<CellOwner>& owners) const {
     return std::any_of(owners.begin(), owners.end(), [this](const CellOwner& owner) {
       return candidates_.count({owner.table, owner.row}) > 0;
     });

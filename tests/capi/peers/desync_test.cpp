@@ -91,6 +91,7 @@ void nothing(Herd&) {}
 /// Messages go back and forth, each side one at a time, some of them lost. Returns how many steps it took.
 int exchange(Side& a, std::uint32_t number_a, Side& b, std::uint32_t number_b, std::size_t size, double loss = 0) {
   std::mt19937 random(7);
+  int quiet = 0;
   for (int step = 1; step < 20000; ++step) {
     std::vector<std::uint8_t> to_b(size), to_a(size);
     to_b.resize(ticktrue_desync_message(a.session, number_b, to_b.data(), size));
@@ -104,6 +105,9 @@ int exchange(Side& a, std::uint32_t number_a, Side& b, std::uint32_t number_b, s
       const int status = ticktrue_desync_receive(a.session, number_b, to_a.data(), to_a.size());
       CHECK((status == TICKTRUE_OK || status == TICKTRUE_DIVERGED));
     }
+    quiet = to_a.empty() && to_b.empty() ? quiet + 1 : 0;
+    if (quiet > 3) return -1;
+    if (step > 8 && step % 16 != 0 && quiet == 0) continue;  // a report compares whole states
     int whole_a = 0, whole_b = 0;
     ticktrue_desync_report(a.session, &whole_a);
     ticktrue_desync_report(b.session, &whole_b);
@@ -214,7 +218,7 @@ TEST_CASE("two round trips locate a desync of a small state", "[capi][peers]") {
   CHECK(contains(report(a), "desync  herd  tick 2\n"));
   CHECK(contains(report(a), "column  sheep.wool        row 7 (id 14)\n"));
   CHECK(report(a) == report(b));
-  exchange(a, 0, b, 3, 1200);  // the last answers
+  for (int i = 0; i < 2; ++i) exchange(a, 0, b, 3, 1200);  // the last answers
   CHECK(ticktrue_desync_message(a.session, 3, Bytes(1200).data(), 1200) == 0);
   CHECK(ticktrue_desync_message(b.session, 0, Bytes(1200).data(), 1200) == 0);
 }
