@@ -343,7 +343,7 @@ int Session::add_stage(const char* name) {
 bool Session::wants_stages(const RecordedTick* recorded) const {
   if (stages_.empty()) return false;
   if (recorded != nullptr) return !recorded->stage_hashes.empty();
-  return recording_ && recording_->wants_stages(tick_);
+  return is_recording() && recording_->wants_stages(tick_);
 }
 
 int Session::stage(const char* name) {
@@ -412,6 +412,7 @@ int Session::start() {
   if (!state_.is_frozen())
     if (const Status status = state_.freeze(); !status) return fail(status.error());
   if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (!comparing_) changes_.add(state_.view());
   if (is_live_) return TICKTRUE_OK;
   if (recording_) {
     std::optional<Bytes> save;
@@ -451,8 +452,7 @@ int Session::begin_tick(double* dt) {
   dt_ = dt != nullptr ? *dt : default_dt_;
   if (!comparing_) {
     if (!is_dt(dt_)) return wrong_order("begin_tick: dt: found a value that is negative or not finite", "");
-    if (recording_ && rollback_max_ == 0)
-      if (const Status status = recording_->begin(dt_, inputs_); !status) return fail(status.error());
+    if (rollback_max_ == 0 && begin_recorded_tick(dt_, inputs_) != TICKTRUE_OK) return status_;
   } else {
     const RecordedTick* tick = recorded();
     if (tick == nullptr) return stop(TICKTRUE_END);
@@ -479,7 +479,7 @@ int Session::begin_tick(double* dt) {
 
 int Session::take(DoneTick done) {
   done.root_hash = root_hash(*done.state);
-  if (is_live_) {
+  if (!comparing_ && !is_recording()) {
     take_live_tick(done);
     return TICKTRUE_OK;
   }
@@ -496,8 +496,8 @@ int Session::take(DoneTick done) {
     return stop(TICKTRUE_DIVERGED);
   }
   const Result<bool> written = recording_->end(done, namer());
-  if (!written) return fail(written.error());
-  if (!*written) return stop(TICKTRUE_DIVERGED);
+  if (!written && recording_failed(written.error()) != TICKTRUE_OK) return status_;
+  if (written && !*written) return stop(TICKTRUE_DIVERGED);
   take_live_tick(done);
   return TICKTRUE_OK;
 }
@@ -514,8 +514,8 @@ int Session::end_tick() {
   const std::uint64_t tick = tick_++;
   if (second_.is_second()) return end_second(tick);
   std::optional<Bytes> save, shown, recorded_save;
-  if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
-  const bool wants_shown = comparing_ || (recording_ && recording_->wants_shown(tick));
+  if (is_recording() && recording_->wants_save(tick_) && !save_now(save)) return status_;
+  const bool wants_shown = comparing_ || (is_recording() && recording_->wants_shown(tick));
   if (state_.has_shown() && wants_shown && !gather_shown(shown)) return status_;
   if (restores_) recorded_save = comparing_->save_behind(tick);
   const bool is_last = comparing_ && comparing_->at(tick) != nullptr && comparing_->at(tick)->is_not_finite;
@@ -587,8 +587,7 @@ int Session::confirm(std::uint64_t tick) {
 int Session::confirm_pending(std::uint64_t tick) {
   while (!pending_.empty() && pending_.front().tick < tick) {
     const PendingTick& pending = pending_.front();
-    if (recording_)
-      if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
+    if (begin_recorded_tick(pending.dt, pending.inputs) != TICKTRUE_OK) return status_;
     const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
                                       pending.shown ? &*pending.shown : nullptr};
     if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents}) !=
@@ -600,7 +599,22 @@ int Session::confirm_pending(std::uint64_t tick) {
   return TICKTRUE_OK;
 }
 
+int Session::begin_recorded_tick(double dt, ByteView inputs) {
+  if (!is_recording()) return TICKTRUE_OK;
+  const Status status = recording_->begin(dt, inputs);
+  return status ? TICKTRUE_OK : recording_failed(status.error());
+}
+
+int Session::recording_failed(const Error& error) {
+  if (error.code != ErrorCode::io) return fail(error);
+  is_recording_lost_ = true;
+  message_ = error.message + ": recording ends, the game goes on" + (error.hint.empty() ? "" : "\n  " + error.hint);
+  exit_code_ = verifier::exit_code_of(error.code);
+  return TICKTRUE_OK;
+}
+
 int Session::finish_recording() {
+  if (is_recording_lost_) return exit_code_;
   if (!recording_->is_started()) {
     if (status_ == TICKTRUE_OK)
       fail(usage(path_ + ": the session ends before its first tick: nothing was recorded",
@@ -641,14 +655,14 @@ int Session::finish() {
 }
 
 std::string Session::report_text() const {
-  if (is_live_) return live_text();
+  if (is_live_ || is_recording_lost_) return live_text();
   if (!message_.empty()) return "";
   if (comparing_) return verifier::report_text(comparing_->report());
   return recording_ ? recording_->text() + desync_text_ : "";
 }
 
 std::string Session::report_json() const {
-  if (is_live_) return live_json();
+  if (is_live_ || is_recording_lost_) return live_json();
   if (!message_.empty()) return "";
   if (comparing_) return verifier::report_json({&comparing_->report(), 1}, false);
   return recording_ ? recording_->json(desync_json_) : "";

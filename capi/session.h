@@ -14,6 +14,7 @@
 #include "base/result.h"
 #include "base/state/gathered_state.h"
 #include "base/state/kept_state.h"
+#include "capi/change_summary.h"
 #include "capi/comparing.h"
 #include "capi/peers/peers.h"
 #include "capi/program_facts.h"
@@ -114,6 +115,10 @@ class Session {
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
+  /// The disk took no more: the recording ends, the game goes on. Other errors fail the session.
+  int recording_failed(const Error& error);
+  bool is_recording() const { return recording_ && !is_recording_lost_; }
+  int begin_recorded_tick(double dt, ByteView inputs);
   void take_live_tick(const DoneTick& done);
   bool can_call_peers(const char* what, std::uint32_t peer);
   bool know_game();
@@ -158,8 +163,10 @@ class Session {
   std::optional<Peers> peers_;  // always, but in a session that has failed before it began
   bool is_live_ = false;        // nothing is recorded or verified
   double live_time_s_ = 0;
-  std::uint64_t live_root_ = 0;            // of the last confirmed tick
-  std::vector<std::string> live_notes_;    // of the report
+  std::uint64_t live_root_ = 0;          // of the last confirmed tick
+  std::vector<std::string> live_notes_;  // of the report
+  ChangeSummary changes_;
+  bool is_recording_lost_ = false;
   std::string desync_text_, desync_json_;  // of the report
 
   GatheredState state_;

@@ -37,6 +37,7 @@ void put_text(const std::string& from, char* text, std::size_t text_size) {
 void Session::take_live_tick(const DoneTick& done) {
   live_root_ = done.root_hash;
   live_time_s_ += done.dt;
+  if (!comparing_) changes_.add(*done.state);
   peers_->add(done.tick, done.root_hash, done.dt, done.inputs, *done.state);
 }
 
@@ -132,7 +133,8 @@ std::string Session::desync_report(bool& is_complete) {
 }
 
 void Session::report_peers() {
-  std::vector<std::string>& notes = recording_ ? recording_->notes : live_notes_;
+  std::vector<std::string>& notes = is_recording() ? recording_->notes : live_notes_;
+  for (std::string& line : changes_.lines()) notes.push_back(plain_line(line));
   for (std::string& line : peers_->lines()) notes.push_back(std::move(line));
   if (!peers_->has_desync() || !peers_->has_game()) return;
   const DesyncFinding finding = peers_->finding(namer());
@@ -142,7 +144,7 @@ void Session::report_peers() {
 }
 
 std::string Session::live_text() const {
-  if (!message_.empty()) return "";
+  if (status_ == TICKTRUE_FAILED) return "";
   char numbers[64];
   std::snprintf(numbers, sizeof numbers, "%llu ticks (%.3f s)", static_cast<unsigned long long>(peers_->roots().end()),
                 live_time_s_);
@@ -152,7 +154,7 @@ std::string Session::live_text() const {
 }
 
 std::string Session::live_json() const {
-  if (!message_.empty()) return "";
+  if (status_ == TICKTRUE_FAILED) return "";
   nlohmann::ordered_json object{{"schema", "ticktrue.live/1"},
                                 {"simulation", plain_line(identity_.name)},
                                 {"ticks", peers_->roots().end()},

@@ -136,8 +136,9 @@ typedef struct ticktrue_options {
 TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
 
 /* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
-   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. If `load` is set, also --sync-test K and, with --verify, --from N, --to N and
-   --mode replay or restore. */
+   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. With --record also --detail root,
+   cells, full or full:FIRST..LAST (of programs built with this header or a newer one). If `load` is set, also
+   --sync-test K and, with --verify, --from N, --to N and --mode replay or restore. */
 TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);
 
 /* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
@@ -256,7 +257,9 @@ TICKTRUE_API int ticktrue_finish(ticktrue_session* session);
 /* After finish: what `ticktrue verify` would print. */
 TICKTRUE_API const char* ticktrue_report(ticktrue_session* session);
 TICKTRUE_API const char* ticktrue_report_json(ticktrue_session* session);
-/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. */
+/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. A full
+   disk ends a recording and not the session: calls go on to succeed, ticktrue_message and ticktrue_close tell of it,
+   and the exit code is 2. */
 TICKTRUE_API int ticktrue_close(ticktrue_session* session);
 
 /* Of the library: its version, as in "0.1.0", and its TICKTRUE_API_VERSION. */
