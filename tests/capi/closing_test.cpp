@@ -49,7 +49,7 @@ struct Pond {
   }
 };
 
-ticktrue_options options_of(int mode, const std::string& path) {
+ticktrue_options pond_options(int mode, const std::string& path) {
   ticktrue_options options = {};
   options.struct_size = sizeof options;
   options.mode = mode;
@@ -59,7 +59,7 @@ ticktrue_options options_of(int mode, const std::string& path) {
   return options;
 }
 
-void run(ticktrue_session* session, Pond& pond, int ticks) {
+void run_pond(ticktrue_session* session, Pond& pond, int ticks) {
   for (int i = 0; i < ticks; ++i) {
     std::uint8_t input = 1;
     ticktrue_input(session, &input, 1);
@@ -69,7 +69,7 @@ void run(ticktrue_session* session, Pond& pond, int ticks) {
   }
 }
 
-std::string report_of(ticktrue_session* session, int& exit_code) {
+std::string pond_report(ticktrue_session* session, int& exit_code) {
   exit_code = ticktrue_finish(session);
   std::string text = ticktrue_report(session);
   text += ticktrue_message(session);
@@ -77,7 +77,7 @@ std::string report_of(ticktrue_session* session, int& exit_code) {
 }
 
 /// Opens with the words behind the program's name.
-ticktrue_session* open_with(std::vector<std::string> words, ticktrue_options options) {
+ticktrue_session* open_pond(std::vector<std::string> words, ticktrue_options options) {
   words.insert(words.begin(), "pond");
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -92,13 +92,13 @@ TEST_CASE("a session that closes tells what had no part in it", "[capi][closing]
   for (const int mode : {TICKTRUE_RECORD, TICKTRUE_LIVE})
     for (const int ticks : {5, 12}) {
       const std::string file = path("pond" + std::to_string(ticks) + ".ttr");
-      const ticktrue_options options = options_of(mode, file);
+      const ticktrue_options options = pond_options(mode, file);
       ticktrue_session* session = ticktrue_open(&options);
       Pond pond;
       pond.show(session);
-      run(session, pond, ticks);
+      run_pond(session, pond, ticks);
       int exit_code = 0;
-      const std::string text = report_of(session, exit_code);
+      const std::string text = pond_report(session, exit_code);
       CAPTURE(text);
       CHECK(exit_code == 0);
       CHECK(contains(text, "  note    tables that stayed empty: bench\n"));
@@ -124,12 +124,12 @@ TEST_CASE("detail and range come from the command line", "[capi][closing]") {
     CAPTURE(a_case.detail);
     const std::string file = path("detail.ttr");
     ticktrue_session* session =
-        open_with({"--record", file, "--detail", a_case.detail, "--force"}, options_of(TICKTRUE_LIVE, ""));
+        open_pond({"--record", file, "--detail", a_case.detail, "--force"}, pond_options(TICKTRUE_LIVE, ""));
     Pond pond;
     pond.show(session);
-    run(session, pond, 25);
+    run_pond(session, pond, 25);
     int exit_code = 0;
-    const std::string text = report_of(session, exit_code);
+    const std::string text = pond_report(session, exit_code);
     CAPTURE(text);
     REQUIRE(exit_code == 0);
     ticktrue_close(session);
@@ -155,22 +155,22 @@ TEST_CASE("a wrong detail is told, and an older program keeps its own word", "[c
   const TracePath path;
   for (const char* detail : {"fine", "full:", "full:a..b", "full:20..10", "root:3", "full:1..x", "", "full:0..0"}) {
     ticktrue_session* session =
-        open_with({"--record", path("no.ttr"), "--detail", detail}, options_of(TICKTRUE_LIVE, ""));
+        open_pond({"--record", path("no.ttr"), "--detail", detail}, pond_options(TICKTRUE_LIVE, ""));
     CAPTURE(detail);
     CHECK(ticktrue_status(session) == TICKTRUE_FAILED);
     CHECK(contains(ticktrue_message(session), "command line: --detail: found "));
     ticktrue_close(session);
   }
-  ticktrue_session* verify = open_with({"--verify", "x.ttr", "--detail", "full"}, options_of(TICKTRUE_LIVE, ""));
+  ticktrue_session* verify = open_pond({"--verify", "x.ttr", "--detail", "full"}, pond_options(TICKTRUE_LIVE, ""));
   CHECK(contains(ticktrue_message(verify), "--detail: found it with --verify"));
   ticktrue_close(verify);
-  ticktrue_session* live = open_with({"--detail", "high"}, options_of(TICKTRUE_LIVE, ""));
+  ticktrue_session* live = open_pond({"--detail", "high"}, pond_options(TICKTRUE_LIVE, ""));
   CHECK(ticktrue_status(live) == TICKTRUE_OK);  // it records nothing
   ticktrue_close(live);
-  ticktrue_options old = options_of(0, "");
+  ticktrue_options old = pond_options(0, "");
   old.path = nullptr;
   old.struct_size = offsetof(ticktrue_options, peer_bytes);
-  ticktrue_session* session = open_with({"--detail", "high", "--record", path("old.ttr")}, old);
+  ticktrue_session* session = open_pond({"--detail", "high", "--record", path("old.ttr")}, old);
   CHECK(ticktrue_status(session) == TICKTRUE_OK);
   ticktrue_close(session);
 }
@@ -180,14 +180,14 @@ TEST_CASE("a full disk ends the recording, and the game goes on", "[capi][closin
   const TracePath path;
   for (const std::uint32_t rollback_max : {0u, 4u}) {
     const std::string file = path("full" + std::to_string(rollback_max) + ".ttr");
-    ticktrue_options options = options_of(TICKTRUE_RECORD, file);
+    ticktrue_options options = pond_options(TICKTRUE_RECORD, file);
     options.rollback_max = rollback_max;
     ticktrue_session* session = ticktrue_open(&options);
     Pond pond;
     pond.show(session);
     const auto run_some = [&](int ticks) {
       for (int i = 0; i < ticks; ++i) {
-        run(session, pond, 1);
+        run_pond(session, pond, 1);
         if (rollback_max > 0) ticktrue_confirm(session, ticktrue_tick(session));
       }
     };
@@ -203,7 +203,7 @@ TEST_CASE("a full disk ends the recording, and the game goes on", "[capi][closin
     std::uint64_t root = 0;
     CHECK(ticktrue_root(session, 19, &root) == TICKTRUE_OK);
     int exit_code = 0;
-    const std::string text = report_of(session, exit_code);
+    const std::string text = pond_report(session, exit_code);
     CAPTURE(text);
     CHECK(exit_code == 2);
     CHECK(contains(text, "live  pond  20 ticks"));

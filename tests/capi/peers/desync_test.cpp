@@ -51,12 +51,12 @@ struct Herd {
   }
 };
 
-struct Side {
+struct HerdSide {
   Herd herd;
   ticktrue_session* session = nullptr;
   std::uint32_t table = 1;
 
-  Side(std::uint32_t player, std::size_t count, bool is_keyed, std::uint64_t peer_bytes = 0) : herd(count) {
+  HerdSide(std::uint32_t player, std::size_t count, bool is_keyed, std::uint64_t peer_bytes = 0) : herd(count) {
     ticktrue_options options = {};
     options.struct_size = sizeof options;
     options.mode = TICKTRUE_LIVE;
@@ -67,8 +67,8 @@ struct Side {
     session = ticktrue_open(&options);
     herd.show(session, is_keyed);
   }
-  Side(const Side&) = delete;
-  ~Side() { ticktrue_close(session); }
+  HerdSide(const HerdSide&) = delete;
+  ~HerdSide() { ticktrue_close(session); }
   template <typename Change>
   void run(Change change) {
     CHECK(ticktrue_begin_tick(session, nullptr) == TICKTRUE_OK);
@@ -86,10 +86,11 @@ struct Side {
   }
 };
 
-void nothing(Herd&) {}
+void no_change(Herd&) {}
 
 /// Messages go back and forth, each side one at a time, some of them lost. Returns how many steps it took.
-int exchange(Side& a, std::uint32_t number_a, Side& b, std::uint32_t number_b, std::size_t size, double loss = 0) {
+int exchange_messages(HerdSide& a, std::uint32_t number_a, HerdSide& b, std::uint32_t number_b, std::size_t size,
+                      double loss = 0) {
   std::mt19937 random(7);
   int quiet = 0;
   for (int step = 1; step < 20000; ++step) {
@@ -116,7 +117,7 @@ int exchange(Side& a, std::uint32_t number_a, Side& b, std::uint32_t number_b, s
   return -1;
 }
 
-std::string report(const Side& side) {
+std::string herd_report(const HerdSide& side) {
   return ticktrue_desync_report(side.session, nullptr);
 }
 
@@ -171,28 +172,28 @@ TEST_CASE("the roots of the last 4,096 confirmed ticks are those of the trace", 
 }
 
 TEST_CASE("roots of peers are compared whatever arrives first", "[capi][peers]") {
-  Side side(0, 4, true);
-  Side same(1, 4, true);
-  for (int tick = 0; tick < 3; ++tick) same.run(nothing);
+  HerdSide side(0, 4, true);
+  HerdSide same(1, 4, true);
+  for (int tick = 0; tick < 3; ++tick) same.run(no_change);
   CHECK(ticktrue_peer_root(side.session, 1, 2, same.root(2)) == TICKTRUE_OK);  // before its tick is done here
   CHECK(ticktrue_peer_root(side.session, 1, 90'000, 1) == TICKTRUE_OK);        // too far ahead: left out
   CHECK(ticktrue_peer_root(side.session, 1, ~std::uint64_t{0}, 1) == TICKTRUE_OK);
-  for (int tick = 0; tick < 3; ++tick) side.run(nothing);
+  for (int tick = 0; tick < 3; ++tick) side.run(no_change);
   CHECK(ticktrue_peer_root(side.session, 1, 0, same.root(0)) == TICKTRUE_OK);
   CHECK(ticktrue_peer_root(side.session, 1, 0, same.root(0)) == TICKTRUE_OK);
   CHECK(ticktrue_peer_root(side.session, 1, 0, 5) == TICKTRUE_OK);  // the first one counts
   CHECK(ticktrue_peer_root(side.session, 2, 4, 5) == TICKTRUE_OK);
-  CHECK(report(side).empty());
+  CHECK(herd_report(side).empty());
   CHECK(ticktrue_peer_root(side.session, 2, 3, 5) == TICKTRUE_OK);
-  side.run(nothing);
+  side.run(no_change);
   CHECK(ticktrue_peer_root(side.session, 1, 1, same.root(1)) == TICKTRUE_DIVERGED);  // known since tick 3
   CHECK(ticktrue_status(side.session) == TICKTRUE_OK);
-  side.run(nothing);
-  CHECK(contains(report(side), "desync  herd  tick 3\n"));
+  side.run(no_change);
+  CHECK(contains(herd_report(side), "desync  herd  tick 3\n"));
   CHECK(ticktrue_peer_root(side.session, 2, 1, 6) == TICKTRUE_DIVERGED);
-  CHECK(contains(report(side), "desync  herd  tick 1\n"));
-  CHECK(contains(report(side), "who     players 0, 1 agree; player 2 is the odd one out\n"));
-  CHECK(contains(report(side), "missing player 2: its state is not known yet\n"));
+  CHECK(contains(herd_report(side), "desync  herd  tick 1\n"));
+  CHECK(contains(herd_report(side), "who     players 0, 1 agree; player 2 is the odd one out\n"));
+  CHECK(contains(herd_report(side), "missing player 2: its state is not known yet\n"));
   CHECK(ticktrue_finish(side.session) == 1);
   const std::string text = ticktrue_report(side.session);
   CAPTURE(text);
@@ -206,19 +207,19 @@ TEST_CASE("roots of peers are compared whatever arrives first", "[capi][peers]")
 }
 
 TEST_CASE("two round trips locate a desync of a small state", "[capi][peers]") {
-  Side a(0, 20, true), b(3, 20, true);
+  HerdSide a(0, 20, true), b(3, 20, true);
   for (int tick = 0; tick < 4; ++tick) {
-    a.run(nothing);
+    a.run(no_change);
     b.run([&](Herd& herd) { herd.sheep[7].wool += tick == 2 ? 1.0f : 0.0f; });
     ticktrue_peer_root(a.session, 3, static_cast<std::uint64_t>(tick), b.root(static_cast<std::uint64_t>(tick)));
   }
-  CHECK(report(b).empty());
-  CHECK(exchange(a, 0, b, 3, 1200) <= 4);  // messages each way
-  CAPTURE(report(a));
-  CHECK(contains(report(a), "desync  herd  tick 2\n"));
-  CHECK(contains(report(a), "column  sheep.wool        row 7 (id 14)\n"));
-  CHECK(report(a) == report(b));
-  for (int i = 0; i < 2; ++i) exchange(a, 0, b, 3, 1200);  // the last answers
+  CHECK(herd_report(b).empty());
+  CHECK(exchange_messages(a, 0, b, 3, 1200) <= 4);  // messages each way
+  CAPTURE(herd_report(a));
+  CHECK(contains(herd_report(a), "desync  herd  tick 2\n"));
+  CHECK(contains(herd_report(a), "column  sheep.wool        row 7 (id 14)\n"));
+  CHECK(herd_report(a) == herd_report(b));
+  for (int i = 0; i < 2; ++i) exchange_messages(a, 0, b, 3, 1200);  // the last answers
   CHECK(ticktrue_desync_message(a.session, 3, Bytes(1200).data(), 1200) == 0);
   CHECK(ticktrue_desync_message(b.session, 0, Bytes(1200).data(), 1200) == 0);
 }
@@ -227,69 +228,69 @@ TEST_CASE("rows of a large state are found by cells, in packets of any size", "[
   for (const bool is_keyed : {true, false})
     for (const std::size_t size : {std::size_t{256}, std::size_t{1200}, std::size_t{60'000}}) {
       CAPTURE(is_keyed, size);
-      Side a(0, 12'000, is_keyed), b(1, 12'000, is_keyed);
-      a.run(nothing);
+      HerdSide a(0, 12'000, is_keyed), b(1, 12'000, is_keyed);
+      a.run(no_change);
       b.run([](Herd& herd) {
         herd.sheep[11'000].place[1] += 0.5;
         herd.sheep[3].wool += 1.0f;
       });
       CHECK(ticktrue_peer_root(b.session, 0, 0, a.root(0)) == TICKTRUE_DIVERGED);
-      CHECK(exchange(a, 0, b, 1, size, size == 1200 ? 0.2 : 0.0) > 0);
-      CAPTURE(report(a));
-      CHECK(report(a) == report(b));
-      CHECK(contains(report(a), is_keyed ? "sheep.wool        row 3 (id 6)\n" : "sheep.wool        row 3\n"));
-      CHECK(contains(report(a), is_keyed ? "sheep.place       row 11000 (id 22000), lane 1\n"
-                                         : "sheep.place       row 11000, lane 1\n"));
-      CHECK_FALSE(contains(report(a), "more "));
+      CHECK(exchange_messages(a, 0, b, 1, size, size == 1200 ? 0.2 : 0.0) > 0);
+      CAPTURE(herd_report(a));
+      CHECK(herd_report(a) == herd_report(b));
+      CHECK(contains(herd_report(a), is_keyed ? "sheep.wool        row 3 (id 6)\n" : "sheep.wool        row 3\n"));
+      CHECK(contains(herd_report(a), is_keyed ? "sheep.place       row 11000 (id 22000), lane 1\n"
+                                              : "sheep.place       row 11000, lane 1\n"));
+      CHECK_FALSE(contains(herd_report(a), "more "));
     }
 }
 
 TEST_CASE("a row that one side lacks is named by its key", "[capi][peers]") {
   for (const std::size_t count : {std::size_t{12}, std::size_t{9'000}}) {
-    Side a(0, count, true), b(1, count, true);
-    a.run(nothing);
+    HerdSide a(0, count, true), b(1, count, true);
+    a.run(no_change);
     b.run([](Herd& herd) { herd.sheep.erase(herd.sheep.begin() + 5); });
     ticktrue_peer_root(a.session, 1, 0, b.root(0));
-    CHECK(exchange(a, 0, b, 1, 1200) > 0);
-    CAPTURE(count, report(a));
-    CHECK(report(a) == report(b));
-    CHECK(contains(report(a), "column  sheep.id          row 5 (id 10)\n"));
-    CHECK(contains(report(a), "player 0: 0000000a (10).  player 1: no such row\n"));
+    CHECK(exchange_messages(a, 0, b, 1, 1200) > 0);
+    CAPTURE(count, herd_report(a));
+    CHECK(herd_report(a) == herd_report(b));
+    CHECK(contains(herd_report(a), "column  sheep.id          row 5 (id 10)\n"));
+    CHECK(contains(herd_report(a), "player 0: 0000000a (10).  player 1: no such row\n"));
   }
 }
 
 TEST_CASE("where all of a large state differs, the first rows are sent", "[capi][peers]") {
-  Side a(0, 60'000, false), b(1, 60'000, false);
-  a.run(nothing);
+  HerdSide a(0, 60'000, false), b(1, 60'000, false);
+  a.run(no_change);
   b.run([](Herd& herd) {
     for (Herd::Sheep& one : herd.sheep) one.wool += 1.0f;
   });
   ticktrue_peer_root(a.session, 1, 0, b.root(0));
-  CHECK(exchange(a, 0, b, 1, 60'000) > 0);
-  CAPTURE(report(a));
-  CHECK(report(a) == report(b));
-  CHECK(contains(report(a), "column  sheep.wool        row 0\n"));
-  CHECK(contains(report(a), "more    at least "));
+  CHECK(exchange_messages(a, 0, b, 1, 60'000) > 0);
+  CAPTURE(herd_report(a));
+  CHECK(herd_report(a) == herd_report(b));
+  CHECK(contains(herd_report(a), "column  sheep.wool        row 0\n"));
+  CHECK(contains(herd_report(a), "more    at least "));
 }
 
 TEST_CASE("a state that is kept no more is told, and the tick is still named", "[capi][peers]") {
-  Side a(0, 6, true), b(1, 6, true, 1);  // 1 byte: the newest state alone
+  HerdSide a(0, 6, true), b(1, 6, true, 1);  // 1 byte: the newest state alone
   for (int tick = 0; tick < 5; ++tick) {
-    a.run(nothing);
+    a.run(no_change);
     b.run([&](Herd& herd) { herd.grass += tick == 1 ? 1u : 0u; });
   }
   for (std::uint64_t tick = 0; tick < 5; ++tick) ticktrue_peer_root(a.session, 1, tick, b.root(tick));
-  CHECK(exchange(a, 0, b, 1, 1200) == -1);
-  CAPTURE(report(a));
-  CHECK(contains(report(a), "desync  herd  tick 1\n"));
-  CHECK(contains(report(a), "player 1: keeps the state of this tick no more (peer_bytes of the options)\n"));
+  CHECK(exchange_messages(a, 0, b, 1, 1200) == -1);
+  CAPTURE(herd_report(a));
+  CHECK(contains(herd_report(a), "desync  herd  tick 1\n"));
+  CHECK(contains(herd_report(a), "player 1: keeps the state of this tick no more (peer_bytes of the options)\n"));
   CHECK(ticktrue_desync_message(a.session, 1, Bytes(300).data(), 300) == 0);
 }
 
 TEST_CASE("forged and damaged messages are refused or read, never a crash", "[capi][peers][corruption]") {
   std::mt19937 random(11);
-  Side a(0, 20, true), b(1, 20, true);
-  a.run(nothing);
+  HerdSide a(0, 20, true), b(1, 20, true);
+  a.run(no_change);
   b.run([](Herd& herd) { herd.sheep[3].wool += 1.0f; });
   ticktrue_peer_root(b.session, 0, 0, a.root(0));
   std::vector<Bytes> seen;
@@ -307,11 +308,11 @@ TEST_CASE("forged and damaged messages are refused or read, never a crash", "[ca
   int refused = 0;
   for (int run = 0; run < 6'000; ++run) {
     // A side that has just begun, so that documents of forged parts are read.
-    static Side* fresh = nullptr;
+    static HerdSide* fresh = nullptr;
     if (run % 50 == 0) {
       delete fresh;
-      fresh = new Side(0, 20, true);
-      fresh->run(nothing);
+      fresh = new HerdSide(0, 20, true);
+      fresh->run(no_change);
     }
     Bytes bytes = seen[random() % seen.size()];
     for (auto changes = 1 + random() % 3; changes > 0; --changes) {
@@ -337,8 +338,8 @@ TEST_CASE("forged and damaged messages are refused or read, never a crash", "[ca
 }
 
 TEST_CASE("a message that is no other player's changes nothing", "[capi][peers][corruption]") {
-  Side a(0, 4, true), b(1, 4, true), other(1, 4, false);
-  for (Side* side : {&a, &b, &other}) side->run([&](Herd& herd) { herd.grass += side == &a ? 0u : 1u; });
+  HerdSide a(0, 4, true), b(1, 4, true), other(1, 4, false);
+  for (HerdSide* side : {&a, &b, &other}) side->run([&](Herd& herd) { herd.grass += side == &a ? 0u : 1u; });
   ticktrue_peer_root(b.session, 0, 0, a.root(0));
   ticktrue_peer_root(other.session, 0, 0, a.root(0));
   Bytes message(1200);
@@ -349,7 +350,7 @@ TEST_CASE("a message that is no other player's changes nothing", "[capi][peers][
   message.resize(1200);
   message.resize(ticktrue_desync_message(other.session, 0, message.data(), message.size()));
   CHECK(ticktrue_desync_receive(a.session, 1, message.data(), message.size()) == TICKTRUE_REFUSED);  // other columns
-  CHECK(report(a).empty());
+  CHECK(herd_report(a).empty());
 }
 
 TEST_CASE("a recorded live game keeps its bytes, and its report has the desync", "[capi][peers]") {
@@ -404,8 +405,8 @@ TEST_CASE("without words on the command line a live program has a live session",
 
 TEST_CASE("wrong calls about other players are told", "[capi][peers]") {
   const auto message_of = [](auto call) {
-    Side side(2, 3, true);
-    side.run(nothing);
+    HerdSide side(2, 3, true);
+    side.run(no_change);
     call(side.session);
     CHECK(ticktrue_status(side.session) == TICKTRUE_FAILED);
     return std::string(ticktrue_message(side.session));
@@ -446,7 +447,7 @@ TEST_CASE("wrong calls about other players are told", "[capi][peers]") {
                    o.load = [](void*, const void*, std::size_t) { return 0; };
                  }),
                  "options: sync_test: found it in a live session"));
-  // Without a session, every call does nothing.
+  // Without a session, every call does no_change.
   CHECK(ticktrue_hello(nullptr, nullptr, 0) == 0);
   CHECK(ticktrue_hello_check(nullptr, 1, nullptr, 0, nullptr, 0) == TICKTRUE_OK);
   CHECK(ticktrue_peer_root(nullptr, 1, 0, 0) == TICKTRUE_OK);

@@ -20,7 +20,7 @@ using ticktrue::test::contains;
 namespace {
 
 /// A game as one player has it; each mismatch changes one of these.
-struct Side {
+struct GameSide {
   std::string name = "hello-game";
   std::uint32_t version = 3;
   double dt = 1.0 / 60;
@@ -41,7 +41,7 @@ struct Side {
   std::uint32_t player = 0;
 };
 
-ticktrue_session* open(const Side& side) {
+ticktrue_session* open_side(const GameSide& side) {
   ticktrue_options options = {};
   options.struct_size = sizeof options;
   options.mode = TICKTRUE_LIVE;
@@ -71,7 +71,7 @@ ticktrue_session* open(const Side& side) {
   return session;
 }
 
-Bytes hello_of(ticktrue_session* session) {
+Bytes hello_bytes(ticktrue_session* session) {
   Bytes bytes(ticktrue_hello(session, nullptr, 0));
   CAPTURE(ticktrue_message(session));
   REQUIRE(!bytes.empty());
@@ -79,12 +79,12 @@ Bytes hello_of(ticktrue_session* session) {
   return bytes;
 }
 
-struct Answer {
+struct HelloAnswer {
   int status = 0;
   std::string text;
 };
-Answer check(ticktrue_session* session, const Bytes& bytes) {
-  Answer answer;
+HelloAnswer answer_to(ticktrue_session* session, const Bytes& bytes) {
+  HelloAnswer answer;
   char text[4096];
   answer.status = ticktrue_hello_check(session, 1, bytes.data(), bytes.size(), text, sizeof text);
   answer.text = text;
@@ -92,11 +92,11 @@ Answer check(ticktrue_session* session, const Bytes& bytes) {
 }
 
 /// What player 0 with `here` says of player 1 with `there`.
-Answer meet(Side here, Side there) {
+HelloAnswer answer_of_meeting(GameSide here, GameSide there) {
   there.player = 1;
-  ticktrue_session* one = open(here);
-  ticktrue_session* other = open(there);
-  const Answer answer = check(one, hello_of(other));
+  ticktrue_session* one = open_side(here);
+  ticktrue_session* other = open_side(there);
+  const HelloAnswer answer = answer_to(one, hello_bytes(other));
   CHECK(ticktrue_status(one) == TICKTRUE_OK);
   ticktrue_close(one);
   ticktrue_close(other);
@@ -108,59 +108,60 @@ Answer meet(Side here, Side there) {
 TEST_CASE("hello refuses 20 mismatches by name, on both sides", "[capi][peers][injection]") {
   const struct {
     const char* what;
-    std::function<void(Side&)> change;
+    std::function<void(GameSide&)> change;
     const char* line;  // what the side with the usual game says
     const char* back;  // what the other says
   } mismatches[] = {
-      {"simulation", [](Side& s) { s.name = "other-game"; }, "simulation: here hello-game, there other-game",
+      {"simulation", [](GameSide& s) { s.name = "other-game"; }, "simulation: here hello-game, there other-game",
        "simulation: here other-game, there hello-game"},
-      {"version", [](Side& s) { s.version = 4; }, "version: here 3, there 4", "version: here 4, there 3"},
-      {"dt", [](Side& s) { s.dt = 1.0 / 30; }, "dt: here 0.016666666666666666 s, there 0.03333333333333333 s",
+      {"version", [](GameSide& s) { s.version = 4; }, "version: here 3, there 4", "version: here 4, there 3"},
+      {"dt", [](GameSide& s) { s.dt = 1.0 / 30; }, "dt: here 0.016666666666666666 s, there 0.03333333333333333 s",
        "dt: here 0.03333333333333333 s"},
-      {"setup of another size", [](Side& s) { s.setup = "level 10"; }, "setup: here 7 bytes, there 8",
+      {"setup of another size", [](GameSide& s) { s.setup = "level 10"; }, "setup: here 7 bytes, there 8",
        "setup: here 8 bytes, there 7"},
-      {"setup", [](Side& s) { s.setup = "level 2"; }, "setup: byte 6 of 7: here 31, there 32",
+      {"setup", [](GameSide& s) { s.setup = "level 2"; }, "setup: byte 6 of 7: here 31, there 32",
        "setup: byte 6 of 7: here 32, there 31"},
-      {"no setup", [](Side& s) { s.setup = ""; }, "setup: here 7 bytes, there 0", "setup: here 0 bytes, there 7"},
-      {"type", [](Side& s) { s.type = TICKTRUE_F64; }, "units.place: here f32, there f64",
+      {"no setup", [](GameSide& s) { s.setup = ""; }, "setup: here 7 bytes, there 0", "setup: here 0 bytes, there 7"},
+      {"type", [](GameSide& s) { s.type = TICKTRUE_F64; }, "units.place: here f32, there f64",
        "units.place: here f64, there f32"},
-      {"lanes", [](Side& s) { s.lanes = 3; }, "units.place: here 2 lanes, there 3 lanes",
+      {"lanes", [](GameSide& s) { s.lanes = 3; }, "units.place: here 2 lanes, there 3 lanes",
        "units.place: here 3 lanes, there 2 lanes"},
-      {"column", [](Side& s) { s.column = "position"; }, "column 1 of units: here place, there position",
+      {"column", [](GameSide& s) { s.column = "position"; }, "column 1 of units: here place, there position",
        "column 1 of units: here position, there place"},
-      {"more columns", [](Side& s) { s.has_more = true; }, "units.more: here no such column, there a column",
+      {"more columns", [](GameSide& s) { s.has_more = true; }, "units.more: here no such column, there a column",
        "units.more: here a column, there no such column"},
-      {"a table less", [](Side& s) { s.has_random = false; }, "table random: only here", "table random: only there"},
-      {"another table", [](Side& s) { s.table = "balls"; },
+      {"a table less", [](GameSide& s) { s.has_random = false; }, "table random: only here",
+       "table random: only there"},
+      {"another table", [](GameSide& s) { s.table = "balls"; },
        "aims.unit: refers to: here units, there balls\ntable balls: only there",
        "aims.unit: refers to: here balls, there units\ntable units: only there"},
-      {"key", [](Side& s) { s.keys = 0, s.has_reference = false; }, "units: here 12 bytes a row, 1 key columns",
+      {"key", [](GameSide& s) { s.keys = 0, s.has_reference = false; }, "units: here 12 bytes a row, 1 key columns",
        "0 key columns, there 12 bytes"},
-      {"reference", [](Side& s) { s.has_reference = false; }, "aims.unit: refers to: here units, there none",
+      {"reference", [](GameSide& s) { s.has_reference = false; }, "aims.unit: refers to: here units, there none",
        "aims.unit: refers to: here none, there units"},
-      {"order of tables", [](Side& s) { s.is_first_last = true; }, "tables: here units is number 0, there random",
+      {"order of tables", [](GameSide& s) { s.is_first_last = true; }, "tables: here units is number 0, there random",
        "tables: here random is number 0, there units"},
-      {"fused", [](Side& s) { s.facts.replace(s.facts.find("fused=no"), 8, "fused=yes"); },
+      {"fused", [](GameSide& s) { s.facts.replace(s.facts.find("fused=no"), 8, "fused=yes"); },
        "fused: here no, there yes (changes bits)", "fused: here yes, there no (changes bits)"},
-      {"fast_math", [](Side& s) { s.facts.replace(s.facts.find("fast_math=no"), 12, "fast_math=yes"); },
+      {"fast_math", [](GameSide& s) { s.facts.replace(s.facts.find("fast_math=no"), 12, "fast_math=yes"); },
        "fast_math: here no, there yes (changes bits)", "fast_math: here yes, there no (changes bits)"},
-      {"flt_eval_method", [](Side& s) { s.facts.replace(s.facts.find("method=0"), 8, "method=2"); },
+      {"flt_eval_method", [](GameSide& s) { s.facts.replace(s.facts.find("method=0"), 8, "method=2"); },
        "flt_eval_method: here 0, there 2 (changes bits)", "flt_eval_method: here 2, there 0"},
-      {"unsafe_math", [](Side& s) { s.facts.replace(s.facts.find("unsafe_math=no"), 14, "unsafe_math=yes"); },
+      {"unsafe_math", [](GameSide& s) { s.facts.replace(s.facts.find("unsafe_math=no"), 14, "unsafe_math=yes"); },
        "unsafe_math: here no, there yes (changes bits)", "unsafe_math: here yes, there no"},
-      {"unit", [](Side& s) { s.physics_facts = "fused=yes\n"; }, "physics.fused: here no, there yes (changes bits)",
+      {"unit", [](GameSide& s) { s.physics_facts = "fused=yes\n"; }, "physics.fused: here no, there yes (changes bits)",
        "physics.fused: here yes, there no (changes bits)"},
   };
   static_assert(std::size(mismatches) == 20);
   for (const auto& mismatch : mismatches) {
     CAPTURE(mismatch.what);
-    Side other;
+    GameSide other;
     mismatch.change(other);
-    const Answer here = meet(Side(), other);
+    const HelloAnswer here = answer_of_meeting(GameSide(), other);
     CAPTURE(here.text);
     CHECK(here.status == TICKTRUE_DIVERGED);
     CHECK(contains(here.text, mismatch.line));
-    const Answer back = meet(other, Side());
+    const HelloAnswer back = answer_of_meeting(other, GameSide());
     CAPTURE(back.text);
     CHECK(back.status == TICKTRUE_DIVERGED);
     CHECK(contains(back.text, mismatch.back));
@@ -168,50 +169,51 @@ TEST_CASE("hello refuses 20 mismatches by name, on both sides", "[capi][peers][i
 }
 
 TEST_CASE("hello takes the same game, and tells what may matter", "[capi][peers]") {
-  const Answer same = meet(Side(), Side());
+  const HelloAnswer same = answer_of_meeting(GameSide(), GameSide());
   CHECK(same.status == TICKTRUE_OK);
   CHECK(same.text.empty());
-  Side other;
+  GameSide other;
   other.has_shown = true;  // decides nothing
-  CHECK(meet(Side(), other).status == TICKTRUE_OK);
+  CHECK(answer_of_meeting(GameSide(), other).status == TICKTRUE_OK);
   other.build = "r2";
   other.facts.replace(other.facts.find("gcc 12"), 6, "gcc 13");
-  Side here;
+  GameSide here;
   here.build = "r1";
-  const Answer told = meet(here, other);
+  const HelloAnswer told = answer_of_meeting(here, other);
   CAPTURE(told.text);
   CHECK(told.status == TICKTRUE_OK);
   CHECK(told.text == "compiler: here gcc 12, there gcc 13\nbuild: here r1, there r2");
 }
 
 TEST_CASE("a damaged hello is refused and changes nothing", "[capi][peers][corruption]") {
-  ticktrue_session* one = open(Side());
-  Side side;
+  ticktrue_session* one = open_side(GameSide());
+  GameSide side;
   side.player = 1;
-  ticktrue_session* other = open(side);
-  const Bytes whole = hello_of(other);
+  ticktrue_session* other = open_side(side);
+  const Bytes whole = hello_bytes(other);
   for (std::size_t size = 0; size < whole.size(); ++size)
-    if (check(one, Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))).status != TICKTRUE_REFUSED)
+    if (answer_to(one, Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))).status !=
+        TICKTRUE_REFUSED)
       FAIL("a hello of " << size << " bytes was taken");
   for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
     Bytes bytes = whole;
     bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
-    if (check(one, bytes).status != TICKTRUE_REFUSED) FAIL("a hello with bit " << bit << " turned over was taken");
+    if (answer_to(one, bytes).status != TICKTRUE_REFUSED) FAIL("a hello with bit " << bit << " turned over was taken");
   }
-  CHECK(contains(check(one, Bytes(whole.begin(), whole.end() - 1)).text, "hello: check: found "));
-  CHECK(check(one, {}).text == "hello: found other bytes, expected those of ticktrue_hello");
-  CHECK(check(one, Bytes(std::size_t{2} << 20, 1)).status == TICKTRUE_REFUSED);
-  CHECK(check(one, whole).status == TICKTRUE_OK);
+  CHECK(contains(answer_to(one, Bytes(whole.begin(), whole.end() - 1)).text, "hello: answer_to: found "));
+  CHECK(answer_to(one, {}).text == "hello: found other bytes, expected those of ticktrue_hello");
+  CHECK(answer_to(one, Bytes(std::size_t{2} << 20, 1)).status == TICKTRUE_REFUSED);
+  CHECK(answer_to(one, whole).status == TICKTRUE_OK);
   ticktrue_close(one);
   ticktrue_close(other);
 }
 
-TEST_CASE("a forged hello with a right check is read or refused, never a crash", "[capi][peers][corruption]") {
-  ticktrue_session* one = open(Side());
-  Side side;
+TEST_CASE("a forged hello with a right answer_to is read or refused, never a crash", "[capi][peers][corruption]") {
+  ticktrue_session* one = open_side(GameSide());
+  GameSide side;
   side.player = 1;
-  ticktrue_session* other = open(side);
-  const Bytes whole = hello_of(other);
+  ticktrue_session* other = open_side(side);
+  const Bytes whole = hello_bytes(other);
   int refused = 0;
   for (std::size_t at = 0; at + 8 < whole.size(); ++at)
     for (const unsigned value : {0x00u, 0x01u, 0x7fu, 0xffu}) {
@@ -219,7 +221,7 @@ TEST_CASE("a forged hello with a right check is read or refused, never a crash",
       bytes[at] = static_cast<std::uint8_t>(value);
       const std::uint64_t sum = ticktrue::hash64(ticktrue::ByteView(bytes).first(bytes.size() - 8));
       for (std::size_t i = 0; i < 8; ++i) bytes[bytes.size() - 8 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
-      const Answer answer = check(one, bytes);
+      const HelloAnswer answer = answer_to(one, bytes);
       refused += answer.status == TICKTRUE_REFUSED ? 1 : 0;
       if (answer.status == TICKTRUE_OK && bytes != whole && at < 12) FAIL("byte " << at << " was not looked at");
     }

@@ -12,7 +12,7 @@ namespace {
 
 using namespace ticktrue::test;
 
-MatchOptions match_of(std::uint64_t seed) {
+MatchOptions live_options(std::uint64_t seed) {
   MatchOptions options;
   options.seed = seed;
   options.player_count = 2 + static_cast<std::uint32_t>(seed % 3);
@@ -22,19 +22,19 @@ MatchOptions match_of(std::uint64_t seed) {
   return options;
 }
 
-int error_count(const Match& match) {
+int match_errors(const Match& match) {
   int count = 0;
   for (const auto& player : match.players) count += player->errors;
   return count;
 }
 
-std::size_t count_of(const std::string& text, const std::string& part) {
+std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
 }
 
-std::string hex_of(std::uint64_t bits, std::size_t digits) {
+std::string hex_digits(std::uint64_t bits, std::size_t digits) {
   char text[20];
   std::snprintf(text, sizeof text, "%0*llx", static_cast<int>(digits), static_cast<unsigned long long>(bits));
   return text;
@@ -51,7 +51,7 @@ void require_played(Match& match) {
   }
   CAPTURE(state, match.players[0]->report());
   REQUIRE(is_played);
-  CHECK(error_count(match) == 0);
+  CHECK(match_errors(match) == 0);
 }
 
 /// The report that every player has names the first difference that the games themselves show.
@@ -65,8 +65,8 @@ void check_named(Match& match, const MatchOptions& options) {
   CHECK(contains(text, "desync  live-game  tick " + std::to_string(expected.tick) + "\n"));
   CHECK(contains(text, "column  " + expected.column));
   CHECK(contains(text, "row " + std::to_string(expected.row)));
-  CHECK(contains(text, ": " + hex_of(expected.a, expected.digits) + " ("));
-  CHECK(contains(text, ": " + hex_of(expected.b, expected.digits) + " ("));
+  CHECK(contains(text, ": " + hex_digits(expected.a, expected.digits) + " ("));
+  CHECK(contains(text, ": " + hex_digits(expected.b, expected.digits) + " ("));
   if (expected.tick > 0) CHECK(contains(text, "agreed  up to tick " + std::to_string(expected.tick - 1) + "\n"));
   if (options.player_count > 2)
     CHECK(contains(text, "player " + std::to_string(odd) + " is the odd one out"));
@@ -81,10 +81,10 @@ void check_named(Match& match, const MatchOptions& options) {
 
 TEST_CASE("1,000 clean matches with loss and reordering raise no alarm", "[capi][peers][determinism]") {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-    Match match(match_of(seed));
+    Match match(live_options(seed));
     const bool is_done = match.play();
-    if (!is_done || match.is_any_desync() || error_count(match) != 0) {
-      CAPTURE(seed, match.steps(), error_count(match));
+    if (!is_done || match.is_any_desync() || match_errors(match) != 0) {
+      CAPTURE(seed, match.steps(), match_errors(match));
       CHECK(is_done);
       FAIL("an alarm, an error or a match without an end: " << match.players[0]->report());
     }
@@ -92,7 +92,7 @@ TEST_CASE("1,000 clean matches with loss and reordering raise no alarm", "[capi]
       CHECK(player->messages == 0);
       CHECK(ticktrue_finish(player->session()) == 0);
       // Each of the others, up to the last tick.
-      CHECK(count_of(ticktrue_report(player->session()), ", the same up to tick 39\n") == match.players.size() - 1);
+      CHECK(occurrences(ticktrue_report(player->session()), ", the same up to tick 39\n") == match.players.size() - 1);
     }
   }
 }
@@ -100,7 +100,7 @@ TEST_CASE("1,000 clean matches with loss and reordering raise no alarm", "[capi]
 TEST_CASE("25 flipped bits are named alike on all sides: tick, column, row and values", "[capi][peers][injection]") {
   for (std::uint64_t seed = 0; seed < 25; ++seed) {
     CAPTURE(seed);
-    MatchOptions options = match_of(seed * 7 + 3);
+    MatchOptions options = live_options(seed * 7 + 3);
     options.fault = {Fault::flip,
                      static_cast<std::uint32_t>(seed % options.player_count),
                      5 + seed,
@@ -118,7 +118,7 @@ TEST_CASE("25 faults of a program are named alike on all sides", "[capi][peers][
   for (const Fault kind : {Fault::fused, Fault::unordered, Fault::missing_input, Fault::unsaved, Fault::clock})
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       CAPTURE(static_cast<int>(kind), seed);
-      MatchOptions options = match_of(seed * 5 + 1);
+      MatchOptions options = live_options(seed * 5 + 1);
       options.rolls_back = options.rolls_back || kind == Fault::unsaved;
       options.tick_count = 80;
       if (kind == Fault::unsaved) options.delay_max = 9;
