@@ -447,7 +447,7 @@ TEST_CASE("wrong calls about other players are told", "[capi][peers]") {
                    o.load = [](void*, const void*, std::size_t) { return 0; };
                  }),
                  "options: sync_test: found it in a live session"));
-  // Without a session, every call does no_change.
+  // Without a session, every call does nothing.
   CHECK(ticktrue_hello(nullptr, nullptr, 0) == 0);
   CHECK(ticktrue_hello_check(nullptr, 1, nullptr, 0, nullptr, 0) == TICKTRUE_OK);
   CHECK(ticktrue_peer_root(nullptr, 1, 0, 0) == TICKTRUE_OK);

@@ -208,7 +208,7 @@ TEST_CASE("a damaged hello is refused and changes nothing", "[capi][peers][corru
   ticktrue_close(other);
 }
 
-TEST_CASE("a forged hello with a right answer_to is read or refused, never a crash", "[capi][peers][corruption]") {
+TEST_CASE("a forged hello with a right check is read or refused, never a crash", "[capi][peers][corruption]") {
   ticktrue_session* one = open_side(GameSide());
   GameSide side;
   side.player = 1;
