@@ -608,7 +608,8 @@ int Session::begin_recorded_tick(double dt, ByteView inputs) {
 int Session::recording_failed(const Error& error) {
   if (error.code != ErrorCode::io) return fail(error);
   is_recording_lost_ = true;
-  message_ = error.message + ": recording ends, the game goes on" + (error.hint.empty() ? "" : "\n  " + error.hint);
+  message_ = plain_line(error.message) + ": recording ends, the game goes on";
+  if (!error.hint.empty()) message_ += "\n  " + plain_line(error.hint);
   exit_code_ = verifier::exit_code_of(error.code);
   return TICKTRUE_OK;
 }
