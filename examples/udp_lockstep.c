@@ -4,10 +4,10 @@
 //   ./udp_lockstep 0 & ./udp_lockstep 1               both players, at 127.0.0.1
 //   ./udp_lockstep 0 & ./udp_lockstep 1 --bug order   a bug on one side: both name tick, column, row and values
 //
-//   --bug B     flip, order, input or clock            --at N         the tick from which on it shows (100)
-//   --loss P    of 100 packets, P are not sent         --seed N       another level: hello refuses to play it
-//   --anyway 1  plays in spite of what hello says      --record FILE  a trace of the game, as in lockstep.c
-//   --port N    that of player 0 (47100); the other has the next
+//     --bug B     flip, order, input or clock            --at N         the tick from which on it shows (100)
+//     --loss P    of 100 packets, P are not sent         --seed N       another level: hello refuses to play it
+//     --anyway 1  plays in spite of what hello says      --record FILE  a trace of the game, as in lockstep.c
+//     --port N    that of player 0 (47100); the other has the next
 //
 // Exit codes are those of ticktrue_close; 3: the other is silent; 5: hello refused. Packets have the byte order of the
 // machine; between machines that differ there, a game would write its numbers out.

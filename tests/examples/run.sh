@@ -124,7 +124,7 @@ while IFS= read -r command; do
     ./game_fma*) wanted=$is_red is_red=0 ;;
     *--bug*) wanted=1 ;;
   esac
-  case $command in *' & '*) command="$command; code=\$?; wait; exit \$code" ;; esac
+  case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
 done <printed
 
@@ -145,7 +145,7 @@ for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp plugin_
     wanted=0
     case $command in *--bug*) wanted=1 ;; esac
     command=$(printf '%s' "$command" | sed "s|PREFIX/lib/libticktrue.so|$library|")
-    case $command in *' & '*) command="$command; code=\$?; wait; exit \$code" ;; esac
+    case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
     expect "$wanted" "" env PYTHONHASHSEED=1 PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/headers' && $command"
   done <printed
   rm -f "$work"/headers/*.ttr
