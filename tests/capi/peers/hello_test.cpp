@@ -200,7 +200,7 @@ TEST_CASE("a damaged hello is refused and changes nothing", "[capi][peers][corru
     bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
     if (answer_to(one, bytes).status != TICKTRUE_REFUSED) FAIL("a hello with bit " << bit << " turned over was taken");
   }
-  CHECK(contains(answer_to(one, Bytes(whole.begin(), whole.end() - 1)).text, "hello: answer_to: found "));
+  CHECK(contains(answer_to(one, Bytes(whole.begin(), whole.end() - 1)).text, "hello: check: found "));
   CHECK(answer_to(one, {}).text == "hello: found other bytes, expected those of ticktrue_hello");
   CHECK(answer_to(one, Bytes(std::size_t{2} << 20, 1)).status == TICKTRUE_REFUSED);
   CHECK(answer_to(one, whole).status == TICKTRUE_OK);
