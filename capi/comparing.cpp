@@ -292,7 +292,7 @@ bool Comparing::compare(const DoneTick& done, const StateSchema& whole, const Ro
   if (recorded.is_not_finite) return compare_non_finite(recorded, done, row_name);
   read_until(done.tick + 1);  // a checkpoint may follow
   compare_marks(recorded, done);
-  verifier::TickSide here{root_hash(*done.state), done.stage_hashes};
+  verifier::TickSide here{done.root_hash, done.stage_hashes};
   here.state = done.state;
   std::vector<verifier::TickSide> sides{side_of(recorded), here};
   if (recorded.checkpoint) sides.push_back(side_of(*recorded.checkpoint));

@@ -111,7 +111,7 @@ Result<bool> Recording::end(const DoneTick& tick, const RowNamer& row_name) {
     if (const Status status = finish(replay::EndReason::non_finite, note); !status) return status.error();
     return false;
   }
-  root_ = root_hash(*tick.state);
+  root_ = tick.root_hash;
   changed_ = changed_ || root_ != first_root_;
   if (tick.bound != nullptr && has_marks())
     if (const Status status = write_bound(*tick.bound, tick.tick); !status) return writer_->abandon(status.error());
@@ -159,7 +159,7 @@ std::string Recording::text() const {
   return finding_ ? text + verifier::report_text(*finding_) : text;
 }
 
-std::string Recording::json() const {
+std::string Recording::json(const std::string& desync) const {
   std::string text = "{\"schema\": \"ticktrue.record/1\", \"file\": " + json_string(options_.path) +
                      ", \"scene\": " + json_string(options_.title) +
                      ", \"ticks\": " + std::to_string(writer_ ? writer_->tick_count() : 0) +
@@ -173,6 +173,7 @@ std::string Recording::json() const {
     while (!finding.empty() && finding.back() == '\n') finding.pop_back();
     text += ", \"sync_test\": " + finding;
   }
+  if (!desync.empty()) text += ", \"desync\": " + desync;
   return text + "}\n";
 }
 

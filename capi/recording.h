@@ -75,7 +75,8 @@ class Recording {
   bool has_finding() const { return finding_.has_value(); }
 
   std::string text() const;
-  std::string json() const;
+  /// `desync`: an object about the other players; may be empty.
+  std::string json(const std::string& desync) const;
   bool is_finite() const { return reason_ != replay::EndReason::non_finite; }
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

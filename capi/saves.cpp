@@ -3,7 +3,6 @@
 #include "capi/saves.h"
 
 #include <algorithm>
-#include <cstring>
 #include <exception>
 #include <string>
 
@@ -33,26 +32,6 @@ std::string exception_text() {
 constexpr const char* exception_hint = "catch it inside: no exception may pass the C interface";
 
 }  // namespace
-
-KeptState::KeptState(const StateView& state) {
-  view_.schema = state.schema;
-  rows_.reserve(state.tables.size());
-  for (std::size_t t = 0; t < state.tables.size(); ++t) {
-    const TableRows& rows = state.tables[t];
-    const std::size_t size = static_cast<std::size_t>(rows.row_count) * state.schema->tables[t].row_size;
-    rows_.emplace_back(rows.data, rows.data + size);
-    view_.tables.push_back({rows_.back().data(), rows.row_count});
-    size_ += size;
-  }
-}
-
-bool KeptState::is_same(const StateView& state) const {
-  for (std::size_t t = 0; t < rows_.size(); ++t) {
-    if (state.tables[t].row_count != view_.tables[t].row_count) return false;
-    if (!rows_[t].empty() && std::memcmp(rows_[t].data(), state.tables[t].data, rows_[t].size()) != 0) return false;
-  }
-  return true;
-}
 
 Result<std::size_t> SaveCalls::call_save(std::uint64_t tick, Bytes& buffer, std::size_t size) {
   buffer.assign(size + guard_size, 0);

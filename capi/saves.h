@@ -7,28 +7,9 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "base/state/state_view.h"
 #include "include/ticktrue.h"
 
 namespace ticktrue::capi {
-
-/// A copy of a state, valid whatever the program does.
-class KeptState {
- public:
-  KeptState() = default;
-  explicit KeptState(const StateView& state);
-  KeptState(KeptState&&) = default;
-  KeptState& operator=(KeptState&&) = default;
-
-  const StateView& view() const { return view_; }
-  bool is_same(const StateView& state) const;
-  std::size_t size() const { return size_; }  // bytes of all rows
-
- private:
-  std::vector<Bytes> rows_;
-  StateView view_;
-  std::size_t size_ = 0;
-};
 
 class SaveCalls {
  public:

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/bytes.h"
+#include "base/state/kept_state.h"
 #include "base/state/state_view.h"
-#include "capi/saves.h"
 
 namespace ticktrue::capi {
 

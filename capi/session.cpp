@@ -102,12 +102,16 @@ void Session::take_call(void* session, const char* name, std::uint64_t value, co
 }
 
 Status Session::check_options(const ticktrue_options& options) {
-  const bool is_record = options.mode == TICKTRUE_RECORD;
-  if (!is_record && options.mode != TICKTRUE_VERIFY)
+  is_live_ = options.mode == TICKTRUE_LIVE;
+  if (!is_live_ && options.mode != TICKTRUE_RECORD && options.mode != TICKTRUE_VERIFY)
     return usage("options: mode: found " + std::to_string(options.mode) +
-                 ", expected TICKTRUE_RECORD or TICKTRUE_VERIFY");
-  if (options.path == nullptr || options.path[0] == 0) return usage("options: path: found none, expected a file name");
-  path_ = options.path;
+                 ", expected TICKTRUE_RECORD, TICKTRUE_VERIFY or TICKTRUE_LIVE");
+  const bool has_path = options.path != nullptr && options.path[0] != 0;
+  if (!is_live_ && !has_path) return usage("options: path: found none, expected a file name");
+  if (is_live_ && has_path)
+    return usage("options: path: found a file name in a live session",
+                 "TICKTRUE_RECORD records a live game, and takes the same calls");
+  if (has_path) path_ = options.path;
   identity_.name = std::string(text_of(options.name));
   if (const Status status = check_name("options: simulation", identity_.name); !status) return status;
   if (identity_.name.compare(0, 9, "ticktrue.") == 0)
@@ -128,8 +132,14 @@ Status Session::check_options(const ticktrue_options& options) {
   rollback_max_ = options.rollback_max;
 
   if (const Status status = check_run_options(options); !status) return status;
+  if (options.player > player_max)
+    return usage("options: player: found " + number(options.player) + ", expected at most " + number(player_max));
+  peers_.emplace(options.player, options.peer_bytes == 0
+                                     ? KeptTicks::size_default
+                                     : static_cast<std::size_t>(std::min<std::uint64_t>(options.peer_bytes, SIZE_MAX)));
+  if (is_live_ || options.peer_bytes > 0) peers_->keep_states();
 
-  if (!is_record) {
+  if (options.mode == TICKTRUE_VERIFY) {
     Result<replay::TraceReader> reader = replay::TraceReader::open(path_);
     if (!reader) return reader.error();
     comparing_.emplace(std::move(*reader), path_,
@@ -146,6 +156,11 @@ Status Session::check_options(const ticktrue_options& options) {
                  number(limits::setup_size_max));
   const auto* setup = static_cast<const std::uint8_t*>(options.setup);
   setup_.assign(setup, setup + options.setup_size);
+  if (is_live_) return {};
+  return make_recording(options);
+}
+
+Status Session::make_recording(const ticktrue_options& options) {
   RecordingOptions recording;
   recording.path = path_;
   recording.identity = identity_;
@@ -186,7 +201,8 @@ Status Session::check_run_options(const ticktrue_options& options) {
                      (options.save == nullptr ? "load: found it without save" : "save: found it without load") +
                      ", expected both or none",
                  "load takes the bytes that save gave");
-  if (options.reserved != 0) return usage("options: reserved: found " + number(options.reserved) + ", expected 0");
+  for (const std::uint32_t reserved : {options.reserved, options.reserved_2})
+    if (reserved != 0) return usage("options: reserved: found " + number(reserved) + ", expected 0");
   saves_ = SaveCalls(options.save, options.load, options.user);
   from_ = options.from;
   sync_ticks_ = options.sync_test;
@@ -212,6 +228,9 @@ Status Session::check_run_options(const ticktrue_options& options) {
       return usage(std::string("options: ") + rule.name + ": found it without the callbacks save and load",
                    "without them the program can only begin at tick 0 and run on");
   }
+  if (is_live_ && sync_ticks_ > 0)
+    return usage("options: sync_test: found it in a live session",
+                 "record or verify with it: going back takes time that other players wait");
   if (restores_ && sync_ticks_ > 0)
     return usage("options: sync_test: found it with TICKTRUE_RESTORE, expected one of them",
                  "one loads saves of this run, the other those of the trace: verify twice");
@@ -361,7 +380,7 @@ int Session::add_stage(const char* name) {
 bool Session::wants_stages(const RecordedTick* recorded) const {
   if (stages_.empty()) return false;
   if (recorded != nullptr) return !recorded->stage_hashes.empty();
-  return recording_ && recording_->wants_stages(tick_);
+  return is_recording() && recording_->wants_stages(tick_);
 }
 
 int Session::stage(const char* name) {
@@ -391,7 +410,7 @@ int Session::input(void* data, std::size_t size) {
   if (size == 0) return TICKTRUE_OK;
   if (data == nullptr) return wrong_order("input: found null, expected " + number(size) + " bytes", "");
   if (second_.is_second()) return input_of_second(data, size);
-  if (recording_) {
+  if (!comparing_) {
     if (size > replay::input_size_max - std::min(inputs_.size(), replay::input_size_max))
       return wrong_order("input: found more than " + number(replay::input_size_max) + " bytes",
                          "spread them over several ticks");
@@ -432,7 +451,7 @@ int Session::note(const char* topic, const char* text) {
     return wrong_order("note: topic: found \"" + std::string(name) + "\", expected 1.." +
                            number(replay::topic_size_max) + " bytes that do not begin with ticktrue.",
                        "");
-  if (comparing_ || second_.is_second()) return TICKTRUE_OK;
+  if (!is_recording() || second_.is_second()) return TICKTRUE_OK;
   if (!recording_->has_marks()) {
     has_dropped_marks_ = true;
     return TICKTRUE_OK;
@@ -446,8 +465,11 @@ int Session::note(const char* topic, const char* text) {
 /// Inside of a tick. Those of a tick that may be taken back wait with it.
 int Session::write_notes() {
   if (rollback_max_ > 0) return TICKTRUE_OK;
-  for (const replay::Note& note : notes_)
-    if (const Status status = recording_->note(note); !status) return fail(status.error());
+  for (const replay::Note& note : notes_) {
+    const Status status = recording_->note(note);
+    if (!status && recording_failed(status.error()) != TICKTRUE_OK) return status_;
+    if (!status) break;
+  }
   notes_.clear();
   return TICKTRUE_OK;
 }
@@ -464,8 +486,11 @@ RowNamer Session::namer() {
 }
 
 int Session::start() {
-  if (const Status status = state_.freeze(); !status) return fail(status.error());
+  if (!state_.is_frozen())
+    if (const Status status = state_.freeze(); !status) return fail(status.error());
   if (const Status status = state_.gather(); !status) return fail(status.error());
+  if (!comparing_) changes_.add(state_.view());
+  if (is_live_) return TICKTRUE_OK;
   if (recording_) {
     std::optional<Bytes> save;
     if (saves_.is_set() && !save_now(save)) return status_;
@@ -502,10 +527,9 @@ int Session::begin_tick(double* dt) {
   if (comparing_ && !second_.is_second() && recorded() == nullptr && can_go_back() && !go_back()) return status_;
   if (second_.is_second()) return begin_second_tick(dt);
   dt_ = dt != nullptr ? *dt : default_dt_;
-  if (recording_) {
+  if (!comparing_) {
     if (!is_dt(dt_)) return wrong_order("begin_tick: dt: found a value that is negative or not finite", "");
-    if (rollback_max_ == 0)
-      if (const Status status = recording_->begin(dt_, inputs_); !status) return fail(status.error());
+    if (rollback_max_ == 0 && begin_recorded_tick(dt_, inputs_) != TICKTRUE_OK) return status_;
   } else {
     const RecordedTick* tick = recorded();
     if (tick == nullptr) return stop(TICKTRUE_END);
@@ -529,18 +553,26 @@ int Session::begin_tick(double* dt) {
   phase_ = Phase::inside;
   marks_.begin_tick(mark_detail());
   __atomic_store_n(&tick_thread_, own_thread(), __ATOMIC_RELAXED);
-  return recording_ ? write_notes() : TICKTRUE_OK;
+  return is_recording() ? write_notes() : TICKTRUE_OK;
 }
 
 MarkDetail Session::mark_detail() const {
   if (trail_ != nullptr && trail_->wants_list(tick_)) return MarkDetail::stacks;
-  return recording_ && recording_->wants_stages(tick_) ? MarkDetail::list : MarkDetail::counts;
+  return is_recording() && recording_->wants_stages(tick_) ? MarkDetail::list : MarkDetail::counts;
 }
 
-int Session::take(const DoneTick& done) {
+int Session::take(DoneTick done) {
+  done.root_hash = root_hash(*done.state);
   if (trail_ != nullptr) trail_->write(done.tick, *done.bound);
+  if (!comparing_ && !is_recording()) {
+    take_live_tick(done);
+    return TICKTRUE_OK;
+  }
   if (comparing_) {
-    if (comparing_->compare(done, state_.whole_schema(), namer())) return TICKTRUE_OK;
+    if (comparing_->compare(done, state_.whole_schema(), namer())) {
+      take_live_tick(done);
+      return TICKTRUE_OK;
+    }
     if (load_count_ > 0)
       comparing_->note(
           "before this tick the load callback brought the program back: only a run from tick 0 without it tells "
@@ -549,8 +581,10 @@ int Session::take(const DoneTick& done) {
     return stop(TICKTRUE_DIVERGED);
   }
   const Result<bool> written = recording_->end(done, namer());
-  if (!written) return fail(written.error());
-  return *written ? TICKTRUE_OK : stop(TICKTRUE_DIVERGED);
+  if (!written && recording_failed(written.error()) != TICKTRUE_OK) return status_;
+  if (written && !*written) return stop(TICKTRUE_DIVERGED);
+  take_live_tick(done);
+  return TICKTRUE_OK;
 }
 
 int Session::end_tick() {
@@ -568,8 +602,9 @@ int Session::end_tick() {
   if (second_.is_second()) return end_second(tick);
   bound.notes = std::exchange(notes_, {});
   std::optional<Bytes> save, shown, recorded_save;
-  if (recording_ && recording_->wants_save(tick_) && !save_now(save)) return status_;
-  if (state_.has_shown() && (comparing_ || recording_->wants_shown(tick)) && !gather_shown(shown)) return status_;
+  if (is_recording() && recording_->wants_save(tick_) && !save_now(save)) return status_;
+  const bool wants_shown = comparing_ || (is_recording() && recording_->wants_shown(tick));
+  if (state_.has_shown() && wants_shown && !gather_shown(shown)) return status_;
   if (restores_) recorded_save = comparing_->save_behind(tick);
   const bool is_last = comparing_ && comparing_->at(tick) != nullptr && comparing_->at(tick)->is_not_finite;
   if (second_.is_open() && second_.behind() == tick && !is_last) second_.add(dt_, inputs_, state_.view());
@@ -642,8 +677,7 @@ int Session::confirm(std::uint64_t tick) {
 int Session::confirm_pending(std::uint64_t tick) {
   while (!pending_.empty() && pending_.front().tick < tick) {
     const PendingTick& pending = pending_.front();
-    if (recording_)
-      if (const Status status = recording_->begin(pending.dt, pending.inputs); !status) return fail(status.error());
+    if (begin_recorded_tick(pending.dt, pending.inputs) != TICKTRUE_OK) return status_;
     const CheckpointContents contents{pending.save ? &*pending.save : nullptr,
                                       pending.shown ? &*pending.shown : nullptr};
     if (take({pending.tick, pending.dt, pending.inputs, pending.stage_hashes, &pending.state.view(), contents,
@@ -655,7 +689,23 @@ int Session::confirm_pending(std::uint64_t tick) {
   return TICKTRUE_OK;
 }
 
+int Session::begin_recorded_tick(double dt, ByteView inputs) {
+  if (!is_recording()) return TICKTRUE_OK;
+  const Status status = recording_->begin(dt, inputs);
+  return status ? TICKTRUE_OK : recording_failed(status.error());
+}
+
+int Session::recording_failed(const Error& error) {
+  if (error.code != ErrorCode::io) return fail(error);
+  is_recording_lost_ = true;
+  message_ = plain_line(error.message) + ": recording ends, the game goes on";
+  if (!error.hint.empty()) message_ += "\n  " + plain_line(error.hint);
+  exit_code_ = verifier::exit_code_of(error.code);
+  return TICKTRUE_OK;
+}
+
 int Session::finish_recording() {
+  if (is_recording_lost_) return exit_code_;
   if (!recording_->is_started()) {
     if (status_ == TICKTRUE_OK)
       fail(usage(path_ + ": the session ends before its first tick: nothing was recorded",
@@ -693,24 +743,28 @@ int Session::finish() {
     judge_second_runs();
     if (!is_wrong_call) exit_code_ = comparing_->report().exit_code();
   }
+  if (peers_ && !comparing_) report_peers();
   phase_ = Phase::finished;
   return exit_code_;
 }
 
 std::string Session::report_text() const {
+  if (is_live_ || is_recording_lost_) return live_text();
   if (!message_.empty()) return "";
   if (comparing_) return verifier::report_text(comparing_->report());
-  return recording_ ? recording_->text() : "";
+  return recording_ ? recording_->text() + desync_text_ : "";
 }
 
 std::string Session::report_json() const {
+  if (is_live_ || is_recording_lost_) return live_json();
   if (!message_.empty()) return "";
   if (comparing_) return verifier::report_json({&comparing_->report(), 1}, false);
-  return recording_ ? recording_->json() : "";
+  return recording_ ? recording_->json(desync_json_) : "";
 }
 
 std::string Session::result_json() const {
-  if (recording_ || message_.empty()) return recording_ ? "" : report_json();
+  if (recording_ || is_live_) return "";
+  if (message_.empty()) return report_json();
   verifier::Report failed;
   failed.file = path_;
   failed.verdict = verifier::Verdict::error;

@@ -14,8 +14,11 @@
 
 #include "base/result.h"
 #include "base/state/gathered_state.h"
+#include "base/state/kept_state.h"
+#include "capi/change_summary.h"
 #include "capi/comparing.h"
 #include "capi/marks.h"
+#include "capi/peers/peers.h"
 #include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/saves.h"
@@ -70,6 +73,18 @@ class Session {
   int confirm(std::uint64_t tick);
   int seek(std::uint64_t tick);
 
+  // ---- Other players (session_peers.cpp) ----
+
+  int root(std::uint64_t tick, std::uint64_t* root);
+  /// Returns the size; writes if it fits. 0: the session has failed.
+  std::size_t hello(void* buffer, std::size_t size);
+  int hello_check(std::uint32_t peer, const void* bytes, std::size_t size, char* text, std::size_t text_size);
+  int peer_root(std::uint32_t peer, std::uint64_t tick, std::uint64_t root);
+  std::size_t desync_message(std::uint32_t peer, void* buffer, std::size_t size);
+  int desync_receive(std::uint32_t peer, const void* bytes, std::size_t size);
+  /// Empty: no desync is known.
+  std::string desync_report(bool& is_complete);
+
   /// Closes the session, decides the verdict and returns the exit code. A second call returns the same.
   int finish();
   bool is_finished() const { return phase_ == Phase::finished; }
@@ -103,6 +118,7 @@ class Session {
 
   Status check_options(const ticktrue_options& options);
   Status check_run_options(const ticktrue_options& options);
+  Status make_recording(const ticktrue_options& options);
   void set_facts();
   int stop(int status);
   int wrong_order(const std::string& what, const std::string& hint);
@@ -111,7 +127,7 @@ class Session {
   bool wants_stages(const RecordedTick* recorded) const;
   /// The recorded tick that begins next; null at the end of the trace.
   const RecordedTick* recorded();
-  int take(const DoneTick& done);
+  int take(DoneTick done);
   int write_notes();
   /// Has the preload library mark calls, where the environment asks for it.
   void take_calls();
@@ -120,6 +136,18 @@ class Session {
   int confirm_pending(std::uint64_t tick);
   RowNamer namer();
   int finish_recording();
+  /// The disk took no more: the recording ends, the game goes on. Other errors fail the session.
+  int recording_failed(const Error& error);
+  bool is_recording() const { return recording_ && !is_recording_lost_; }
+  int begin_recorded_tick(double dt, ByteView inputs);
+  void take_live_tick(const DoneTick& done);
+  bool can_call_peers(const char* what, std::uint32_t peer);
+  bool know_game();
+  int peers_status() const { return peers_->has_desync() ? TICKTRUE_DIVERGED : TICKTRUE_OK; }
+  /// Puts what is known of the other players into the report.
+  void report_peers();
+  std::string live_text() const;
+  std::string live_json() const;
 
   // ---- Saves and second runs (session_runs.cpp) ----
 
@@ -153,6 +181,14 @@ class Session {
   Bytes setup_;
   std::optional<Recording> recording_;
   std::optional<Comparing> comparing_;
+  std::optional<Peers> peers_;  // always, but in a session that has failed before it began
+  bool is_live_ = false;        // nothing is recorded or verified
+  double live_time_s_ = 0;
+  std::uint64_t live_root_ = 0;          // of the last confirmed tick
+  std::vector<std::string> live_notes_;  // of the report
+  ChangeSummary changes_;
+  bool is_recording_lost_ = false;
+  std::string desync_text_, desync_json_;  // of the report
 
   GatheredState state_;
   struct Namer {

@@ -29,6 +29,7 @@ struct DoneTick {
   const StateView* state = nullptr;         // after it
   CheckpointContents contents = {};
   const BoundContents* bound = nullptr;
+  std::uint64_t root_hash = 0;  // of the state
 };
 
 /// What a program says of itself.

@@ -70,7 +70,8 @@ int without_exceptions(ticktrue_session* handle, Call&& call) {
 constexpr std::size_t option_sizes[] = {
     offsetof(ticktrue_options, caller_facts),  // version 1
     offsetof(ticktrue_options, save),          // version 2
-    sizeof(ticktrue_options),                  // version 3
+    offsetof(ticktrue_options, peer_bytes),    // version 3
+    sizeof(ticktrue_options),                  // version 4
 };
 
 std::string option_sizes_text() {
@@ -159,6 +160,61 @@ int mark(ticktrue_session* session, const char* name, uint64_t value, const void
   return without_exceptions(session, [&](Session& s) { return s.mark(name, value, caller); });
 }
 
+/// "root", "cells", "full", "full:10" or "full:10..20" behind --detail. Empty: it was read.
+std::string read_detail(const char* value, ticktrue_options& options) {
+  const std::string text = value == nullptr ? "" : value;
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string name = text.substr(0, colon);
+  const bool is_full = name == "full";
+  options.detail = is_full           ? TICKTRUE_DETAIL_FULL
+                   : name == "cells" ? TICKTRUE_DETAIL_CELLS
+                   : name == "root"  ? TICKTRUE_DETAIL_ROOT
+                                     : -1;
+  bool is_read = options.detail >= 0;
+  options.full_first = options.full_last = 0;
+  if (colon < text.size()) {
+    const std::string range = text.substr(colon + 1);
+    const std::size_t dots = range.find("..");
+    const std::string last = dots == std::string::npos ? range : range.substr(dots + 2);
+    is_read = is_full && read_number(range.substr(0, dots).c_str(), UINT64_MAX, options.full_first) &&
+              read_number(last.c_str(), UINT64_MAX, options.full_last) && options.full_first <= options.full_last &&
+              options.full_last > 0;  // 0 stands for: all from full_first on
+  }
+  if (is_read) return "";
+  return "command line: --detail: found " + (text.empty() ? "nothing" : text) +
+         " behind it, expected root, cells, full or full:FIRST..LAST";
+}
+
+/// Reads the words of the command line into the options. False: they ask for no session.
+bool read_words(int argc, char* const* argv, bool knows_detail, ticktrue_options& options, std::string& error) {
+  bool is_asked = false, has_detail = false;
+  std::string run_error;
+  for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
+    const bool record = std::strcmp(argv[i], "--record") == 0;
+    const bool verify = std::strcmp(argv[i], "--verify") == 0;
+    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
+    if (std::strcmp(argv[i], "--force") == 0) options.flags |= TICKTRUE_OVERWRITE;
+    if (knows_detail && std::strcmp(argv[i], "--detail") == 0) {
+      has_detail = true;
+      if (const std::string wrong = read_detail(value, options); run_error.empty()) run_error = wrong;
+      ++i;
+    } else if (!record && !verify && options.load != nullptr) {
+      if (read_run_word(argv[i], value, options, run_error) > 1) ++i;
+    }
+    if (!record && !verify) continue;
+    if (is_asked) error = "command line: found --record and --verify twice, expected one of them";
+    is_asked = true;
+    options.mode = record ? TICKTRUE_RECORD : TICKTRUE_VERIFY;
+    options.path = value;
+    ++i;
+    if (value == nullptr) error = std::string("command line: ") + argv[i - 1] + ": found no file name behind it";
+  }
+  if (has_detail && is_asked && options.mode == TICKTRUE_VERIFY && run_error.empty())
+    run_error = "command line: --detail: found it with --verify: what a trace holds was decided by its recording";
+  if (error.empty() && is_asked) error = run_error;
+  return is_asked || options.mode == TICKTRUE_LIVE;
+}
+
 }  // namespace
 
 extern "C" {
@@ -179,26 +235,11 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
     ticktrue_options options;
     std::string error;
     const bool is_read = read_options(given, options, error);
-    bool is_asked = false;
-    std::string run_error;
-    for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
-      const bool record = std::strcmp(argv[i], "--record") == 0;
-      const bool verify = std::strcmp(argv[i], "--verify") == 0;
-      if (std::strcmp(argv[i], "--force") == 0) options.flags |= TICKTRUE_OVERWRITE;
-      if (!record && !verify && options.load != nullptr && is_read) {
-        const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
-        if (read_run_word(argv[i], value, options, run_error) > 1) ++i;
-      }
-      if (!record && !verify) continue;
-      if (is_asked && is_read) error = "command line: found --record and --verify twice, expected one of them";
-      is_asked = true;
-      options.mode = record ? TICKTRUE_RECORD : TICKTRUE_VERIFY;
-      options.path = i + 1 < argc ? argv[++i] : nullptr;
-      if (options.path == nullptr && is_read)
-        error = std::string("command line: ") + argv[i] + ": found no file name behind it";
-    }
-    if (!is_asked) return nullptr;
-    if (error.empty()) error = run_error;
+    // Older programs may have a word --detail of their own.
+    const bool knows_detail = is_read && given->struct_size >= sizeof options;
+    std::string words_error;
+    if (!read_words(argc, argv, knows_detail, options, words_error)) return nullptr;
+    if (is_read) error = words_error;
     return open_session(options, error);
   } catch (...) {
     return &memory_failure;
@@ -281,6 +322,49 @@ int ticktrue_confirm(ticktrue_session* session, uint64_t tick) {
 }
 int ticktrue_seek(ticktrue_session* session, uint64_t tick) {
   return without_exceptions(session, [&](Session& s) { return s.seek(tick); });
+}
+
+int ticktrue_root(ticktrue_session* session, uint64_t tick, uint64_t* root) {
+  if (session == nullptr) return TICKTRUE_END;
+  return without_exceptions(session, [&](Session& s) { return s.root(tick, root); });
+}
+size_t ticktrue_hello(ticktrue_session* session, void* buffer, size_t size) {
+  std::size_t bytes = 0;
+  without_exceptions(session, [&](Session& s) {
+    bytes = s.hello(buffer, size);
+    return s.status();
+  });
+  return bytes;
+}
+int ticktrue_hello_check(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size, char* text,
+                         size_t text_size) {
+  if (text != nullptr && text_size > 0) text[0] = 0;
+  return without_exceptions(session, [&](Session& s) { return s.hello_check(peer, bytes, size, text, text_size); });
+}
+int ticktrue_peer_root(ticktrue_session* session, uint32_t peer, uint64_t tick, uint64_t root) {
+  return without_exceptions(session, [&](Session& s) { return s.peer_root(peer, tick, root); });
+}
+size_t ticktrue_desync_message(ticktrue_session* session, uint32_t peer, void* buffer, size_t size) {
+  std::size_t bytes = 0;
+  without_exceptions(session, [&](Session& s) {
+    bytes = s.desync_message(peer, buffer, size);
+    return s.status();
+  });
+  return bytes;
+}
+int ticktrue_desync_receive(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size) {
+  return without_exceptions(session, [&](Session& s) { return s.desync_receive(peer, bytes, size); });
+}
+const char* ticktrue_desync_report(ticktrue_session* session, int* complete) {
+  if (complete != nullptr) *complete = 0;
+  if (session == nullptr || session->session == nullptr) return "";
+  bool is_complete = false;
+  const int status = without_exceptions(session, [&](Session& s) {
+    session->report = s.desync_report(is_complete);
+    return TICKTRUE_OK;
+  });
+  if (complete != nullptr) *complete = status == TICKTRUE_OK && is_complete ? 1 : 0;
+  return status == TICKTRUE_OK ? session->report.c_str() : "";
 }
 
 uint64_t ticktrue_tick(const ticktrue_session* session) {

@@ -38,7 +38,8 @@ extern "C" {
 /* The version of this interface. It rises when something is added; what was there stays.
    2: caller_facts, ticktrue_build_facts, ticktrue_table, ticktrue_rows.
    3: save, load, from, to, sync_test, TICKTRUE_RESTORE, ticktrue_seek, TICKTRUE_SHOWN.
-   4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note. */
+   4: TICKTRUE_MARKS, ticktrue_mark, ticktrue_note; TICKTRUE_LIVE, TICKTRUE_REFUSED, peer_bytes, player, ticktrue_root,
+      ticktrue_hello, ticktrue_peer_root and what locates a desync. */
 #define TICKTRUE_API_VERSION 4u
 
 /* What calls return. */
@@ -46,7 +47,8 @@ enum {
   TICKTRUE_OK = 0,       /* go on */
   TICKTRUE_END = 1,      /* verify: every recorded tick was run; leave the loop */
   TICKTRUE_DIVERGED = 2, /* verify: this tick is not as recorded; record: a value is not finite; leave the loop */
-  TICKTRUE_FAILED = 3    /* a wrong call, or the system refused; ticktrue_message says what */
+  TICKTRUE_FAILED = 3,   /* a wrong call, or the system refused; ticktrue_message says what */
+  TICKTRUE_REFUSED = 4   /* bytes of another player are not what they should be; nothing has changed: go on */
 };
 
 /* Types of values. Signed 8 and 16 bit values are registered as U8 and U16: their bits are compared. */
@@ -69,7 +71,8 @@ enum {
 
 typedef struct ticktrue_session ticktrue_session;
 
-enum { TICKTRUE_RECORD = 1, TICKTRUE_VERIFY = 2 };
+/* Live: nothing is written or verified; ticks are hashed, and compared with other players. */
+enum { TICKTRUE_RECORD = 1, TICKTRUE_VERIFY = 2, TICKTRUE_LIVE = 3 };
 
 /* How much is stored of each tick. */
 enum {
@@ -100,7 +103,7 @@ typedef int (*ticktrue_loader)(void* user, const void* bytes, size_t size);
 /* All zero but struct_size is a good start. */
 typedef struct ticktrue_options {
   size_t struct_size; /* sizeof(ticktrue_options) */
-  int32_t mode;       /* TICKTRUE_RECORD or TICKTRUE_VERIFY */
+  int32_t mode;       /* TICKTRUE_RECORD, TICKTRUE_VERIFY or TICKTRUE_LIVE */
   int32_t detail;     /* record */
   const char* path;   /* of the trace */
   const char* name;   /* of the simulation, as in "mygame" */
@@ -125,14 +128,19 @@ typedef struct ticktrue_options {
   uint64_t to;          /* verify: last tick compared; 0: to the end */
   uint32_t sync_test;   /* k > 0: after each k ticks the program is brought back and runs them again */
   uint32_t reserved;    /* 0 */
+  /* Since version 4. */
+  uint64_t peer_bytes; /* of states of confirmed ticks that are kept to locate a desync; 0: 16 MiB */
+  uint32_t player;     /* own number among the players, 0..254; every side counts them alike */
+  uint32_t reserved_2; /* 0 */
 } ticktrue_options;
 
 /* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
 TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
 
 /* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
-   neither of the first two is there. If `load` is set, also --sync-test K and, with --verify, --from N, --to N and
-   --mode replay or restore. */
+   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. With --record also --detail root,
+   cells, full or full:FIRST..LAST (of programs built with this header or a newer one). If `load` is set, also
+   --sync-test K and, with --verify, --from N, --to N and --mode replay or restore. */
 TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);
 
 /* The setup: verify gives the recorded one, record and a null session give `setup` of the options (null: nothing). */
@@ -233,13 +241,43 @@ TICKTRUE_API int ticktrue_status(const ticktrue_session* session);
 /* What went wrong; empty if nothing did. */
 TICKTRUE_API const char* ticktrue_message(const ticktrue_session* session);
 
+/* ---- other players of a live game. Bytes travel by the program's own transport. ---- */
+
+/* The root hash of the state after a confirmed tick (without rollback: after a tick that has ended). The last 4,096 are
+   kept. TICKTRUE_END, and `root` as it was: that tick is not confirmed yet, or kept no more, or there is no session. */
+TICKTRUE_API int ticktrue_root(ticktrue_session* session, uint64_t tick, uint64_t* root);
+
+/* Before tick 0, when all is registered: the bytes that tell the other players what this game is (setup, columns,
+   version, build, floats). Returns how many there are, at most 1 MiB, and writes them if they fit into `size`; 0
+   without a session. */
+TICKTRUE_API size_t ticktrue_hello(ticktrue_session* session, void* buffer, size_t size);
+/* The same of another player. TICKTRUE_OK: the two play the same game. TICKTRUE_DIVERGED: they do not. `text` says
+   what differs, a line each (with TICKTRUE_OK: what may matter, as other build ids); null: not wanted. */
+TICKTRUE_API int ticktrue_hello_check(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size,
+                                      char* text, size_t text_size);
+
+/* The root of another player after a tick that is confirmed there; any order, also more than once, also before the
+   tick is confirmed here. TICKTRUE_DIVERGED once a tick is known whose roots differ. The session goes on. */
+TICKTRUE_API int ticktrue_peer_root(ticktrue_session* session, uint32_t peer, uint64_t tick, uint64_t root);
+
+/* The next message for that player that helps to locate a desync, at most `size` bytes (256 or more); 0: none is due.
+   Call it for each packet that is sent anyway, not in a loop: parts are sent again until the other says it has them. */
+TICKTRUE_API size_t ticktrue_desync_message(ticktrue_session* session, uint32_t peer, void* buffer, size_t size);
+/* Such a message of another player. Returns as ticktrue_peer_root does. */
+TICKTRUE_API int ticktrue_desync_receive(ticktrue_session* session, uint32_t peer, const void* bytes, size_t size);
+/* What is known: tick, players, columns, rows, values. Empty: no desync. `complete` (may be null) becomes 1 when the
+   states of all players are compared: then each of them has the same report. ticktrue_report has it, too. */
+TICKTRUE_API const char* ticktrue_desync_report(ticktrue_session* session, int* complete);
+
 /* Closes the trace, or judges the run; returns the tool's exit code: 0 match or recorded, 1 diverged or not finite,
    2 failed, 3 incomplete, 4 damaged, 5 not comparable. No tick may begin after it. */
 TICKTRUE_API int ticktrue_finish(ticktrue_session* session);
 /* After finish: what `ticktrue verify` would print. */
 TICKTRUE_API const char* ticktrue_report(ticktrue_session* session);
 TICKTRUE_API const char* ticktrue_report_json(ticktrue_session* session);
-/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. */
+/* Finishes, prints the report (stdout) or what went wrong (stderr), frees the session; returns the exit code. A full
+   disk ends a recording and not the session: calls go on to succeed, ticktrue_message and ticktrue_close tell of it,
+   and the exit code is 2. */
 TICKTRUE_API int ticktrue_close(ticktrue_session* session);
 
 /* Of the library: its version, as in "0.1.0", and its TICKTRUE_API_VERSION. */

@@ -453,9 +453,7 @@ const std::vector<CellOwner>& CellHasher::owners(const StateView& state) {
   return owners_;
 }
 
-std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t table, std::size_t row) {
-  for (Table& each : tables_) each.is_unchanged = false;
-  prepare(state);
+std::vector<CellOwner> CellHasher::prepared_owners(const StateView& state, std::size_t table, std::size_t row) {
   const std::uint32_t* words = words_[table] + row * tables_[table].words;
   if (tables_[table].owns || !find_owners(tables_[table], words))
     return {{table, row, key_of(tables_[table], words, row)}};
@@ -467,6 +465,22 @@ std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t
     owners.push_back(
         {target, target_row, key_of(tables_[target], words_[target] + target_row * tables_[target].words, target_row)});
   }
+  return owners;
+}
+
+std::vector<CellOwner> CellHasher::owners_of(const StateView& state, std::size_t table, std::size_t row) {
+  for (Table& each : tables_) each.is_unchanged = false;
+  prepare(state);
+  return prepared_owners(state, table, row);
+}
+
+std::vector<std::vector<CellOwner>> CellHasher::owners_of_rows(const StateView& state, std::size_t table) {
+  for (Table& each : tables_) each.is_unchanged = false;
+  prepare(state);
+  std::vector<std::vector<CellOwner>> owners;
+  owners.reserve(state.tables[table].row_count);
+  for (std::size_t row = 0; row < state.tables[table].row_count; ++row)
+    owners.push_back(prepared_owners(state, table, row));
   return owners;
 }
 

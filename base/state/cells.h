@@ -65,6 +65,8 @@ class CellHasher {
 
   /// Those the row belongs to: itself, or the rows it refers to.
   std::vector<CellOwner> owners_of(const StateView& state, std::size_t table, std::size_t row);
+  /// The same for each row of the table.
+  std::vector<std::vector<CellOwner>> owners_of_rows(const StateView& state, std::size_t table);
 
  private:
   /// A word of a row that holds the id of a row of an owning table.
@@ -102,6 +104,7 @@ class CellHasher {
   void make_lookup(const Table& table, const std::uint32_t* words, std::size_t row_count, Lookup& lookup);
   static std::uint64_t key_of(const Table& table, const std::uint32_t* row_words, std::size_t row);
   void prepare(const StateView& state);
+  std::vector<CellOwner> prepared_owners(const StateView& state, std::size_t table, std::size_t row);
   void find_unchanged(const StateView& state);
   void forget_rows();
   void fold_kept(std::size_t table, const TableRows& rows);

@@ -76,7 +76,8 @@ std::string value_of(const BuildFacts& facts, const std::string& name) {
   return "";
 }
 
-constexpr const char* plain = "compiler=gcc 12.2.0\nlanguage=c17\nfused=no\nsimd=sse2\nndebug=no\ntarget=x86_64 linux";
+constexpr const char* plain_facts =
+    "compiler=gcc 12.2.0\nlanguage=c17\nfused=no\nsimd=sse2\nndebug=no\ntarget=x86_64 linux";
 constexpr const char* fused = "compiler=gcc 13.1.0\nlanguage=c17\nsimd=avx2\nndebug=no\nfused=yes\ntarget=x86_64 linux";
 
 TEST_CASE("the facts of the unit that opens a session are in its trace", "[capi][facts]") {
@@ -101,12 +102,12 @@ TEST_CASE("the facts of the unit that opens a session are in its trace", "[capi]
   // A program that gives no facts has none; the facts change no bit of what is recorded.
   REQUIRE(count_ticks(path("none.ttr"), TICKTRUE_RECORD, nullptr).exit_code == 0);
   for (const auto& [name, value] : facts_in(path("none.ttr"))) CHECK_FALSE(contains(name, "caller."));
-  CHECK(count_ticks(path("none.ttr"), TICKTRUE_VERIFY, plain).exit_code == 0);
+  CHECK(count_ticks(path("none.ttr"), TICKTRUE_VERIFY, plain_facts).exit_code == 0);
 }
 
 TEST_CASE("a red report of a session tells the programs and what differs, not the library's flags", "[capi][facts]") {
   const TracePath path;
-  REQUIRE(count_ticks(path("x.ttr"), TICKTRUE_RECORD, plain).exit_code == 0);
+  REQUIRE(count_ticks(path("x.ttr"), TICKTRUE_RECORD, plain_facts).exit_code == 0);
   const Run green = count_ticks(path("x.ttr"), TICKTRUE_VERIFY, fused);
   CHECK(green.exit_code == 0);
   CHECK_FALSE(contains(green.text, "fused"));
@@ -148,9 +149,9 @@ TEST_CASE("further units have facts of their own", "[capi][facts]") {
   const auto with_fast_unit = [](ticktrue_session* session) {
     CHECK(ticktrue_build_facts(session, "physics.c", "fused=no\nfast_math=yes") == TICKTRUE_OK);
   };
-  REQUIRE(count_ticks(path("x.ttr"), TICKTRUE_RECORD, plain, 0, with_unit).exit_code == 0);
+  REQUIRE(count_ticks(path("x.ttr"), TICKTRUE_RECORD, plain_facts, 0, with_unit).exit_code == 0);
   CHECK(value_of(facts_in(path("x.ttr")), "caller.physics.c.fast_math") == "no");
-  const Run red = count_ticks(path("x.ttr"), TICKTRUE_VERIFY, plain, 1, with_fast_unit);
+  const Run red = count_ticks(path("x.ttr"), TICKTRUE_VERIFY, plain_facts, 1, with_fast_unit);
   CAPTURE(red.text);
   CHECK(contains(red.text, "differs physics.c.fast_math: recorded no, here yes (changes bits)"));
   CHECK(contains(red.text, "audio: recorded with facts, here not known\n"));
@@ -209,7 +210,7 @@ TEST_CASE("facts that are wrong are refused with the line to mend", "[capi][fact
        "build_facts: found facts after the first tick"},
   };
   for (const auto& wrong : wrong_calls) {
-    const Run run = count_ticks(path("call.ttr"), TICKTRUE_RECORD, plain, 0, wrong.call);
+    const Run run = count_ticks(path("call.ttr"), TICKTRUE_RECORD, plain_facts, 0, wrong.call);
     CAPTURE(run.message, wrong.message);
     CHECK(run.exit_code == 2);
     CHECK(contains(run.message, wrong.message));
@@ -277,7 +278,7 @@ TEST_CASE("the build id is the one in the program's file", "[capi][facts]") {
 
 TEST_CASE("diff tells the programs of two sessions and what differs", "[capi][facts][diff]") {
   const TracePath path;
-  REQUIRE(count_ticks(path("a.ttr"), TICKTRUE_RECORD, plain).exit_code == 0);
+  REQUIRE(count_ticks(path("a.ttr"), TICKTRUE_RECORD, plain_facts).exit_code == 0);
   REQUIRE(count_ticks(path("b.ttr"), TICKTRUE_RECORD, fused, 1).exit_code == 0);
   auto a = replay::TraceReader::open(path("a.ttr"));
   auto b = replay::TraceReader::open(path("b.ttr"));

@@ -723,15 +723,17 @@ TEST_CASE("options are those of any version of the header that the library can s
   CHECK(contains(message_of(options), "struct_size: found 8, expected sizeof(ticktrue_options): "));
   // Every size: those of the headers are taken with just their fields, and no field is read in part.
   const std::size_t size_1 = offsetof(ticktrue_options, caller_facts), size_2 = offsetof(ticktrue_options, save);
+  const std::size_t size_3 = offsetof(ticktrue_options, peer_bytes);
   for (std::size_t size = 0; size <= sizeof longer; ++size) {
     longer = {options_for(path, TICKTRUE_RECORD), 0};
     longer.options.struct_size = size;
     // Behind the size, the bytes are not the options'.
     if (size == size_1) std::memset(&longer.options.caller_facts, 0xff, sizeof longer - size_1);
     if (size == size_2) std::memset(&longer.options.save, 0xff, sizeof longer - size_2);
+    if (size == size_3) std::memset(&longer.options.peer_bytes, 0xff, sizeof longer - size_3);
     const std::string message = message_of(longer.options);
     CAPTURE(size, message);
-    if (size == size_1 || size == size_2 || size >= sizeof(ticktrue_options))
+    if (size == size_1 || size == size_2 || size == size_3 || size >= sizeof(ticktrue_options))
       CHECK(message.empty());
     else
       CHECK(contains(message, "struct_size: found " + std::to_string(size)));
@@ -810,7 +812,9 @@ TEST_CASE("the layout of the structs is the one that programs were built with", 
   CHECK(offsetof(ticktrue_options, caller_facts) == 104);
   CHECK(offsetof(ticktrue_options, save) == 112);
   CHECK(offsetof(ticktrue_options, sync_test) == 152);
-  CHECK(sizeof(ticktrue_options) == 160);
+  CHECK(offsetof(ticktrue_options, peer_bytes) == 160);
+  CHECK(offsetof(ticktrue_options, player) == 168);
+  CHECK(sizeof(ticktrue_options) == 176);
   CHECK(offsetof(ticktrue_member, offset) == 16);
   CHECK(sizeof(ticktrue_member) == 32);
   CHECK(offsetof(ticktrue_host, column) == 16);

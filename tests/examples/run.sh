@@ -49,7 +49,7 @@ fi
 printf '#include <ticktrue.h>\nint main(void) { return ticktrue_api_version() == TICKTRUE_API_VERSION ? 0 : 1; }\n' >header.c
 expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Wstrict-prototypes -Werror -I"$prefix/include" -c header.c -o header.o
 expect 0 "" c++ -std=c++98 -pedantic -Wall -Wextra -Werror -I"$prefix/include" -x c++ -fsyntax-only header.c
-for example in lockstep rollback plugin_pendulum; do
+for example in lockstep rollback udp_lockstep plugin_pendulum; do
   expect 0 "" cc -std=c99 -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$prefix/include" "../examples/$example.c"
 done
 grep -q 'ffp-contract=off.*lockstep\.c' compile_commands.json || complain "ticktrue::determinism: its flags did not arrive"
@@ -105,7 +105,7 @@ cp game.c "$work/doc/game.c"
 # The first program behind the heading, and what the document says that it prints.
 sed -n '/^## C++: five lines$/,$p' "$source/docs/any_simulation.md" >five_lines
 awk '/^```cpp$/ { n++; next } /^```/ { if (n) exit } n' five_lines >"$work/doc/units.cpp"
-cp rollback "$work/doc"
+cp rollback udp_lockstep "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
 sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
@@ -129,6 +129,7 @@ while IFS= read -r command; do
     ./units_fma*) wanted=1 ;;
     *--bug*) wanted=1 ;;
   esac
+  case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
 done <printed
 if [ "$(uname -m)" = x86_64 ]; then # other machines fuse by themselves
@@ -146,10 +147,10 @@ fi
 
 # --- the commands in the first lines of the examples -----------------------------------------------------------------
 mkdir -p "$work/headers"
-for file in lockstep rollback swarm consumer units libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
+for file in lockstep rollback udp_lockstep swarm consumer units libplugin_pendulum.so libplugin_box2d.so ../examples/bouncers.py; do
   [ ! -e "$file" ] || cp "$file" "$work/headers"
 done
-for example in lockstep.c rollback.c swarm.c consumer.cpp units.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
+for example in lockstep.c rollback.c udp_lockstep.c swarm.c consumer.cpp units.cpp plugin_pendulum.c plugin_box2d.cpp bouncers.py; do
   # Of "//   COMMAND   what it does" the command.
   sed -n '1,/^[^/#]/s%^\(//\|#\)   \([^ ].*\)$%\2%p' "../examples/$example" | sed 's/  .*//' >printed
   [ -s printed ] || complain "$example: found no command in its first lines, expected some"
@@ -161,6 +162,7 @@ for example in lockstep.c rollback.c swarm.c consumer.cpp units.cpp plugin_pendu
     wanted=0
     case $command in *--bug*) wanted=1 ;; esac
     command=$(printf '%s' "$command" | sed "s|PREFIX/lib/libticktrue.so|$library|")
+    case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
     expect "$wanted" "" env PYTHONHASHSEED=1 PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/headers' && $command"
   done <printed
   rm -f "$work"/headers/*.ttr

@@ -16,6 +16,7 @@
 #include "engine/scene/scene_json.h"
 #include "replay/recorder.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/peers_world.h"
 #include "tests/fuzz/worlds.h"
 #include "tests/support/toy_simulation.h"
 #include "tool/corpus/shard_plan.h"
@@ -277,6 +278,30 @@ void seed_verdicts() {
   seed("verdict", verifier::encode_plan({{{1, 2}, {3}, {1}, {2}}}));
 }
 
+/// What two players whose states differ say to each other, first to last.
+void seed_peers() {
+  const fuzz::PeersWorld one(0, 0), other(1, 9);
+  const auto with_kind = [](std::uint8_t kind, ByteView bytes) {
+    Bytes all{kind};
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    return all;
+  };
+  seed("peers", with_kind(0, one.peers->hello()));
+  other.peers->add_root(0, 0, root_hash(one.view()));
+  ByteWriter session;
+  for (int i = 0; i < 6; ++i) {
+    const Bytes message = other.peers->next_message(0, 1'200);
+    if (message.empty()) break;
+    session.u16(static_cast<std::uint16_t>(message.size()));
+    session.bytes(message);
+    if (const auto read = capi::decode_message(message)) seed("peers", with_kind(1, read->part));
+    if (!one.peers->receive(1, message)) break;
+    const Bytes answer = one.peers->next_message(1, 1'200);
+    if (answer.empty() || !other.peers->receive(0, answer)) break;
+  }
+  seed("peers", with_kind(2, session.view()));
+}
+
 void seed_stored() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
     if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
@@ -294,6 +319,7 @@ int main(int argument_count, char** arguments) {
   seed_states();
   seed_sessions();
   seed_verdicts();
+  seed_peers();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;

@@ -1,0 +1,73 @@
+// Compares each state with the first one, as far as that is not decided yet.
+// SPDX-License-Identifier: MIT
+#include "capi/change_summary.h"
+
+#include <cstring>
+
+namespace ticktrue::capi {
+namespace {
+
+constexpr std::size_t summary_name_count_max = 8;
+
+std::string names_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < summary_name_count_max; ++i) text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > summary_name_count_max)
+    text += " and " + std::to_string(names.size() - summary_name_count_max) + " more";
+  return text;
+}
+
+}  // namespace
+
+void ChangeSummary::compare(std::size_t number, const TableRows& rows) {
+  Table& table = tables_[number];
+  const TableSchema& schema = first_->view().schema->tables[number];
+  const TableRows& first = first_->view().tables[number];
+  table.had_rows = table.had_rows || rows.row_count > 0;
+  if (table.constant.empty()) return;
+  if (rows.row_count != first.row_count) {
+    table.constant.clear();  // rows came or went
+    return;
+  }
+  const std::size_t size = schema.row_size;
+  if (rows.row_count == 0 || std::memcmp(rows.data, first.data, size * rows.row_count) == 0) return;
+  std::erase_if(table.constant, [&](std::size_t c) {
+    const Column& column = schema.columns[c];
+    const std::size_t column_size = static_cast<std::size_t>(scalar_info(column.type)->size) * column.lane_count;
+    for (std::size_t at = column.offset; at < size * rows.row_count; at += size)
+      if (std::memcmp(rows.data + at, first.data + at, column_size) != 0) return true;
+    return false;
+  });
+}
+
+void ChangeSummary::add(const StateView& state) {
+  if (!first_) {
+    first_.emplace(state);
+    tables_.resize(state.tables.size());
+    for (std::size_t t = 0; t < tables_.size(); ++t) {
+      const TableSchema& schema = state.schema->tables[t];
+      for (std::size_t c = schema.key_column_count; c < schema.columns.size(); ++c) tables_[t].constant.push_back(c);
+    }
+  }
+  for (std::size_t t = 0; t < tables_.size(); ++t) compare(t, state.tables[t]);
+}
+
+std::vector<std::string> ChangeSummary::lines() const {
+  std::vector<std::string> lines, empty, constant;
+  if (!first_) return lines;
+  bool is_any_changed = false;
+  for (std::size_t t = 0; t < tables_.size(); ++t) {
+    const TableSchema& schema = first_->view().schema->tables[t];
+    if (!tables_[t].had_rows) {
+      empty.push_back(schema.name);
+      continue;
+    }
+    is_any_changed = is_any_changed || tables_[t].constant.size() + schema.key_column_count < schema.columns.size();
+    for (const std::size_t c : tables_[t].constant) constant.push_back(schema.name + "." + schema.columns[c].name);
+  }
+  if (!empty.empty()) lines.push_back("tables that stayed empty: " + names_text(empty));
+  if (!constant.empty() && is_any_changed) lines.push_back("columns that never changed: " + names_text(constant));
+  return lines;
+}
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,34 @@
+// What of the registered state had no part in a session: tables that stayed empty, columns that never changed.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/state/kept_state.h"
+#include "base/state/state_view.h"
+
+namespace ticktrue::capi {
+
+/// Watches each confirmed state. A column that was seen to change costs nothing any more.
+class ChangeSummary {
+ public:
+  void add(const StateView& state);
+  /// A line each; empty where there is nothing to tell, and where nothing changed at all.
+  std::vector<std::string> lines() const;
+
+ private:
+  struct Table {
+    bool had_rows = false;
+    std::vector<std::size_t> constant;  // columns that have not changed so far; no keys
+  };
+  void compare(std::size_t number, const TableRows& rows);
+
+  std::optional<KeptState> first_;
+  std::vector<Table> tables_;
+};
+
+}  // namespace ticktrue::capi

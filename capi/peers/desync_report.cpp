@@ -1,0 +1,300 @@
+// Compares the states of all players, and prints what differs.
+// SPDX-License-Identifier: MIT
+#include "capi/peers/desync_report.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+
+#include "base/count_text.h"
+#include "base/hash.h"
+#include "base/plain_text.h"
+#include "verifier/report/fact_differences.h"
+
+namespace ticktrue::capi {
+namespace {
+
+constexpr std::size_t compared_lane_count_max = 100'000;  // of one pair of players
+constexpr std::size_t lane_shown_max = 8;
+
+/// The order of the report. Rows that the first state lacks come behind its own of the same number.
+using LaneKey = std::tuple<std::size_t, std::size_t, bool, std::uint64_t, std::size_t, std::size_t>;
+
+LaneKey lane_key(const LaneDifference& lane) {
+  return {lane.place.table,    lane.place.row,    !lane.expected.has_value(),
+          lane.id.value_or(0), lane.place.column, lane.place.lane};
+}
+
+using Names = std::vector<std::size_t>;  // places in the list of players
+
+/// "player 0", "players 0, 2".
+std::string players_text(const DesyncFinding& finding, const Names& names) {
+  std::string text = names.size() == 1 ? "player " : "players ";
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i > 0 ? ", " : "") + std::to_string(finding.players[names[i]].player);
+  return text;
+}
+
+/// "players 0, 2: A.  player 1: B". Players without a value stand in no group.
+template <typename Value, typename Text>
+std::string grouped(const DesyncFinding& finding, const std::vector<std::optional<Value>>& values, Text text_of) {
+  std::vector<std::pair<Value, Names>> groups;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!values[i]) continue;
+    const auto found =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == *values[i]; });
+    if (found == groups.end())
+      groups.push_back({*values[i], {i}});
+    else
+      found->second.push_back(i);
+  }
+  std::string text;
+  for (const auto& [value, names] : groups)
+    text += (text.empty() ? "" : ".  ") + players_text(finding, names) + ": " + text_of(value);
+  return text;
+}
+
+void add_line(std::string& text, std::string label, const std::string& content) {
+  if (label.size() < 7) label.resize(7, ' ');
+  text += "  " + label + " " + plain_line(content) + "\n";
+}
+
+std::string row_text(const Column& column, const DesyncLane& lane) {
+  std::string text = "row " + std::to_string(lane.place.row);
+  if (lane.id || !lane.name.empty()) {
+    text += " (";
+    if (lane.id) text += "id " + std::to_string(*lane.id);
+    if (lane.id && !lane.name.empty()) text += ", ";
+    if (!lane.name.empty()) text += "name \"" + lane.name + "\"";
+    text += ")";
+  }
+  if (column.lane_count > 1) text += ", lane " + std::to_string(lane.place.lane);
+  return text;
+}
+
+/// A value, or that there is no such row. Compared as a whole.
+using ShownValue = std::optional<std::uint64_t>;
+
+std::string values_text(const DesyncFinding& finding, const Column& column, const DesyncLane& lane) {
+  std::vector<std::optional<ShownValue>> values;
+  std::vector<std::uint64_t> bits;
+  for (std::size_t i = 0; i < finding.players.size(); ++i) {
+    values.emplace_back(finding.players[i].tables ? std::optional(lane.values[i]) : std::nullopt);
+    if (finding.players[i].tables && lane.values[i] &&
+        std::find(bits.begin(), bits.end(), *lane.values[i]) == bits.end())
+      bits.push_back(*lane.values[i]);
+  }
+  std::string text = grouped(finding, values, [&](const ShownValue& value) {
+    return value ? lane_hex(column.type, *value) + " (" + lane_text(column.type, *value) + ")"
+                 : std::string("no such row");
+  });
+  if (bits.size() == 2)
+    if (const auto ulp = ulp_distance(column.type, bits[0], bits[1])) text += ".  " + std::to_string(*ulp) + " ulp";
+  return text;
+}
+
+std::string inputs_text(const TickInputs& inputs, bool with_dt) {
+  static constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : inputs.begin) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  if (inputs.size > inputs.begin.size()) text += "... (" + std::to_string(inputs.size) + " bytes)";
+  if (text.empty()) text = "none";
+  if (with_dt) text += ", dt " + lane_text(ScalarType::f64, bits_of(inputs.dt)) + " s";
+  return text;
+}
+
+void add_inputs(const DesyncFinding& finding, std::string& text) {
+  std::vector<std::optional<TickInputs>> inputs;
+  const TickInputs* first = nullptr;
+  bool differ = false, dt_differs = false;
+  for (const DesyncPlayer& player : finding.players) {
+    inputs.push_back(player.inputs);
+    if (!player.inputs) continue;
+    if (first == nullptr) first = &*player.inputs;
+    differ = differ || !(*first == *player.inputs);
+    dt_differs = dt_differs || bits_of(first->dt) != bits_of(player.inputs->dt);
+  }
+  if (first == nullptr) return;
+  if (!differ) {
+    add_line(text, "input", "the same for all: " + inputs_text(*first, false));
+    return;
+  }
+  add_line(text, "input", "not the same for all: the tick ran with other inputs");
+  add_line(text, "", grouped(finding, inputs, [&](const TickInputs& one) { return inputs_text(one, dt_differs); }));
+}
+
+void add_facts(const DesyncFinding& finding, std::string& text) {
+  const DesyncPlayer* first = nullptr;
+  std::string label = "differs";
+  for (const DesyncPlayer& player : finding.players) {
+    if (player.facts.empty()) continue;
+    if (first == nullptr) {
+      first = &player;
+      continue;
+    }
+    for (const verifier::FactDifference& difference : verifier::fact_differences(first->facts, player.facts)) {
+      add_line(text, label,
+               verifier::difference_line(difference, "player " + std::to_string(first->player),
+                                         "player " + std::to_string(player.player)));
+      label = "";
+    }
+  }
+}
+
+/// Those outside of the one largest group; empty: there is no majority.
+Names odd_ones(const DesyncFinding& finding) {
+  const std::vector<Names> groups = root_groups(finding);
+  Names others;
+  if (groups.size() < 2 || groups[0].size() == groups[1].size()) return others;
+  for (std::size_t g = 1; g < groups.size(); ++g) others.insert(others.end(), groups[g].begin(), groups[g].end());
+  std::sort(others.begin(), others.end());
+  return others;
+}
+
+std::string who_text(const DesyncFinding& finding) {
+  const std::vector<Names> groups = root_groups(finding);
+  const Names others = odd_ones(finding);
+  if (!others.empty())
+    return players_text(finding, groups[0]) + " agree; " + players_text(finding, others) +
+           (others.size() == 1 ? " is the odd one out" : " are the odd ones out");
+  std::string text;
+  for (const Names& group : groups) text += (text.empty() ? "" : ", ") + players_text(finding, group);
+  return text + " differ, and no majority says which is right";
+}
+
+void add_missing(const DesyncFinding& finding, std::string& text) {
+  for (const DesyncPlayer& player : finding.players) {
+    const std::string name = "player " + std::to_string(player.player);
+    if (!player.root)
+      add_line(text, "missing", name + ": its root of this tick is not known");
+    else if (player.lost_state)
+      add_line(text, "missing", name + ": keeps the state of this tick no more (peer_bytes of the options)");
+    else if (!player.tables)
+      add_line(text, "missing", name + ": its state is not known yet");
+  }
+}
+
+nlohmann::ordered_json lane_object(const StateSchema& schema, const DesyncFinding& finding, const DesyncLane& lane) {
+  const TableSchema& table = schema.tables[lane.place.table];
+  const Column& column = table.columns[lane.place.column];
+  nlohmann::ordered_json object{{"table", plain_line(table.name)},
+                                {"column", plain_line(column.name)},
+                                {"row", lane.place.row},
+                                {"lane", lane.place.lane}};
+  if (lane.id) object["id"] = *lane.id;
+  if (!lane.name.empty()) object["name"] = plain_line(lane.name);
+  object["values"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < finding.players.size(); ++i) {
+    if (!finding.players[i].tables) continue;
+    nlohmann::ordered_json value{{"player", finding.players[i].player}, {"bits", nullptr}};
+    if (lane.values[i]) {
+      value["bits"] = lane_hex(column.type, *lane.values[i]);
+      value["value"] = lane_text(column.type, *lane.values[i]);
+    }
+    object["values"].push_back(std::move(value));
+  }
+  return object;
+}
+
+}  // namespace
+
+void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding) {
+  const auto has_state = [](const DesyncPlayer& player) { return player.tables.has_value(); };
+  const auto first = std::find_if(finding.players.begin(), finding.players.end(), has_state);
+  finding.lanes.clear();
+  finding.lane_count = 0;
+  if (first == finding.players.end()) return;
+  const auto first_index = static_cast<std::size_t>(first - finding.players.begin());
+  std::map<LaneKey, DesyncLane> lanes;
+  for (std::size_t i = first_index + 1; i < finding.players.size(); ++i) {
+    const DesyncPlayer& player = finding.players[i];
+    if (!player.tables || player.root == first->root) continue;
+    for (const LaneDifference& difference :
+         diff_images(schema, *first->tables, *player.tables, compared_lane_count_max)) {
+      DesyncLane& lane = lanes[lane_key(difference)];
+      if (lane.values.empty()) {
+        lane.place = difference.place;
+        lane.id = difference.id;
+        lane.values.assign(finding.players.size(), difference.expected);
+      }
+      lane.values[i] = difference.got;
+    }
+  }
+  finding.lane_count = lanes.size();
+  for (auto& [key, lane] : lanes) {
+    if (finding.lanes.size() == lane_shown_max) break;
+    // Who has the root of another player has its values.
+    for (std::size_t i = 0; i < finding.players.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (finding.players[i].root && finding.players[i].root == finding.players[j].root)
+          lane.values[i] = lane.values[j];
+    if (row_name) lane.name = row_name(lane.place.table, lane.place.row);
+    finding.lanes.push_back(std::move(lane));
+  }
+}
+
+std::vector<Names> root_groups(const DesyncFinding& finding) {
+  std::vector<Names> groups;
+  for (std::size_t i = 0; i < finding.players.size(); ++i) {
+    if (!finding.players[i].root) continue;
+    const auto same = [&](const Names& group) { return finding.players[group[0]].root == finding.players[i].root; };
+    const auto found = std::find_if(groups.begin(), groups.end(), same);
+    if (found == groups.end())
+      groups.push_back({i});
+    else
+      found->push_back(i);
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const Names& a, const Names& b) { return a.size() > b.size(); });
+  return groups;
+}
+
+std::string desync_text(const StateSchema& schema, const DesyncFinding& finding) {
+  std::string text = "desync  " + plain_line(finding.simulation) + "  tick " + std::to_string(finding.tick) + "\n";
+  add_line(text, "who", who_text(finding));
+  add_line(
+      text, "agreed",
+      finding.agreed ? "up to tick " + std::to_string(*finding.agreed) : std::string("no tick before it is known"));
+  for (const DesyncLane& lane : finding.lanes) {
+    const TableSchema& table = schema.tables[lane.place.table];
+    const Column& column = table.columns[lane.place.column];
+    std::string name = table.name + "." + column.name;
+    if (name.size() < 17) name.resize(17, ' ');
+    add_line(text, "column", name + " " + row_text(column, lane));
+    add_line(text, "value", values_text(finding, column, lane));
+  }
+  if (finding.lane_count > finding.lanes.size() || finding.is_cut)
+    add_line(text, "more", (finding.is_cut ? "at least " : "") + count_text(finding.lane_count, "value") + " differ");
+  std::vector<std::optional<std::uint64_t>> roots;
+  for (const DesyncPlayer& player : finding.players) roots.push_back(player.root);
+  add_line(text, "hash", grouped(finding, roots, hex64));
+  add_inputs(finding, text);
+  add_facts(finding, text);
+  add_missing(finding, text);
+  return text;
+}
+
+std::string desync_json(const StateSchema& schema, const DesyncFinding& finding) {
+  using Json = nlohmann::ordered_json;
+  Json object{{"schema", "ticktrue.desync/1"}, {"simulation", plain_line(finding.simulation)}, {"tick", finding.tick}};
+  object["agreed"] = finding.agreed ? Json(*finding.agreed) : Json(nullptr);
+  object["complete"] = finding.is_whole;
+  object["players"] = Json::array();
+  for (const DesyncPlayer& player : finding.players) {
+    Json one{{"player", player.player}, {"root", nullptr}};
+    if (player.root) one["root"] = hex64(*player.root);
+    object["players"].push_back(std::move(one));
+  }
+  object["odd"] = Json::array();
+  for (const std::size_t i : odd_ones(finding)) object["odd"].push_back(finding.players[i].player);
+  object["differing"] = finding.lane_count;
+  object["values"] = Json::array();
+  for (const DesyncLane& lane : finding.lanes) object["values"].push_back(lane_object(schema, finding, lane));
+  return object.dump();
+}
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,58 @@
+// What is known of a desync: the tick, who differs, columns, rows and the values of every player. As text and JSON.
+// SPDX-License-Identifier: MIT
+//
+// The report names players, never "here" and "there": every player prints the same one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/state/row_names.h"
+#include "base/state/state_view.h"
+#include "capi/peers/kept_ticks.h"
+#include "replay/format/trace.h"
+
+namespace ticktrue::capi {
+
+/// One player at the tick that differs.
+struct DesyncPlayer {
+  std::uint32_t player = 0;
+  std::optional<std::uint64_t> root;
+  std::optional<TickInputs> inputs;
+  std::optional<std::vector<ImageTable>> tables;  // the state, where it is known; must outlive this
+  bool lost_state = false;                        // the player keeps that tick no more
+  replay::BuildFacts facts;                       // empty: no hello came
+};
+
+/// One value that is not the same for all.
+struct DesyncLane {
+  StatePlace place;                                  // row: of the first player that has it
+  std::optional<std::uint64_t> id;                   // of the row, where its table has ids
+  std::string name;                                  // of the row
+  std::vector<std::optional<std::uint64_t>> values;  // [player], bits; nothing: no such row, or no such state
+};
+
+struct DesyncFinding {
+  std::string simulation;
+  std::uint64_t tick = 0;
+  std::optional<std::uint64_t> agreed;  // the last tick that was the same for all
+  std::vector<DesyncPlayer> players;    // ascending
+  std::vector<DesyncLane> lanes;        // in table, row, column, lane order; the first of them
+  std::uint64_t lane_count = 0;         // of all
+  bool is_cut = false;                  // more may differ than was sent
+  bool is_whole = false;                // the states of all players of which a root is known are compared
+};
+
+/// Fills lanes and lane_count from the states of the players.
+void compare_players(const StateSchema& schema, const RowNamer& row_name, DesyncFinding& finding);
+
+/// Players with the same root, the largest group first; of groups of one size that of the lowest player.
+std::vector<std::vector<std::size_t>> root_groups(const DesyncFinding& finding);
+
+std::string desync_text(const StateSchema& schema, const DesyncFinding& finding);
+/// One object, without a line break behind it.
+std::string desync_json(const StateSchema& schema, const DesyncFinding& finding);
+
+}  // namespace ticktrue::capi
