@@ -1,8 +1,6 @@
-// Runs leave their files in a folder with a name of its own.
+// The words of a recorded program that runs again, and the preload library beside this program.
 // SPDX-License-Identifier: MIT
 #include "tool/cli/session/program_runs.h"
-
-#include <unistd.h>
 
 #include <filesystem>
 #include <system_error>
@@ -41,30 +39,6 @@ std::vector<std::string> words_with_trace(const std::vector<std::string>& words,
     }
   if (!has_mark) with.insert(with.end(), {"--verify", trace});
   return with;
-}
-
-Result<std::unique_ptr<RunFolder>> RunFolder::make(const std::string& asked) {
-  std::error_code failed;
-  if (!asked.empty()) {
-    fs::create_directories(asked, failed);
-    if (failed) return Error{ErrorCode::io, asked + ": cannot be made: " + failed.message(), ""};
-    return std::make_unique<RunFolder>(fs::canonical(asked, failed).string(), false);
-  }
-  const fs::path temporary = fs::temp_directory_path(failed);
-  constexpr int try_count = 1000;
-  for (int i = 0; !failed && i < try_count; ++i) {
-    const fs::path path = temporary / ("ticktrue-runs-" + std::to_string(::getpid()) + "-" + std::to_string(i));
-    if (!fs::create_directory(path, failed) || failed) continue;  // there already, of another process
-    fs::permissions(path, fs::perms::owner_all, failed);
-    return std::make_unique<RunFolder>(path.string(), true);
-  }
-  return Error{ErrorCode::io, "the temporary folder: no folder can be made in it",
-               "--out names a folder for the files of runs"};
-}
-
-RunFolder::~RunFolder() {
-  std::error_code ignored;
-  if (is_temporary_) fs::remove_all(path_, ignored);
 }
 
 }  // namespace ticktrue::cli

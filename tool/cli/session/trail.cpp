@@ -9,6 +9,7 @@
 #include "tool/cli/commands.h"
 #include "tool/cli/session/program_runs.h"
 #include "tool/experiment/trail/trail_report.h"
+#include "verifier/runs/run_folder.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -30,7 +31,7 @@ int run_trail_command(const TrailCommand& command) {
   std::error_code failed;
   const std::string trace = std::filesystem::canonical(command.trace, failed).string();
   if (failed) return fail_usage(Error{ErrorCode::io, command.trace + ": " + failed.message(), ""});
-  const auto folder = RunFolder::make(command.folder);
+  const auto folder = verifier::RunFolder::make("ticktrue-trail", command.folder);
   if (!folder) return fail_usage(folder.error());
   trail::TrailSubject subject{command.trace, command.words, command.against, ""};
   for (const std::string& group : command.calls) subject.calls += (subject.calls.empty() ? "" : ",") + group;
@@ -42,7 +43,7 @@ int run_trail_command(const TrailCommand& command) {
     options.against.front() = command.against;
   }
   options.calls = subject.calls;
-  options.launch.folder = (*folder)->path();
+  options.launch.folder = folder->path();
   options.launch.shim_path = shim_path();
   options.launch.time_s = static_cast<double>(command.timeout_s);
   catch_stop_signals();  // so that the folder is removed
