@@ -13,9 +13,10 @@ namespace ticktrue::cli {
 
 std::shared_ptr<PluginOptions> add_plugin_options(CLI::App& app) {
   auto options = std::make_shared<PluginOptions>();
-  app.add_option("--plugin", options->libraries,
-                 "A simulation from a shared library, for run, record, replay, verify, reduce, diff and inject; may stand "
-                 "more than once")
+  app.add_option(
+         "--plugin", options->libraries,
+         "A simulation from a shared library, for run, record, replay, verify, reduce, diff and inject; may stand "
+         "more than once")
       ->type_name("LIB.so")
       ->expected(1)
       ->allow_extra_args(false)  // the next word is the scene
