@@ -10,7 +10,7 @@
 
 #include "base/limits.h"
 #include "base/plain_text.h"
-#include "capi/shake_page.h"
+#include "capi/marks/shake_page.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
 

@@ -17,14 +17,14 @@
 #include "base/state/kept_state.h"
 #include "capi/change_summary.h"
 #include "capi/comparing.h"
-#include "capi/marks.h"
+#include "capi/marks/marks.h"
+#include "capi/marks/trail_log.h"
 #include "capi/peers/peers.h"
 #include "capi/program_facts.h"
 #include "capi/recording.h"
 #include "capi/saves.h"
 #include "capi/second_run.h"
 #include "capi/tick.h"
-#include "capi/trail_log.h"
 #include "include/ticktrue.h"
 
 namespace ticktrue::capi {

@@ -10,7 +10,7 @@
 #include "base/result.h"
 #include "base/state/row_names.h"
 #include "base/state/state_view.h"
-#include "capi/marks.h"
+#include "capi/marks/marks.h"
 
 namespace ticktrue::capi {
 

@@ -15,8 +15,8 @@
 
 #include "base/build_info.h"
 #include "base/plain_text.h"
+#include "capi/marks/shake_page.h"
 #include "capi/session.h"
-#include "capi/shake_page.h"
 
 using ticktrue::Error;
 using ticktrue::ErrorCode;

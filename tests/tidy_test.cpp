@@ -206,8 +206,10 @@ constexpr Room rooms[] = {
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
     {"shim", ""},
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
+    {"capi/marks", "base,replay/format,shim"},
     {"capi",
-     "base,base/state,replay,replay/format,include,shim,verifier/report,verifier/locate,verifier/verify,capi/peers"},
+     "base,base/state,replay,replay/format,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
+     "capi/peers"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
     {"tool/environment", "below"},

@@ -12,7 +12,7 @@ namespace ticktrue::replay {
 std::uint32_t MarkTally::find(const char* name) {
   constexpr auto none = static_cast<std::uint32_t>(name_count_max);
   if (name == nullptr) return none;
-  Slot& slot = slots_[slot_of(name)];
+  MarkSlot& slot = slots_[slot_of(name)];
   // The text at an address may have changed.
   if (slot.name == name && (slot.is_constant || std::strcmp(name, entries_[slot.entry].name.c_str()) == 0))
     return slot.entry;

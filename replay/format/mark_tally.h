@@ -25,7 +25,7 @@ class MarkTally {
   /// Counts a mark whose name is a constant that was marked before in this tick. False: it is another, and nothing was
   /// done.
   bool add_again(const char* name, std::uint64_t value) {
-    const Slot& slot = slots_[slot_of(name)];
+    const MarkSlot& slot = slots_[slot_of(name)];
     if (slot.name != name || !slot.is_constant) return false;
     Entry& of_name = entries_[slot.entry];
     if (of_name.count == 0) return false;
@@ -58,7 +58,7 @@ class MarkTally {
     std::uint64_t hash = 0;  // of this tick
     std::uint64_t count = 0;
   };
-  struct Slot {
+  struct MarkSlot {
     const char* name = nullptr;
     std::uint32_t entry = 0;
     bool is_constant = false;  // the text at this address stays as it is: it need not be compared
@@ -76,7 +76,7 @@ class MarkTally {
   }
 
   bool (*is_constant_)(const char* name);
-  std::array<Slot, slot_count> slots_;
+  std::array<MarkSlot, slot_count> slots_;
   std::vector<Entry> entries_;
   std::unordered_map<std::string, std::uint32_t> numbers_;
   std::vector<std::uint32_t> active_;  // entries with marks in this tick

@@ -1,6 +1,6 @@
 // Lists of marks, and marks that have no name.
 // SPDX-License-Identifier: MIT
-#include "capi/marks.h"
+#include "capi/marks/marks.h"
 
 #include <utility>
 
@@ -8,7 +8,7 @@
 #include <link.h>
 #endif
 
-#include "capi/shake_page.h"
+#include "capi/marks/shake_page.h"
 
 namespace ticktrue::capi {
 namespace {

@@ -1,7 +1,7 @@
 // Each tick is appended with one call, so that a program which dies leaves the ticks before. Call stacks are stored as
 // modules and offsets: addresses differ in every run.
 // SPDX-License-Identifier: MIT
-#include "capi/trail_log.h"
+#include "capi/marks/trail_log.h"
 
 #include <algorithm>
 #include <cstdio>

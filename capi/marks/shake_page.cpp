@@ -1,6 +1,6 @@
 // The page of shim/page.h, mapped once, and the file of TICKTRUE_RESULT. Elsewhere than on Linux there is no page.
 // SPDX-License-Identifier: MIT
-#include "capi/shake_page.h"
+#include "capi/marks/shake_page.h"
 
 #include <cstdio>
 #include <cstdlib>

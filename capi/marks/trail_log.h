@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "capi/marks.h"
+#include "capi/marks/marks.h"
 
 namespace ticktrue::capi {
 
