@@ -14,7 +14,6 @@
 #include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 #if defined(_WIN32)
 #if defined(TICKTRUE_BUILD)
@@ -211,7 +210,10 @@ TICKTRUE_API int ticktrue_mark(ticktrue_session* session, const char* name, uint
 /* The same for a double, by its bits. */
 static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name, double value) {
   uint64_t bits = 0;
-  memcpy(&bits, &value, sizeof bits);
+  const unsigned char* from = (const unsigned char*)&value;
+  unsigned char* to = (unsigned char*)&bits;
+  size_t i;
+  for (i = 0; i < sizeof bits; ++i) to[i] = from[i];
   return ticktrue_mark(session, name, bits);
 }
 /* A text of the tick that runs, or begins next: what a person wants to know of it later. It is stored with

@@ -75,15 +75,15 @@ struct Unit {
   int id; bool flag; int* pointer; std::unique_ptr<int> owner; int& reference_; std::string name; std::vector<int> list;
   std::map<int, int> tree; long double wide; float many[256]; Padded padded; std::optional<int> maybe; const char* labels[2];
 };
-#define BAD(name, member) struct name : Unit {}; TICKTRUE_COLUMNS(name, id, member)
-BAD(A, pointer) BAD(B, owner) BAD(C, reference_) BAD(D, Unit::name) BAD(E, list) BAD(F, tree) BAD(G, wide) BAD(H, many)
+#define BAD(row, member) struct row : Unit {}; TICKTRUE_COLUMNS(row, id, member)
+BAD(A, pointer) BAD(B, owner) BAD(C, reference_) BAD(D, name) BAD(E, list) BAD(F, tree) BAD(G, wide) BAD(H, many)
 BAD(I, padded) BAD(J, maybe) BAD(K, labels) BAD(L, key(flag)) BAD(M, reference(id, "x"))
 UNIT
 cat >members.txt <<'MESSAGES'
 ticktrue: pointer is a pointer or a reference: another address in every run. Use an index or an id
 ticktrue: owner is a pointer or a reference: another address in every run. Use an index or an id
 ticktrue: reference_ is a pointer or a reference: another address in every run. Use an index or an id
-ticktrue: Unit::name is text, which lies elsewhere. Use std::array<char, N>, or the number of a name
+ticktrue: name is text, which lies elsewhere. Use std::array<char, N>, or the number of a name
 ticktrue: list is a container, which lies elsewhere. Make its rows a table of their own
 ticktrue: tree is a container, which lies elsewhere. Make its rows a table of their own
 ticktrue: wide is long double: other bytes on other machines. Use double

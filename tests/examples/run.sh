@@ -324,8 +324,8 @@ while read -r exit_code fault text; do
 done <<FAULTS
 0 none 5 ticks
 2 size struct_size: found 12
-2 version interface version: found 99, expected 1..3
-2 old it does not work with interface version 3
+2 version interface version: found 99, expected 1..4
+2 old it does not work with interface version 4
 2 name name: found 0 bytes
 2 engine found another one of this name
 2 many stages: found 100000

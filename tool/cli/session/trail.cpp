@@ -78,13 +78,14 @@ void add_trail(CLI::App& app, CliContext& context) {
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.trail/1)");
   command->add_option("--out", options->folder, "Folder for the files of runs; it is kept (default: a temporary one)")
       ->type_name("DIR");
-  set_examples(*command,
-               "ticktrue trail session.ttr -- ./game\n"
-               "ticktrue trail session.ttr --against ./game-of-yesterday -- ./game\n"
-               "ticktrue trail session.ttr --calls random,libm --against ./game-of-yesterday -- ./game",
-               "PROGRAM has a session of the C interface. The trace has marks if it was recorded with TICKTRUE_MARKS.\n"
-               "Exit codes: 0 marks and states are as recorded. 1 marks or states differ. 2 the program fails, or\n"
-               "usage. 6 a program made other marks when it ran again.");
+  command->footer(
+      "For a program with a session:\n"
+      "  ticktrue trail session.ttr -- ./game\n"
+      "  ticktrue trail session.ttr --against ./game-of-yesterday -- ./game\n"
+      "  ticktrue trail session.ttr --calls random,libm --against ./game-of-yesterday -- ./game\n\n"
+      "PROGRAM has a session of the C interface. The trace has marks if it was recorded with TICKTRUE_MARKS.\n"
+      "Exit codes: 0 marks and states are as recorded. 1 marks or states differ. 2 the program fails, or\n"
+      "usage. 6 a program made other marks when it ran again.");
   command->callback([options, &context] {
     options->words.insert(options->words.end(), context.program.begin(), context.program.end());
     context.exit_code = run_trail_command(*options);

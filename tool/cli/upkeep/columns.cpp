@@ -172,9 +172,11 @@ void add_columns(CLI::App& app, CliContext& context) {
   command->add_flag("--list", options->list, "List the structs of the program instead, with their sizes");
   command->add_flag("--table", options->table, "Offsets, sizes, types and padding instead of lines");
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.columns/1)");
-  set_examples(
-      *command,
-      "ticktrue columns ./mygame Unit\nticktrue columns ./mygame game::Unit --table\nticktrue columns ./mygame --list");
+  command->footer(
+      "For a program compiled with -g:\n"
+      "  ticktrue columns ./mygame Unit\n"
+      "  ticktrue columns ./mygame game::Unit --table\n"
+      "  ticktrue columns ./mygame --list");
   command->callback([options, &context] { context.exit_code = run_isolated(*options); });
 }
 
