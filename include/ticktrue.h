@@ -209,12 +209,12 @@ TICKTRUE_API int ticktrue_input(ticktrue_session* session, void* data, size_t si
 TICKTRUE_API int ticktrue_mark(ticktrue_session* session, const char* name, uint64_t value);
 /* The same for a double, by its bits. */
 static inline int ticktrue_mark_f64(ticktrue_session* session, const char* name, double value) {
-  uint64_t bits = 0;
-  const unsigned char* from = (const unsigned char*)&value;
-  unsigned char* to = (unsigned char*)&bits;
-  size_t i;
-  for (i = 0; i < sizeof bits; ++i) to[i] = from[i];
-  return ticktrue_mark(session, name, bits);
+  union {
+    double number;
+    uint64_t bits;
+  } both;
+  both.number = value;
+  return ticktrue_mark(session, name, both.bits);
 }
 /* A text of the tick that runs, or begins next: what a person wants to know of it later. It is stored with
    TICKTRUE_MARKS and never compared; a verification ignores it. `topic`: 1 to 64 bytes that do not begin with

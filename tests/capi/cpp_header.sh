@@ -75,7 +75,9 @@ struct Unit {
   int id; bool flag; int* pointer; std::unique_ptr<int> owner; int& reference_; std::string name; std::vector<int> list;
   std::map<int, int> tree; long double wide; float many[256]; Padded padded; std::optional<int> maybe; const char* labels[2];
 };
-#define BAD(row, member) struct row : Unit {}; TICKTRUE_COLUMNS(row, id, member)
+#define BAD(row, member) struct row : Unit {}; TICKTRUE_COLUMNS(row, id, member) TABLE_OF(row)
+// Newer compilers refuse where the columns are used.
+#define TABLE_OF(row) inline void use(const row&) { ticktrue_columns_of(ticktrue::detail::Of<row>{}, ticktrue::detail::Ignore{}); }
 BAD(A, pointer) BAD(B, owner) BAD(C, reference_) BAD(D, name) BAD(E, list) BAD(F, tree) BAD(G, wide) BAD(H, many)
 BAD(I, padded) BAD(J, maybe) BAD(K, labels) BAD(L, key(flag)) BAD(M, reference(id, "x"))
 UNIT
