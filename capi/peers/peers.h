@@ -75,7 +75,7 @@ class Peers {
   };
   /// The tick that the exchange is about.
   struct Location {
-    std::uint64_t tick = 0;
+    std::uint64_t tick;                     // set where one begins
     std::optional<std::uint32_t> named_by;  // the player whose message named the tick; nothing: roots here did
     TickInputs inputs;
     std::optional<KeptState> state;
