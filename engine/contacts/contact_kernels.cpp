@@ -447,10 +447,8 @@ constexpr unsigned compiled(unsigned features) {
 }
 
 template <unsigned features>
-constexpr ContactKernels kernels_with{prepare<compiled(features)>,
-                                      warm_start<compiled(features)>,
-                                      solve<compiled(features), Pass::solve>,
-                                      solve<compiled(features), Pass::relax>,
+constexpr ContactKernels kernels_with{prepare<compiled(features)>, warm_start<compiled(features)>,
+                                      solve<compiled(features), Pass::solve>, solve<compiled(features), Pass::relax>,
                                       bounce<compiled(features)>};
 
 constexpr ContactKernels table[] = {kernels_with<0>,  kernels_with<1>,  kernels_with<2>,  kernels_with<3>,
