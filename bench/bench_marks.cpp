@@ -1,4 +1,4 @@
-// What a mark costs a program: nanoseconds, and its share of a tick of 1 ms.
+// Measures the cost of a mark in nanoseconds, and of 1,000 marks as a share of a tick of 1 ms.
 // SPDX-License-Identifier: MIT
 //
 //   bench_marks [MARKS]     1,000 marks of five names in each of 2,000 recorded ticks unless told; the best tick counts

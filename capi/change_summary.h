@@ -1,4 +1,4 @@
-// What of the registered state had no part in a session: tables that stayed empty, columns that never changed.
+// Finds tables that stayed empty and columns that never changed during a session.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -13,7 +13,7 @@
 
 namespace ticktrue::capi {
 
-/// What a program gives in a tick beside inputs and state.
+/// Marks and notes of one tick: stored in the trace outside of its chain.
 struct BoundContents {
   std::optional<replay::TickMarks> marks;     // nothing: no mark
   std::optional<replay::MarkList> mark_list;  // nothing: not wanted, or no mark
@@ -33,7 +33,8 @@ class StackCollector {
   std::vector<std::uint32_t> of_marks_;
 };
 
-/// What is stored of a tick beside counts and hashes.
+/// counts: counts and hashes alone. list: the marks in order as well. stacks: the list with the call stack of each
+/// mark.
 enum class MarkDetail : std::uint8_t { counts, list, stacks };
 
 class SessionMarks {
@@ -51,7 +52,7 @@ class SessionMarks {
   }
   /// Requires: is_on(), a tick runs. `caller`: where the call returns to.
   void add(const char* name, std::uint64_t value, const void* caller);
-  /// Those since begin_tick().
+  /// The marks made since begin_tick().
   BoundContents take();
 
  private:

@@ -25,7 +25,7 @@ void tell_session();
 void tell_tick_begin(std::uint64_t tick);
 void tell_tick_end(std::uint64_t tick);
 
-/// What the preload library does for each call that it marks.
+/// The preload library calls it for each call of the C library that it marks.
 using CallSink = void (*)(void* with, const char* name, std::uint64_t value, const void* caller);
 /// Has calls marked as TICKTRUE_CALLS asks ("random,libm"); one session of a process at a time. Says what hinders it;
 /// empty: nothing, or nobody asks. `is_marking`: whether calls will come.

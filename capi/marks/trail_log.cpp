@@ -26,7 +26,7 @@ constexpr int depth_max = 32;
 std::vector<const void*> stack_behind(const void* caller) {
   void* frames[depth_max];
   void** const end = frames + ::backtrace(frames, depth_max);
-  // What stands before the caller is of this library and of the preload library.
+  // Frames before the caller belong to this library and to the preload library.
   void** const first = std::find(frames, end, caller);
   return std::vector<const void*>(first == end ? frames : first, end);
 }

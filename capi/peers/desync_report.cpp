@@ -146,7 +146,7 @@ void add_facts(const DesyncFinding& finding, std::string& text) {
   }
 }
 
-/// Those outside of the one largest group; empty: there is no majority.
+/// The players outside of the largest group with one root; empty if two groups are equally large.
 Names odd_ones(const DesyncFinding& finding) {
   const std::vector<Names> groups = root_groups(finding);
   Names others;
