@@ -99,6 +99,18 @@ TEST_CASE("a function that makes all marks of a name is passed by", "[tool][trai
   CHECK(compare_lists(two, &one, {"rand"}).callers[0].caller == "draw");
 }
 
+TEST_CASE("marks that are the same by chance do not hide which side lacks some", "[tool][trail][injection]") {
+  const MarkSide there = side_with({{"x"}, {"m"}, {"n"}, {"a"}, {"m"}, {"c"}, {"d"}, {"e"}, {"f"}}, false);
+  const MarkSide here = side_with({{"x"}, {"a"}, {"m"}, {"c"}, {"d"}, {"e"}, {"f"}}, false);
+  const trail::ListDifference fewer = compare_lists(here, &there, {"m", "n"});
+  REQUIRE(fewer.first);
+  CHECK(fewer.first->kind == FirstKind::missing);
+  CHECK(fewer.first->there->name == "m");
+  const trail::ListDifference more = compare_lists(there, &here, {"m", "n"});
+  REQUIRE(more.first);
+  CHECK(more.first->kind == FirstKind::extra);
+}
+
 TEST_CASE("other values, other marks and cut lists are told as such", "[tool][trail][injection]") {
   const MarkSide there = side_with({{"a", 1, {"f"}}, {"b", 2, {"g"}}, {"a", 3, {"f"}}});
   const MarkSide value = side_with({{"a", 1, {"f"}}, {"b", 9, {"g"}}, {"a", 3, {"f"}}});

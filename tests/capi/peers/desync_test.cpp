@@ -206,6 +206,15 @@ TEST_CASE("roots of peers are compared whatever arrives first", "[capi][peers]")
   CHECK(contains(json, "\"odd\":[2]"));
 }
 
+TEST_CASE("an old root does not displace one that waits for its tick", "[capi][peers]") {
+  HerdSide side(0, 1, true);
+  for (int tick = 0; tick < 10; ++tick) side.run(no_change);
+  CHECK(ticktrue_peer_root(side.session, 1, 4'100, 5) == TICKTRUE_OK);  // another one than here
+  CHECK(ticktrue_peer_root(side.session, 1, 4, side.root(4)) == TICKTRUE_OK);
+  for (int tick = 10; tick < 4'101; ++tick) side.run(no_change);
+  CHECK(contains(herd_report(side), "desync  herd  tick 4100\n"));
+}
+
 TEST_CASE("two round trips locate a desync of a small state", "[capi][peers]") {
   HerdSide a(0, 20, true), b(3, 20, true);
   for (int tick = 0; tick < 4; ++tick) {

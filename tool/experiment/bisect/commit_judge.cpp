@@ -80,13 +80,12 @@ Result<std::string> CommitJudge::identity_of_tree(const std::string& work_tree) 
   return git(work_tree, words);
 }
 
-std::string CommitJudge::key_of(const std::string& identity, const std::string& trace) const {
-  verifier::VerdictSubject subject;
+Result<std::string> CommitJudge::key_of(const std::string& identity, const std::string& trace) const {
   const Result<std::string> bytes = cli::read_text_file(trace, trace_size_max);
-  if (bytes) {
-    subject.trace = hash_of(*bytes);
-    subject.size = bytes->size();
-  }
+  if (!bytes) return bytes.error();
+  verifier::VerdictSubject subject;
+  subject.trace = hash_of(*bytes);
+  subject.size = bytes->size();
   subject.engine = hash_of(identity);
   subject.options = "bisect " + options_.build + "\n" + options_.program;
   return verifier::verdict_key(subject);
@@ -96,7 +95,9 @@ std::string CommitJudge::key_of(const std::string& identity, const std::string& 
 Result<std::optional<CommitVerdict>> CommitJudge::from_store(const std::string& identity) const {
   bool knows_all = true;
   for (const std::string& trace : options_.traces) {
-    const auto found = store_.find(key_of(identity, trace));
+    const Result<std::string> key = key_of(identity, trace);
+    if (!key) return key.error();
+    const auto found = store_.find(*key);
     if (!found) return found.error();
     if (!found->report) {
       knows_all = false;
@@ -115,7 +116,9 @@ Result<std::optional<CommitVerdict>> CommitJudge::from_store(const std::string& 
 
 Status CommitJudge::add_to_store(const std::string& identity, const std::string& trace,
                                  const std::optional<Failure>& found) {
-  const auto added = store_.add(key_of(identity, trace), report_of(trace, found));
+  const Result<std::string> key = key_of(identity, trace);
+  if (!key) return key.error();
+  const auto added = store_.add(*key, report_of(trace, found));
   if (!added) return added.error();
   return {};
 }

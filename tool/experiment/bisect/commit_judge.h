@@ -53,7 +53,8 @@ class CommitJudge {
   Result<CommitVerdict> build_and_run(const std::string& work_tree, const std::string& tree_identity);
   Result<CommitVerdict> run_traces(const std::string& work_tree, const std::vector<std::string>& identities,
                                    CommitVerdict verdict);
-  std::string key_of(const std::string& identity, const std::string& trace) const;
+  /// Errors: io (the trace cannot be read: no verdict of it is stored or believed).
+  Result<std::string> key_of(const std::string& identity, const std::string& trace) const;
 
   const JudgeOptions& options_;
   const verifier::VerdictStore& store_;
