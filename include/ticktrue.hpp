@@ -492,6 +492,12 @@ struct Options : ticktrue_options {
     return *this;
   }
 
+  /// A recording stores marks and notes. Without it they are dropped.
+  Options& marks() {
+    flags |= TICKTRUE_MARKS;
+    return *this;
+  }
+
   /// Save and load of the program's state. Both lambdas capture nothing:
   ///   save(const State&) returns bytes, as std::string or std::vector<char>;
   ///   load(State&, std::span<const std::byte>) returns whether the bytes were a state.
@@ -619,6 +625,18 @@ class Session {
     core_->refresh();
     return goes_on(ticktrue_stage(core_->session, name));
   }
+
+  /// Marks a number in the tick that runs: see ticktrue_mark. Requires: Options::marks.
+  template <class T>
+  void mark(const char* name, T value) {
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>, "ticktrue: mark: takes a number or an enum");
+    if constexpr (std::is_floating_point_v<T>)
+      ticktrue_mark_f64(core_->session, name, static_cast<double>(value));
+    else
+      ticktrue_mark(core_->session, name, static_cast<std::uint64_t>(value));
+  }
+  /// A text of the tick: see ticktrue_note.
+  bool note(const char* topic, const char* text) { return goes_on(ticktrue_note(core_->session, topic, text)); }
 
   /// Rollback: see ticktrue_rewind and ticktrue_confirm.
   bool rewind(std::uint64_t tick) {

@@ -5,8 +5,10 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "replay/trace_reader.h"
 #include "tests/capi/cpp_units.h"
 #include "tests/capi/trace_path.h"
 #include "tests/support/catch.h"
@@ -249,6 +251,49 @@ TEST_CASE("a session that goes back records the bytes of a straight run", "[capi
   CHECK(path.bytes("straight.ttr") == path.bytes("back.ttr"));
   CHECK(play_rollback(path("back.ttr"), TICKTRUE_VERIFY, false) == 0);
   CHECK(play_rollback(path("straight.ttr"), TICKTRUE_VERIFY, true) == 0);
+}
+
+TEST_CASE("marks of a session in C++ are those of the C interface", "[capi][columns][marks]") {
+  const TracePath path;
+  const auto play = [&](int mode, int extra) {
+    std::uint32_t value = 0;
+    ticktrue::Session session(cpp_options(path("marks.ttr"), mode).marks());
+    session.table("value", value);
+    for (int tick = 0; tick < 4; ++tick) {
+      if (!session.begin_tick()) break;
+      session.mark("rand", -1 - tick);
+      session.mark("sin", 0.25F);
+      if (tick == 2)
+        for (int i = 0; i < extra; ++i) session.mark("rand", true);
+      CHECK(session.note("chat", "hello"));
+      if (!session.end_tick()) break;
+    }
+    const bool is_verified = mode == TICKTRUE_VERIFY;
+    if (is_verified) session.begin_tick();
+    ticktrue_finish(session.handle());
+    return std::string(ticktrue_report(session.handle()));
+  };
+  CHECK_FALSE(contains(play(TICKTRUE_RECORD, 0), "marks"));
+  CHECK_FALSE(contains(play(TICKTRUE_VERIFY, 0), "rand"));
+  const std::string other = play(TICKTRUE_VERIFY, 2);
+  CAPTURE(other);
+  CHECK(contains(other, "tick 2"));
+  CHECK(contains(other, "rand 3 times, recorded 1"));
+  auto reader = replay::TraceReader::open(path("marks.ttr"));
+  REQUIRE(reader);
+  std::size_t tick_count = 0;
+  for (;;) {
+    const auto& item = reader->next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    const auto* tick = std::get_if<replay::TickRecord>(&item);
+    if (tick == nullptr) continue;
+    ++tick_count;
+    REQUIRE(tick->marks);
+    REQUIRE(tick->marks->names.size() == 2);
+    CHECK(tick->marks->names[1].name == "sin");
+    CHECK(tick->notes.size() == 1);
+  }
+  CHECK(tick_count == 4);
 }
 
 TEST_CASE("a session moves, and closes what it replaces", "[capi][columns]") {
