@@ -52,6 +52,22 @@ int main(int argc, char** argv) {
 }
 """
 
+# Marks by the C++ header: its functions are no callers.
+CPP = """
+#include <ticktrue.hpp>
+static std::uint32_t own = 42;
+__attribute__((noinline)) static void shuffle(ticktrue::Session& session, int count) {
+  for (int i = 0; i < count; ++i) session.mark("pick", own = own * 1664525u + 1013904223u);
+}
+int main(int argc, char** argv) {
+  ticktrue::Session session(argc, argv, ticktrue::Options("cpp").marks());
+  std::uint32_t tick = 0;
+  session.table("tick", tick);
+  for (; tick < 12 && session.begin_tick(); session.end_tick()) shuffle(session, tick++ == 7 ? COUNT : 3);
+  return session.close();
+}
+"""
+
 CALL = {
     DIRECT: 'const uint32_t value = next_number(); ticktrue_mark(session, "pick", value); sum += value;',
     HELPER: "sum += draw();",
@@ -99,7 +115,7 @@ def build(args, folder, name, source):
     with open(path + ".cpp", "w") as out:
         out.write(source)
     subprocess.run(
-        [args.compiler, "-O1", "-g", "-I", args.include, path + ".cpp", "-o", path, "-L", args.library, "-lticktrue",
+        [args.compiler, "-std=c++20", "-O1", "-g", "-I", args.include, path + ".cpp", "-o", path, "-L", args.library, "-lticktrue",
          "-Wl,-rpath," + args.library],
         check=True,
     )
@@ -206,6 +222,21 @@ def check_ends(args, folder, game, plain):
     return ""
 
 
+def check_cpp(args, folder, game, plain):
+    """The caller of a mark by the C++ header is the function of the program."""
+    there = build(args, folder, "cpp_there", CPP.replace("COUNT", "3"))
+    here = build(args, folder, "cpp_here", CPP.replace("COUNT", "5"))
+    trace = os.path.join(folder, "cpp.ttr")
+    subprocess.run([there, "--record", trace], check=True, stdout=subprocess.DEVNULL)
+    code, report = trail(args, trace, ["--against", there], here)
+    calls = [(c["function"], c["here"], c["there"]) for c in report["calls"]]
+    if code != 1 or report["tick"] != 7 or calls != [("shuffle", 5, 3)]:
+        return f"marks by the C++ header: exit code {code}, {report}"
+    if not report["first"]["here"]["stack"][0]["function"].startswith("shuffle("):
+        return f"marks by the C++ header: first {report['first']}"
+    return ""
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ["ticktrue", "compiler", "include", "library"]:
@@ -222,7 +253,7 @@ def main():
         code, report = trail(args, trace, ["--against", plain, "--calls", "random,libm"], plain)
         if code != 0 or report["verdict"] != "marks_same" or report["ticks_compared"] != TICKS:
             wrong.append(f"the program against itself: {report}")
-        for others in [check_calls_in_traces, check_ends]:
+        for others in [check_calls_in_traces, check_ends, check_cpp]:
             fault = others(args, folder, game, plain)
             if fault:
                 wrong.append(fault)

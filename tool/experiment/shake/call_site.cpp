@@ -42,8 +42,11 @@ bool is_system_library(const std::string& path) {
   return false;
 }
 
-bool is_system_source(const std::string& file) {
-  return file.compare(0, 5, "/usr/") == 0 || file.find("/c++/") != std::string::npos;
+/// Headers whose functions are no places of a program: what called them is.
+bool is_library_source(const std::string& file) {
+  const std::string name = fs::path(file).filename().string();
+  return name == "ticktrue.hpp" || name == "ticktrue.h" || file.compare(0, 5, "/usr/") == 0 ||
+         file.find("/c++/") != std::string::npos;
 }
 
 struct SourcePlace {
@@ -93,7 +96,7 @@ std::vector<SourcePlace> source_places(const std::string& module, std::uint64_t 
   return source_places(module, std::vector<std::uint64_t>{address}).front();
 }
 
-/// Of a return address: the call is before it. Nothing if it is within a header of the system.
+/// Of a return address: the call is before it. Nothing if it is within a header of a library.
 std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t offset) {
   CallSite site;
   site.module = plain_line(module.path);
@@ -101,7 +104,7 @@ std::optional<CallSite> program_site(const shim::Module& module, std::uint64_t o
   const std::uint64_t address = (is_at_fixed_address(module.path) ? module.base : 0) + offset - 1;
   const std::vector<SourcePlace> places = source_places(module.path, address);
   for (const SourcePlace& place : places) {
-    if (is_system_source(place.file)) continue;
+    if (is_library_source(place.file)) continue;
     site.function = place.function;
     site.file = place.file;
     site.line = place.line;
@@ -150,7 +153,7 @@ std::vector<std::vector<CallSite>> call_frames(const std::string& module, std::u
     const std::vector<std::vector<SourcePlace>> places = source_places(module, addresses);
     for (std::size_t i = begin; i < end; ++i) {
       for (const SourcePlace& place : places[i - begin])
-        if (!is_system_source(place.file))
+        if (!is_library_source(place.file))
           frames[i].push_back({place.function, place.file, place.line, plain_line(module), offsets[i]});
       if (places[i - begin].empty()) frames[i].push_back({"", "", 0, plain_line(module), offsets[i]});
     }
@@ -172,7 +175,7 @@ std::string address_text(const std::string& module, std::uint64_t address) {
   site.module = plain_line(module);
   site.offset = address;
   for (const SourcePlace& place : source_places(module, address)) {
-    if (is_system_source(place.file)) continue;
+    if (is_library_source(place.file)) continue;
     site.function = place.function;
     site.file = place.file;
     site.line = place.line;
