@@ -232,7 +232,7 @@ def check_cpp(args, folder, game, plain):
     calls = [(c["function"], c["here"], c["there"]) for c in report["calls"]]
     if code != 1 or report["tick"] != 7 or calls != [("shuffle", 5, 3)]:
         return f"marks by the C++ header: exit code {code}, {report}"
-    if not report["first"]["here"]["stack"][0]["function"].startswith("shuffle("):
+    if not report["first"]["here"]["stack"][0]["function"].startswith("shuffle"):
         return f"marks by the C++ header: first {report['first']}"
     return ""
 
