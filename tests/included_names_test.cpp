@@ -32,10 +32,9 @@ std::size_t skip_spaces(const std::string& code, std::size_t at) {
 /// Words of the code in order. A type is a word of several letters that begins with a capital.
 Source read_source(const SourceFile& file) {
   const std::string code = code_of(file.text);
-  const bool is_header = ends_with(file.path, ".h");
+  const bool in_header = is_header(file.path);
   Source source;
-  for (const std::string& line : lines_of(code))
-    if (starts_with(line, "#include \"")) source.includes.insert(line.substr(10, line.find('"', 10) - 10));
+  source.includes = includes_of(file.text);
   std::string before;  // the word before
   for (std::size_t at = 0; at < code.size();) {
     if (!is_word(code[at])) {
@@ -55,7 +54,7 @@ Source read_source(const SourceFile& file) {
       std::size_t next = skip_spaces(code, at);
       if (code.compare(next, 5, "final") == 0) next = skip_spaces(code, next + 5);
       const bool is_definition = next < code.size() && (code[next] == '{' || code[next] == ':' || code[next] == '=');
-      if (is_header && is_definition && before != "typename") source.introduces.insert(word);
+      if (in_header && is_definition && before != "typename") source.introduces.insert(word);
     }
     before = word;
   }

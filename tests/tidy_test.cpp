@@ -305,7 +305,7 @@ void check_first_lines(const SourceFile& file, const std::vector<std::string>& l
   bool has_license = false;
   for (std::size_t i = 0; i < lines.size() && i < 6; ++i) has_license |= lines[i] == "// SPDX-License-Identifier: MIT";
   if (!has_license) report(findings, file, 2, "a file without a licence", "// SPDX-License-Identifier: MIT");
-  if (ends_with(file.path, ".h") && !contains(file.text, "#pragma once"))
+  if (is_header(file.path) && !contains(file.text, "#pragma once"))
     report(findings, file, 1, "a header without a guard", "#pragma once");
 }
 
@@ -320,7 +320,7 @@ void check_names(const SourceFile& file, std::string_view line, std::size_t numb
           const std::string whole = std::string(prefix) + std::string(name) + std::string(suffix);
           if (uses(line, whole, true)) report(findings, file, number, whole, own_functions);
         }
-  if (ends_with(file.path, ".h") && uses(line, "using namespace", false))
+  if (is_header(file.path) && uses(line, "using namespace", false))
     report(findings, file, number, "using namespace in a header", "the qualified name");
 }
 
@@ -419,13 +419,11 @@ TEST_CASE("the source tree keeps its rules", "[tidy][determinism]") {
 TEST_CASE("every source file is built and every header is included", "[tidy]") {
   const std::vector<SourceFile> files = source_tree();
   std::set<std::string> included;
-  for (const SourceFile& file : files)
-    for (const std::string& line : lines_of(code_of(file.text)))
-      if (starts_with(line, "#include \"")) included.insert(line.substr(10, line.find('"', 10) - 10));
+  for (const SourceFile& file : files) included.merge(includes_of(file.text));
   for (const SourceFile& file : files) {
     if (ends_with(file.path, ".cpp") && !is_built(TICKTRUE_SOURCE_DIR, file.path))
       FAIL_CHECK(file.path << ":1: error: a file that no CMakeLists.txt names is banned, use or remove it");
-    if (ends_with(file.path, ".h") && included.count(file.path) == 0)
+    if (is_header(file.path) && included.count(file.path) == 0)
       FAIL_CHECK(file.path << ":1: error: a header that nobody includes is banned, use or remove it");
   }
 }
@@ -606,7 +604,7 @@ TEST_CASE("every step of the ways in ARCHITECTURE.md is there", "[tidy][docs]") 
 constexpr std::string_view header_lines = "// A sample file of the test.\n// SPDX-License-Identifier: MIT\n";
 
 Findings findings_in(const std::string& path, const std::string& code) {
-  return check_file({path, std::string(header_lines) + (ends_with(path, ".h") ? "#pragma once\n" : "") + code + "\n"});
+  return check_file({path, std::string(header_lines) + (is_header(path) ? "#pragma once\n" : "") + code + "\n"});
 }
 
 TEST_CASE("a clean file has no finding", "[tidy][self]") {

@@ -27,6 +27,10 @@ bool ends_with(std::string_view text, std::string_view suffix) {
 bool is_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
+bool is_header(std::string_view path) {
+  return ends_with(path, ".h") || ends_with(path, ".hpp");
+}
+
 bool contains(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
@@ -105,6 +109,16 @@ bool uses(std::string_view line, std::string_view name, bool call) {
   return false;
 }
 
+std::set<std::string> includes_of(std::string_view text) {
+  std::set<std::string> includes;
+  for (const std::string& line : lines_of(code_of(text))) {
+    const std::size_t name = std::string_view("#include <").size();
+    if (starts_with(line, "#include \"")) includes.insert(line.substr(name, line.find('"', name) - name));
+    if (starts_with(line, "#include <ticktrue")) includes.insert("include/" + line.substr(name, line.find('>') - name));
+  }
+  return includes;
+}
+
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
@@ -129,7 +143,8 @@ std::vector<SourceFile> files_below(const fs::path& root, std::string_view folde
 std::vector<SourceFile> source_tree() {
   std::vector<SourceFile> files;
   for (const char* folder : source_folders)
-    for (SourceFile& file : files_below(TICKTRUE_SOURCE_DIR, folder, {".h", ".cpp"})) files.push_back(std::move(file));
+    for (SourceFile& file : files_below(TICKTRUE_SOURCE_DIR, folder, {".h", ".hpp", ".cpp"}))
+      files.push_back(std::move(file));
   return files;
 }
 

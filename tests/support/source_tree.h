@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ struct SourceFile {
 bool starts_with(std::string_view text, std::string_view prefix);
 bool ends_with(std::string_view text, std::string_view suffix);
 bool contains(std::string_view text, std::string_view part);
+/// Whether the path ends as those of headers do.
+bool is_header(std::string_view path);
 /// Whether an identifier may have this character.
 bool is_word(char c);
 /// The first folder of a path, or nothing.
@@ -28,6 +31,10 @@ std::vector<std::string> lines_of(std::string_view text);
 std::string code_of(std::string_view text);
 /// Whether `name` stands in the line as whole words; with `call`, only where an opening parenthesis follows.
 bool uses(std::string_view line, std::string_view name, bool call);
+
+/// The files of this project that a text includes, from the root: "base/hash.h", and <ticktrue.h> as
+/// include/ticktrue.h.
+std::set<std::string> includes_of(std::string_view text);
 
 /// The whole file; an empty text where it cannot be read.
 std::string read_text(const std::filesystem::path& path);
