@@ -29,7 +29,7 @@ bool take_number(std::string_view& text, int base, std::uint64_t& out) {
 
 }  // namespace
 
-WorldHash hash_world(std::uint64_t seed) {
+WorldHash hash_world(std::uint64_t seed, CacheReport* counts) {
   const RandomWorld world = random_world(seed, hashed_worlds);
   Result<std::unique_ptr<Engine>> made = make_engine(world.scene);
   TICKTRUE_ASSERT(made.has_value());
@@ -48,6 +48,7 @@ WorldHash hash_world(std::uint64_t seed) {
     result.tick_count = tick + 1;
     result.hash = root_hash(engine.state());
   }
+  if (counts) add_counts(*counts, engine.cache_report());
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "engine/model/caches.h"
 #include "engine/random_worlds/random_world.h"
 
 namespace ticktrue::engine {
@@ -21,8 +22,8 @@ struct WorldHash {
   std::uint64_t hash = 0;
   bool operator==(const WorldHash&) const = default;
 };
-/// Runs random_world(seed, hashed_worlds).
-WorldHash hash_world(std::uint64_t seed);
+/// Runs random_world(seed, hashed_worlds). Adds what its cached structures counted to `counts`.
+WorldHash hash_world(std::uint64_t seed, CacheReport* counts = nullptr);
 
 /// Lines "seed, ticks, hash" with tabs between; lines that begin with # are comments.
 std::string print_world_hashes(const std::vector<WorldHash>& worlds);

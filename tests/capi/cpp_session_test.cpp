@@ -253,6 +253,70 @@ TEST_CASE("a session that goes back records the bytes of a straight run", "[capi
   CHECK(play_rollback(path("straight.ttr"), TICKTRUE_VERIFY, true) == 0);
 }
 
+TEST_CASE("stages of a session in C++ are named where they differ", "[capi][columns][injection]") {
+  const TracePath path;
+  const std::string file = path("stages.ttr");
+  const auto play = [&](int mode, bool is_wrong) {
+    Score score;
+    ticktrue::Options options = cpp_options(file, mode);
+    options.detail = TICKTRUE_DETAIL_FULL;
+    ticktrue::Session session(options);
+    session.table("sum", score.sum);
+    CHECK(session.add_stage("add"));
+    CHECK(session.add_stage("mix"));
+    for (; score.ticks < 5 && session.begin_tick(); ++score.ticks) {
+      score.sum += 3;
+      CHECK(session.stage("add"));
+      score.sum = score.sum * 31 + (is_wrong && score.ticks == 3 ? 1 : 0);
+      CHECK(session.stage("mix"));
+      if (!session.end_tick()) break;
+    }
+    session.begin_tick();
+    ticktrue_finish(session.handle());
+    return std::string(ticktrue_report(session.handle()));
+  };
+  play(TICKTRUE_RECORD, false);
+  CHECK(contains(play(TICKTRUE_VERIFY, false), "5 of 5 ticks compared"));
+  const std::string report = play(TICKTRUE_VERIFY, true);
+  CAPTURE(report);
+  CHECK(contains(report, "tick 3 of 5"));
+  CHECK(contains(report, "stage   mix"));
+}
+
+TEST_CASE("a verification in C++ goes to a save and on from there", "[capi][columns][saves]") {
+  const TracePath path;
+  const std::string file = path("seek.ttr");
+  Score score;
+  const auto open = [&](int mode) {
+    score = Score();
+    ticktrue::Options options = cpp_options(file, mode);
+    options.checkpoint_interval = 8;
+    ticktrue::Session session(options.saves(score));
+    session.table("sum", score.sum);
+    session.table("ticks", score.ticks);
+    return session;
+  };
+  const auto run_one_tick = [&](ticktrue::Session& session) {
+    if (!session.begin_tick()) return false;
+    score.sum = score.sum * 31 + 7;
+    ++score.ticks;
+    return session.end_tick();
+  };
+  ticktrue::Session recording = open(TICKTRUE_RECORD);
+  for (int i = 0; i < 30; ++i) CHECK(run_one_tick(recording));
+  REQUIRE(recording.close() == 0);
+  ticktrue::Session session = open(TICKTRUE_VERIFY);
+  for (const std::uint64_t tick : {21, 3, 16, 0}) {
+    REQUIRE(session.seek(tick));
+    CHECK(score.ticks == tick / 8 * 8);
+    CHECK(session.tick() == score.ticks);
+    CHECK(run_one_tick(session));
+  }
+  while (run_one_tick(session)) continue;
+  CHECK(score.ticks == 30);
+  CHECK(session.close() == 0);
+}
+
 TEST_CASE("marks of a session in C++ are those of the C interface", "[capi][columns][marks]") {
   const TracePath path;
   const auto play = [&](int mode, int extra) {

@@ -295,7 +295,7 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
     parser.add_argument('--target', default='ticktrue', help='the program to build')
-    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} --hashes '{root}/tests/worlds/hashes.tsv' --out '{out}'",
+    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} --hashes '{root}/tests/worlds/hashes.tsv' --cache-counts '{root}/tests/worlds/cache_counts.tsv' --out '{out}'",
                         help='a shell command; {program}, {seed}, {time}, {threads}, {out}, {root} are filled in')
     parser.add_argument('--word', default='found', help='a line of the output with this is kept as the reason')
     parser.add_argument('--time', type=int, default=300, help='seconds that the check may take')

@@ -13,6 +13,7 @@
 #include "base/parallel/jobs.h"
 #include "engine/random_worlds/world_hashes.h"
 #include "tool/cli/commands.h"
+#include "tool/experiment/soak/cache_counts.h"
 #include "tool/experiment/soak/failure_files.h"
 #include "tool/experiment/soak/soak_report.h"
 #include "tool/output/json_output.h"
@@ -45,6 +46,8 @@ struct SoakCommand {
   std::string write_known;
   std::string hashes;
   std::string write_hashes;
+  std::string cache_counts;
+  std::string write_cache_counts;
 };
 
 /// This program, for the check `process`.
@@ -87,12 +90,16 @@ int run_on_scene(const SoakCommand& command, soak::OracleOptions oracle) {
   return result.findings.empty() ? exit_ok : exit_finding;
 }
 
-Status write_known_file(const std::string& path, const soak::SoakOptions& options, const soak::SoakCounters& counters) {
+Status write_file(const std::string& path, const std::string& text) {
   Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
   if (!file) return file.error();
-  const soak::KnownFile known{options.seed, options.known_world_count, counters.known};
-  if (const Status written = file->write(soak::print_known(known)); !written) return written;
+  if (const Status written = file->write(text); !written) return written;
   return file->close();
+}
+
+Status write_known_file(const std::string& path, const soak::SoakOptions& options, const soak::SoakCounters& counters) {
+  const soak::KnownFile known{options.seed, options.known_world_count, counters.known};
+  return write_file(path, soak::print_known(known));
 }
 
 int run_worlds(const SoakCommand& command, const soak::OracleOptions& oracle) {
@@ -148,14 +155,15 @@ int run_worlds(const SoakCommand& command, const soak::OracleOptions& oracle) {
   return is_clean ? exit_ok : exit_finding;
 }
 
-/// Each world of the file has the hash that stands there.
-Status compare_hashes(const std::string& path) {
+/// Runs the worlds of the file, and compares their hashes with those that stand there. What their cached structures
+/// count is added to `counts`.
+Status compare_hashes(const std::string& path, engine::CacheReport& counts) {
   const Result<std::string> text = read_text_file(path, std::size_t{1} << 20);
   if (!text) return text.error();
   const auto worlds = engine::parse_world_hashes(*text, path);
   if (!worlds) return worlds.error();
   for (const engine::WorldHash& expected : *worlds) {
-    const engine::WorldHash found = engine::hash_world(expected.seed);
+    const engine::WorldHash found = engine::hash_world(expected.seed, &counts);
     if (found == expected) continue;
     return Error{ErrorCode::inconsistent,
                  path + ": world " + std::to_string(expected.seed) + ": found hash " + hex64(found.hash) + " after " +
@@ -166,13 +174,28 @@ Status compare_hashes(const std::string& path) {
   return {};
 }
 
+Status compare_counts(const std::string& path, const engine::CacheReport& found) {
+  const Result<std::string> text = read_text_file(path, std::size_t{1} << 20);
+  if (!text) return text.error();
+  const auto expected = soak::parse_cache_counts(*text, path);
+  if (!expected) return expected.error();
+  return soak::compare_cache_counts(*expected, found, path);
+}
+
 Status write_hashes(const std::string& path, std::uint64_t world_count) {
   std::vector<engine::WorldHash> worlds;
   for (std::uint64_t seed = 1; seed <= world_count; ++seed) worlds.push_back(engine::hash_world(seed));
-  Result<verifier::DataFile> file = verifier::DataFile::create(path, true);
-  if (!file) return file.error();
-  if (const Status written = file->write(engine::print_world_hashes(worlds)); !written) return written;
-  return file->close();
+  return write_file(path, engine::print_world_hashes(worlds));
+}
+
+/// What stands in files about some worlds, before the soak.
+Status compare_with_files(const SoakCommand& command) {
+  engine::CacheReport counts;
+  if (const Status same = compare_hashes(command.hashes, counts); !same) return same;
+  if (!command.write_cache_counts.empty())
+    return write_file(command.write_cache_counts, soak::print_cache_counts(counts));
+  if (!command.cache_counts.empty()) return compare_counts(command.cache_counts, counts);
+  return {};
 }
 
 int run_soak_command(const SoakCommand& command) {
@@ -183,7 +206,8 @@ int run_soak_command(const SoakCommand& command) {
     return written ? exit_ok : fail_usage(written.error());
   }
   if (!command.hashes.empty())
-    if (const Status same = compare_hashes(command.hashes); !same) return fail_usage(same.error());
+    if (const Status same = compare_with_files(command); !same) return fail_usage(same.error());
+  if (!command.write_cache_counts.empty()) return exit_ok;
   return command.scene.empty() ? run_worlds(command, *oracle) : run_on_scene(command, *oracle);
 }
 
@@ -217,6 +241,16 @@ void add_soak(CLI::App& app, CliContext& context) {
       ->add_option("--write-hashes", options->write_hashes,
                    "Write the hashes of the worlds of seeds 1 to --worlds, no more")
       ->type_name("FILE");
+  command
+      ->add_option("--cache-counts", options->cache_counts,
+                   "With --hashes: also compare how often cached structures were used again")
+      ->type_name("FILE")
+      ->needs("--hashes");
+  command
+      ->add_option("--write-cache-counts", options->write_cache_counts,
+                   "With --hashes: write how often cached structures were used again, no more")
+      ->type_name("FILE")
+      ->needs("--hashes");
   add_number(*command, "-j,--jobs", options->jobs, "Worlds at once; default: one a core", {1, 1024});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.soak/1)");
   set_examples(*command,

@@ -1,0 +1,23 @@
+// How often cached structures are used again: a table in the repository, and what differs from it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "engine/model/caches.h"
+
+namespace ticktrue::verifier::soak {
+
+/// What the cached structures of the worlds of a file of hashes counted together, on one thread. A change that makes a
+/// structure anew more or less often shows here, though no bit of a world differs.
+
+/// A line "cache, hits, invalidations" for each cached structure, with tabs between.
+std::string print_cache_counts(const engine::CacheReport& counts);
+/// Errors: corrupt, with `place` and the line; a structure without a line.
+Result<engine::CacheReport> parse_cache_counts(const std::string& text, const std::string& place);
+/// Errors: inconsistent, with the first structure whose counts differ.
+Status compare_cache_counts(const engine::CacheReport& expected, const engine::CacheReport& found,
+                            const std::string& place);
+
+}  // namespace ticktrue::verifier::soak
