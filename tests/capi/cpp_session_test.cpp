@@ -306,6 +306,7 @@ TEST_CASE("a verification in C++ goes to a save and on from there", "[capi][colu
   for (int i = 0; i < 30; ++i) CHECK(run_one_tick(recording));
   REQUIRE(recording.close() == 0);
   ticktrue::Session session = open(TICKTRUE_VERIFY);
+  CHECK(run_one_tick(session));
   for (const std::uint64_t tick : {21, 3, 16, 0}) {
     REQUIRE(session.seek(tick));
     CHECK(score.ticks == tick / 8 * 8);

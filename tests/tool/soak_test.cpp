@@ -14,6 +14,7 @@
 #include "tests/support/scenes.h"
 #include "tool/experiment/ddmin.h"
 #include "tool/experiment/shrink.h"
+#include "tool/experiment/soak/cache_counts.h"
 #include "tool/experiment/soak/failure_files.h"
 #include "tool/experiment/soak/soak_report.h"
 
@@ -537,6 +538,27 @@ TEST_CASE("counts of physics that rise are told apart from those that fall", "[v
                                                "tgs_soft rk4 free, energy: found 1 worlds, expected 0"});
   CHECK(other.fell == std::vector<std::string>{"pgs rk4 free, overlap: found 0 worlds, expected 2"});
   CHECK_FALSE(parse_known("pgs rk4 free\tenergy\n", "known.tsv"));
+}
+
+TEST_CASE("counts of cached structures that differ are named, and half a table is refused",
+          "[verifier][soak][analytic]") {
+  engine::CacheReport counts;
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = {100 + i, 7 * i};
+  const std::string text = print_cache_counts(counts);
+  const auto read = parse_cache_counts(text, "counts.tsv");
+  REQUIRE(read);
+  CHECK(compare_cache_counts(counts, *read, "counts.tsv"));
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    engine::CacheReport other = counts;
+    ++(i % 2 ? other[i].hits : other[i].invalidations);
+    const Status compared = compare_cache_counts(counts, other, "counts.tsv");
+    REQUIRE_FALSE(compared);
+    CHECK(contains(compared.error().message, std::string(engine::cache_kinds[i].name) + ": found "));
+  }
+  CHECK_FALSE(parse_cache_counts(text.substr(0, text.rfind("cell_side")), "counts.tsv"));
+  CHECK_FALSE(parse_cache_counts(text + "more\t1\t2\n", "counts.tsv"));
+  CHECK_FALSE(parse_cache_counts("boxes\t1\t2\n", "counts.tsv"));
+  CHECK_FALSE(parse_cache_counts(text + "\x01", "counts.tsv"));
 }
 
 TEST_CASE("names of checks are read with their numbers, and others are refused", "[verifier][soak][analytic]") {

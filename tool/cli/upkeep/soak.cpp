@@ -205,6 +205,9 @@ int run_soak_command(const SoakCommand& command) {
     const Status written = write_hashes(command.write_hashes, command.world_count);
     return written ? exit_ok : fail_usage(written.error());
   }
+  if (command.hashes.empty() && (!command.cache_counts.empty() || !command.write_cache_counts.empty()))
+    return fail_usage(
+        Error{ErrorCode::usage, "--cache-counts: found no --hashes, expected the worlds to count in", ""});
   if (!command.hashes.empty())
     if (const Status same = compare_with_files(command); !same) return fail_usage(same.error());
   if (!command.write_cache_counts.empty()) return exit_ok;
@@ -244,13 +247,11 @@ void add_soak(CLI::App& app, CliContext& context) {
   command
       ->add_option("--cache-counts", options->cache_counts,
                    "With --hashes: also compare how often cached structures were used again")
-      ->type_name("FILE")
-      ->needs("--hashes");
+      ->type_name("FILE");
   command
       ->add_option("--write-cache-counts", options->write_cache_counts,
                    "With --hashes: write how often cached structures were used again, no more")
-      ->type_name("FILE")
-      ->needs("--hashes");
+      ->type_name("FILE");
   add_number(*command, "-j,--jobs", options->jobs, "Worlds at once; default: one a core", {1, 1024});
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.soak/1)");
   set_examples(*command,
