@@ -11,7 +11,6 @@
 #include "base/assert.h"
 #include "base/bytes.h"
 #include "base/hash.h"
-#include "engine/engine.h"
 
 namespace ticktrue::engine {
 namespace {

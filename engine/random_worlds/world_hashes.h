@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "engine/model/caches.h"
+#include "engine/engine.h"
 #include "engine/random_worlds/random_world.h"
 
 namespace ticktrue::engine {

@@ -15,10 +15,8 @@
 #include "base/build_info.h"
 #include "base/hash.h"
 #include "base/parallel/jobs.h"
-#include "base/row_kernels.h"
 #include "engine/engine.h"
 #include "tool/corpus/costs.h"
-#include "tool/corpus/engine_digest.h"
 #include "tool/corpus/shard_plan.h"
 #include "tool/corpus/trace_identity.h"
 #include "tool/session/simulations.h"
@@ -26,7 +24,6 @@
 #include "verifier/store/agreement.h"
 #include "verifier/store/claims.h"
 #include "verifier/store/history.h"
-#include "verifier/store/mapped_libraries.h"
 #include "verifier/store/stat_index.h"
 #include "verifier/verify/parts.h"
 
@@ -45,36 +42,6 @@ Report conflict_report(const std::string& file, const FoundVerdict& found) {
   report.verdict = Verdict::not_reproducible;
   return report;
 }
-
-std::string_view mode_name(VerifyMode mode) {
-  for (const VerifyModeInfo& info : verify_modes)
-    if (info.mode == mode) return info.name;
-  return "";
-}
-
-std::string part_words(const TracePart& part) {
-  return "part " + std::to_string(part.index + 1) + " of " + std::to_string(part.count);
-}
-
-/// Names of what the store has of a trace, for one build.
-class UnitNames {
- public:
-  UnitNames(const TraceIdentity& identity, const BuildSubject& build)
-      : subject_{identity.hash, identity.facts.size, build.engine, build.libraries, build.options} {}
-  std::string whole() const { return verdict_key(subject_); }
-  std::string part(const TracePart& part) const { return with(part_words(part)); }
-  /// Of the agreement about the number of parts.
-  std::string parts() const { return with("parts"); }
-  std::string history() const { return history_name(subject_.trace, subject_.size); }
-
- private:
-  std::string with(const std::string& words) const {
-    VerdictSubject subject = subject_;
-    subject.options += ", " + words;
-    return verdict_key(subject);
-  }
-  VerdictSubject subject_;
-};
 
 Bytes count_bytes(std::size_t count) {
   ByteWriter out;
@@ -770,24 +737,6 @@ class CorpusRun {
 };
 
 }  // namespace
-
-Result<BuildSubject> build_subject(VerifyMode mode) {
-  const std::optional<Hash128> engine = engine_digest();
-  if (!engine)
-    return Error{ErrorCode::unsupported, "this build does not know what it is made of: found no digest of the engine",
-                 "build natively with Ninja; or use the command verify, which needs no store"};
-  const Result<std::vector<MappedLibrary>> libraries = mapped_libraries();
-  if (!libraries) return libraries.error();
-  BuildSubject subject;
-  subject.engine = *engine;
-  subject.libraries = libraries_digest(*libraries);
-  // What is chosen at run time and is to change no bit: a verdict is that of the code that ran.
-  subject.options = "mode " + std::string(mode_name(mode)) + ", kernels " +
-                    std::string(engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name) +
-                    ", rows " + std::to_string(all_row_kernels().size()) + ", checks " +
-                    (engine_options_of_environment().check_caches ? "caches" : "nothing");
-  return subject;
-}
 
 Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& files, const std::string& traces,
                                               const VerdictStore& store, const CorpusOptions& options) {

@@ -15,20 +15,12 @@
 #include <string_view>
 #include <vector>
 
+#include "tool/corpus/build_subject.h"
 #include "tool/corpus/verify_trace.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/store/verdict_store.h"
 
 namespace ticktrue::verifier {
-
-/// All of a verdict's subject but the trace.
-struct BuildSubject {
-  Hash128 engine;
-  Hash128 libraries;
-  std::string options;
-};
-/// Errors: unsupported (a build or a system that cannot tell what it is made of); io.
-Result<BuildSubject> build_subject(VerifyMode mode);
 
 enum class UnitSource : std::uint8_t {
   cached,        // from the store

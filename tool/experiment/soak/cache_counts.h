@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "engine/model/caches.h"
+#include "engine/engine.h"
 
 namespace ticktrue::verifier::soak {
 

@@ -1,0 +1,44 @@
+// The subject of a verdict: the digest of the engine, the libraries of the process, and what is chosen at run time.
+// SPDX-License-Identifier: MIT
+#include "tool/corpus/build_subject.h"
+
+#include <optional>
+#include <vector>
+
+#include "base/row_kernels.h"
+#include "engine/engine.h"
+#include "tool/corpus/engine_digest.h"
+#include "tool/session/simulations.h"
+#include "verifier/store/mapped_libraries.h"
+
+namespace ticktrue::verifier {
+
+std::string_view mode_name(VerifyMode mode) {
+  for (const VerifyModeInfo& info : verify_modes)
+    if (info.mode == mode) return info.name;
+  return "";
+}
+
+std::string part_words(const TracePart& part) {
+  return "part " + std::to_string(part.index + 1) + " of " + std::to_string(part.count);
+}
+
+Result<BuildSubject> build_subject(VerifyMode mode) {
+  const std::optional<Hash128> engine = engine_digest();
+  if (!engine)
+    return Error{ErrorCode::unsupported, "this build does not know what it is made of: found no digest of the engine",
+                 "build natively with Ninja; or use the command verify, which needs no store"};
+  const Result<std::vector<MappedLibrary>> libraries = mapped_libraries();
+  if (!libraries) return libraries.error();
+  BuildSubject subject;
+  subject.engine = *engine;
+  subject.libraries = libraries_digest(*libraries);
+  // What is chosen at run time and is to change no bit: a verdict is that of the code that ran.
+  subject.options = "mode " + std::string(mode_name(mode)) + ", kernels " +
+                    std::string(engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name) +
+                    ", rows " + std::to_string(all_row_kernels().size()) + ", checks " +
+                    (engine_options_of_environment().check_caches ? "caches" : "nothing");
+  return subject;
+}
+
+}  // namespace ticktrue::verifier

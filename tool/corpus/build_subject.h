@@ -1,0 +1,52 @@
+// What a verdict is about: a build, how it verifies, and a trace or a part of it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/hash128.h"
+#include "base/result.h"
+#include "tool/corpus/trace_identity.h"
+#include "verifier/store/history.h"
+#include "verifier/store/verdict_store.h"
+#include "verifier/verify/parts.h"
+#include "verifier/verify/verify.h"
+
+namespace ticktrue::verifier {
+
+/// All of a verdict's subject but the trace.
+struct BuildSubject {
+  Hash128 engine;
+  Hash128 libraries;
+  std::string options;
+};
+/// Errors: unsupported (a build or a system that cannot tell what it is made of); io.
+Result<BuildSubject> build_subject(VerifyMode mode);
+
+/// The word of --mode.
+std::string_view mode_name(VerifyMode mode);
+/// "part 2 of 5".
+std::string part_words(const TracePart& part);
+
+/// Names of what the store has of a trace, for one build.
+class UnitNames {
+ public:
+  UnitNames(const TraceIdentity& identity, const BuildSubject& build)
+      : subject_{identity.hash, identity.facts.size, build.engine, build.libraries, build.options} {}
+  std::string whole() const { return verdict_key(subject_); }
+  std::string part(const TracePart& part) const { return with(part_words(part)); }
+  /// Of the agreement about the number of parts.
+  std::string parts() const { return with("parts"); }
+  std::string history() const { return history_name(subject_.trace, subject_.size); }
+
+ private:
+  std::string with(const std::string& words) const {
+    VerdictSubject subject = subject_;
+    subject.options += ", " + words;
+    return verdict_key(subject);
+  }
+  VerdictSubject subject_;
+};
+
+}  // namespace ticktrue::verifier
