@@ -7,6 +7,7 @@ if(TICKTRUE_UNITY)
   foreach(source
       verifier/report/exit_codes.cpp
       verifier/report/fact_differences.cpp
+      verifier/report/likely_causes.cpp
       verifier/report/machine.cpp
       verifier/report/report.cpp
       verifier/report/report_ci.cpp

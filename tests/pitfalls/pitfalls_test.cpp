@@ -4,12 +4,15 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 
 #include "tests/pitfalls/pitfall.h"
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
+#include "verifier/report/likely_causes.h"
 
 namespace ticktrue::test {
 namespace {
@@ -154,7 +157,9 @@ std::vector<std::string> lasting_lines(const Pitfall& pitfall, const std::string
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
     const bool is_value = line.find("  value ") == 0;
-    if (lines.empty() || line.find("  column ") == 0 || (is_value && is_repeatable(pitfall))) lines.push_back(line);
+    const bool is_cause = line.find("  why ") == 0 || line.find("          or ") == 0;
+    const bool is_place = lines.empty() || line.find("  column ") == 0;
+    if (is_place || ((is_value || is_cause) && is_repeatable(pitfall))) lines.push_back(line);
   }
   return lines;
 }
@@ -172,6 +177,30 @@ TEST_CASE("docs/pitfalls.md shows what is said of every pitfall", "[verifier][pi
     const std::vector<std::string> lines = lasting_lines(*pitfall, report);
     CHECK(lines.size() >= 2);
     for (const std::string& line : lines) CHECK(text.str().find(line + "\n") != std::string::npos);
+  }
+}
+
+TEST_CASE("report names the cause of twelve pitfalls among at most two", "[verifier][pitfalls][causes]") {
+  using verifier::Cause;
+  const std::map<std::string, std::optional<Cause>> expected{
+      {"argument_order", std::nullopt},  // leaves values like any other rule of a game
+      {"contraction", Cause::other_math},      {"float_to_int", Cause::conversion_out_of_range},
+      {"flush_to_zero", Cause::flush_to_zero}, {"libm", Cause::other_math},
+      {"negative_zero", Cause::negative_zero}, {"padding", std::nullopt},
+      {"pointer_order", Cause::tie},           {"rand_call", Cause::random_numbers},
+      {"thread_order", Cause::thread_order},   {"unordered_iteration", Cause::sum_order},
+      {"unsaved_state", Cause::unsaved_state}, {"unstable_sort", Cause::row_order},
+      {"wall_clock", Cause::random_numbers}};
+  for (const Pitfall* pitfall : all) {
+    const Report report = verified(*pitfall, recorded(*pitfall, true), Machine::other, pitfall->mode);
+    CAPTURE(pitfall->name, verifier::report_text(report));
+    const std::vector<Cause> found = verifier::likely_causes(report);
+    CHECK(found.size() <= 2);
+    std::optional<Cause> cause = expected.at(pitfall->name);
+    // The time since the machine started may be one that a calendar has, too.
+    if (cause == Cause::random_numbers && found == std::vector<Cause>{Cause::clock}) cause = Cause::clock;
+    if (cause) CHECK(std::find(found.begin(), found.end(), *cause) != found.end());
+    if (!cause) CHECK(found.empty());
   }
 }
 

@@ -66,6 +66,11 @@ function notice(text, isPlain) {
 }
 
 function showNotices() {
+  const comparesOnly = data.against && report.verdict === 'not_comparable';
+  if (comparesOnly) {
+    notice('The two traces are compared as recorded; nothing was run here: ' + report.reason + '.', true);
+    return;
+  }
   if (data.headline.verdict !== report.verdict)
     notice('This trace alone: ' + verdictOf(report.verdict)[0].toLowerCase() + '.', true);
   if (report.reason && !data.headline.sentence.includes(report.reason)) notice(report.reason);
@@ -175,11 +180,21 @@ function showDivergence(divergence, path, sides, lines, tables) {
   if (cells && divergence.rows.length === 0 && cells.candidates.length > 0) tables.append(candidateTable(cells, path));
 }
 
+/** What the values look like, and the facts of the two programs that differ. */
+function showWhy(why, differences, keys, names, path, lines) {
+  if (why) addLine(lines, 'Why', why.map((cause, i) => (i > 0 ? 'or ' : '') + cause.text), path + '.why');
+  if (differences)
+    addLine(lines, 'Builds differ', differences.map((one) =>
+      one.name + ': ' + names[0] + ' ' + one[keys[0]] + ', ' + names[1] + ' ' + one[keys[1]] +
+        (one.changes_bits ? ' (changes bits)' : '')));
+}
+
 function showWhere() {
   if (!report.divergence) return;
   byId('where').hidden = false;
   const sides = report.against && report.against.diverged_at !== null ? ['There', 'Here'] : ['Expected', 'Got'];
   showDivergence(report.divergence, 'divergence', sides, byId('where-lines'), byId('where-tables'));
+  showWhy(report.why, report.builds.differ, ['recorded', 'here'], ['recorded', 'here'], 'divergence', byId('where-lines'));
 }
 
 function otherMatch() {
@@ -209,6 +224,7 @@ function showAgainst() {
   addLine(lines, 'Notes', diff.notes);
   if (against.no_poses) addLine(lines, 'Ghosts', 'none. ' + against.no_poses);
   if (diff.divergence) showDivergence(diff.divergence, 'diff.divergence', ['This', 'Other'], lines, byId('against-tables'));
+  showWhy(diff.why, diff.build_differences, ['a', 'b'], ['this', 'other'], 'diff', lines);
 }
 
 function copyButton(text) {

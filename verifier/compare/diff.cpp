@@ -152,6 +152,7 @@ class Differ {
  public:
   Differ(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options)
       : setup_a_(a.setup()), setup_b_(b.setup()), a_(a), b_(b), options_(options), comparer_(setup_a_.schema) {
+    report_.simulation = setup_a_.simulation;
     report_.a.file = a.name();
     report_.b.file = b.name();
     report_.a.build = a.facts();

@@ -62,6 +62,7 @@ struct DiffSide {
 struct DiffReport {
   DiffVerdict verdict = DiffVerdict::equal;
   std::string reason;
+  std::string simulation;  // of a
   DiffSide a, b;
   std::uint64_t ticks_compared = 0;
   std::uint64_t checkpoints_compared = 0;  // up to the first difference

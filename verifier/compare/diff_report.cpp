@@ -1,6 +1,7 @@
 // What diff found, as text and as JSON.
 // SPDX-License-Identifier: MIT
 #include <cstdio>
+#include <utility>
 
 #include "base/hash.h"
 #include "base/plain_text.h"
@@ -21,6 +22,17 @@ Json side_json(const DiffSide& side) {
           {"ticks", side.ticks ? Json(*side.ticks) : Json(nullptr)},
           {"end", end_json(side.end)},
           {"build", facts_json(side.build)}};
+}
+
+/// Other inputs or another setup explain any difference.
+std::vector<Cause> causes_of(const DiffReport& report) {
+  if (report.inputs || !report.setup.empty()) return {};
+  Symptoms symptoms;
+  symptoms.simulation = report.simulation;
+  symptoms.divergence = report.divergence ? &*report.divergence : nullptr;
+  symptoms.build_a = &report.a.build;
+  symptoms.build_b = &report.b.build;
+  return likely_causes(symptoms);
 }
 
 }  // namespace
@@ -53,6 +65,8 @@ std::string diff_text(const DiffReport& report) {
          {std::pair<const char*, const std::string*>{"a", &inputs.inputs_a}, {"b", &inputs.inputs_b}})
       for (const std::string& input : split_lines(*lines)) line(label, input);
   }
+  const char* why = "why";
+  for (const std::string& cause : cause_lines(causes_of(report))) line(std::exchange(why, ""), cause);
   for (const auto& [label, side] : {std::pair<const char*, const DiffSide*>{"a", &report.a}, {"b", &report.b}})
     if (side->end.tail.condition != replay::TraceCondition::complete)
       line(label, side->end.tail.message + " (" + std::to_string(side->end.tail.ticks_intact) + " ticks are intact)");
@@ -99,6 +113,7 @@ std::string diff_json(const DiffReport& report) {
   const std::vector<FactDifference> differences = fact_differences(report.a.build, report.b.build);
   if (!differences.empty()) object["build_differences"] = differences_json(differences, "a", "b");
   object["divergence"] = report.divergence ? divergence_json(*report.divergence) : Json(nullptr);
+  if (Json why = causes_json(causes_of(report)); !why.empty()) object["why"] = std::move(why);
   object["notes"] = report.notes;
   object["again"] = report.again;
   return plain_text(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -9,6 +9,7 @@
 
 #include "replay/format/trace.h"
 #include "verifier/report/fact_differences.h"
+#include "verifier/report/likely_causes.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
@@ -17,6 +18,7 @@ nlohmann::ordered_json facts_json(const replay::BuildFacts& facts);
 nlohmann::ordered_json build_json();
 nlohmann::ordered_json differences_json(const std::vector<FactDifference>& differences, const char* a_name,
                                         const char* b_name);
+nlohmann::ordered_json causes_json(const std::vector<Cause>& found);
 nlohmann::ordered_json lane_json(const LaneReport& row);
 nlohmann::ordered_json compared_json(const ComparedParts& compared);
 nlohmann::ordered_json divergence_json(const Divergence& divergence);

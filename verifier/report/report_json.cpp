@@ -28,6 +28,12 @@ Json differences_json(const std::vector<FactDifference>& differences, const char
   return list;
 }
 
+Json causes_json(const std::vector<Cause>& found) {
+  Json list = Json::array();
+  for (const Cause cause : found) list.push_back({{"cause", cause_info(cause).name}, {"text", cause_info(cause).text}});
+  return list;
+}
+
 Json build_json() {
   const BuildInfo& info = build_info();
   return {{"version", info.version},
@@ -212,6 +218,7 @@ Json report_row_json(const Report& report) {
                       {"here", report.here_build.empty() ? build_json() : facts_json(report.here_build)}};
   const std::vector<FactDifference> differences = fact_differences(report.recorded_build, report.here_build);
   if (!differences.empty()) object["builds"]["differ"] = differences_json(differences, "recorded", "here");
+  if (Json why = causes_json(likely_causes(report)); !why.empty()) object["why"] = std::move(why);
   object["again"] = report.again;
   if (report.against) object["against"] = against_json(*report.against);
   return object;

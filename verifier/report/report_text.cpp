@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "base/build_info.h"
 #include "base/count_text.h"
 #include "base/hash.h"
 #include "base/plain_text.h"
 #include "verifier/report/fact_differences.h"
+#include "verifier/report/likely_causes.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
@@ -251,6 +253,8 @@ std::string report_text(const Report& report) {
   if (report.divergence)
     add_divergence(*report.divergence, between_builds ? "there" : "expected", between_builds ? "here" : "got", lines);
   if (report.divergence) add_marks(report, lines);
+  const char* why = "why";
+  for (const std::string& line : cause_lines(likely_causes(report))) lines.add(std::exchange(why, ""), line);
   if (report.end) add_end(report, lines);
   for (const std::string& note : report.notes) lines.add("note", note);
   for (const std::string& warning : report.warnings) lines.add("warning", warning);
