@@ -204,6 +204,7 @@ constexpr Room rooms[] = {
     {"verifier/corpus", "base,replay"},
     {"verifier/store", "base,replay/file,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
+    {"verifier/programs", "base,base/state,replay,replay/format,shim,verifier/report,verifier/runs,verifier/verify"},
     {"shim", ""},
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
     {"capi/marks", "base,replay/format,shim"},
@@ -278,7 +279,7 @@ bool is_below_tool(std::string_view room) {
       "base,base/state,base/parallel,replay,replay/format,replay/file,include,engine,engine/math,engine/simd,"
       "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
       "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
-      "verifier/store,verifier/plugins");
+      "verifier/store,verifier/plugins,verifier/programs");
 }
 
 bool may_include(std::string_view from, std::string_view to) {
