@@ -191,7 +191,8 @@ constexpr Room rooms[] = {
     {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
     {"replay/format", "base,base/state"},
     {"replay/file", "base"},
-    {"replay", "base,base/state,replay/format,replay/file"},
+    {"replay", "base,base/state,replay/format,replay/file,replay/box"},
+    {"replay/box", "base,base/state,replay,replay/format,replay/file"},
     {"include", ""},
     {"include/ticktrue", ""},
     {"verifier/report", "base,base/state,replay/format"},
@@ -209,7 +210,7 @@ constexpr Room rooms[] = {
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
     {"capi/marks", "base,replay/format,shim"},
     {"capi",
-     "base,base/state,replay,replay/format,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
+     "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
      "capi/peers"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
@@ -276,7 +277,7 @@ std::string_view folder_of(std::string_view path) {
 bool is_below_tool(std::string_view room) {
   return is_one_of(
       room,
-      "base,base/state,base/parallel,replay,replay/format,replay/file,include,engine,engine/math,engine/simd,"
+      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/math,engine/simd,"
       "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
       "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
       "verifier/store,verifier/plugins,verifier/programs");
