@@ -144,11 +144,6 @@ bool Comparing::start(const StateView& state, const std::vector<std::string>& st
     not_comparable("stages: recorded " + list_of(setup().stages) + "; here " + list_of(stages), "record again");
     return false;
   }
-  if (const std::uint64_t first_tick = reader_.first_tick(); first_tick > 0 && !begin_) {
-    not_comparable("begins at tick " + std::to_string(first_tick) + " and holds no state that this program can load",
-                   "show lists what it holds; diff compares it with another trace");
-    return false;
-  }
   note_floats();
   return true;
 }

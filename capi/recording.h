@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "base/result.h"
 #include "capi/tick.h"
+#include "replay/box/box_writer.h"
 #include "replay/trace_writer.h"
 #include "verifier/report/report.h"
 
@@ -28,6 +30,7 @@ struct RecordingOptions {
   Bytes setup;
   replay::WriterOptions writer;
   replay::BuildFacts facts;
+  std::uint64_t box_size = 0;  // bytes; > 0: `path` is a black box
 };
 
 class Recording {
@@ -45,6 +48,10 @@ class Recording {
 
   /// Whether the shown columns after this tick are stored.
   bool wants_shown(std::uint64_t tick) const;
+
+  bool is_box() const { return options_.box_size > 0; }
+  /// Bytes of the file.
+  std::uint64_t size() const { return box_ ? box_->file_size() : writer_ ? writer_->size() : 0; }
 
   /// Marks and notes are stored. Requires: !is_started().
   void add_marks() {
@@ -84,8 +91,22 @@ class Recording {
  private:
   Status write_bound(const BoundContents& bound, std::uint64_t tick);
   Status write_checkpoint(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
+  Status begin_file(const StateView& state, const CheckpointContents& contents);
+  /// Goes on in the next slot of the box. Errors: io (a slot is too small for a checkpoint).
+  Status begin_slot(const StateView& state, std::uint64_t tick, const CheckpointContents& contents);
+  /// Whether the next tick may not fit into its slot.
+  bool is_slot_low() const;
+  Status write_due_checkpoint(const DoneTick& tick);
+  std::string box_text() const;
 
   RecordingOptions options_;
+  std::unique_ptr<replay::BoxWriter> box_;
+  std::uint64_t box_written_ = 0;        // at the end of the last tick
+  std::uint64_t box_checkpoint_ = 0;     // the same, before the last checkpoint
+  std::uint64_t tick_size_max_ = 0;      // bytes that a tick took
+  std::uint64_t interval_size_max_ = 0;  // from a checkpoint to the next
+  std::uint64_t box_gaps_ = 0;           // times that something did not fit
+  replay::TraceSetup setup_;
   std::optional<replay::TraceWriter> writer_;
   std::uint64_t first_root_ = 0;
   std::uint64_t root_ = 0;

@@ -75,7 +75,14 @@ Session::Session(const ticktrue_options& options) {
     return;
   }
   const std::uint64_t begin = std::max(from_, comparing_->first_tick());
-  if (saves_.is_set() && begin > 0 && comparing_->seek(begin)) tick_ = confirmed_ = comparing_->begin_tick();
+  if (saves_.is_set() && begin > 0 && comparing_->seek(begin)) {
+    tick_ = confirmed_ = comparing_->begin_tick();
+  } else if (comparing_->first_tick() > 0) {
+    comparing_->refuse(
+        "begins at tick " + number(comparing_->first_tick()) + " and holds no state that this program can load",
+        "show lists what it holds; diff compares it with another trace");
+    stop(TICKTRUE_FAILED);
+  }
 }
 
 Session::~Session() {
@@ -189,6 +196,13 @@ Status Session::make_recording(const ticktrue_options& options) {
       return usage("options: full_first: found " + number(options.full_first) + ", expected at most full_last, " +
                    number(options.full_last));
   }
+  recording.box_size = std::uint64_t{options.box_kib} * 1024;
+  if (recording.box_size > 0) {
+    if (const auto layout = replay::divide_box(recording.box_size); !layout) return layout.error();
+    if (recording.detail == replay::Detail::full)
+      return usage("options: detail: found full with a black box, expected root or cells",
+                   "the box holds the save of a tick before: run it again with detail full");
+  }
   recording_.emplace(std::move(recording));
   if (marks_.is_on()) recording_->add_marks();
   return {};
@@ -201,8 +215,7 @@ Status Session::check_run_options(const ticktrue_options& options) {
                      (options.save == nullptr ? "load: found it without save" : "save: found it without load") +
                      ", expected both or none",
                  "load takes the bytes that save gave");
-  for (const std::uint32_t reserved : {options.reserved, options.reserved_2})
-    if (reserved != 0) return usage("options: reserved: found " + number(reserved) + ", expected 0");
+  if (options.reserved != 0) return usage("options: reserved: found " + number(options.reserved) + ", expected 0");
   saves_ = SaveCalls(options.save, options.load, options.user);
   from_ = options.from;
   sync_ticks_ = options.sync_test;
@@ -228,6 +241,8 @@ Status Session::check_run_options(const ticktrue_options& options) {
       return usage(std::string("options: ") + rule.name + ": found it without the callbacks save and load",
                    "without them the program can only begin at tick 0 and run on");
   }
+  if (options.box_kib > 0 && options.mode != TICKTRUE_RECORD)
+    return usage("options: box_kib: found it without TICKTRUE_RECORD", "a black box is a recording of the last ticks");
   if (is_live_ && sync_ticks_ > 0)
     return usage("options: sync_test: found it in a live session",
                  "record or verify with it: going back takes time that other players wait");

@@ -152,6 +152,8 @@ int read_run_word(const char* word, const char* value, ticktrue_options& options
   return 2;
 }
 
+constexpr std::uint32_t box_kib_default = 32u << 10;
+
 /// Apart, so that its frame costs nothing where it is not called.
 #if defined(__GNUC__) || defined(__clang__)
 __attribute__((noinline))
@@ -186,15 +188,26 @@ std::string read_detail(const char* value, ticktrue_options& options) {
 }
 
 /// Reads the words of the command line into the options. False: they ask for no session.
-bool read_words(int argc, char* const* argv, bool knows_detail, ticktrue_options& options, std::string& error) {
-  bool is_asked = false, has_detail = false;
+bool read_words(int argc, char* const* argv, bool knows_new_words, ticktrue_options& options, std::string& error) {
+  bool is_asked = false, has_detail = false, has_box = false;
+  std::uint32_t box_kib = 0;
   std::string run_error;
   for (int i = 1; i < argc && argv != nullptr && argv[i] != nullptr; ++i) {
-    const bool record = std::strcmp(argv[i], "--record") == 0;
+    const bool is_box = knows_new_words && std::strcmp(argv[i], "--blackbox") == 0;
+    const bool record = is_box || std::strcmp(argv[i], "--record") == 0;
     const bool verify = std::strcmp(argv[i], "--verify") == 0;
     const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
     if (std::strcmp(argv[i], "--force") == 0) options.flags |= TICKTRUE_OVERWRITE;
-    if (knows_detail && std::strcmp(argv[i], "--detail") == 0) {
+    if (is_box && options.box_kib == 0) options.box_kib = box_kib_default;
+    has_box = has_box || is_box;
+    if (knows_new_words && std::strcmp(argv[i], "--box-kib") == 0) {
+      std::uint64_t size = 0;
+      if (!read_number(value, UINT32_MAX, size) || size == 0)
+        run_error = "command line: --box-kib: found " + std::string(value == nullptr ? "nothing" : value) +
+                    " behind it, expected a number of KiB";
+      box_kib = static_cast<std::uint32_t>(size);
+      ++i;
+    } else if (knows_new_words && std::strcmp(argv[i], "--detail") == 0) {
       has_detail = true;
       if (const std::string wrong = read_detail(value, options); run_error.empty()) run_error = wrong;
       ++i;
@@ -202,13 +215,17 @@ bool read_words(int argc, char* const* argv, bool knows_detail, ticktrue_options
       if (read_run_word(argv[i], value, options, run_error) > 1) ++i;
     }
     if (!record && !verify) continue;
-    if (is_asked) error = "command line: found --record and --verify twice, expected one of them";
+    if (is_asked) error = "command line: found --record, --blackbox or --verify twice, expected one of them";
     is_asked = true;
     options.mode = record ? TICKTRUE_RECORD : TICKTRUE_VERIFY;
     options.path = value;
     ++i;
     if (value == nullptr) error = std::string("command line: ") + argv[i - 1] + ": found no file name behind it";
   }
+  if (box_kib > 0) options.box_kib = box_kib;
+  if (is_asked && !has_box) options.box_kib = 0;  // a trace was asked for
+  // What the program wants of its traces in full, a box has no room for.
+  if (has_box && !has_detail && options.detail == TICKTRUE_DETAIL_FULL) options.detail = TICKTRUE_DETAIL_CELLS;
   if (has_detail && is_asked && options.mode == TICKTRUE_VERIFY && run_error.empty())
     run_error = "command line: --detail: found it with --verify: what a trace holds was decided by its recording";
   if (error.empty() && is_asked) error = run_error;
@@ -235,10 +252,10 @@ ticktrue_session* ticktrue_open_arguments(const ticktrue_options* given, int arg
     ticktrue_options options;
     std::string error;
     const bool is_read = read_options(given, options, error);
-    // Older programs may have a word --detail of their own.
-    const bool knows_detail = is_read && given->struct_size >= sizeof options;
+    // Older programs may have such words of their own.
+    const bool knows_new_words = is_read && given->struct_size >= sizeof options;
     std::string words_error;
-    if (!read_words(argc, argv, knows_detail, options, words_error)) return nullptr;
+    if (!read_words(argc, argv, knows_new_words, options, words_error)) return nullptr;
     if (is_read) error = words_error;
     return open_session(options, error);
   } catch (...) {

@@ -130,14 +130,15 @@ typedef struct ticktrue_options {
   /* Since version 4. */
   uint64_t peer_bytes; /* of states of confirmed ticks that are kept to locate a desync; 0: 16 MiB */
   uint32_t player;     /* own number among the players, 0..254; every side counts them alike */
-  uint32_t reserved_2; /* 0 */
+  uint32_t box_kib;    /* record: > 0: `path` is a black box of so many KiB, with the last stretch of the session */
 } ticktrue_options;
 
 /* Opens a session. Never null: what went wrong, the next call and ticktrue_close tell. Everything is copied. */
 TICKTRUE_API ticktrue_session* ticktrue_open(const ticktrue_options* options);
 
 /* The same, with mode, path and overwriting from the program's words --record FILE, --verify FILE and --force; null if
-   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. With --record also --detail root,
+   neither of the first two is there, or, with mode TICKTRUE_LIVE, a live session. --blackbox FILE records into a black
+   box of box_kib (0: 32 MiB) or of --box-kib N. With --record also --detail root,
    cells, full or full:FIRST..LAST (of programs built with this header or a newer one). If `load` is set, also
    --sync-test K and, with --verify, --from N, --to N and --mode replay or restore. */
 TICKTRUE_API ticktrue_session* ticktrue_open_arguments(const ticktrue_options* options, int argc, char* const* argv);

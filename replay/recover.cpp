@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "replay/format/payload.h"
+#include "replay/trace_copy.h"
 #include "replay/trace_reader.h"
 #include "replay/trace_writer.h"
 
@@ -34,20 +35,6 @@ Status copy_bound(const TickRecord& tick, TraceWriter& writer) {
     if (!status) return status;
   }
   return {};
-}
-
-Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
-  if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) return copy_checkpoint(*checkpoint, writer);
-  const auto& tick = std::get<TickRecord>(item);
-  if (const Status status = writer.begin_tick({tick.dt, tick.inputs}); !status) return status;
-  if (const Status status = copy_bound(tick, writer); !status) return status;
-  Bytes image;
-  if (tick.image) image = tick.image->joined();
-  if (const Status status = writer.end_tick_encoded(
-          tick.root_hash, tick.stage_hashes, tick.image ? std::optional<ByteView>(image) : std::nullopt, tick.cells);
-      !status)
-    return status;
-  return tick.shown ? writer.shown(*tick.shown) : Status();
 }
 
 /// Those of a tick that did not end. One without inputs has not begun yet.
@@ -118,6 +105,26 @@ Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) 
     if (const Status status = salvage(input, reader.setup(), tail.offset, writer); !status) return status;
   if (const Status same = reader.check_unchanged(); !same) return same;
   if (nothing_saved(writer, reader.first_tick(), tail)) return {};
+  return finish_copy(tail, writer);
+}
+
+}  // namespace
+
+Status copy_item(const TraceReader::Item& item, TraceWriter& writer) {
+  if (const auto* checkpoint = std::get_if<CheckpointRecord>(&item)) return copy_checkpoint(*checkpoint, writer);
+  const auto& tick = std::get<TickRecord>(item);
+  if (const Status status = writer.begin_tick({tick.dt, tick.inputs}); !status) return status;
+  if (const Status status = copy_bound(tick, writer); !status) return status;
+  Bytes image;
+  if (tick.image) image = tick.image->joined();
+  if (const Status status = writer.end_tick_encoded(
+          tick.root_hash, tick.stage_hashes, tick.image ? std::optional<ByteView>(image) : std::nullopt, tick.cells);
+      !status)
+    return status;
+  return tick.shown ? writer.shown(*tick.shown) : Status();
+}
+
+Status finish_copy(const TraceTail& tail, TraceWriter& writer) {
   if (tail.has_pending_inputs)
     if (const Status status = writer.begin_tick({tail.pending_dt, tail.pending_inputs}); !status) return status;
   if (const Status status = copy_pending_notes(tail, writer); !status) return status;
@@ -125,8 +132,6 @@ Status copy(TraceReader& reader, const std::string& input, TraceWriter& writer) 
   if (tail.end) return writer.finish(tail.end->reason, tail.end->note);
   return writer.finish(EndReason::recovered, tail.message);
 }
-
-}  // namespace
 
 Result<RecoverResult> recover_trace(const std::string& input, const std::string& output, bool overwrite) {
   std::error_code ignored;

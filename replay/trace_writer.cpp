@@ -369,13 +369,25 @@ TraceWriter::~TraceWriter() = default;
 
 Result<TraceWriter> TraceWriter::create(const std::string& path, const TraceSetup& setup, const BuildFacts& facts,
                                         const WriterOptions& options) {
-  if (const Status status = check_setup(setup, path); !status) return status.error();
-  if (const Status status = check_facts(facts, path); !status) return status.error();
-  const std::uint16_t version = version_of(setup);
-  if (version == format_version_third && !options.allow_third) return refuse_third(setup, path);
+  if (const Status status = check(setup, facts, path, options); !status) return status.error();
   Result<OutputFile> file = OutputFile::create(path, options.overwrite);
   if (!file) return file.error();
-  auto impl = std::make_unique<Impl>(std::move(*file));
+  return to(std::move(*file), setup, facts, options);
+}
+
+Status TraceWriter::check(const TraceSetup& setup, const BuildFacts& facts, const std::string& path,
+                          const WriterOptions& options) {
+  if (const Status status = check_setup(setup, path); !status) return status.error();
+  if (const Status status = check_facts(facts, path); !status) return status.error();
+  if (version_of(setup) == format_version_third && !options.allow_third) return refuse_third(setup, path);
+  return {};
+}
+
+Result<TraceWriter> TraceWriter::to(OutputFile file, const TraceSetup& setup, const BuildFacts& facts,
+                                    const WriterOptions& options) {
+  if (const Status status = check(setup, facts, file.path(), options); !status) return status.error();
+  const std::uint16_t version = version_of(setup);
+  auto impl = std::make_unique<Impl>(std::move(file));
   impl->options = options;
   impl->options.compress = options.compress && has_codec(Codec::zstd);
   impl->version = version;

@@ -10,6 +10,7 @@
 
 #include "base/result.h"
 #include "base/state/simulation.h"
+#include "replay/file/file.h"
 #include "replay/format/chunk.h"
 #include "replay/format/trace.h"
 
@@ -31,6 +32,9 @@ class TraceWriter {
   /// Errors: io (exists, unwritable), limit.
   static Result<TraceWriter> create(const std::string& path, const TraceSetup& setup, const BuildFacts& facts,
                                     const WriterOptions& options = {});
+  /// The same with an output that is there already.
+  static Result<TraceWriter> to(OutputFile file, const TraceSetup& setup, const BuildFacts& facts,
+                                const WriterOptions& options);
   TraceWriter(TraceWriter&&) noexcept;
   TraceWriter& operator=(TraceWriter&&) noexcept;
   ~TraceWriter();  // leaves the file as it is: truncated, unless finished
@@ -96,6 +100,8 @@ class TraceWriter {
 
  private:
   struct Impl;
+  static Status check(const TraceSetup& setup, const BuildFacts& facts, const std::string& path,
+                      const WriterOptions& options);
   explicit TraceWriter(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

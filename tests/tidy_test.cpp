@@ -191,7 +191,8 @@ constexpr Room rooms[] = {
     {"engine/stages", "base,base/parallel,engine/math,engine/scene,engine/model,engine/narrow_phase"},
     {"replay/format", "base,base/state"},
     {"replay/file", "base"},
-    {"replay", "base,base/state,replay/format,replay/file"},
+    {"replay", "base,base/state,replay/format,replay/file,replay/box"},
+    {"replay/box", "base,base/state,replay,replay/format,replay/file"},
     {"include", ""},
     {"include/ticktrue", ""},
     {"verifier/report", "base,base/state,replay/format"},
@@ -204,11 +205,12 @@ constexpr Room rooms[] = {
     {"verifier/corpus", "base,replay"},
     {"verifier/store", "base,replay/file,verifier/report"},
     {"verifier/plugins", "base,base/state,include,verifier/runs"},
+    {"verifier/programs", "base,base/state,replay,replay/format,shim,verifier/report,verifier/runs,verifier/verify"},
     {"shim", ""},
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
     {"capi/marks", "base,replay/format,shim"},
     {"capi",
-     "base,base/state,replay,replay/format,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
+     "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
      "capi/peers"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
@@ -275,10 +277,10 @@ std::string_view folder_of(std::string_view path) {
 bool is_below_tool(std::string_view room) {
   return is_one_of(
       room,
-      "base,base/state,base/parallel,replay,replay/format,replay/file,include,engine,engine/math,engine/simd,"
+      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/math,engine/simd,"
       "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
       "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
-      "verifier/store,verifier/plugins");
+      "verifier/store,verifier/plugins,verifier/programs");
 }
 
 bool may_include(std::string_view from, std::string_view to) {

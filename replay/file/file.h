@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "base/bytes.h"
@@ -22,6 +23,8 @@ class OutputFile {
  public:
   /// With `overwrite`, an existing file is renamed to `<path>.old`. Errors: io, and what check_output refuses.
   static Result<OutputFile> create(const std::string& path, bool overwrite);
+  /// No file: what is appended goes to the call, and all else does nothing. `path` is for messages.
+  static OutputFile to(const std::string& path, std::function<Status(ByteView)> call);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();
@@ -47,7 +50,8 @@ class OutputFile {
   void close();
   std::string path_;
   std::string old_path_;
-  std::uint64_t size_ = 0;  // bytes appended
+  std::function<Status(ByteView)> call_;  // instead of a file; may be empty
+  std::uint64_t size_ = 0;                // bytes appended
   int descriptor_ = -1;
   int old_descriptor_ = -1;  // of the overwritten file, locked
 };

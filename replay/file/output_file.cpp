@@ -84,6 +84,13 @@ Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
   return busy;
 }
 
+OutputFile OutputFile::to(const std::string& path, std::function<Status(ByteView)> call) {
+  OutputFile file;
+  file.path_ = path;
+  file.call_ = std::move(call);
+  return file;
+}
+
 Status OutputFile::set_aside(bool overwrite) {
   old_descriptor_ = open_existing(path_);
   if (old_descriptor_ >= 0 && !lock_file(old_descriptor_)) {
@@ -126,6 +133,7 @@ void OutputFile::put_back() {
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       old_path_(std::move(other.old_path_)),
+      call_(std::move(other.call_)),
       size_(other.size_),
       descriptor_(std::exchange(other.descriptor_, -1)),
       old_descriptor_(std::exchange(other.old_descriptor_, -1)) {}
@@ -135,6 +143,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   close();
   path_ = std::move(other.path_);
   old_path_ = std::move(other.old_path_);
+  call_ = std::move(other.call_);
   size_ = other.size_;
   descriptor_ = std::exchange(other.descriptor_, -1);
   old_descriptor_ = std::exchange(other.old_descriptor_, -1);
@@ -154,6 +163,10 @@ void OutputFile::close() {
 }
 
 Status OutputFile::append(ByteView bytes) {
+  if (call_) {
+    size_ += bytes.size();
+    return call_(bytes);
+  }
   while (!bytes.empty()) {
     const std::size_t size = std::min(bytes.size(), transfer_size_max);
     const std::int64_t written = write_some(descriptor_, bytes.data(), size);
@@ -169,6 +182,7 @@ Status OutputFile::append(ByteView bytes) {
 }
 
 Status OutputFile::sync() {
+  if (call_) return {};
   while (sync_file(descriptor_) != 0) {
     if (errno == EINTR) continue;
     if (errno == EINVAL || errno == ENOSYS) return {};  // a file system without it
@@ -178,6 +192,7 @@ Status OutputFile::sync() {
 }
 
 Status OutputFile::check_in_place() const {
+  if (call_) return {};
   const std::optional<FileFacts> mine = file_facts(descriptor_);
   if (!mine) return io_error(path_, "cannot read its size", errno);
   const std::optional<FileFacts> there = file_facts(path_);
@@ -197,6 +212,7 @@ Status OutputFile::check_in_place() const {
 }
 
 Status OutputFile::commit() {
+  if (call_) return {};
   if (const Status in_place = check_in_place(); !in_place) {
     close();
     return in_place;
@@ -212,6 +228,7 @@ Status OutputFile::commit() {
 }
 
 void OutputFile::discard() {
+  if (call_) return;
   const std::optional<FileFacts> mine = descriptor_ < 0 ? std::nullopt : file_facts(descriptor_);
   const std::optional<FileFacts> there = file_facts(path_);
   const bool is_mine = mine && there && is_same_file(*mine, *there);

@@ -247,6 +247,9 @@ TEST_CASE("traces are verified in parts, in parallel, on shards and against othe
           "[cli][verify][equivalence]") {
   run_cases("verify.case");
 }
+TEST_CASE("verify runs a program, and neither its exit code nor its word alone is a match", "[cli][programs]") {
+  run_cases("programs.case");
+}
 TEST_CASE("golden traces are recorded, checked and told apart", "[cli][golden][equivalence]") {
   run_cases("golden.case");
 }

@@ -217,6 +217,40 @@ expect 1 "fighters.cooldown" ./rollback --verify rollback.ttr --mode restore --b
 expect 2 "--mode: found fast behind it" ./rollback --verify rollback.ttr --mode fast
 expect 0 "saves       13" "$tool" show rollback.ttr
 
+# --- the tool runs the program ---------------------------------------------------------------------------------------
+expect 0 "2 traces: 2 match" "$tool" verify lockstep.ttr saved.ttr --command './lockstep --verify {}' -j 2
+expect 0 "match  rollback.ttr  600 of 600 ticks compared" "$tool" verify rollback.ttr --command ./rollback
+expect 0 "30 of 600 ticks compared" "$tool" verify rollback.ttr --command './rollback --verify {} --from 310 --to 339'
+expect 3 "\`ticktrue recover\` makes a complete trace of it" "$tool" verify cut.ttr --command ./lockstep
+expect 0 "accepted: every tick up to the cut matches" "$tool" verify cut.ttr --command ./lockstep --allow-truncated
+expect 1 "balls.velocity    row 3, lane 0" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug clock'
+expect 1 "1 ulp" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order'
+expect 1 "the program ran twice, with the same result" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order'
+expect 1 "state_incomplete" "$tool" verify rollback.ttr --command './rollback --verify {} --sync-test 1 --bug unsaved'
+expect 5 "recorded with lockstep-example, this program is rollback-example" "$tool" verify lockstep.ttr --command ./rollback
+expect 1 '"column": "velocity"' "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order' --json --report failure.html
+[ -s failure.html ] || complain "verify --command --report: found no page"
+if ! ./lockstep --verify pointer.ttr --bug pointer >"$out" 2>&1; then
+  expect 6 "two runs of the program differ" "$tool" verify pointer.ttr --command './lockstep --verify {} --bug pointer'
+fi
+# What the tool says of a run is what the program says, line by line.
+./lockstep --verify lockstep.ttr --bug order | grep '^diverged\|^  \(column\|value\|hash\|input\|stage\)' >own
+"$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order' | grep '^diverged\|^  \(column\|value\|hash\|input\|stage\)' >by_tool
+cmp own by_tool || complain "verify --command: found another report than the program prints"
+
+# --- black boxes -----------------------------------------------------------------------------------------------------
+expect 0 "a black box: it holds ticks" ./rollback --blackbox r.ttb --box-kib 256
+expect 5 "a black box, expected a trace" "$tool" verify r.ttb
+expect 0 "recovered  tail.ttr" "$tool" recover r.ttb -o tail.ttr
+expect 0 "match  tail.ttr" ./rollback --verify tail.ttr
+expect 0 "match  tail.ttr" "$tool" verify tail.ttr --command ./rollback
+expect 0 "a black box: it holds ticks" ./units --blackbox u.ttb
+expect 0 "recovered  u.ttr" "$tool" recover u.ttb -o u.ttr
+expect 0 "match  u.ttr" ./units --verify u.ttr
+expect 2 "--box-kib: found nothing behind it" ./rollback --blackbox r2.ttb --box-kib
+printf 'xxxxxxxxxx' | dd of=r.ttb bs=1 seek=10 conv=notrunc 2>/dev/null
+expect 4 "black box: header: its check does not match" "$tool" recover r.ttb -o none.ttr
+
 # --- programs and plug-ins built with the header of interface version 1 ----------------------------------------------
 old=$source/tests/capi/header_1
 compile_old() { cc -std=c99 -O2 -ffp-contract=off -I"$old" "$@" -Wl,-rpath,"$(dirname "$library")"; }
@@ -245,6 +279,8 @@ expect 0 "" c++ -std=c++20 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror
 expect 0 "" ./units
 expect 0 "recorded  units.ttr  300 ticks" ./units --record units.ttr
 expect 0 "match  units.ttr  300 of 300 ticks compared" ./units --verify units.ttr
+expect 0 "match  units.ttr  300 of 300 ticks compared" "$tool" verify units.ttr --command './units --verify {}'
+expect 1 "units.hp          row 3 (id 4)" "$tool" verify units.ttr --command './units --verify {} --fault'
 expect 1 "units.hp          row 3 (id 4)" ./units --verify units.ttr --fault
 expect 1 "tick 150 of 300" ./units --verify units.ttr --fault
 expect 0 "sync test: 300 ticks ran twice" ./units --record units_sync.ttr --sync-test 5

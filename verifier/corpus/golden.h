@@ -3,7 +3,8 @@
 //
 // MANIFEST.tsv: lines of tab-separated columns file, scene, inputs, ticks, detail, hash, bytes, why; lines that begin
 // with # and the line of the column names are kept as they are. inputs -: none. ticks -: to the `end` input.
-// hash -: a trace that is still to be recorded.
+// hash -: a trace that is still to be recorded. scene `command:./mygame --verify {}`: the program that recorded the
+// trace verifies it, and it has no inputs and ticks of its own.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,8 @@ namespace ticktrue::verifier {
 
 inline constexpr const char* manifest_name = "MANIFEST.tsv";
 
+inline constexpr std::string_view golden_command = "command:";
+
 struct GoldenRow {
   std::string file;  // name in the directory
   std::string scene;
@@ -29,6 +32,12 @@ struct GoldenRow {
   std::uint64_t size = 0;  // bytes
   std::string why;
   std::string before;  // lines that stand above it in the manifest
+
+  /// Verified by a program of its own, whose words these are; empty: a scene.
+  std::string_view command() const {
+    const bool is_command = scene.compare(0, golden_command.size(), golden_command) == 0;
+    return is_command ? std::string_view(scene).substr(golden_command.size()) : std::string_view();
+  }
 };
 
 struct GoldenManifest {

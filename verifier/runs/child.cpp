@@ -111,7 +111,9 @@ ChildResult run_child(const ChildCommand& command) {
     result.end.failure = process.failure();
     return result;
   }
-  result.end = process.wait(command.limits.time_s, {});
+  result.end = process.wait(command.limits.time_s, [&] {
+    return streams.output.read_size() + streams.message.read_size() <= command.limits.printed_size_max;
+  });
   result.finished = !streams.finished.text().empty();
   result.output = streams.output.text();
   result.output_dropped_size = streams.output.dropped_size();
@@ -133,8 +135,9 @@ std::string child_failure(const ChildResult& result, const ChildLimits& limits) 
       break;
     case ChildEnd::How::killed_by_signal:
       return "was killed by signal " + std::to_string(result.end.signal) + " (" + ::strsignal(result.end.signal) + ")";
-    case ChildEnd::How::timed_out:
     case ChildEnd::How::stopped:
+      return "printed more than " + std::to_string(limits.printed_size_max) + " bytes and was killed";
+    case ChildEnd::How::timed_out:
       return "did not end within " + std::to_string(static_cast<long>(limits.time_s)) + " s and was killed";
     case ChildEnd::How::not_started:
       return "cannot be started: " + result.end.failure;

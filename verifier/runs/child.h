@@ -17,6 +17,7 @@ struct ChildLimits {
   double time_s = 600;                                 // wall time; then the process group is killed
   std::size_t output_size_max = std::size_t{1} << 30;  // first bytes of standard output that are retained
   std::size_t message_size_max = 64u << 10;            // last bytes of standard error that are retained
+  std::uint64_t printed_size_max = UINT64_MAX;         // bytes of both; then the process group is killed
 };
 
 struct ChildCommand {

@@ -28,4 +28,7 @@ struct ChildEnd {
 /// "process 4711 (sleep)", or several; empty for none.
 std::string escaped_text(const std::vector<EscapedChild>& escaped);
 
+/// Kills those that still run. Requires: no run is under way, whose processes could be among them.
+void end_escaped(const std::vector<EscapedChild>& escaped);
+
 }  // namespace ticktrue::verifier

@@ -41,6 +41,8 @@ class ChildStream {
   void read();
   std::string text() const;
   std::uint64_t dropped_size() const { return dropped_size_; }
+  /// Bytes that were read, retained or not.
+  std::uint64_t read_size() const { return dropped_size_ + retained_.size(); }
 
   /// Called with bytes as they arrive, as far as they are retained (Retain::first).
   std::function<void(std::string_view)> relay;

@@ -15,6 +15,7 @@
 #endif
 
 #include <charconv>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -30,6 +31,20 @@ std::string escaped_text(const std::vector<EscapedChild>& escaped) {
   for (const EscapedChild& child : escaped)
     text += (text.empty() ? "process " : ", process ") + std::to_string(child.id) + " (" + child.name + ")";
   return text;
+}
+
+void end_escaped(const std::vector<EscapedChild>& escaped) {
+#ifdef __linux__
+  for (const EscapedChild& child : escaped) {
+    const auto id = static_cast<pid_t>(child.id);
+    // 0: it is a child of this process, which adopted it, and it runs.
+    if (::waitpid(id, nullptr, WNOHANG) != 0) continue;
+    ::kill(id, SIGKILL);
+    ::waitpid(id, nullptr, 0);
+  }
+#else
+  static_cast<void>(escaped);
+#endif
 }
 
 #ifdef TICKTRUE_HAS_FORK

@@ -448,7 +448,7 @@ TEST_CASE("wrong calls about other players are told", "[capi][peers]") {
   };
   CHECK(contains(refused([](auto& o) { o.path = "x.ttr"; }), "options: path: found a file name in a live session"));
   CHECK(contains(refused([](auto& o) { o.player = 255; }), "options: player: found 255, expected at most 254"));
-  CHECK(contains(refused([](auto& o) { o.reserved_2 = 1; }), "options: reserved: found 1"));
+  CHECK(contains(refused([](auto& o) { o.reserved = 1; }), "options: reserved: found 1"));
   CHECK(contains(refused([](auto& o) { o.mode = 4; }), "expected TICKTRUE_RECORD, TICKTRUE_VERIFY or TICKTRUE_LIVE"));
   CHECK(contains(refused([](auto& o) {
                    o.sync_test = 1;

@@ -24,9 +24,12 @@
 #include "verifier/compare/against_build.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/plugins/plugin.h"
+#include "verifier/programs/command_words.h"
+#include "verifier/programs/verify_program.h"
 #include "verifier/report/report.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/runs/data_file.h"
+#include "verifier/runs/run_folder.h"
 #include "verifier/runs/shared_count.h"
 
 namespace ticktrue::cli {
@@ -52,7 +55,8 @@ struct VerifyCommand {
   std::string report_page;
   std::string other_build;
   std::uint64_t timeout_s = 600;
-  std::string inputs;  // of scenes
+  std::optional<std::string> program;  // the words of the one that recorded
+  std::string inputs;                  // of scenes
   std::optional<std::uint64_t> tick_count;
 };
 
@@ -140,18 +144,55 @@ bool is_scene(const std::string& word) {
   return path.extension() != ".ttr" && !std::filesystem::exists(path, failure);
 }
 
-Report verify_word(const std::string& word, const VerifyCommand& command, unsigned thread_count,
-                   const ProgressCall& progress, verifier::SharedCount* compared = nullptr) {
-  const auto start = std::chrono::steady_clock::now();
-  Report report = command.mode == "twice" && is_scene(word)
-                      ? verify_scene(word, command, progress)
-                      : verify_file(word, command, thread_count, progress, compared);
+Report finish_report(Report report, const VerifyCommand& command, std::chrono::steady_clock::time_point start) {
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.verdict == Verdict::incomplete && report.exit_code(command.allow_truncated) == verifier::exit_ok) {
     report.hint.clear();
     report.notes.push_back("accepted: every tick up to the cut matches (--allow-truncated)");
   }
   return report;
+}
+
+Report verify_word(const std::string& word, const VerifyCommand& command, unsigned thread_count,
+                   const ProgressCall& progress, verifier::SharedCount* compared = nullptr) {
+  const auto start = std::chrono::steady_clock::now();
+  return finish_report(command.mode == "twice" && is_scene(word)
+                           ? verify_scene(word, command, progress)
+                           : verify_file(word, command, thread_count, progress, compared),
+                       command, start);
+}
+
+/// The program that recorded the traces, and a folder for the files of its runs.
+struct Program {
+  verifier::ProgramCommand command;
+  std::optional<verifier::RunFolder> folder;
+  std::mutex lock;
+  std::vector<verifier::EscapedChild> escaped;
+
+  ~Program() { verifier::end_escaped(escaped); }
+
+  Report verify(const std::string& file, std::size_t number) {
+    if (stop_requested()) return verifier::open_error_report(file, Error{ErrorCode::io, file + ": stopped", ""});
+    verifier::ProgramVerdict verdict = verifier::verify_by_program(file, command, "run-" + std::to_string(number));
+    const std::lock_guard<std::mutex> guard(lock);
+    escaped.insert(escaped.end(), verdict.escaped.begin(), verdict.escaped.end());
+    return std::move(verdict.report);
+  }
+};
+
+Status open_program(const VerifyCommand& command, std::optional<Program>& program) {
+  if (!command.program) return {};
+  Result<std::vector<std::string>> words = verifier::split_command(*command.program);
+  if (!words) return words.error();
+  Result<verifier::RunFolder> folder = verifier::RunFolder::make("ticktrue-verify", "");
+  if (!folder) return folder.error();
+  program.emplace();
+  program->command.words = *std::move(words);
+  program->command.folder = folder->path();
+  program->command.time_s = static_cast<double>(command.timeout_s);
+  program->folder.emplace(*std::move(folder));
+  catch_stop_signals();  // so that the folder is removed
+  return {};
 }
 
 /// In a process of its own.
@@ -173,8 +214,25 @@ void print_report(const Report& report, const VerifyCommand& command) {
   }
 }
 
+/// `number`: of the file.
+Report verify_one(const std::string& file, const VerifyCommand& command, Program* program, std::size_t number,
+                  bool has_bar, unsigned thread_count) {
+  if (program != nullptr) {
+    const auto start = std::chrono::steady_clock::now();
+    return finish_report(program->verify(file, number), command, start);
+  }
+  if (verifier::needs_plugin(file)) return verify_by_plugin(file, command);
+  std::optional<Progress> bar;
+  if (has_bar) bar.emplace("verify " + file, 0);
+  const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
+  Report report = verify_word(file, command, thread_count, bar ? show : ProgressCall{});
+  if (bar) bar->finish();
+  return report;
+}
+
 /// All files on all threads; reports are printed in the order of the files, each as soon as those before it are.
-Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, const VerifyCommand& command) {
+Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, const VerifyCommand& command,
+                                       Program* program) {
   const unsigned thread_count =
       command.jobs == 0 ? core_count() : static_cast<unsigned>(std::min<std::uint64_t>(command.jobs, 1024));
   // With plug-ins one by one: they are not asked to be safe for threads, and a process with threads should not fork.
@@ -198,14 +256,7 @@ Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, co
   if (!one_by_one) overall.emplace("verify", files.size(), "traces");
   const Status status = run_jobs(files.size(), at_once, [&](std::size_t job) {
     const std::size_t i = order[job].second;
-    std::optional<Progress> bar;
-    const bool by_plugin = verifier::needs_plugin(files[i]);
-    if (one_by_one && !by_plugin) bar.emplace("verify " + files[i], 0);
-    const ProgressCall show = [&](std::uint64_t done, std::uint64_t total) { bar->update(done, total); };
-    Report report =
-        by_plugin ? verify_by_plugin(files[i], command)
-                  : verify_word(files[i], command, std::max(1u, thread_count / at_once), bar ? show : ProgressCall{});
-    if (bar) bar->finish();
+    Report report = verify_one(files[i], command, program, i, one_by_one, std::max(1u, thread_count / at_once));
     const std::lock_guard<std::mutex> guard(lock);
     found[i] = std::move(report);
     if (overall) overall->finish();
@@ -247,6 +298,17 @@ Status check_options(const VerifyCommand& command) {
                   "the other modes always run to the end");
   if (command.mode == "twice" && command.from)
     return refuse("--from: found --mode twice, expected replay or restore", "both runs begin with the setup");
+  if (command.program) {
+    const std::pair<const char*, bool> others[] = {{"--mode", command.mode != "replay"},
+                                                   {"--from", command.from.has_value()},
+                                                   {"--to", command.to.has_value()},
+                                                   {"--threads", command.thread_count != 1},
+                                                   {"--against-build", !command.other_build.empty()}};
+    for (const auto& [name, is_given] : others)
+      if (is_given)
+        return refuse(std::string(name) + ": found it with --command, expected it among the words of the program",
+                      "as in --command './mygame --verify {} --from 200'");
+  }
   if (!command.other_build.empty() && command.mode != "replay")
     return refuse("--against-build: found --mode " + command.mode + ", expected replay");
   if (command.mode != "twice" && (command.tick_count || !command.inputs.empty()))
@@ -296,7 +358,9 @@ int run_verify(const VerifyCommand& command) {
                " traces");
   }
 
-  const Result<std::vector<Report>> reports = verify_all(*files, command);
+  std::optional<Program> program;
+  if (const Status status = open_program(command, program); !status) return exit_with(fail_usage(status.error()));
+  const Result<std::vector<Report>> reports = verify_all(*files, command, program ? &*program : nullptr);
   if (!reports) return exit_with(fail_usage(reports.error()));
   std::vector<int> codes;
   for (const Report& report : *reports) codes.push_back(report.exit_code(command.allow_truncated));
@@ -355,8 +419,14 @@ void add_verify(CLI::App& app, CliContext& context) {
                    "Another build of ticktrue: run it on the same trace too; where the two part, both again with every "
                    "state of that tick")
       ->type_name("BINARY");
-  add_number(*command, "--timeout", options->timeout_s, "Seconds the other build may take for a run (default 600)",
-             {1, 1'000'000});
+  command
+      ->add_option(
+          "--command", options->program,
+          "The program that recorded the traces: it is run, and its session compares. {} stands for the trace; "
+          "without it, --verify TRACE is added. A finding is run twice")
+      ->type_name("WORDS");
+  add_number(*command, "--timeout", options->timeout_s,
+             "Seconds the other build or the program may take for a run (default 600)", {1, 1'000'000});
   add_number(*command, "--ticks", options->tick_count, "Of a scene: how many ticks", {1, limits::tick_count_max});
   command->add_option("--inputs", options->inputs, "Of a scene: inputs as JSON Lines, - for standard input")
       ->type_name("FILE");
@@ -385,6 +455,7 @@ void add_verify(CLI::App& app, CliContext& context) {
                "ticktrue verify . --shard 1/2 --junit results.xml --github\n"
                "ticktrue verify stack.ttr --against-build ticktrue\n"
                "ticktrue verify stack.ttr --report failure.html\n"
+               "ticktrue verify session_1.ttr session_2.ttr --command './mygame --verify {}'\n"
                "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'");
   command->callback([options, &context] { context.exit_code = run_verify(*options); });

@@ -18,9 +18,12 @@
 #include "tool/session/session_inputs.h"
 #include "tool/session/simulations.h"
 #include "verifier/compare/diff.h"
+#include "verifier/programs/command_words.h"
+#include "verifier/programs/verify_program.h"
 #include "verifier/report/json_parts.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/runs/data_file.h"
+#include "verifier/runs/run_folder.h"
 #include "verifier/verify/verify.h"
 
 namespace ticktrue::cli {
@@ -45,14 +48,15 @@ struct GoldenCommand {
 /// What was found of one golden trace.
 struct GoldenOutcome {
   int code = exit_ok;
-  bool changed = false;       // update: recorded again
-  std::vector<Error> errors;  // what is wrong
-  std::string report;         // of verify, where it does not match
-  std::string hash;           // as this build gives it
-  std::uint64_t size = 0;     // bytes
-  std::string ticks;          // update: those that changed
-  std::string first;          // update: the first difference as text
-  bool was_there = false;     // update: there was a trace to compare with
+  bool changed = false;                         // update: recorded again
+  std::vector<Error> errors;                    // what is wrong
+  std::vector<verifier::EscapedChild> escaped;  // of the program
+  std::string report;                           // of verify, where it does not match
+  std::string hash;                             // as this build gives it
+  std::uint64_t size = 0;                       // bytes
+  std::string ticks;                            // update: those that changed
+  std::string first;                            // update: the first difference as text
+  bool was_there = false;                       // update: there was a trace to compare with
 
   void fail(int with, std::string what, std::string hint = "") {
     const int codes[] = {code, with};
@@ -109,7 +113,53 @@ Result<std::unique_ptr<GoldenSession>> open_session(const GoldenCommand& command
   return session;
 }
 
-/// The trace is intact and matches, and recorded again as its row says it ends in the state the row says.
+verifier::Report verify_row(const GoldenRow& row, const std::string& path, Result<replay::TraceReader>& reader,
+                            GoldenOutcome& outcome) {
+  if (!reader) return verifier::open_error_report(path, reader.error());
+  if (row.command().empty()) {
+    verifier::VerifyOptions options;
+    options.simulation = verifier::find_simulation(reader->setup().simulation);
+    return verifier::verify(*reader, options);
+  }
+  const auto words = verifier::split_command(row.command());
+  if (!words) return verifier::open_error_report(path, words.error());
+  const auto folder = verifier::RunFolder::make("ticktrue-golden", "");
+  if (!folder) return verifier::open_error_report(path, folder.error());
+  verifier::ProgramVerdict verdict = verifier::verify_by_program(path, {*words, folder->path(), 600}, "run");
+  outcome.escaped = std::move(verdict.escaped);
+  return std::move(verdict.report);
+}
+
+/// A report that is no match fails the row.
+void take_report(const verifier::Report& report, const std::string& path, GoldenOutcome& outcome) {
+  if (report.verdict == verifier::Verdict::match) return;
+  outcome.report = verifier::report_text(report);
+  outcome.fail(report.exit_code(), path + ": " + std::string(verifier::verdict_info(report.verdict).name) + ": " +
+                                       verifier::report_sentence(report));
+}
+
+/// The hash that the trace records for its last tick.
+std::string recorded_hash(replay::TraceReader& reader) {
+  std::string hash;
+  reader.rewind();
+  for (;;) {
+    const auto& item = reader.next();
+    if (std::holds_alternative<std::monostate>(item)) return hash;
+    if (const auto* tick = std::get_if<replay::TickRecord>(&item)) hash = hex64(tick->root_hash);
+  }
+}
+
+void compare_hash(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome& outcome) {
+  if (outcome.hash == row.hash) return;
+  outcome.fail(exit_finding,
+               command.path_of(verifier::manifest_name) + ": " + row.file + ": final root hash: found " + outcome.hash +
+                   ", expected " + row.hash,
+               "meant? ticktrue golden update " + verifier::shell_word(command.directory) +
+                   " --reason TEXT; else: ticktrue verify " + verifier::shell_word(command.path_of(row.file)));
+}
+
+/// The trace is intact and matches, and recorded again as its row says it ends in the state the row says. A trace of a
+/// program is not recorded again: its own last hash counts.
 void check_row(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome& outcome) {
   const std::string manifest = command.path_of(verifier::manifest_name);
   const std::string path = command.path_of(row.file);
@@ -125,18 +175,11 @@ void check_row(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome
     outcome.fail(exit_finding, manifest + ": " + row.file + ": size: found " + std::to_string(outcome.size) +
                                    " bytes, expected " + std::to_string(row.size) + " and at most " +
                                    std::to_string(command.size_max));
-  verifier::VerifyOptions options;
-  verifier::Report report;
-  if (reader) {
-    options.simulation = verifier::find_simulation(reader->setup().simulation);
-    report = verifier::verify(*reader, options);
-  } else {
-    report = verifier::open_error_report(path, reader.error());
-  }
-  if (report.verdict != verifier::Verdict::match) {
-    outcome.report = verifier::report_text(report);
-    outcome.fail(report.exit_code(), path + ": " + std::string(verifier::verdict_info(report.verdict).name) + ": " +
-                                         verifier::report_sentence(report));
+  take_report(verify_row(row, path, reader, outcome), path, outcome);
+  if (!row.command().empty()) {
+    if (!reader) return;
+    outcome.hash = recorded_hash(*reader);
+    return compare_hash(command, row, outcome);
   }
 
   auto session = open_session(command, row);
@@ -150,11 +193,7 @@ void check_row(const GoldenCommand& command, const GoldenRow& row, GoldenOutcome
     return;
   }
   outcome.hash = hex64(run->root_hash);
-  if (outcome.hash != row.hash)
-    outcome.fail(exit_finding,
-                 manifest + ": " + row.file + ": final root hash: found " + outcome.hash + ", expected " + row.hash,
-                 "meant? ticktrue golden update " + verifier::shell_word(command.directory) +
-                     " --reason TEXT; else: ticktrue verify " + verifier::shell_word(path));
+  compare_hash(command, row, outcome);
 }
 
 /// Describes the first difference between the old trace and the new one.
@@ -182,8 +221,22 @@ void describe_change(const std::string& old_path, const std::string& new_path, G
   outcome.ticks = verifier::changed_ticks(*old_reader, *new_reader);
 }
 
+/// A program records its trace itself: its row takes hash and size from it, if it verifies.
+void update_command_row(const GoldenCommand& command, GoldenRow& row, GoldenOutcome& outcome) {
+  const std::string path = command.path_of(row.file);
+  auto reader = replay::TraceReader::open(path);
+  take_report(verify_row(row, path, reader, outcome), path, outcome);
+  std::error_code failure;
+  outcome.size = fs::file_size(path, failure);
+  if (outcome.code != exit_ok || !reader) return;
+  outcome.hash = recorded_hash(*reader);
+  outcome.was_there = true;
+  outcome.changed = outcome.hash != row.hash || outcome.size != row.size;
+}
+
 /// Records the row next to its trace, and keeps the old or the new file.
 void update_row(const GoldenCommand& command, GoldenRow& row, GoldenOutcome& outcome) {
+  if (!row.command().empty()) return update_command_row(command, row, outcome);
   const std::string path = command.path_of(row.file);
   const std::string fresh = path + ".ticktrue-new";
   const std::string place = command.path_of(verifier::manifest_name) + ": " + row.file;
@@ -252,6 +305,10 @@ std::vector<std::string> traces_without_row(const GoldenCommand& command, const 
   return found;
 }
 
+void end_programs(const std::vector<GoldenOutcome>& outcomes) {
+  for (const GoldenOutcome& outcome : outcomes) verifier::end_escaped(outcome.escaped);
+}
+
 int print_outcomes(const GoldenCommand& command, const std::vector<GoldenRow>& rows,
                    const std::vector<GoldenOutcome>& outcomes, bool is_update, std::vector<int> codes) {
   std::size_t passed = 0, changed = 0;
@@ -318,6 +375,7 @@ int run_golden_check(const GoldenCommand& command) {
   std::vector<GoldenOutcome> outcomes(manifest->rows.size());
   const Status status = run_jobs(outcomes.size(), threads_of(command),
                                  [&](std::size_t i) { check_row(command, manifest->rows[i], outcomes[i]); });
+  end_programs(outcomes);
   if (!status) return fail(status.error());
   std::vector<int> codes;
   for (const std::string& name : traces_without_row(command, *manifest)) {
@@ -340,6 +398,7 @@ int run_golden_update(const GoldenCommand& command) {
   std::vector<GoldenOutcome> outcomes(old_rows.size());
   const Status status = run_jobs(outcomes.size(), threads_of(command),
                                  [&](std::size_t i) { update_row(command, manifest->rows[i], outcomes[i]); });
+  end_programs(outcomes);
   if (!status) return fail(status.error());
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (!outcomes[i].changed) continue;
@@ -372,12 +431,14 @@ void add_golden(CLI::App& app, CliContext& context) {
   CLI::App* check =
       command->add_subcommand("check", "Verify every golden trace, and that the manifest tells the truth about it");
   add_common(*check, *check_options);
-  set_examples(*check,
-               "printf 'stack.ttr\\tstack?boxes=3\\t-\\t60\\troot\\t-\\t0\\twhy it is kept\\n' > MANIFEST.tsv\n"
-               "ticktrue golden update . --reason 'the first recording'\n"
-               "ticktrue golden check .",
-               "MANIFEST.tsv has a row for each trace, columns separated by tabs: file, scene, inputs (- for none),\n"
-               "ticks (- for up to the `end` input), detail, hash after the last tick (- for a new one), bytes, why.");
+  set_examples(
+      *check,
+      "printf 'stack.ttr\\tstack?boxes=3\\t-\\t60\\troot\\t-\\t0\\twhy it is kept\\n' > MANIFEST.tsv\n"
+      "ticktrue golden update . --reason 'the first recording'\n"
+      "ticktrue golden check .",
+      "MANIFEST.tsv has a row for each trace, columns separated by tabs: file, scene, inputs (- for none),\n"
+      "ticks (- for up to the `end` input), detail, hash after the last tick (- for a new one), bytes, why.\n"
+      "scene command:WORDS: the program that recorded the trace verifies it, as `ticktrue verify --command WORDS`.");
   check->callback([check_options, &context] { context.exit_code = run_golden_check(*check_options); });
 
   auto update_options = std::make_shared<GoldenCommand>();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "tool/output/cli.h"
 
@@ -16,10 +17,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-#include <csignal>
 
 extern "C" char** environ;
 #endif
@@ -242,16 +240,9 @@ Result<Run> Launcher::run(const Conditions& conditions) {
 }
 
 void Launcher::end_escaped() {
-#ifdef __linux__
   const std::lock_guard guard(lock_);
-  for (; ended_count_ < escaped_.size(); ++ended_count_) {
-    const auto id = static_cast<pid_t>(escaped_[ended_count_].id);
-    // 0: it is a child of this process, which adopted it, and it runs.
-    if (::waitpid(id, nullptr, WNOHANG) != 0) continue;
-    ::kill(id, SIGKILL);
-    ::waitpid(id, nullptr, 0);
-  }
-#endif
+  const auto first = escaped_.begin() + static_cast<std::ptrdiff_t>(std::exchange(ended_count_, escaped_.size()));
+  verifier::end_escaped({first, escaped_.end()});
 }
 
 Result<std::string> make_other_folder(const std::string& folder) {

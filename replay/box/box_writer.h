@@ -1,0 +1,75 @@
+// Writes a black box: a file of fixed size with the last stretch of a session, which a killed process leaves behind.
+// SPDX-License-Identifier: MIT
+//
+// Each slot is the body of a trace that begins at a checkpoint. Bytes are copied into the mapped file, and then counted
+// as committed: a process that is killed between two stores leaves what was committed before.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "replay/box/box_layout.h"
+#include "replay/file/mapped_file.h"
+#include "replay/format/trace.h"
+#include "replay/trace_writer.h"
+
+namespace ticktrue::replay {
+
+class BoxWriter {
+ public:
+  /// Nothing is created yet.
+  BoxWriter(std::string path, BoxLayout layout) : path_(std::move(path)), layout_(layout) {}
+  BoxWriter(const BoxWriter&) = delete;
+  BoxWriter& operator=(const BoxWriter&) = delete;
+
+  /// Begins the next slot; what was in it is gone. The writer writes into it, until the next slot begins; its first
+  /// call is checkpoint(). The first slot creates the file. Errors: io (the path, the disk), limit (the setup), usage.
+  Result<TraceWriter> begin_slot(const TraceSetup& setup, const BuildFacts& facts, std::uint64_t tick, double time_s);
+  /// The first checkpoint of the slot is whole: from now on the slot counts.
+  void publish();
+
+  /// Something did not fit into the slot: nothing more is written to it.
+  bool is_full() const { return is_full_; }
+  std::uint64_t room() const { return layout_.slot_size - box_slot_header_size - committed_; }
+  /// Of all slots, as far as they were written in this one.
+  std::uint64_t written_size() const { return written_size_; }
+  /// Bytes that the last call which did not fit would have needed in the slot.
+  std::uint64_t wanted_size() const { return wanted_size_; }
+  std::uint64_t file_size() const { return layout_.file_size(); }
+  std::uint64_t slot_size() const { return layout_.slot_size; }
+  /// The first tick that is held.
+  std::uint64_t first_tick() const;
+  /// What was done with an older box at the path; empty: nothing.
+  const std::string& note() const { return note_; }
+
+  /// The session ended by itself.
+  void close();
+
+ private:
+  Status create(ByteView head);
+  Status make_place();
+  Status take_head(ByteView bytes);
+  Status append(ByteView bytes);
+  std::uint8_t* slot() { return file_->data() + layout_.slot_offset(current_); }
+  void store(std::size_t offset, std::uint64_t value, std::size_t size);
+
+  std::string path_;
+  BoxLayout layout_;
+  std::optional<MappedFile> file_;
+  std::uint64_t seed_ = 0;
+  std::uint64_t generation_ = 0;  // of the current slot
+  std::size_t current_ = 0;
+  std::uint64_t committed_ = 0;
+  std::uint64_t written_size_ = 0;
+  std::uint64_t wanted_size_ = 0;
+  std::vector<std::uint64_t> first_ticks_;  // of the slots that count, the oldest first
+  std::uint64_t begins_at_ = 0;
+  bool takes_head_ = false;
+  bool is_full_ = false;
+  std::string note_;
+};
+
+}  // namespace ticktrue::replay

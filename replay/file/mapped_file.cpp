@@ -1,0 +1,81 @@
+// mmap of POSIX. Elsewhere the option is refused.
+// SPDX-License-Identifier: MIT
+#ifndef _FILE_OFFSET_BITS
+#define _FILE_OFFSET_BITS 64  // boxes beyond 2 GiB on 32-bit machines
+#endif
+#include "replay/file/mapped_file.h"
+
+#include <fcntl.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "replay/file/file_calls.h"
+
+#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)
+#define TICKTRUE_HAS_MMAP 1
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
+
+namespace ticktrue::replay {
+
+MappedFile::MappedFile(MappedFile&& other) noexcept
+    : data_(std::exchange(other.data_, nullptr)),
+      size_(other.size_),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+#ifdef TICKTRUE_HAS_MMAP
+namespace {
+
+/// 0, or an error number. Reserved pages cannot run out later, when a store would end the process.
+int reserve(int descriptor, std::uint64_t size) {
+#ifdef __linux__
+  return ::posix_fallocate(descriptor, 0, static_cast<off_t>(size));
+#else
+  return ::ftruncate(descriptor, static_cast<off_t>(size)) == 0 ? 0 : errno;
+#endif
+}
+
+}  // namespace
+
+Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t size) {
+  MappedFile file;
+  file.size_ = size;
+  if (size > SIZE_MAX / 2) return io_error(path, "cannot map", ENOMEM);
+  file.descriptor_ = open_file(path, O_RDWR | O_CREAT | O_EXCL);
+  if (file.descriptor_ < 0) return io_error(path, "cannot create", errno);
+  const auto give_up = [&](const char* action, int code) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return io_error(path, action, code);
+  };
+  if (const int code = reserve(file.descriptor_, size); code != 0)
+    return give_up(("cannot reserve " + std::to_string(size) + " bytes").c_str(), code);
+  void* at = ::mmap(nullptr, static_cast<std::size_t>(size), PROT_READ | PROT_WRITE, MAP_SHARED, file.descriptor_, 0);
+  if (at == MAP_FAILED) return give_up("cannot map", errno);
+  file.data_ = static_cast<std::uint8_t*>(at);
+  lock_file(file.descriptor_);
+  return file;
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(data_, static_cast<std::size_t>(size_));
+  if (descriptor_ < 0) return;
+  unlock_file(descriptor_);
+  close_file(descriptor_);
+}
+
+#else
+
+Result<MappedFile> MappedFile::create(const std::string& path, std::uint64_t) {
+  return Error{ErrorCode::unsupported, path + ": this platform cannot map files into memory", "record a trace"};
+}
+
+MappedFile::~MappedFile() = default;
+
+#endif
+
+}  // namespace ticktrue::replay

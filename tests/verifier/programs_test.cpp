@@ -1,0 +1,136 @@
+// The words of --command, and reports that come back from JSON.
+// SPDX-License-Identifier: MIT
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "verifier/programs/command_words.h"
+#include "verifier/report/report_read.h"
+
+namespace {
+
+using namespace ticktrue;
+using namespace ticktrue::verifier;
+
+std::string quoted(const std::string& word, std::mt19937& random) {
+  if (random() % 2 == 0) return shell_word(word);
+  std::string text = "\"";
+  for (const char c : word) text += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
+  return text + "\"";
+}
+
+TEST_CASE("words that were quoted come back as they were", "[verifier][programs]") {
+  std::mt19937 random(20261125);
+  constexpr std::string_view characters = "ab \t'\"\\|&;<>()$`{}*?~#\n=";
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::string> words(1 + random() % 4);
+    std::string text;
+    for (std::string& word : words) {
+      for (std::size_t n = random() % 6; n > 0; --n) word += characters[random() % characters.size()];
+      text += (random() % 2 == 0 ? " " : "\t ") + quoted(word, random);
+    }
+    CAPTURE(i, text);
+    const auto split = split_command(text);
+    REQUIRE(split);
+    CHECK(*split == words);
+  }
+}
+
+TEST_CASE("the trace takes the place of its mark in one word, whatever its name", "[verifier][programs]") {
+  const std::string name = "a {} 'b' $c {trace}.ttr";
+  CHECK(with_trace({"game", "--file={}", "{trace}", "{x}"}, name) ==
+        std::vector<std::string>{"game", "--file=" + name, name, "{x}"});
+  CHECK(with_trace({"game"}, name) == std::vector<std::string>{"game", "--verify", name});
+}
+
+StateSchema schema_of_units() {
+  StateSchema schema;
+  TableSchema& table = schema.tables.emplace_back();
+  table.name = "units";
+  table.columns = {{"x", ScalarType::f32, 2, 0}, {"hp", ScalarType::i64, 1, 8}};
+  table.row_size = 16;
+  return schema;
+}
+
+Report red_report() {
+  Report report;
+  report.file = "a.ttr";
+  report.title = report.simulation = "game";
+  report.mode = "replay";
+  report.verdict = Verdict::diverged;
+  report.reason = "why";
+  report.ticks_recorded = 9;
+  report.ticks_compared = 5;
+  report.root_hash = 77;
+  report.time_s = 0.25;
+  Divergence& divergence = report.divergence.emplace();
+  divergence.tick = 4;
+  divergence.stage = "move";
+  divergence.tables = {{"units", {"x", "hp"}}};
+  divergence.rows = {{"units", "x", 3, 7, "unit 7", 1, 2, ScalarType::f32, 0x3f800000, 0x3f800001},
+                     {"units", "hp", 4, {}, "", 0, 1, ScalarType::i64, {}, 5}};
+  divergence.lane_count = 2;
+  divergence.from_cells = true;
+  divergence.candidates = {{"units", 3, 7, "unit 7"}};
+  divergence.candidate_count = 1;
+  divergence.owner_count = 8;
+  divergence.expected_root = 1;
+  divergence.got_root = 0xffffffffffffffff;
+  divergence.inputs = "{\"tick\": 4}\n";
+  report.marks = MarksDifference{4, {{"rand", 5, 12}}, 1};
+  report.notes = {"a note"};
+  report.warnings = {"a warning"};
+  report.recorded_build = {{"version", "1"}};
+  report.here_build = {{"version", "2"}};
+  return report;
+}
+
+TEST_CASE("a report that was written as JSON is read as it was", "[verifier][programs]") {
+  const Report report = red_report();
+  const auto read = read_report(report_json({&report, 1}, false), schema_of_units());
+  REQUIRE(read);
+  CHECK(report_json({&read->report, 1}, false) == report_json({&report, 1}, false));
+  CHECK(report_text(read->report) == report_text(report));
+}
+
+TEST_CASE("findings of two runs are equal exactly where the runs are", "[verifier][programs]") {
+  const StateSchema schema = schema_of_units();
+  const auto finding = [&](const Report& report) {
+    return read_report(report_json({&report, 1}, false), schema)->finding;
+  };
+  const std::string first = finding(red_report());
+  CHECK(finding(red_report()) == first);
+  Report other = red_report();
+  other.divergence->got_root = 2;
+  CHECK(finding(other) != first);
+  other = red_report();
+  other.divergence->rows[1].got = 6;
+  CHECK(finding(other) != first);
+  other = red_report();
+  other.wall_s = 3;
+  CHECK(finding(other) == first);
+}
+
+TEST_CASE("bytes that were changed in a report give a report or none, and no lane that the schema lacks",
+          "[verifier][programs]") {
+  const Report report = red_report();
+  const std::string text = report_json({&report, 1}, false);
+  const StateSchema schema = schema_of_units();
+  std::mt19937 random(5);
+  for (int i = 0; i < 3000; ++i) {
+    std::string changed = text;
+    for (int n = 0; n < 3; ++n) changed[random() % changed.size()] = static_cast<char>(random() % 256);
+    const auto read = read_report(changed, schema);
+    if (!read || !read->report.divergence) continue;
+    for (const LaneReport& row : read->report.divergence->rows) {
+      REQUIRE(row.table == "units");
+      REQUIRE(row.lane < row.lane_count);
+    }
+    report_text(read->report);
+  }
+  CHECK_FALSE(read_report(std::string(100000, '['), schema));
+  CHECK_FALSE(read_report("", schema));
+}
+
+}  // namespace

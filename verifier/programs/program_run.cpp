@@ -1,0 +1,98 @@
+// The result file is that of TICKTRUE_RESULT; the page tells the tick of a program that ends without a result.
+// SPDX-License-Identifier: MIT
+#include "verifier/programs/program_run.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "shim/page.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t printed_size_max = std::uint64_t{1} << 30;
+constexpr std::size_t output_size_max = 64u << 10;  // of standard output, which nobody reads
+constexpr std::uintmax_t result_size_max = 16u << 20;
+
+bool write_page(const std::string& path) {
+  shim::SessionPart part{};
+  part.magic = shim::page_magic;
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(&part), sizeof part);
+  return static_cast<bool>(out.flush());
+}
+
+void read_page(const std::string& path, ProgramRun& run) {
+  shim::SessionPart part{};
+  std::ifstream in(path, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(&part), sizeof part) || part.magic != shim::page_magic) return;
+  run.has_session = part.session_process != 0;
+  run.position = part.position;
+}
+
+/// Removes its files.
+class RunFiles {
+ public:
+  explicit RunFiles(const std::string& stem) : page(stem), result(stem + ".json") {}
+  RunFiles(const RunFiles&) = delete;
+  RunFiles& operator=(const RunFiles&) = delete;
+  ~RunFiles() {
+    std::error_code ignored;
+    for (const std::string& path : {page, result}) fs::remove(path, ignored);
+  }
+  const std::string page;
+  const std::string result;
+};
+
+Result<std::string> read_result(const std::string& path) {
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(path, none);
+  if (none) return std::string();
+  if (size > result_size_max)
+    return Error{ErrorCode::limit,
+                 "result of the program: found " + std::to_string(size) + " bytes, expected at most " +
+                     std::to_string(result_size_max),
+                 "sessions write it to the file that TICKTRUE_RESULT names, and nobody else"};
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(size));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+}  // namespace
+
+Result<ProgramRun> run_program(const std::vector<std::string>& words, const std::string& folder,
+                               const std::string& name, double time_s) {
+  const RunFiles files(folder + "/" + name);
+  if (!write_page(files.page))
+    return Error{ErrorCode::io, files.page + ": cannot be written", "the variable TMPDIR names another folder"};
+  ChildCommand command;
+  command.argv = words;
+  command.environment = {{shim::page_variable, files.page}, {"TICKTRUE_RESULT", files.result}};
+  command.limits.time_s = time_s;
+  command.limits.output_size_max = output_size_max;
+  command.limits.printed_size_max = printed_size_max;
+  ProgramRun run;
+  run.child = run_child(command);
+  if (run.child.end.how != ChildEnd::How::exited) run.failure = child_failure(run.child, command.limits);
+  read_page(files.page, run);
+  Result<std::string> results = read_result(files.result);
+  if (!results) return results.error();
+  run.results = *std::move(results);
+  return run;
+}
+
+std::string position_text(const ProgramRun& run) {
+  if (!run.has_session) return "";
+  if (run.position == 0) return ", before its first tick";
+  const std::string tick = std::to_string((run.position - 1) / 2);
+  return run.position % 2 == 1 ? ", in tick " + tick : ", behind tick " + tick;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,30 @@
+// One run of a program that verifies a trace in a session of its own: how it ended, and what its session left behind.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "verifier/runs/child.h"
+
+namespace ticktrue::verifier {
+
+struct ProgramRun {
+  ChildResult child;
+  std::string failure;  // one line: why it is no whole run; empty: it exited, with whatever status
+  std::string results;  // lines of JSON, one for each session that was finished
+  bool has_session = false;
+  std::uint64_t position = 0;  // as in shim/page.h: 2 t + 1 in tick t, 2 t + 2 behind it, 0 before the first tick
+};
+
+/// Runs the words with a result file and a page in `folder`, under `name`; both are removed. `time_s`: then the program
+/// is killed. It is killed as well if it prints more than 1 GiB. Errors: io (the files), limit (the result).
+Result<ProgramRun> run_program(const std::vector<std::string>& words, const std::string& folder,
+                               const std::string& name, double time_s);
+
+/// ", in tick 33", or ", before its first tick"; empty where no session was opened.
+std::string position_text(const ProgramRun& run);
+
+}  // namespace ticktrue::verifier
