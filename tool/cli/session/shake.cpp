@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "base/parallel/jobs.h"
+#include "base/plain_text.h"
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/session/program_runs.h"
@@ -164,6 +165,14 @@ Result<Subject> subject_of(const ShakeCommand& command, const std::string& folde
   return subject;
 }
 
+/// A hint may be of several lines: what another program said at its end.
+int fail_in_lines(const Error& error) {
+  const int code = fail_usage(Error{error.code, error.message, ""});
+  std::istringstream lines(error.hint);
+  for (std::string line; std::getline(lines, line);) std::fprintf(stderr, "  %s\n", plain_line(line).c_str());
+  return code;
+}
+
 int run_shake_command(const ShakeCommand& command) {
   if (command.list) {
     print(list_text());
@@ -201,7 +210,7 @@ int run_shake_command(const ShakeCommand& command) {
   options.progress = [&](std::uint64_t done, std::uint64_t expected) { progress.update(done, expected); };
   const Result<shake::ShakeReport> report = shake::run_shake(options);
   progress.finish();
-  if (!report) return fail_usage(report.error());
+  if (!report) return fail_in_lines(report.error());
   print(command.json ? shake::shake_json(*report, subject) : shake::shake_text(*report, subject));
   if (!command.junit.empty())
     if (const Status status = verifier::write_data_file(command.junit, shake::shake_junit(*report, subject)); !status)

@@ -388,8 +388,8 @@ constexpr std::string_view random_mend = "keep a generator of your own in the st
 constexpr std::string_view libm_mend =
     "use functions with the same bits everywhere: include/ticktrue/math.h, docs/math.md";
 constexpr std::string_view build_mend =
-    "build with -ffp-contract=off for all players, and compute what the language leaves open in one way: "
-    "docs/pitfalls.md";
+    "compute what the language leaves open in one way: order of arguments, overflow, variables that nothing has set";
+constexpr std::string_view fused_mend = "build with -ffp-contract=off for all players: docs/pitfalls.md";
 constexpr std::string_view thread_mend = "let each thread write to a place of its own, and join in a fixed order";
 
 constexpr bool by_shim = true;
@@ -490,9 +490,9 @@ constexpr Perturbation table[] = {
      Group::libm, 1, needs_build<BuildKind::other_compiler>, other_build<BuildKind::other_compiler>, no_fix},
     {"no_optimisation", Kind::b, "the program, built with -O0", build_mend, by_launch, alone, whole, Group::libm, 1,
      needs_build<BuildKind::no_optimisation>, other_build<BuildKind::no_optimisation>, no_fix},
-    {"contraction", Kind::b, "the program, built with products and sums in one (FMA)", build_mend, by_launch, alone,
+    {"contraction", Kind::b, "the program, built with products and sums in one (FMA)", fused_mend, by_launch, alone,
      whole, Group::libm, 1, needs_build<BuildKind::contraction>, other_build<BuildKind::contraction>, no_fix},
-    {"this_processor", Kind::b, "the program, built with -O3 for this processor", build_mend, by_launch, alone, whole,
+    {"this_processor", Kind::b, "the program, built with -O3 for this processor", fused_mend, by_launch, alone, whole,
      Group::libm, 1, needs_build<BuildKind::this_processor>, other_build<BuildKind::this_processor>, no_fix},
     {"rounding", Kind::c, "another rounding mode", "set the rounding mode in each thread", by_shim, alone,
      Narrowing::ticks, Group::libm, 2, shim_loaded, rounding, no_fix},

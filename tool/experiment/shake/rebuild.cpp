@@ -80,7 +80,10 @@ Flags flags_of(BuildKind kind) {
     case BuildKind::contraction:
 #ifdef __x86_64__
       if (!processor_has("fma")) return {"", "this processor has no fused products"};
-      return {"-mfma -ffp-contract=fast", ""};
+      // At -O1, gcc fuses nothing without the pass of -O2.
+      return {is_clang(own_compilers().cpp) ? "-mfma -ffp-contract=fast"
+                                            : "-mfma -ffp-contract=fast -fexpensive-optimizations",
+              ""};
 #else
       return {"-ffp-contract=fast", ""};
 #endif
@@ -97,7 +100,7 @@ std::string last_lines(const std::string& text) {
     if (!line.empty()) lines.push_back(plain_line(line));
   std::string last;
   const std::size_t first = lines.size() - std::min(lines.size(), last_line_count);
-  for (std::size_t i = first; i < lines.size(); ++i) last += (last.empty() ? "" : "\n  ") + lines[i];
+  for (std::size_t i = first; i < lines.size(); ++i) last += (last.empty() ? "" : "\n") + lines[i];
   return last;
 }
 
@@ -165,7 +168,7 @@ Result<std::string> build_as_is(const RebuildOptions& options) {
   const std::string hint =
       std::string("it has to build the program anew with CC, CXX, CFLAGS and CXXFLAGS, as ") + program_variable;
   return Error{ErrorCode::usage, "--rebuild: " + options.command + ": " + failure.what,
-               (failure.lines.empty() ? "" : failure.lines + "\n  ") + hint};
+               (failure.lines.empty() ? "" : failure.lines + "\n") + hint};
 }
 
 Build build_kind(const RebuildOptions& options, BuildKind kind, const std::string& as_is) {

@@ -366,6 +366,8 @@ class Shaking {
       }
       const Perturbation& perturbation = *row->choice.perturbation;
       const bool is_limited = row->choice.calls || row->choice.ticks;
+      // Its calls are changed in runs that hold it still alone.
+      if (perturbation.narrowing == Narrowing::calls && !perturbation.uses_shim) continue;
       if (is_limited || perturbation.kind == Kind::c || perturbation.narrowing == Narrowing::none || !goes_on())
         continue;
       row->cause = narrow(launcher_, perturbation, conditions, row->outcome, options);
