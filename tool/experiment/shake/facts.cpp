@@ -124,6 +124,13 @@ std::vector<std::string> process_wrapper() {
   return {"unshare", "-r", "--pid", "--fork", "--kill-child", "--", "sh", "-c", "\"$@\"; exit $?", "sh"};
 }
 
+bool processor_has(const std::string& feature) {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.compare(0, 5, "flags") == 0) return (line + " ").find(" " + feature + " ") != std::string::npos;
+  return false;
+}
+
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked) {
   Facts facts;

@@ -35,6 +35,9 @@ std::vector<std::string> time_wrapper();
 std::vector<std::string> user_wrapper();
 std::vector<std::string> process_wrapper();
 
+/// Whether the processor has an instruction set, by its name in /proc/cpuinfo.
+bool processor_has(const std::string& feature);
+
 /// `words`: the program and its arguments. `folder`: where locales are made. `is_asked`: whether a perturbation of this
 /// name is to be run; what nobody asks for is not looked for.
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,

@@ -354,7 +354,9 @@ void library_dispatch(Conditions& conditions, unsigned variant, std::uint64_t, c
     conditions.environment.emplace_back("MKL_CBWR", "COMPATIBLE");
     conditions.environment.emplace_back("ATEN_CPU_CAPABILITY", "default");
   } else {
-    conditions.environment.emplace_back("NPY_DISABLE_CPU_FEATURES", "FMA3 AVX2");
+    // numpy warns of what the processor does not have.
+    const char* features = processor_has("avx512f") ? "FMA3 AVX2 AVX512F AVX512CD AVX512_SKX" : "FMA3 AVX2";
+    conditions.environment.emplace_back("NPY_DISABLE_CPU_FEATURES", features);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/plain_text.h"
+#include "tool/experiment/shake/facts.h"
 #include "tool/experiment/shake/launch.h"
 #include "verifier/runs/child.h"
 
@@ -57,13 +58,6 @@ Compilers other_compilers() {
     if (!find_program(std::string("clang++") + version).empty())
       return {std::string("clang") + version, std::string("clang++") + version};
   return {};
-}
-
-bool processor_has(const std::string& feature) {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);)
-    if (line.compare(0, 5, "flags") == 0) return (line + " ").find(" " + feature + " ") != std::string::npos;
-  return false;
 }
 
 /// Flags for this kind, or why there is no such build here.
