@@ -218,6 +218,26 @@ class Gallery:
         self.sites += 1
         return report["instructions"][0]
 
+    def hints(self, folder):
+        """The commands that the report of a session prints run as printed."""
+        words = self.words("environment_order")
+        trace = os.path.join(folder, "game.ttr")
+        self.run(words + ["--record", trace], [0])
+        tools = os.path.dirname(self.tool) + ":" + self.environment["PATH"]
+        other = dict(self.environment, TICKTRUE_ADDED="1", PATH=tools)
+        done = subprocess.run(["env", "-i", "PATH=" + tools] + words + ["--verify", trace], env=other,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+        commands = [line.split("again", 1)[1].split(" shows ")[0].strip() for line in
+                    (done.stdout + done.stderr).splitlines() if line.startswith("  again   ticktrue ")]
+        if done.returncode != 1 or not commands:
+            raise Failed(f"hints: found status {done.returncode}, {done.stdout}{done.stderr}, expected a command")
+        for command in commands:
+            ran = subprocess.run(["sh", "-c", command], env=other, stdin=subprocess.DEVNULL, capture_output=True,
+                                 text=True, timeout=300)
+            if ran.returncode != 1 or "A environment" not in ran.stdout:
+                raise Failed(f"hints: {command}: found {ran.returncode}, {ran.stdout}{ran.stderr}, expected environment")
+        return f"{len(commands)} commands"
+
     def documents(self):
         rows = self.run([self.tool, "shake", "--list"], [0]).splitlines()
         with open(os.path.join(SOURCE, "../../docs/causes.md"), encoding="utf-8") as file:
@@ -263,6 +283,7 @@ def main():
     for name, rows in BUILT:
         jobs.append((name, lambda folder, n=name, r=rows: gallery.built(folder, n, r)))
         jobs.append((name + " mended", lambda folder, n=name: gallery.built_mended(folder, n)))
+    jobs.append(("hints", gallery.hints))
     jobs.append(("documents", lambda folder: gallery.documents()))
     for name in CLEAN:
         jobs.append((name + " clean", lambda folder, n=name: gallery.clean(folder, n)))
