@@ -169,7 +169,7 @@ class Gallery:
 
     def rebuild(self, name):
         library = os.path.dirname(self.environment["TICKTRUE_LIBRARY"])
-        words = ["sh", os.path.join(SOURCE, "build.sh"), os.path.join(SOURCE, name + ".cpp"), library]
+        words = ["sh", os.path.join(SOURCE, "build.sh"), os.path.join(SOURCE, "builds", name + ".cpp"), library]
         return ["--rebuild", shlex.join(words), "--class", "B",
                 "--vary", "other_compiler,no_optimisation,contraction,this_processor"]
 

@@ -12,7 +12,7 @@
 
 #include "base/parallel/jobs.h"
 #include "tool/experiment/ddmin.h"
-#include "tool/experiment/shake/instructions.h"
+#include "tool/experiment/shake/call_site.h"
 
 namespace ticktrue::shake {
 namespace {
