@@ -8,6 +8,7 @@
 
 #include "base/count_text.h"
 #include "base/limits.h"
+#include "capi/program_facts.h"
 #include "replay/format/shown_image.h"
 #include "verifier/locate/compare_marks.h"
 #include "verifier/locate/locate.h"
@@ -335,9 +336,12 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   if (divergence.rows.empty())
     report_.again.push_back("record with detail full, ticks " + tick + ".." + tick +
                             ", by both builds; then `ticktrue diff A B` names columns and values");
-  if (report_.marks)
-    report_.again.push_back("ticktrue trail " + verifier::shell_word(report_.file) +
-                            " --against BUILD_THAT_RECORDED -- THIS_PROGRAM names the mark that differs first");
+  if (const std::string program = program_command(report_.file); !program.empty()) {
+    const std::string file_and_program = verifier::shell_word(report_.file) + " -- " + program;
+    if (report_.marks)
+      report_.again.push_back("ticktrue trail " + file_and_program + " shows the marks that differ first");
+    report_.again.push_back("ticktrue shake " + file_and_program + " shows what the program takes from outside");
+  }
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
   report_.divergence = std::move(divergence);

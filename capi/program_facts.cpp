@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 
 #include "base/build_info.h"
 #include "base/limits.h"
 #include "base/state/gathered_state.h"
 #include "capi/tick.h"
+#include "verifier/report/report.h"
 
 #if defined(__linux__) && defined(__ELF__)
 #include <link.h>
@@ -164,5 +166,27 @@ std::string program_build_id() {
 }
 
 #endif
+
+std::string program_command(const std::string& trace) {
+  std::vector<std::string> words;
+#ifdef __linux__
+  constexpr std::size_t size_max = std::size_t{64} << 10;
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  std::size_t size = 0;
+  for (std::string word; std::getline(in, word, '\0') && (size += word.size()) < size_max;) {
+    if (word != trace)
+      words.push_back(verifier::shell_word(word));
+    else if (!words.empty() && words.back() == "--verify")
+      words.pop_back();
+    else
+      words.emplace_back("{trace}");
+  }
+#else
+  static_cast<void>(trace);
+#endif
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
 
 }  // namespace ticktrue::capi

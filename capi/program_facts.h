@@ -32,4 +32,8 @@ class ProgramFacts {
 /// The build id of the program's file in hexadecimal, from the note of an ELF file; empty where it has none.
 std::string program_build_id();
 
+/// The words that started this program, for a shell, as `ticktrue shake` wants them: without `--verify TRACE`, and with
+/// {trace} where the trace stands elsewhere. Empty: not known.
+std::string program_command(const std::string& trace);
+
 }  // namespace ticktrue::capi

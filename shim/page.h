@@ -16,29 +16,45 @@ inline constexpr const char* page_variable = "TICKTRUE_SHAKE";
 inline constexpr std::uint64_t page_magic = 0x31656b6168737474;  // "ttshake1"
 
 /// Calls are numbered within a group, from 0 at the start of the process. Calls made by libticktrue do not count.
-enum class Group : std::uint32_t { heap, clock, random, rand, directory, thread, lock, processors, sort, libm };
-inline constexpr std::size_t group_count = 10;
+enum class Group : std::uint32_t {
+  heap,
+  clock,
+  random,
+  rand,
+  directory,
+  thread,
+  lock,
+  processors,
+  sort,
+  libm,
+  identity,
+  cycle_counter
+};
+inline constexpr std::size_t group_count = 12;
 
 // name, group. Of a float function and its double twin each has a row.
-#define TICKTRUE_SHIM_LIBM_1(X)                                                                                      \
-  X(sin)                                                                                                             \
-  X(cos)                                                                                                             \
-  X(tan)                                                                                                             \
-  X(asin)                                                                                                            \
-  X(acos) X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) \
-      X(log10) X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
+#define TICKTRUE_SHIM_LIBM_1(X)                                                                                       \
+  X(sin)                                                                                                              \
+  X(cos)                                                                                                              \
+  X(tan)                                                                                                              \
+  X(asin)                                                                                                             \
+  X(acos)                                                                                                             \
+  X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) X(log10) \
+      X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
 #define TICKTRUE_SHIM_LIBM_2(X) X(pow) X(atan2) X(hypot)
-#define TICKTRUE_SHIM_OTHERS(X)                                                                                        \
-  X(malloc, heap)                                                                                                      \
-  X(calloc, heap)                                                                                                      \
-  X(realloc, heap)                                                                                                     \
-  X(free, heap)                                                                                                        \
-  X(memalign, heap) X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock)                      \
-      X(timespec_get, clock) X(getrandom, random) X(getentropy, random) X(arc4random, random) X(random_device, random) \
-          X(dev_random, random) X(rand, rand) X(random, rand) X(drand48, rand) X(readdir, directory)                   \
-              X(pthread_create, thread) X(pthread_mutex_lock, lock) X(pthread_cond_signal, lock)                       \
-                  X(sysconf, processors) X(get_nprocs, processors) X(sched_getaffinity, processors) X(qsort, sort)     \
-                      X(sincos, libm) X(sincosf, libm)
+#define TICKTRUE_SHIM_OTHERS(X)                                                                                       \
+  X(malloc, heap)                                                                                                     \
+  X(calloc, heap)                                                                                                     \
+  X(realloc, heap)                                                                                                    \
+  X(free, heap)                                                                                                       \
+  X(memalign, heap)                                                                                                   \
+  X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock) X(timespec_get, clock)                \
+      X(getrandom, random) X(getentropy, random) X(arc4random, random) X(random_device, random) X(dev_random, random) \
+          X(rand, rand) X(random, rand) X(drand48, rand) X(readdir, directory) X(pthread_create, thread)              \
+              X(pthread_mutex_lock, lock) X(pthread_cond_signal, lock) X(sysconf, processors)                         \
+                  X(get_nprocs, processors) X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm)           \
+                      X(sincosf, libm) X(gethostname, identity) X(uname, identity) X(getpid, identity)                \
+                          X(rdtsc, cycle_counter)
 
 /// Functions that the preload library takes the place of.
 enum class Function : std::uint32_t {
@@ -96,7 +112,10 @@ struct Settings {
   std::uint32_t processor_count = 0;        // that the system seems to have
   std::uint32_t sort_mode = 0;              // 1: equal elements come in the reverse order
   std::uint32_t libm_mode = 0;              // 1: one ulp up, 2: one ulp down, 3: one or the other
-  std::uint32_t float_mode = 0;             // 1: flush to zero, 2: round up, 3: round down
+  std::uint32_t float_mode = 0;             // 1: flush to zero, 2: round up, 3: round down, 4: keep denormal numbers
+  std::uint32_t host_mode = 0;              // 1: another name of the machine
+  std::uint32_t process_mode = 0;           // 1: getpid gives a fixed number
+  std::uint32_t cycle_mode = 0;             // of rdtsc. 1: shifted, 2: virtual (each read is 1000 cycles later)
   std::int64_t realtime_offset_s = 0;
   std::int64_t monotonic_offset_s = 0;
   double clock_rate = 1;

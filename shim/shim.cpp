@@ -57,7 +57,7 @@ void* map_file(const char* path, std::size_t size) {
 /// Once, at the first call of any function of this library.
 void attach() {
   const Inside inside;
-  own_process = static_cast<int>(::getpid());
+  own_process = static_cast<int>(::syscall(SYS_getpid));
   nothing_changed.session.magic = page_magic;
   Page* found = &nothing_changed;
   const char* path = ::getenv(page_variable);
@@ -129,7 +129,8 @@ void unlock_records() {
 }
 
 __attribute__((noinline)) void record_call(Page& shared, Function function, std::uint64_t number,
-                                           std::uint64_t position, std::uint32_t nth, std::uint64_t size) {
+                                           std::uint64_t position, std::uint32_t nth, std::uint64_t size,
+                                           const void* trapped_at) {
   const Inside inside;
   lock_records();
   if (shared.record_count < call_record_count_max) {
@@ -144,6 +145,7 @@ __attribute__((noinline)) void record_call(Page& shared, Function function, std:
     Dl_info own{};
     ::dladdr(reinterpret_cast<const void*>(&record_call), &own);
     record.depth = 0;
+    if (trapped_at != nullptr) record.stack[record.depth++] = place_of(shared, trapped_at);
     for (int i = 0; i < depth && record.depth < stack_depth_max; ++i) {
       Dl_info info{};
       if (::dladdr(stack[i], &info) != 0 && info.dli_fbase == own.dli_fbase) continue;  // of this library
@@ -184,6 +186,7 @@ std::uint32_t count_at(Function function, std::uint64_t position) {
 __attribute__((constructor(101))) void begin_process() {
   page();
   begin_thread_state();
+  begin_cycle_counter();
 }
 
 __attribute__((destructor)) void end_process() {
@@ -208,7 +211,7 @@ Inside::~Inside() {
   --inside_depth;
 }
 
-Call begin_call(Function function, std::uint64_t size) {
+Call begin_call(Function function, std::uint64_t size, const void* trapped_at) {
   if (inside_depth > 0) return {};
   Page& shared = page();
   if (&shared == &nothing_changed) return {};
@@ -230,7 +233,7 @@ Call begin_call(Function function, std::uint64_t size) {
   const Settings& chosen = shared.settings;
   if (chosen.logged.end > 0 && chosen.logged_group == group && call.number >= chosen.logged.first &&
       call.number < chosen.logged.end)
-    record_call(shared, function, call.number, position, nth, size);
+    record_call(shared, function, call.number, position, nth, size, trapped_at);
   call.is_changed = is_chosen_position(chosen, position) && is_in_ranges(chosen, call.number);
   return call;
 }

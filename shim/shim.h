@@ -24,7 +24,8 @@ struct Call {
   bool is_changed = false;
   std::uint64_t number = 0;
 };
-Call begin_call(Function function, std::uint64_t size = 0);
+/// `trapped_at`: of an instruction that stands for a call, the address behind it.
+Call begin_call(Function function, std::uint64_t size = 0, const void* trapped_at = nullptr);
 
 /// A call was in fact changed. Calls that are chosen and come out the same do not count.
 void count_change();
@@ -57,6 +58,8 @@ F real_function(F& cache, const char* name) {
 
 /// Settings of this thread, at its start and around ticks.
 void begin_thread_state();
+/// Takes the place of reads of the cycle counter, if the settings say so.
+void begin_cycle_counter();
 /// A pause of at most so many microseconds that follows from the seed and `value`.
 void pause_for(std::uint32_t most_us, std::uint64_t value);
 

@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t stack_fill_size = std::size_t{96} << 10;  // threads may have small stacks
 constexpr std::uint32_t mode_flush = 1;
 constexpr std::uint32_t mode_up = 2;
+constexpr std::uint32_t mode_keep = 4;
 
 /// Leaves the bytes behind, below the stack of whoever called.
 __attribute__((noinline)) void fill_stack(int byte) {
@@ -23,9 +24,12 @@ __attribute__((noinline)) void fill_stack(int byte) {
   for (std::size_t i = 0; i < stack_fill_size; ++i) bytes[i] = static_cast<unsigned char>(byte);
 }
 
+#ifdef __SSE2__
+constexpr unsigned flush_bits = 0x8040;  // results and operands
+#endif
+
 bool set_flush(bool on) {
 #ifdef __SSE2__
-  constexpr unsigned flush_bits = 0x8040;  // results and operands
   const unsigned before = _mm_getcsr();
   _mm_setcsr(on ? before | flush_bits : before & ~flush_bits);
   return true;
@@ -35,9 +39,28 @@ bool set_flush(bool on) {
 #endif
 }
 
+/// Takes back what a library has set, and sets it again.
+void keep_denormals(bool on) {
+#ifdef __SSE2__
+  static thread_local unsigned taken __attribute__((tls_model("initial-exec"))) = 0;
+  const unsigned before = _mm_getcsr();
+  if (on && (before & flush_bits) != 0) {
+    taken = before & flush_bits;
+    _mm_setcsr(before & ~flush_bits);
+    count_change();
+  } else if (!on) {
+    _mm_setcsr(before | taken);
+    taken = 0;
+  }
+#else
+  static_cast<void>(on);
+#endif
+}
+
 void set_floats(bool on) {
   const std::uint32_t mode = settings().float_mode;
   if (mode == 0) return;
+  if (mode == mode_keep) return keep_denormals(on);
   const bool is_set = mode == mode_flush
                           ? set_flush(on)
                           : ::fesetround(!on ? FE_TONEAREST : (mode == mode_up ? FE_UPWARD : FE_DOWNWARD)) == 0;

@@ -4,10 +4,12 @@
 #   causes_test.py TICKTRUE PROGRAMS LIBRARY [--full] [NAME...]
 #
 # PROGRAMS is the folder of the built programs, LIBRARY libticktrue. Without --full, mended programs are run under the
-# perturbations that are to blame alone, and no processor is emulated.
+# perturbations that are to blame alone, and no processor is emulated. With --full, each clean program is run under each
+# perturbation of class A by itself, at least 50 times. The last lines count causes, calls and false alarms.
 import concurrent.futures
 import json
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -38,8 +40,35 @@ MISTAKES = [
     ("libm_sine", ["libm_of_cpu"], "sin", "B"),
     ("libm_python.py", ["libm_of_cpu"], "sin", "B"),
     ("denormals", ["flush_to_zero"], None, "B"),
+    ("library_flush", ["flush_to_zero"], None, "B"),
+    ("cycle_counter", ["cycle_counter"], "rdtsc", "A"),
+    ("host_name", ["host_name"], "gethostname", "A"),
+    ("process_number", ["process_id"], "getpid", "A"),
+    ("user_name", ["user"], None, "A"),
+    ("save_mode", ["file_mode"], None, "A"),
+    ("file_limit", ["file_limit"], None, "A"),
+    ("terminal", ["output"], None, "A"),
+    ("environment_order", ["environment"], None, "A"),
+    ("graph_order.py", ["hash_seed"], None, "A"),
+    ("chipmunk_separate", ["address_layout"], None, "A"),
+    ("numpy_sine.py", ["library_dispatch"], None, "B"),
 ]
-CLEAN = ["integers", "containers", "threads", "clocks", "files", "floats", "processes", "qsort_ids", "clean_python.py"]
+# Of these, another build alone tells: program, perturbations that name the cause.
+BUILT = [
+    ("fused_products", ["contraction"]),
+    ("argument_order", ["other_compiler"]),
+    ("overflow", ["no_optimisation"]),
+]
+# Programs that this machine cannot run: what the system has to permit or to have.
+NEEDED = {"cycle_counter": "x86_64", "user_name": "user namespace", "library_flush": "x86_64"}
+CLEAN = ["integers", "containers", "threads", "clocks", "files", "floats", "processes", "qsort_ids", "clean_python.py",
+         "event_queue", "texts", "pools", "sorting", "fixed_point", "hash_table", "grid", "python_market.py",
+         "numpy_field.py", "box2d_pile", "chipmunk_pile", "bullet_pile"]
+PACKAGES = {"box2d_pile": "libbox2d-dev", "chipmunk_separate": "libchipmunk-dev", "numpy_sine.py": "python3-numpy", "chipmunk_pile": "libchipmunk-dev", "bullet_pile": "libbullet-dev",
+            "numpy_field.py": "python3-numpy"}
+# Scenes that the engine of this project runs, without a program.
+SCENES = [("stack?boxes=6", 60), ("mixed_pile?bodies=40", 60)]
+RUNS_MIN = 50  # of a clean program, with something changed
 # way of tests/causes/rude.cpp, outcome, words of the report
 RUDE = [
     ("crash", "crashed", "in tick 9"),
@@ -55,7 +84,24 @@ class Failed(Exception):
     pass
 
 
+class Skipped(Exception):
+    pass
+
+
+def python_with(module):
+    for python in (sys.executable, "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import " + module], capture_output=True).returncode == 0:
+            return python
+    return None
+
+
 class Gallery:
+    named = 0  # causes that were named
+    named_by_build = 0
+    sites = 0  # of them with the place of the call
+    clean_runs = []  # perturbed runs of each clean program
+    alarms = 0  # clean programs that something of class A moved
+
     def __init__(self, tool, programs, library, full):
         self.tool, self.programs, self.full = tool, programs, full
         self.environment = dict(os.environ, TICKTRUE_LIBRARY=library, TICKTRUE_PROGRESS="never")
@@ -63,8 +109,14 @@ class Gallery:
 
     def words(self, name, clean=False):
         if not name.endswith(".py"):
-            return [os.path.join(self.programs, name)]
-        return [sys.executable, os.path.join(SOURCE, "clean" if clean else "", name)]
+            program = os.path.join(self.programs, name)
+            if not os.path.exists(program):
+                raise Skipped(f"it was not built: apt-get install {PACKAGES[name]}" if name in PACKAGES else "not built")
+            return [program]
+        python = python_with("numpy") if "numpy" in name else sys.executable
+        if python is None:
+            raise Skipped(f"apt-get install {PACKAGES[name]}")
+        return [python, os.path.join(SOURCE, "clean" if clean else "", name)]
 
     def run(self, words, codes):
         done = subprocess.run(words, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, timeout=600)
@@ -82,7 +134,14 @@ class Gallery:
     def options(self):
         return [] if self.full else ["--vary=-cpu_model"]
 
+    def require(self, name):
+        if NEEDED.get(name) == "x86_64" and os.uname().machine != "x86_64":
+            raise Skipped("it is of x86-64 alone")
+        if NEEDED.get(name) == "user namespace" and subprocess.run(["unshare", "--user", "true"]).returncode != 0:
+            raise Skipped("this system permits no user namespace")
+
     def mistake(self, folder, name, rows, function, kind):
+        self.require(name)
         report = self.shake(folder, self.words(name), self.options() + ["--class", "A,B"], [1, 6])
         moved = {row["name"]: row for row in report["perturbations"] if row["outcome"] not in
                  ("same", "not_applicable", "not_run")}
@@ -98,6 +157,8 @@ class Gallery:
             stem = name.split(".")[0]
             if not name.endswith(".py") and not cause["source"].endswith(f"{stem}.cpp"):
                 raise Failed(f"{name}: {named[0]}: found the call in {cause['source']}, expected {stem}.cpp")
+            self.sites += 1
+        self.named += 1
         return f"{named[0]}: " + (moved[named[0]]["run"].get("column", "as recorded") if named[0] in moved
                                   else "held still")
 
@@ -106,18 +167,76 @@ class Gallery:
         report = self.shake(folder, self.words(name) + ["mended"], options, [0])
         return f"{report['runs']} runs"
 
-    def clean(self, folder, name):
-        report = self.shake(folder, self.words(name, clean=True), ["--class", "A"], [0])
+    def rebuild(self, name):
+        library = os.path.dirname(self.environment["TICKTRUE_LIBRARY"])
+        words = ["sh", os.path.join(SOURCE, "build.sh"), os.path.join(SOURCE, "builds", name + ".cpp"), library]
+        return ["--rebuild", shlex.join(words), "--class", "B",
+                "--vary", "other_compiler,no_optimisation,contraction,this_processor"]
+
+    def built(self, folder, name, rows):
+        report = self.shake(folder, self.words(name), self.rebuild(name), [1])
+        outcomes = {row["name"]: row for row in report["perturbations"]}
+        if all(outcomes[row]["outcome"] == "not_applicable" for row in rows):
+            raise Skipped(outcomes[rows[0]]["reason"])
+        if not any(outcomes[row]["outcome"] == "diverged" for row in rows):
+            raise Failed(f"{name}: found {report['perturbations']}, expected {rows}")
+        self.named_by_build += 1
+        return rows[0] + ": " + outcomes[rows[0]]["run"]["column"]
+
+    def built_mended(self, folder, name):
+        report = self.shake(folder, self.words(name) + ["mended"], self.rebuild(name), [0])
+        return f"{report['runs']} runs"
+
+    def count_clean(self, name, report):
+        """In a full run, every perturbation by itself."""
+        changed = sum(row["runs"] for row in report["perturbations"])
+        self.clean_runs.append(changed)
         if not report["repeats"] or report["moved"]["A"]:
-            raise Failed(f"{name}: found {report['moved']}, expected nothing")
+            self.alarms += 1
+            moved = [(row["name"], row["run"]) for row in report["perturbations"] if "run" in row]
+            raise Failed(f"{name}: found {report['moved']}, {moved}, expected nothing")
+        if self.full and changed < RUNS_MIN:
+            raise Failed(f"{name}: found {changed} changed runs, expected at least {RUNS_MIN}")
         return f"{report['runs']} runs, {report['not_applicable']} not applicable"
+
+    def clean_options(self):
+        return ["--class", "A"] + (["--alone", "--seeds", "2", "--no-narrow"] if self.full else [])
+
+    def clean(self, folder, name):
+        return self.count_clean(name, self.shake(folder, self.words(name, clean=True), self.clean_options(), [0, 1, 6]))
+
+    def scene(self, folder, name, ticks):
+        words = [self.tool, "shake", name, "--ticks", str(ticks), "--json"] + self.clean_options()
+        return self.count_clean(name, json.loads(self.run(words, [0, 1, 6])))
 
     def instruction(self, folder):
         report = self.shake(folder, self.words("hardware_random"), ["--class", "A"], [6])
         if report["fixed_by"] or not any("rdrand at " in place and "hardware_random.cpp" in place
                                          for place in report["instructions"]):
             raise Failed(f"hardware_random: found {report['fixed_by']}, {report['instructions']}, expected rdrand")
+        self.named += 1
+        self.sites += 1
         return report["instructions"][0]
+
+    def hints(self, folder):
+        """The commands that the report of a session prints run as printed."""
+        words = self.words("environment_order")
+        trace = os.path.join(folder, "game.ttr")
+        self.run(words + ["--record", trace], [0])
+        tools = os.path.dirname(self.tool) + ":" + self.environment["PATH"]
+        other = dict(self.environment, TICKTRUE_ADDED="1", PATH=tools)
+        done = subprocess.run(["env", "-i", "PATH=" + tools] + words + ["--verify", trace], env=other,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+        commands = [line.split("again", 1)[1].split(" shows ")[0].strip() for line in
+                    (done.stdout + done.stderr).splitlines() if line.startswith("  again   ticktrue ")]
+        if done.returncode != 1 or not commands:
+            raise Failed(f"hints: found status {done.returncode}, {done.stdout}{done.stderr}, expected a command")
+        for command in commands:
+            ran = subprocess.run(["sh", "-c", command], env=other, stdin=subprocess.DEVNULL, capture_output=True,
+                                 text=True, timeout=300)
+            if ran.returncode != 1 or "A environment" not in ran.stdout:
+                raise Failed(f"hints: {command}: found {ran.returncode}, {ran.stdout}{ran.stderr}, expected environment")
+        return f"{len(commands)} commands"
 
     def documents(self):
         rows = self.run([self.tool, "shake", "--list"], [0]).splitlines()
@@ -127,7 +246,7 @@ class Gallery:
             kind, name, what = row.split(None, 2)
             if f"| `{name}` | {kind} | {what} |" not in text:
                 raise Failed(f"docs/causes.md: found no row for {row}")
-        for name, *_ in MISTAKES:
+        for name, *_ in MISTAKES + BUILT:
             if f"`{name}`" not in text:
                 raise Failed(f"docs/causes.md: found no `{name}`")
         return f"{len(rows)} perturbations"
@@ -161,9 +280,15 @@ def main():
         if " rdrand" in file.read():
             jobs.append(("hardware_random", gallery.instruction))
             jobs.append(("hardware_random mended", lambda folder: gallery.mended(folder, "hardware_random", ["random"])))
+    for name, rows in BUILT:
+        jobs.append((name, lambda folder, n=name, r=rows: gallery.built(folder, n, r)))
+        jobs.append((name + " mended", lambda folder, n=name: gallery.built_mended(folder, n)))
+    jobs.append(("hints", gallery.hints))
     jobs.append(("documents", lambda folder: gallery.documents()))
     for name in CLEAN:
         jobs.append((name + " clean", lambda folder, n=name: gallery.clean(folder, n)))
+    for name, ticks in SCENES:
+        jobs.append((name + " scene", lambda folder, n=name, t=ticks: gallery.scene(folder, n, t)))
     for way, outcome, text in RUDE:
         jobs.append(("rude " + way, lambda folder, w=way, o=outcome, t=text: gallery.rude(folder, w, o, t)))
     jobs = [job for job in jobs if not only or job[0].split()[0] in only]
@@ -174,6 +299,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             try:
                 return job[0], "ok     " + job[1](folder), time.monotonic() - start
+            except Skipped as reason:
+                return job[0], "skipped " + str(reason), time.monotonic() - start
             except (Failed, subprocess.TimeoutExpired, json.JSONDecodeError) as failure:
                 return job[0], "FAILED " + str(failure), time.monotonic() - start
 
@@ -181,6 +308,10 @@ def main():
         for name, text, seconds in pool.map(work, jobs):
             print(f"{name:28} {seconds:5.1f} s  {text}", flush=True)
             failures += text.startswith("FAILED")
+    print(f"causes named: {gallery.named} without another build, {gallery.sites} of them with the call, "
+          f"{gallery.named_by_build} by --rebuild")
+    print(f"clean: {len(gallery.clean_runs)} programs, {sum(gallery.clean_runs)} runs with one thing changed, "
+          f"{gallery.alarms} false alarms")
     print(f"{len(jobs)} runs, {failures} failed")
     return 1 if failures else 0
 

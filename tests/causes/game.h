@@ -39,8 +39,11 @@ int play(const char* name, int argc, char** argv, Rules&& rules) {
   ticktrue_session* session = ticktrue_open_arguments(&options, argc, argv);
   Game game;
   for (std::uint32_t i = 0; i < unit_count; ++i) {
-    game.units[i].position = 1.5 + 0.7 * i;
-    game.units[i].velocity = 1.0 + 0.1 * i;
+    // Kept apart from the sums: a compiler must not round both at once.
+    const volatile double position = 0.7 * i;
+    const volatile double velocity = 0.1 * i;
+    game.units[i].position = 1.5 + position;
+    game.units[i].velocity = 1.0 + velocity;
   }
   Unit* first = game.units;
   ticktrue_column(session, "units", "position", &first->position, TICKTRUE_F64, 1, unit_count, sizeof *first);

@@ -33,7 +33,7 @@ struct SourceHint {
 /// Of a literal what is a command, up to where its words end: a backtick, a comma, a semicolon or words of English.
 std::string command_part(const std::string& literal, std::size_t at) {
   std::string text = literal.substr(at);
-  for (const char* end : {"`", ",", ";", " here", " lists", " shows", " says", " makes", "\\n"})
+  for (const char* end : {"`", ",", ";", " here", " lists", " shows", " tells", " says", " makes", "\\n"})
     if (const std::size_t cut = text.find(end); cut != std::string::npos) text.erase(cut);
   return text;
 }
@@ -47,7 +47,7 @@ std::vector<SourceHint> hints_of(const fs::path& path) {
   static const std::regex command(
       R"re(ticktrue (run|record|replay|play|verify|diff|report|show|recover|import|compare|accuracy|stress|crosscheck)re"
       R"re(|describe|scenes|golden|corpus|inject|env|soak)re"
-      R"re(|shake|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
+      R"re(|shake|trail|reduce|bisect|--help)(?![a-z])|^ (verify|record|replay|diff) )re");
   std::istringstream in(text_of(path));
   int number = 0;
   bool in_examples = false;
@@ -105,6 +105,8 @@ constexpr Elsewhere elsewhere[] = {
     {"tool/cli/upkeep/bisect.cpp", "ticktrue env", "a default, which needs a build of a whole repository"},
     {"capi/comparing.cpp", "ticktrue diff A B", "A and B stand for files: traces of a session without full detail"},
     {"capi/comparing.cpp", "ticktrue recover", "tests/examples/run.sh"},
+    {"capi/comparing.cpp", "ticktrue shake", "tests/causes/causes_test.py runs it as a session prints it"},
+    {"capi/comparing.cpp", "ticktrue trail", "tests/causes/causes_test.py runs it as a session prints it"},
     {"tool/session/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
 };
 

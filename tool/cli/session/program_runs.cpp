@@ -3,7 +3,13 @@
 #include "tool/cli/session/program_runs.h"
 
 #include <filesystem>
+#include <string_view>
 #include <system_error>
+
+#include "base/plain_text.h"
+#include "tool/output/cli.h"
+#include "verifier/plugins/plugin.h"
+#include "verifier/runs/child.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -12,10 +18,31 @@ namespace fs = std::filesystem;
 
 constexpr const char* trace_mark = "{trace}";
 
-std::string own_folder() {
+fs::path own_program() {
   std::error_code failed;
   const fs::path path = fs::read_symlink("/proc/self/exe", failed);
-  return failed ? std::string() : path.parent_path().string();
+  return failed ? fs::path() : path;
+}
+
+std::string own_folder() {
+  return own_program().parent_path().string();
+}
+
+/// This tool, with the plug-ins that are loaded.
+std::vector<std::string> own_words() {
+  std::vector<std::string> words{own_program().string()};
+  for (const SimulationInfo* info : verifier::plugin_simulations())
+    words.insert(words.end(), {"--plugin", verifier::plugin_path(info->name)});
+  return words;
+}
+
+/// Without the words before it that each message begins with.
+std::string message_of(const verifier::ChildResult& child) {
+  constexpr std::string_view beginning = "ticktrue: error: ";
+  const std::size_t at = child.message.rfind(beginning);
+  if (at == std::string::npos) return "ended with status " + std::to_string(child.end.exit_status);
+  const std::string line = child.message.substr(at + beginning.size());
+  return plain_line(line.substr(0, line.find('\n')));
 }
 
 }  // namespace
@@ -39,6 +66,27 @@ std::vector<std::string> words_with_trace(const std::vector<std::string>& words,
     }
   if (!has_mark) with.insert(with.end(), {"--verify", trace});
   return with;
+}
+
+std::vector<std::string> verify_words() {
+  std::vector<std::string> words = own_words();
+  words.insert(words.end(), {"verify", trace_mark, "-j", "1", "--json"});
+  return words;
+}
+
+Result<std::string> record_scene(const std::string& scene, std::uint64_t tick_count, const std::string& folder) {
+  const std::string trace = folder + "/scene.ttr";
+  verifier::ChildCommand command;
+  command.argv = own_words();
+  command.argv.insert(command.argv.end(),
+                      {"record", scene, "--ticks", std::to_string(tick_count), "--force", "-o", trace});
+  const verifier::ChildResult child = verifier::run_child(command);
+  const std::string failure = verifier::child_failure(child, command.limits);
+  if (!failure.empty()) return Error{ErrorCode::usage, scene + ": recording it " + failure, ""};
+  if (child.end.exit_status != exit_ok)
+    return Error{ErrorCode::usage, message_of(child),
+                 "without a program, shake takes a trace or a scene: `ticktrue scenes` lists those that are built in"};
+  return trace;
 }
 
 }  // namespace ticktrue::cli

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
+
+#include "base/result.h"
 
 namespace ticktrue::cli {
 
@@ -12,5 +15,12 @@ std::string shim_path();
 
 /// The program's words with the trace in them: in place of {trace}, else behind --verify at their end.
 std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace);
+
+/// This tool with the plug-ins that are loaded, as `verify` of {trace} that prints its report as JSON.
+std::vector<std::string> verify_words();
+
+/// Records a scene, or a setup of the plug-in that is loaded, by this tool itself. Gives the path of the trace in the
+/// folder. Errors: usage (what this tool says of it).
+Result<std::string> record_scene(const std::string& scene, std::uint64_t tick_count, const std::string& folder);
 
 }  // namespace ticktrue::cli

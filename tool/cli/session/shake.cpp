@@ -10,11 +10,14 @@
 #include <system_error>
 
 #include "base/parallel/jobs.h"
+#include "base/plain_text.h"
 #include "replay/trace_reader.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/session/program_runs.h"
 #include "tool/experiment/shake/shake_report.h"
 #include "tool/output/progress.h"
+#include "tool/session/session_inputs.h"
+#include "tool/session/simulations.h"
 #include "verifier/runs/data_file.h"
 #include "verifier/runs/run_folder.h"
 
@@ -33,6 +36,9 @@ struct ShakeCommand {
   std::uint64_t timeout_s = 600;
   std::uint64_t jobs = 1;
   bool no_narrow = false;
+  bool alone = false;
+  std::string rebuild;
+  std::uint64_t tick_count = 600;
   bool list = false;
   bool json = false;
   bool github = false;
@@ -127,34 +133,68 @@ std::string list_text() {
   return text;
 }
 
+/// A trace, and the program that runs again.
+struct Subject {
+  std::string trace;  // whole path
+  std::uint64_t tick_count = 0;
+  std::vector<std::string> words;  // with {trace} in them
+};
+
+/// Without a program: this tool verifies the trace, which it recorded itself if a scene was given.
+Result<Subject> subject_of(const ShakeCommand& command, const std::string& folder) {
+  Subject subject;
+  subject.trace = command.trace;
+  subject.words = command.words;
+  const bool is_own = command.words.empty();
+  if (is_own && !is_trace_argument(command.trace)) {
+    const Result<std::string> recorded = record_scene(command.trace, command.tick_count, folder);
+    if (!recorded) return recorded.error();
+    subject.trace = *recorded;
+  }
+  Result<replay::TraceReader> reader = replay::TraceReader::open(subject.trace);
+  if (!reader) return reader.error();
+  const std::string simulation = reader->setup().simulation;
+  if (is_own && verifier::find_simulation(simulation) == nullptr)
+    return usage("shake: found no program, and a trace of \"" + simulation + "\", expected TRACE -- PROGRAM ARGUMENTS",
+                 "behind -- stands the program that recorded the trace: see `ticktrue shake --help`");
+  if (is_own) subject.words = verify_words();
+  subject.tick_count = reader->tick_count_hint().value_or(0);
+  std::error_code failed;
+  subject.trace = fs::canonical(subject.trace, failed).string();
+  if (failed) return Error{ErrorCode::io, command.trace + ": " + failed.message(), ""};
+  return subject;
+}
+
+/// A hint may be of several lines: what another program said at its end.
+int fail_in_lines(const Error& error) {
+  const int code = fail_usage(Error{error.code, error.message, ""});
+  std::istringstream lines(error.hint);
+  for (std::string line; std::getline(lines, line);) std::fprintf(stderr, "  %s\n", plain_line(line).c_str());
+  return code;
+}
+
 int run_shake_command(const ShakeCommand& command) {
   if (command.list) {
     print(list_text());
     return exit_ok;
   }
-  if (command.trace.empty() || command.words.empty())
-    return fail_usage(usage("shake: found " + std::string(command.trace.empty() ? "no trace" : "no program") +
-                                ", expected TRACE -- PROGRAM ARGUMENTS",
+  if (command.trace.empty())
+    return fail_usage(usage("shake: found no trace, expected TRACE -- PROGRAM ARGUMENTS",
                             "behind -- stands the program that recorded the trace: see `ticktrue shake --help`"));
   const auto choices = choices_of(command);
   if (!choices) return fail_usage(choices.error());
-  shake::ShakeSubject subject;
-  subject.trace = command.trace;
-  subject.words = command.words;
-  subject.fails_for_b = std::find(command.classes.begin(), command.classes.end(), "B") != command.classes.end();
-  {
-    Result<replay::TraceReader> reader = replay::TraceReader::open(command.trace);
-    if (!reader) return fail_usage(reader.error());
-    subject.tick_count = reader->tick_count_hint().value_or(0);
-  }
-  std::error_code failed;
-  const std::string trace = fs::canonical(command.trace, failed).string();
-  if (failed) return fail_usage(Error{ErrorCode::io, command.trace + ": " + failed.message(), ""});
   const auto folder = verifier::RunFolder::make("ticktrue-shake", command.folder);
   if (!folder) return fail_usage(folder.error());
+  const Result<Subject> found = subject_of(command, folder->path());
+  if (!found) return fail_usage(found.error());
+  shake::ShakeSubject subject;
+  subject.trace = command.trace;
+  subject.words = found->words;
+  subject.tick_count = found->tick_count;
+  subject.fails_for_b = std::find(command.classes.begin(), command.classes.end(), "B") != command.classes.end();
 
   shake::ShakeOptions options;
-  options.launch.words = words_with_trace(command.words, trace);
+  options.launch.words = words_with_trace(found->words, found->trace);
   options.launch.folder = folder->path();
   options.launch.shim_path = shim_path();
   options.launch.time_s = static_cast<double>(command.timeout_s);
@@ -162,13 +202,15 @@ int run_shake_command(const ShakeCommand& command) {
   options.seed_count = static_cast<unsigned>(command.seed_count);
   options.thread_count = static_cast<unsigned>(command.jobs);
   options.narrows = !command.no_narrow;
+  options.each_alone = command.alone;
+  options.rebuild = command.rebuild;
   if (command.time_s) options.time_s = static_cast<double>(*command.time_s);
   catch_stop_signals();  // so that the folder is removed
   Progress progress("shake", 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t expected) { progress.update(done, expected); };
   const Result<shake::ShakeReport> report = shake::run_shake(options);
   progress.finish();
-  if (!report) return fail_usage(report.error());
+  if (!report) return fail_in_lines(report.error());
   print(command.json ? shake::shake_json(*report, subject) : shake::shake_text(*report, subject));
   if (!command.junit.empty())
     if (const Status status = verifier::write_data_file(command.junit, shake::shake_junit(*report, subject)); !status)
@@ -187,7 +229,9 @@ void add_shake(CLI::App& app, CliContext& context) {
   CLI::App* command =
       app.add_subcommand("shake", "Run a recorded program again, with one source of differences changed at a time")
           ->group(group_session);
-  command->add_option("TRACE", options->trace, "A trace that the program recorded");
+  command->add_option("TRACE", options->trace,
+                      "A trace that the program recorded. Without a program: a trace of the engine or of a --plugin, "
+                      "or a scene that is recorded first; `ticktrue verify` runs it again");
   command->add_option("PROGRAM", options->words,
                       "Behind --: the program and its arguments. {trace} stands for the trace; without it, "
                       "--verify TRACE is added");
@@ -210,6 +254,15 @@ void add_shake(CLI::App& app, CliContext& context) {
   add_number(*command, "-j,--jobs", options->jobs, "Runs at once (default 1)", {1, 1024});
   command->add_flag("--no-narrow", options->no_narrow,
                     "Do not look for the call, its tick and its place in the source");
+  command->add_flag("--alone", options->alone,
+                    "Run each perturbation by itself, also those that move nothing together");
+  command
+      ->add_option("--rebuild", options->rebuild,
+                   "A shell command that builds the program with CC, CXX, CFLAGS and CXXFLAGS of its environment, "
+                   "as the file that TICKTRUE_PROGRAM names. Other compilers and flags are then perturbations, too")
+      ->type_name("CMD");
+  add_number(*command, "--ticks", options->tick_count, "How many ticks of a scene are recorded (default 600)",
+             {1, 1'000'000});
   command->add_flag("--list", options->list, "List the perturbations");
   command->add_flag("--json", options->json, "One JSON object (schema ticktrue.shake/1)");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
@@ -221,7 +274,8 @@ void add_shake(CLI::App& app, CliContext& context) {
       *command,
       "ticktrue shake --list\n"
       "ticktrue record 'stack?boxes=5' --ticks 60 -o stack.ttr\n"
-      "ticktrue shake stack.ttr --vary heap_fill,locale -- ticktrue verify {trace} -j 1 --json\n"
+      "ticktrue shake stack.ttr --vary heap_fill,locale\n"
+      "ticktrue shake 'pyramid?base=5' --ticks 60 --class A\n"
       "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
       "ticktrue shake stack.ttr --class A --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
       "PROGRAM has a session of the C interface, or prints a report of schema ticktrue.verify/1.\n"

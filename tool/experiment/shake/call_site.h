@@ -35,4 +35,8 @@ std::vector<std::vector<CallSite>> call_frames(const std::string& module, std::u
 /// The place of an instruction, by its address in the file.
 std::string address_text(const std::string& module, std::uint64_t address);
 
+/// Instructions of a program that give something else in every run (rdrand, rdseed, rdtsc): "rdrand at draw
+/// (game.cpp:12)", at most 16. Empty without objdump.
+std::vector<std::string> find_instructions(const std::string& program);
+
 }  // namespace ticktrue::shake

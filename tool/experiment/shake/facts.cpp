@@ -100,15 +100,36 @@ void find_locales(Facts& facts) {
   facts.locale_folder = folder;
 }
 
-void find_time_namespace(Facts& facts) {
-  const verifier::ChildResult space = probe({"unshare", "-rT", "--fork", "--monotonic", "86400", "true"});
-  if (succeeded(space)) return;
-  facts.no_time_namespace = space.end.how == verifier::ChildEnd::How::not_started
-                                ? "unshare is not installed: apt-get install util-linux"
-                                : "this system does not permit a time namespace";
+/// Why `wrapper` cannot stand before a program; empty: it can.
+std::string missing_namespace(std::vector<std::string> wrapper, const char* what) {
+  wrapper.emplace_back("true");
+  const verifier::ChildResult space = probe(std::move(wrapper));
+  if (succeeded(space)) return "";
+  return space.end.how == verifier::ChildEnd::How::not_started ? "unshare is not installed: apt-get install util-linux"
+                                                               : std::string("this system does not permit ") + what;
 }
 
 }  // namespace
+
+std::vector<std::string> time_wrapper() {
+  return {"unshare", "-rT", "--fork", "--kill-child", "--monotonic", "86400", "--boottime", "86400", "--"};
+}
+
+std::vector<std::string> user_wrapper() {
+  return {"unshare", "--user", "--map-user=4711", "--map-group=4711", "--"};
+}
+
+std::vector<std::string> process_wrapper() {
+  // The first process of a namespace takes signals in another way, so the program is the second one.
+  return {"unshare", "-r", "--pid", "--fork", "--kill-child", "--", "sh", "-c", "\"$@\"; exit $?", "sh"};
+}
+
+bool processor_has(const std::string& feature) {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.compare(0, 5, "flags") == 0) return (line + " ").find(" " + feature + " ") != std::string::npos;
+  return false;
+}
 
 Facts collect_facts(const std::vector<std::string>& words, const std::string& folder,
                     const std::function<bool(std::string_view name)>& is_asked) {
@@ -133,7 +154,9 @@ Facts collect_facts(const std::vector<std::string>& words, const std::string& fo
   facts.has_math_library = facts.has_interpreter || names("openblas") || names("libmkl");
   find_allocators(facts);
   if (is_asked("locale")) find_locales(facts);
-  if (is_asked("time_namespace")) find_time_namespace(facts);
+  if (is_asked("time_namespace")) facts.no_time_namespace = missing_namespace(time_wrapper(), "a time namespace");
+  if (is_asked("user")) facts.no_user_namespace = missing_namespace(user_wrapper(), "a user namespace");
+  if (is_asked("process_id")) facts.no_process_namespace = missing_namespace(process_wrapper(), "a process namespace");
   if (facts.is_x86_64) facts.emulator = find_program("qemu-x86_64");
   return facts;
 }

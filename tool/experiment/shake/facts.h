@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tool/experiment/shake/outcome.h"
+#include "tool/experiment/shake/rebuild.h"
 
 namespace ticktrue::shake {
 
@@ -22,9 +23,20 @@ struct Facts {
   std::vector<std::string> locales;     // names of locales with a decimal comma, of Turkish
   std::string locale_folder;            // where they were made; empty: they are installed
   std::string no_time_namespace;        // why there is none
+  std::string no_user_namespace;        // why there is none
+  std::string no_process_namespace;     // why there is none
   std::string emulator;                 // qemu-x86_64; empty: there is none
   Outcome control;                      // with the preload library, where there is one
+  Builds builds;                        // of the program, by --rebuild
 };
+
+/// Words before a program that give it other clocks, another user, another process number.
+std::vector<std::string> time_wrapper();
+std::vector<std::string> user_wrapper();
+std::vector<std::string> process_wrapper();
+
+/// Whether the processor has an instruction set, by its name in /proc/cpuinfo.
+bool processor_has(const std::string& feature);
 
 /// `words`: the program and its arguments. `folder`: where locales are made. `is_asked`: whether a perturbation of this
 /// name is to be run; what nobody asks for is not looked for.

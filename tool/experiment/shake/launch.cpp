@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "tool/experiment/shake/terminal.h"
 #include "tool/output/cli.h"
 
 #ifdef __linux__
@@ -69,6 +70,7 @@ void set_process(const void* with) {
   }
   if (settings.has_no_huge_pages) ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);
   if (settings.umask >= 0) ::umask(static_cast<mode_t>(settings.umask));
+  if (settings.terminal >= 0) ::dup2(settings.terminal, 1);
   if (settings.prints_to_null) {
     const int nothing = ::open("/dev/null", O_WRONLY);
     if (nothing >= 0) {
@@ -172,6 +174,16 @@ std::vector<shim::LibmCall> read_libm_log(const std::string& path) {
   return calls;
 }
 
+std::vector<std::string> words_of(const Conditions& conditions, const LaunchOptions& options) {
+  std::vector<std::string> words = conditions.wrapper;
+  words.insert(words.end(), options.words.begin(), options.words.end());
+  std::string& first = words[conditions.wrapper.size()];
+  // An emulator does not search PATH.
+  if (const std::string program = find_program(first); !conditions.wrapper.empty() && !program.empty()) first = program;
+  if (!conditions.program.empty()) first = conditions.program;
+  return words;
+}
+
 }  // namespace
 
 std::string find_program(const std::string& word) {
@@ -210,14 +222,13 @@ Result<Run> Launcher::run(const Conditions& conditions) {
     if (failure) return failed(libm_log);
   }
   verifier::ChildCommand command;
-  command.argv = conditions.wrapper;
-  command.argv.insert(command.argv.end(), options_.words.begin(), options_.words.end());
-  // An emulator does not search PATH.
-  if (const std::string program = find_program(options_.words.front()); !conditions.wrapper.empty() && !program.empty())
-    command.argv[conditions.wrapper.size()] = program;
+  command.argv = words_of(conditions, options_);
   command.inherited = environment_of(conditions, options_, page, result);
+  std::optional<Terminal> terminal;
+  ProcessSettings process = conditions.process;
+  if (process.prints_to_terminal) process.terminal = terminal.emplace().descriptor();
   command.prepare = set_process;
-  command.prepare_with = &conditions.process;
+  command.prepare_with = &process;
   command.limits.time_s = options_.time_s;
   command.limits.output_size_max = output_size_max;
   if (conditions.in_other_folder) {
@@ -235,7 +246,7 @@ Result<Run> Launcher::run(const Conditions& conditions) {
   std::error_code ignored;
   for (const std::string& path : {page, result, libm_log}) fs::remove(path, ignored);
   const std::lock_guard guard(lock_);
-  for (const verifier::EscapedChild& process : run.outcome.escaped) escaped_.push_back(process);
+  escaped_.insert(escaped_.end(), run.outcome.escaped.begin(), run.outcome.escaped.end());
   return run;
 }
 

@@ -24,6 +24,8 @@ struct ProcessSettings {
   bool has_few_files = false;
   bool has_no_huge_pages = false;
   bool prints_to_null = false;
+  bool prints_to_terminal = false;
+  int terminal = -1;  // standard output, where it is a terminal: set by the launcher
   int umask = -1;
 };
 
@@ -38,6 +40,7 @@ struct Conditions {
   std::vector<std::string> tunables;  // of GLIBC_TUNABLES
   std::vector<std::string> preload;   // further libraries
   std::vector<std::string> wrapper;   // words before the program
+  std::string program;                // in place of the first word; empty: that word
   ProcessSettings process;
   bool in_other_folder = false;
 };

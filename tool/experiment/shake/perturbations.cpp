@@ -55,6 +55,10 @@ std::string needs_calls(const Facts& facts) {
       return calls_made(facts, group, "does not call qsort");
     case Group::libm:
       return calls_made(facts, group, "does not call libm");
+    case Group::identity:
+      return calls_made(facts, group, "does not ask for the name of the machine");
+    case Group::cycle_counter:
+      break;
   }
   return "";
 }
@@ -87,6 +91,23 @@ std::string needs_interpreter(const Facts& facts) {
 
 std::string needs_time_namespace(const Facts& facts) {
   return facts.no_time_namespace;
+}
+
+std::string needs_user_namespace(const Facts& facts) {
+  return facts.no_user_namespace;
+}
+
+std::string needs_process_namespace(const Facts& facts) {
+  return facts.no_process_namespace;
+}
+
+std::string needs_cycle_counter(const Facts& facts) {
+  return facts.is_x86_64 ? facts.no_shim : "x86-64 only";
+}
+
+template <BuildKind kind>
+std::string needs_build(const Facts& facts) {
+  return facts.builds[static_cast<std::size_t>(kind)].missing;
 }
 
 std::string needs_libm_of_cpu(const Facts& facts) {
@@ -200,8 +221,7 @@ void uptime(Conditions& conditions, unsigned variant, std::uint64_t, const Facts
 
 void time_namespace(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
   conditions.has_shim = false;
-  conditions.wrapper = {"unshare",    "-rT",   "--fork", "--kill-child", "--monotonic", "86400",
-                        "--boottime", "86400", "--"};
+  conditions.wrapper = time_wrapper();
 }
 
 void clock_rate(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
@@ -293,8 +313,29 @@ void huge_pages(Conditions& conditions, unsigned variant, std::uint64_t, const F
   else
     conditions.tunables.push_back("glibc.malloc.hugetlb=1");
 }
-void output(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
-  conditions.process.prints_to_null = true;
+void output(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
+  (variant == 0 ? conditions.process.prints_to_null : conditions.process.prints_to_terminal) = true;
+}
+
+void host_name(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
+  conditions.settings.host_mode = 1;
+}
+void user(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
+  conditions.has_shim = false;
+  conditions.wrapper = user_wrapper();
+}
+void process_id(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
+  conditions.has_shim = false;
+  conditions.wrapper = process_wrapper();
+}
+void fix_process_id(Conditions& conditions) {
+  conditions.settings.process_mode = 1;
+}
+void cycle_counter(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
+  conditions.settings.cycle_mode = 1;
+}
+void fix_cycle_counter(Conditions& conditions) {
+  conditions.settings.cycle_mode = 2;
 }
 
 void libm_of_cpu(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
@@ -313,7 +354,9 @@ void library_dispatch(Conditions& conditions, unsigned variant, std::uint64_t, c
     conditions.environment.emplace_back("MKL_CBWR", "COMPATIBLE");
     conditions.environment.emplace_back("ATEN_CPU_CAPABILITY", "default");
   } else {
-    conditions.environment.emplace_back("NPY_DISABLE_CPU_FEATURES", "FMA3 AVX2");
+    // numpy warns of what the processor does not have.
+    const char* features = processor_has("avx512f") ? "FMA3 AVX2 AVX512F AVX512CD AVX512_SKX" : "FMA3 AVX2";
+    conditions.environment.emplace_back("NPY_DISABLE_CPU_FEATURES", features);
   }
 }
 
@@ -326,8 +369,15 @@ void sort_ties(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
   conditions.settings.sort_mode = 1;
 }
 
-void flush_to_zero(Conditions& conditions, unsigned, std::uint64_t, const Facts&) {
-  conditions.settings.float_mode = 1;
+void flush_to_zero(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
+  constexpr std::uint32_t flush = 1;
+  constexpr std::uint32_t keep = 4;
+  conditions.settings.float_mode = variant == 0 ? flush : keep;
+}
+
+template <BuildKind kind>
+void other_build(Conditions& conditions, unsigned, std::uint64_t, const Facts& facts) {
+  conditions.program = facts.builds[static_cast<std::size_t>(kind)].program;
 }
 
 void rounding(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
@@ -339,6 +389,9 @@ constexpr std::string_view clock_mend = "let no clock reach the state: count tic
 constexpr std::string_view random_mend = "keep a generator of your own in the state, and its seed in the setup";
 constexpr std::string_view libm_mend =
     "use functions with the same bits everywhere: include/ticktrue/math.h, docs/math.md";
+constexpr std::string_view build_mend =
+    "compute what the language leaves open in one way: order of arguments, overflow, variables that nothing has set";
+constexpr std::string_view fused_mend = "build with -ffp-contract=off for all players: docs/pitfalls.md";
 constexpr std::string_view thread_mend = "let each thread write to a place of its own, and join in a fixed order";
 
 constexpr bool by_shim = true;
@@ -408,8 +461,16 @@ constexpr Perturbation table[] = {
      1, linux_only, file_mode, no_fix},
     {"huge_pages", Kind::a, "with and without huge pages", own_order, by_launch, together, whole, Group::heap, 2,
      linux_only, huge_pages, no_fix},
-    {"output", Kind::a, "standard output goes nowhere", "do not ask whether somebody looks", by_launch, together, whole,
-     Group::heap, 1, needs_unread_output, output, no_fix},
+    {"host_name", Kind::a, "another name of the machine", "keep the name of the machine out of the state", by_shim,
+     together, Narrowing::calls, Group::identity, 1, needs_calls<Group::identity>, host_name, no_fix},
+    {"user", Kind::a, "another user", "keep users and their names out of the state", by_launch, alone, whole,
+     Group::identity, 1, needs_user_namespace, user, no_fix},
+    {"process_id", Kind::a, "another process number", "keep process numbers out of the state and out of seeds",
+     by_launch, alone, Narrowing::calls, Group::identity, 1, needs_process_namespace, process_id, fix_process_id},
+    {"cycle_counter", Kind::a, "rdtsc of the processor counts from elsewhere", clock_mend, by_shim, alone,
+     Narrowing::calls, Group::cycle_counter, 1, needs_cycle_counter, cycle_counter, fix_cycle_counter},
+    {"output", Kind::a, "standard output goes nowhere, or to a terminal", "do not ask whether somebody looks",
+     by_launch, together, whole, Group::heap, 2, needs_unread_output, output, no_fix},
     {"libm_of_cpu", Kind::b, "libm as on a processor without FMA and AVX2", libm_mend, by_launch, alone,
      Narrowing::libm_results, Group::libm, 1, needs_libm_of_cpu, libm_of_cpu, no_fix},
     {"cpu_model", Kind::b, "another processor, by emulation: Nehalem, Haswell, all that the emulator has", libm_mend,
@@ -424,9 +485,17 @@ constexpr Perturbation table[] = {
      needs_calls<Group::sort>, sort_ties, no_fix},
     {"rand_library", Kind::b, "rand of another C library", random_mend, by_shim, alone, Narrowing::calls, Group::rand,
      1, needs_calls<Group::rand>, rand_library, no_fix},
-    {"flush_to_zero", Kind::b, "denormal numbers become zero, as a library may set it",
+    {"flush_to_zero", Kind::b, "denormal numbers become zero, or are kept, as a library may set it",
      "set the float environment in each thread, or keep clear of denormals", by_shim, alone, Narrowing::ticks,
-     Group::libm, 1, shim_loaded, flush_to_zero, no_fix},
+     Group::libm, 2, shim_loaded, flush_to_zero, no_fix},
+    {"other_compiler", Kind::b, "the program, built by another compiler", build_mend, by_launch, alone, whole,
+     Group::libm, 1, needs_build<BuildKind::other_compiler>, other_build<BuildKind::other_compiler>, no_fix},
+    {"no_optimisation", Kind::b, "the program, built with -O0", build_mend, by_launch, alone, whole, Group::libm, 1,
+     needs_build<BuildKind::no_optimisation>, other_build<BuildKind::no_optimisation>, no_fix},
+    {"contraction", Kind::b, "the program, built with products and sums in one (FMA)", fused_mend, by_launch, alone,
+     whole, Group::libm, 1, needs_build<BuildKind::contraction>, other_build<BuildKind::contraction>, no_fix},
+    {"this_processor", Kind::b, "the program, built with -O3 for this processor", fused_mend, by_launch, alone, whole,
+     Group::libm, 1, needs_build<BuildKind::this_processor>, other_build<BuildKind::this_processor>, no_fix},
     {"rounding", Kind::c, "another rounding mode", "set the rounding mode in each thread", by_shim, alone,
      Narrowing::ticks, Group::libm, 2, shim_loaded, rounding, no_fix},
 };

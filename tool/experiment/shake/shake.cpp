@@ -12,7 +12,7 @@
 
 #include "base/parallel/jobs.h"
 #include "tool/experiment/ddmin.h"
-#include "tool/experiment/shake/instructions.h"
+#include "tool/experiment/shake/call_site.h"
 
 namespace ticktrue::shake {
 namespace {
@@ -36,6 +36,7 @@ class Shaking {
   explicit Shaking(const ShakeOptions& options) : options_(options), launcher_(options.launch), start_(Clock::now()) {}
 
   Result<ShakeReport> run() {
+    if (const Status status = begin_rebuild(); !status) return status.error();
     if (const Status status = run_control(); !status) return status.error();
     if (report_.failure.empty()) {
       facts_ = collect_facts(options_.launch.words, options_.launch.folder, [&](std::string_view name) {
@@ -44,6 +45,7 @@ class Shaking {
       });
       facts_.no_shim = no_shim_;
       facts_.control = report_.control_with_shim.empty() ? report_.control.front() : report_.control_with_shim.front();
+      if (const Status status = rebuild(); !status) return status.error();
       if (const Status status = report_.repeats ? run_rows() : find_fix(); !status) return status.error();
     }
     launcher_.end_escaped();
@@ -66,6 +68,46 @@ class Shaking {
   void tell(std::uint64_t more_expected = 0) {
     expected_ += more_expected;
     if (options_.progress) options_.progress(launcher_.run_count(), std::max(expected_, launcher_.run_count()));
+  }
+
+  // --- other builds of the program ----------------------------------------------------------------------------------
+
+  RebuildOptions rebuild_options() const { return {options_.rebuild, options_.launch.folder, options_.launch.time_s}; }
+
+  /// A command that cannot build the program is told before anything runs.
+  Status begin_rebuild() {
+    if (options_.rebuild.empty()) return {};
+    Result<std::string> program = build_as_is(rebuild_options());
+    if (!program) return program.error();
+    built_as_is_ = *program;
+    return {};
+  }
+
+  /// Every kind that is asked for, and what the program does that is built with nothing changed.
+  Status rebuild() {
+    facts_.builds = no_builds("without --rebuild CMD there is no other build of the program");
+    build_baseline_ = baseline_;
+    if (built_as_is_.empty() || !report_.repeats) return {};
+    Conditions plain;
+    plain.program = built_as_is_;
+    const Result<Run> run = launcher_.run(plain);
+    if (!run) return run.error();
+    build_baseline_ = signature(run->outcome);
+    const bool is_judged = run->outcome.kind == OutcomeKind::match || run->outcome.kind == OutcomeKind::diverged;
+    if (!is_judged) facts_.builds = no_builds("the program of --rebuild: " + run->outcome.reason);
+    if (!is_judged) return {};
+    if (build_baseline_ != baseline_)
+      report_.notes.push_back("--rebuild with nothing changed gives another program than this one: " +
+                              outcome_text(run->outcome) + "; other builds are compared with that one");
+    for (const Choice& choice : options_.choices)
+      if (const auto kind = build_kind_named(choice.perturbation->name); kind && goes_on())
+        facts_.builds[static_cast<std::size_t>(*kind)] = build_kind(rebuild_options(), *kind, built_as_is_);
+    return {};
+  }
+
+  /// What a run does in which nothing matters.
+  const std::string& baseline_of(const Perturbation& perturbation) const {
+    return build_kind_named(perturbation.name) ? build_baseline_ : baseline_;
   }
 
   // --- control ------------------------------------------------------------------------------------------------------
@@ -169,7 +211,7 @@ class Shaking {
 
   bool is_together(const RowResult& row) const {
     const Choice& choice = row.choice;
-    return row.state == RowState::not_run && choice.perturbation->kind == Kind::a &&
+    return !options_.each_alone && row.state == RowState::not_run && choice.perturbation->kind == Kind::a &&
            choice.perturbation->is_combinable && !choice.calls && !choice.ticks;
   }
 
@@ -258,7 +300,7 @@ class Shaking {
         const std::lock_guard guard(lock);
         tell();
         ++row.run_count;
-        if (signature(run->outcome) == baseline_) continue;
+        if (signature(run->outcome) == baseline_of(perturbation)) continue;
         if (!is_own_refusal(perturbation, run->outcome, row)) {
           row.state = RowState::moved;
           row.outcome = run->outcome;
@@ -320,10 +362,12 @@ class Shaking {
       if (goes_on()) {
         const Result<Run> again = launcher_.run(conditions);
         ++row->repeat_count;
-        if (again && signature(again->outcome) != baseline_) ++row->moved_count;
+        if (again && signature(again->outcome) != baseline_of(*row->choice.perturbation)) ++row->moved_count;
       }
       const Perturbation& perturbation = *row->choice.perturbation;
       const bool is_limited = row->choice.calls || row->choice.ticks;
+      // Its calls are changed in runs that hold it still alone.
+      if (perturbation.narrowing == Narrowing::calls && !perturbation.uses_shim) continue;
       if (is_limited || perturbation.kind == Kind::c || perturbation.narrowing == Narrowing::none || !goes_on())
         continue;
       row->cause = narrow(launcher_, perturbation, conditions, row->outcome, options);
@@ -456,14 +500,18 @@ class Shaking {
       report_.fix.mends.emplace_back(row->mend);
     }
     const Perturbation& first = *rows.front();
-    if (rows.size() == 1 && first.narrowing == Narrowing::calls && options_.narrows)
-      report_.fix.cause = narrow_fix(
-          launcher_, first, fixed(rows), facts_.control,
-          [&](const Conditions& conditions) {
-            const Result<bool> still = holds_still(conditions);
-            return still && *still;
-          },
-          [&] { return goes_on(); });
+    if (rows.size() != 1 || first.narrowing != Narrowing::calls || !options_.narrows) return {};
+    // What is trapped is counted in such a run alone.
+    const Result<Run> run = launcher_.run(fixed(rows));
+    if (!run) return run.error();
+    const bool has_more = run->outcome.calls_of(first.group) > facts_.control.calls_of(first.group);
+    report_.fix.cause = narrow_fix(
+        launcher_, first, fixed(rows), has_more ? run->outcome : facts_.control,
+        [&](const Conditions& conditions) {
+          const Result<bool> still = holds_still(conditions);
+          return still && *still;
+        },
+        [&] { return goes_on(); });
     return {};
   }
 
@@ -474,6 +522,8 @@ class Shaking {
   Facts facts_;
   std::string no_shim_;
   std::string baseline_;
+  std::string built_as_is_;                 // a program; empty: without --rebuild
+  std::string build_baseline_;              // of that program
   std::optional<unsigned> moved_together_;  // variant
   std::vector<std::pair<RowResult*, Conditions>> guilty_;
   std::uint64_t expected_ = 0;

@@ -28,6 +28,8 @@ struct ShakeOptions {
   unsigned thread_count = 1;
   std::optional<double> time_s;  // no run begins later
   bool narrows = true;
+  bool each_alone = false;  // no run of all A at once
+  std::string rebuild;      // command that builds the program; empty: there is none
   std::function<void(std::uint64_t done, std::uint64_t expected)> progress;  // may be empty
 };
 
