@@ -31,6 +31,8 @@ namespace {
 
 constexpr std::uint64_t heap_room_max = std::uint64_t{512} << 20;
 constexpr std::uint64_t lengths[] = {5, 13, 31};  // ticks of windows, in turn
+constexpr std::uint64_t dense_windows = 100;      // at first, windows lie over each other
+constexpr std::uint64_t dense_step = 4;           // ticks between these
 constexpr int copy_time_ms = 20'000;
 constexpr std::uint64_t harmless_windows = 6;  // in which nothing moved, and what differs is noted
 
@@ -148,7 +150,7 @@ bool Probe::fork_copy(Role role) {
 
 bool Probe::run_window(std::uint64_t tick, const StateView& state, const Register& apply) {
   begin_ = tick;
-  next_ = tick + length_;
+  next_ = tick + (window_count_ < dense_windows ? std::min(length_, dense_step) : length_);
   if (const std::size_t threads = thread_count(); threads > 1) {
     threads_ = threads;
     return false;

@@ -32,6 +32,7 @@ Json unit_json(const Unit& unit, const std::vector<LoadedModule>& modules) {
             {"first", first.address - unit.begin},
             {"last", last.address + last.size - 1 - unit.begin}};
   json["place"] = place(unit.begin, modules);
+  json["holder"] = unit.holder;
   Json stack = Json::array();
   for (const void* address : unit.stack) stack.push_back(place(reinterpret_cast<std::uint64_t>(address), modules));
   json["stack"] = std::move(stack);

@@ -13,6 +13,7 @@ namespace ticktrue::capi {
 namespace {
 
 constexpr std::uint64_t trials_of_window_max = 400;
+constexpr std::size_t holders_max = 16;  // units of a finding whose holder is looked for
 constexpr std::uint64_t examined_windows_max = 40;
 
 /// What stays the same over windows: a variable, or a place in blocks of one kind.
@@ -129,6 +130,8 @@ void Probe::add_finding(const Groups& groups, const Trial& trial, bool is_joint)
     for (const std::size_t unit : differences_.groups[group]) {
       known_.insert(key_of(differences_.units[unit]));
       finding.units.push_back(differences_.units[unit]);
+      if (finding.units.size() <= holders_max && finding.units.back().owner == PieceOwner::block)
+        find_holder(memory_, finding.units.back());
     }
   findings_.push_back(std::move(finding));
 }

@@ -255,6 +255,21 @@ const std::uint8_t* OtherMemory::at(std::uint64_t address, std::uint64_t size) c
   return nullptr;
 }
 
+void find_holder(const ProgramMemory& memory, Unit& unit) {
+  for (const Variable& variable : memory.variables) {
+    const bool is_writable = std::any_of(memory.ranges.begin(), memory.ranges.end(), [&](const MemoryRange& range) {
+      return variable.address >= range.begin && variable.address + variable.size <= range.begin + range.size;
+    });
+    for (std::uint64_t at = (variable.address + 7) / 8 * 8; is_writable && at + 8 <= variable.address + variable.size;
+         at += 8) {
+      const std::uint64_t word = word_at(here(at));
+      if (word < unit.begin || word > unit.begin + unit.size) continue;
+      unit.holder = variable.name;
+      return;
+    }
+  }
+}
+
 Differences find_differences(const ProgramMemory& memory, const OtherMemory& other, const shim::KeptHeap& heap_before,
                              const shim::KeptHeap& heap_after, const std::vector<std::uint64_t>& moved,
                              std::vector<std::ptrdiff_t>& moved_group) {

@@ -42,9 +42,13 @@ struct Unit {
   std::uint64_t begin = 0;         // of the owner
   std::uint64_t size = 0;          // of the owner
   std::size_t module = 0;          // of variable, module and thread
+  std::string holder;              // of a block: the variable that points to it, mangled; empty: none does
   std::vector<const void*> stack;  // of a block: where it was allocated
   std::vector<Piece> pieces;
 };
+
+/// The variable of the program that points into the block of the unit becomes its holder.
+void find_holder(const ProgramMemory& memory, Unit& unit);
 
 struct HeapBlock {
   std::uint64_t begin = 0;

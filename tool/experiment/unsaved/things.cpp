@@ -17,8 +17,6 @@
 namespace ticktrue::unsaved {
 namespace {
 
-using Json = nlohmann::json;
-
 std::string demangled(const std::string& symbol) {
   int status = 0;
   const std::unique_ptr<char, decltype(&std::free)> name(abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status),
@@ -72,7 +70,8 @@ std::string Thing::text() const {
     case ThingKind::variable:
       return name + " (" + (source.empty() ? in : source) + "), " + count_text(size, "byte");
     case ThingKind::heap:
-      return "block of " + grouped(size) + (size == 1 ? " byte" : " bytes") + " allocated " +
+      return "block of " + grouped(size) + (size == 1 ? " byte" : " bytes") +
+             (holder.empty() ? "" : " behind " + holder + ",") + " allocated " +
              (function.empty() ? "at a place that is not known" : "in " + function) +
              (source.empty() ? "" : " (" + source + ")") + ", " + bytes_text(first, last);
     case ThingKind::stack:
@@ -112,7 +111,7 @@ const std::vector<shake::CallSite>& ThingNames::frames(const std::string& module
   return found->second;
 }
 
-Thing ThingNames::thing(const Json& unit) {
+Thing ThingNames::thing(const nlohmann::ordered_json& unit) {
   Thing thing;
   thing.kind = kind_of(unit.at("owner").get<std::string>());
   thing.size = unit.at("size").get<std::uint64_t>();
@@ -129,7 +128,8 @@ Thing ThingNames::thing(const Json& unit) {
       thing.line = line->second.line;
     }
   }
-  for (const Json& place : unit.at("stack")) {
+  if (const auto holder = unit.at("holder").get<std::string>(); !holder.empty()) thing.holder = demangled(holder);
+  for (const nlohmann::ordered_json& place : unit.at("stack")) {
     const std::vector<shake::CallSite>& found =
         frames(place.at("module").get<std::string>(), place.at("base").get<std::uint64_t>(),
                place.at("offset").get<std::uint64_t>());
@@ -145,7 +145,7 @@ Thing ThingNames::thing(const Json& unit) {
 
 bool is_same_place(const Thing& a, const Thing& b) {
   return a.kind == b.kind && a.name == b.name && a.module == b.module && a.file == b.file && a.line == b.line &&
-         a.function == b.function && (a.size == b.size || a.kind == ThingKind::heap);
+         a.function == b.function && a.holder == b.holder && (a.size == b.size || a.kind == ThingKind::heap);
 }
 
 void merge(Thing& into, const Thing& from) {
@@ -154,9 +154,9 @@ void merge(Thing& into, const Thing& from) {
   into.size = std::max(into.size, from.size);
 }
 
-std::vector<Thing> ThingNames::things(const Json& units) {
+std::vector<Thing> ThingNames::things(const nlohmann::ordered_json& units) {
   std::vector<Thing> things;
-  for (const Json& unit : units) {
+  for (const nlohmann::ordered_json& unit : units) {
     const Thing next = thing(unit);
     const auto same =
         std::find_if(things.begin(), things.end(), [&](const Thing& other) { return is_same_place(other, next); });

@@ -15,9 +15,9 @@ namespace ticktrue::unsaved {
 class ThingNames {
  public:
   /// Of a unit in the log of the session. Requires: the fields of capi/unsaved/probe_log.cpp.
-  Thing thing(const nlohmann::json& unit);
+  Thing thing(const nlohmann::ordered_json& unit);
   /// The things of several units: those of one variable or block are one, and the one to look at stands first.
-  std::vector<Thing> things(const nlohmann::json& units);
+  std::vector<Thing> things(const nlohmann::ordered_json& units);
 
  private:
   struct SourceLine {

@@ -16,8 +16,6 @@ namespace ticktrue::unsaved {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
 constexpr const char* log_variable = "TICKTRUE_UNSAVED";
 constexpr std::uint64_t log_size_max = std::uint64_t{256} << 20;
 
@@ -26,25 +24,26 @@ Error refused(const std::string& what, const std::string& hint) {
 }
 
 /// Null where no session wrote a log that is whole.
-Json read_log(const std::string& path) {
+nlohmann::ordered_json read_log(const std::string& path) {
   std::error_code failed;
   const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed || size > log_size_max) return Json();
+  if (failed || size > log_size_max) return nlohmann::ordered_json();
   std::ifstream in(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  Json log = Json::parse(text, nullptr, false);
-  return log.is_object() ? log : Json();
+  nlohmann::ordered_json log = nlohmann::ordered_json::parse(text, nullptr, false);
+  return log.is_object() ? log : nlohmann::ordered_json();
 }
 
-std::vector<UnsavedFinding> findings_of(const Json& list, ThingNames& names) {
+std::vector<UnsavedFinding> findings_of(const nlohmann::ordered_json& list, ThingNames& names) {
   std::vector<UnsavedFinding> findings;
-  for (const Json& json : list) {
+  for (const nlohmann::ordered_json& json : list) {
     UnsavedFinding finding;
     finding.things = names.things(json.at("units"));
     finding.is_joint = json.at("is_joint").get<bool>();
     finding.tick = json.at("tick").get<std::uint64_t>();
     finding.window = json.at("window").get<std::uint64_t>();
-    for (const Json& column : json.at("columns")) finding.columns.push_back(plain_line(column.get<std::string>()));
+    for (const nlohmann::ordered_json& column : json.at("columns"))
+      finding.columns.push_back(plain_line(column.get<std::string>()));
     // Parts of one block or variable are one finding.
     const auto same = std::find_if(findings.begin(), findings.end(), [&](const UnsavedFinding& other) {
       return !other.things.empty() && !finding.things.empty() && is_same_place(other.things[0], finding.things[0]);
@@ -65,7 +64,8 @@ std::vector<UnsavedFinding> findings_of(const Json& list, ThingNames& names) {
 }
 
 /// What differs and moves nothing. What lies on the stack, and blocks of which parts move a column, are no news.
-std::vector<Thing> harmless_of(const Json& units, const std::vector<UnsavedFinding>& findings, ThingNames& names) {
+std::vector<Thing> harmless_of(const nlohmann::ordered_json& units, const std::vector<UnsavedFinding>& findings,
+                               ThingNames& names) {
   std::vector<Thing> things = names.things(units);
   std::erase_if(things, [&](const Thing& thing) {
     if (thing.kind == ThingKind::stack) return true;
@@ -78,7 +78,7 @@ std::vector<Thing> harmless_of(const Json& units, const std::vector<UnsavedFindi
 }
 
 /// Why the run says nothing; empty: it says something.
-Status check_run(const UnsavedReport& report, const Json& log, const std::string& program) {
+Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log, const std::string& program) {
   const shake::Outcome& outcome = report.outcome;
   const std::string how = outcome.reason.empty() ? std::string() : ": " + outcome.reason;
   if (log.is_null())
@@ -113,7 +113,7 @@ Status check_run(const UnsavedReport& report, const Json& log, const std::string
   return {};
 }
 
-void add_notes(const Json& log, UnsavedReport& report) {
+void add_notes(const nlohmann::ordered_json& log, UnsavedReport& report) {
   const auto lost = log.at("lost").get<std::uint64_t>();
   if (lost > 0)
     report.notes.push_back(count_text(lost, "window") +
@@ -150,7 +150,7 @@ Result<UnsavedReport> run_unsaved(const UnsavedOptions& options) {
   if (!run) return run.error();
   UnsavedReport report;
   report.outcome = run->outcome;
-  const Json log = read_log(path);
+  const nlohmann::ordered_json log = read_log(path);
   if (!log.is_null()) {
     ThingNames names;
     report.window_count = log.at("windows").get<std::uint64_t>();

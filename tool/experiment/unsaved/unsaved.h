@@ -25,6 +25,7 @@ struct Thing {
   std::string name;  // of a variable, as in the source
   std::string file;  // of the definition, or of the allocation; empty: not known
   unsigned line = 0;
+  std::string holder;       // the variable that points to the block; empty: not known
   std::string function;     // that allocated the block
   std::string module;       // path
   std::uint64_t size = 0;   // bytes, of the variable or block

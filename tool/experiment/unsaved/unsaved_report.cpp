@@ -12,8 +12,6 @@
 namespace ticktrue::unsaved {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t columns_shown_max = 4;
 constexpr std::size_t things_shown_max = 4;
 constexpr std::size_t harmless_shown_max = 12;
@@ -50,17 +48,24 @@ void add_finding(const UnsavedFinding& finding, Lines& lines) {
                     columns_text(finding.columns) + " at tick " + std::to_string(finding.tick));
 }
 
-Json thing_json(const Thing& thing) {
-  return {{"kind", name_of(thing.kind)}, {"name", thing.name},         {"file", plain_line(thing.file)},
-          {"line", thing.line},          {"function", thing.function}, {"module", plain_line(thing.module)},
-          {"size", thing.size},          {"first_byte", thing.first},  {"last_byte", thing.last},
+nlohmann::ordered_json thing_json(const Thing& thing) {
+  return {{"kind", name_of(thing.kind)},
+          {"name", thing.name},
+          {"file", plain_line(thing.file)},
+          {"line", thing.line},
+          {"function", thing.function},
+          {"holder", thing.holder},
+          {"module", plain_line(thing.module)},
+          {"size", thing.size},
+          {"first_byte", thing.first},
+          {"last_byte", thing.last},
           {"text", thing.text()}};
 }
 
-Json findings_json(const std::vector<UnsavedFinding>& findings) {
-  Json list = Json::array();
+nlohmann::ordered_json findings_json(const std::vector<UnsavedFinding>& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const UnsavedFinding& finding : findings) {
-    Json things = Json::array();
+    nlohmann::ordered_json things = nlohmann::ordered_json::array();
     for (const Thing& thing : finding.things) things.push_back(thing_json(thing));
     list.push_back({{"things", std::move(things)},
                     {"joint", finding.is_joint},
@@ -123,16 +128,17 @@ std::string unsaved_text(const UnsavedReport& report, const std::string& trace) 
 }
 
 std::string unsaved_json(const UnsavedReport& report, const std::string& trace) {
-  Json json{{"schema", "ticktrue.unsaved/1"}, {"verdict", name_of(report.verdict)},  {"trace", plain_line(trace)},
-            {"ticks", report.tick_count},     {"saves_loaded", report.window_count}, {"trials", report.trial_count}};
+  nlohmann::ordered_json json{{"schema", "ticktrue.unsaved/1"},      {"verdict", name_of(report.verdict)},
+                              {"trace", plain_line(trace)},          {"ticks", report.tick_count},
+                              {"saves_loaded", report.window_count}, {"trials", report.trial_count}};
   json["findings"] = findings_json(report.findings);
   json["not_loaded"] = findings_json(report.not_loaded);
   json["unexplained"] = findings_json(report.unexplained);
-  Json harmless = Json::array();
+  nlohmann::ordered_json harmless = nlohmann::ordered_json::array();
   for (const Thing& thing : report.harmless) harmless.push_back(thing_json(thing));
   json["harmless"] = std::move(harmless);
   json["notes"] = report.notes;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace ticktrue::unsaved
