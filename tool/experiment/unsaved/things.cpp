@@ -128,7 +128,7 @@ Thing ThingNames::thing(const nlohmann::ordered_json& unit) {
       thing.line = line->second.line;
     }
   }
-  if (const auto holder = unit.at("holder").get<std::string>(); !holder.empty()) thing.holder = demangled(holder);
+  if (const auto holder = unit.value("holder", std::string()); !holder.empty()) thing.holder = demangled(holder);
   for (const nlohmann::ordered_json& place : unit.at("stack")) {
     const std::vector<shake::CallSite>& found =
         frames(place.at("module").get<std::string>(), place.at("base").get<std::uint64_t>(),

@@ -151,16 +151,19 @@ Result<UnsavedReport> run_unsaved(const UnsavedOptions& options) {
   UnsavedReport report;
   report.outcome = run->outcome;
   const nlohmann::ordered_json log = read_log(path);
-  if (!log.is_null()) {
-    ThingNames names;
-    report.window_count = log.at("windows").get<std::uint64_t>();
-    report.trial_count = log.at("trials").get<std::uint64_t>();
-    report.tick_count = log.at("ticks").get<std::uint64_t>();
-    report.findings = findings_of(log.at("findings"), names);
-    report.unexplained = findings_of(log.at("unexplained"), names);
-    report.not_loaded = findings_of(log.at("not_loaded"), names);
-    report.harmless = harmless_of(log.at("harmless"), report.findings, names);
-  }
+  if (!log.is_null()) try {
+      ThingNames names;
+      report.window_count = log.at("windows").get<std::uint64_t>();
+      report.trial_count = log.at("trials").get<std::uint64_t>();
+      report.tick_count = log.at("ticks").get<std::uint64_t>();
+      report.findings = findings_of(log.at("findings"), names);
+      report.unexplained = findings_of(log.at("unexplained"), names);
+      report.not_loaded = findings_of(log.at("not_loaded"), names);
+      report.harmless = harmless_of(log.at("harmless"), report.findings, names);
+    } catch (const nlohmann::ordered_json::exception& wrong) {
+      return refused(options.launch.words.front() + ": findings: " + wrong.what(),
+                     "its libticktrue is of another version than this tool: link it anew");
+    }
   if (const Status status = check_run(report, log, options.launch.words.front()); !status) return status.error();
   add_notes(log, report);
   const bool has_any = !report.findings.empty() || !report.unexplained.empty() || !report.not_loaded.empty();
