@@ -151,7 +151,11 @@ int add_module(dl_phdr_info* info, std::size_t, void* with) {
     if (constant_end > begin && constant_end <= end) begin = constant_end;
     add_range(memory, {RangeKind::module, info->dlpi_addr + begin, end - begin, module});
   }
-  memory.modules.push_back({path, info->dlpi_addr});
+  std::uint64_t module_end = 0;
+  for (unsigned i = 0; i < info->dlpi_phnum; ++i)
+    if (info->dlpi_phdr[i].p_type == PT_LOAD)
+      module_end = std::max<std::uint64_t>(module_end, info->dlpi_phdr[i].p_vaddr + info->dlpi_phdr[i].p_memsz);
+  memory.modules.push_back({path, info->dlpi_addr, info->dlpi_addr + module_end});
   read_variables(path, place, memory.variables);
   return 0;
 }

@@ -31,6 +31,7 @@ struct MemoryRange {
 struct LoadedModule {
   std::string path;
   std::uint64_t base = 0;
+  std::uint64_t end = 0;
 };
 
 struct ProgramMemory {

@@ -18,7 +18,8 @@ constexpr const char* owner_names[] = {"variable", "module", "thread", "stack", 
 Json place(std::uint64_t address, const std::vector<LoadedModule>& modules) {
   const LoadedModule* nearest = nullptr;
   for (const LoadedModule& module : modules)
-    if (module.base <= address && (nearest == nullptr || module.base > nearest->base)) nearest = &module;
+    if (module.base <= address && address < module.end && (nearest == nullptr || module.base > nearest->base))
+      nearest = &module;
   if (nearest == nullptr) return {{"module", ""}, {"offset", address}, {"base", 0}};
   return {{"module", nearest->path}, {"offset", address - nearest->base}, {"base", nearest->base}};
 }
