@@ -154,6 +154,11 @@ Status Session::check_options(const ticktrue_options& options) {
     if (restores_) comparing_->set_mode("restore");
     trail_ = TrailLog::from_environment();
     if (comparing_->has_marks() || trail_ != nullptr) marks_.turn_on();
+    probe_ = Probe::from_environment();
+    if (probe_ && !saves_.is_set())
+      probe_->refuse("the session has no load callback: nothing to compare",
+                     "set save and load in the options: see docs/any_simulation.md");
+    if (probe_) sync_ticks_ = 0, restores_ = false;
     return {};
   }
   if (options.setup == nullptr && options.setup_size > 0)
@@ -316,6 +321,7 @@ int Session::column(const char* table, const char* name, const void* data, int t
   source.stride = stride;
   source.is_shown = is_shown_type(type);
   const Status status = state_.column(text_of(table), text_of(name), source);
+  if (probe_ && status) tell_probe(table, name, source);
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
@@ -354,6 +360,12 @@ int Session::table(const char* name, std::size_t stride, const ticktrue_member* 
 int Session::rows(std::uint32_t table, const void* base, std::uint32_t rows) {
   if (!can_call("rows")) return status_;
   const Status status = state_.rows(table, base, rows);
+  if (probe_ && status && table < state_.schema().tables.size()) {
+    ColumnSource source;
+    source.data = base;
+    source.row_count = rows;
+    tell_probe(state_.schema().tables[table].name.c_str(), "", source);
+  }
   return status ? TICKTRUE_OK : fail(status.error());
 }
 
@@ -614,6 +626,7 @@ int Session::end_tick() {
   inputs_taken_ = 0;
   const std::uint64_t tick = tick_++;
   BoundContents bound = marks_.take();
+  if (probe_ && probe_->is_copy()) probe_->tick_ended(tick, state_.view(), second_.is_second());
   if (second_.is_second()) return end_second(tick);
   bound.notes = std::exchange(notes_, {});
   std::optional<Bytes> save, shown, recorded_save;
@@ -747,6 +760,7 @@ int Session::finish_recording() {
 
 int Session::finish() {
   if (phase_ == Phase::finished || refuse_in_callback("finish")) return exit_code_;
+  if (probe_) probe_->finish(ticks_done());
   if (recording_) {
     judge_second_runs();
     exit_code_ = finish_recording();

@@ -25,6 +25,7 @@
 #include "capi/saves.h"
 #include "capi/second_run.h"
 #include "capi/tick.h"
+#include "capi/unsaved/probe.h"
 #include "include/ticktrue.h"
 
 namespace ticktrue::capi {
@@ -169,6 +170,9 @@ class Session {
   int input_of_second(void* data, std::size_t size);
   int begin_second_tick(double* dt);
   void judge_second_runs();
+  /// Behind a tick, where `ticktrue unsaved` looks for what the save forgets.
+  int after_probed_tick();
+  void tell_probe(const char* table, const char* column, const ColumnSource& source);
   /// Ticks that the first run has done.
   std::uint64_t ticks_done() const { return second_.is_second() ? std::max(tick_, second_.behind()) : tick_; }
 
@@ -219,6 +223,7 @@ class Session {
   const void* tick_thread_ = nullptr;  // an address of the thread in whose tick marks count
   std::unique_ptr<TrailLog> trail_;    // of a verification that `ticktrue trail` runs
 
+  std::unique_ptr<Probe> probe_;  // of a verification that `ticktrue unsaved` runs
   SaveCalls saves_;
   bool in_callback_ = false;
   std::uint64_t from_ = 0;  // verify

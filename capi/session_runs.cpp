@@ -6,6 +6,7 @@
 
 #include "base/count_text.h"
 #include "base/hash.h"
+#include "capi/marks/shake_page.h"
 #include "capi/session.h"
 #include "replay/format/shown_image.h"
 #include "verifier/locate/locate.h"
@@ -50,6 +51,8 @@ bool Session::save_now(std::optional<Bytes>& bytes) {
   const KeptState before(state_.view());
   Result<std::optional<Bytes>> saved = [&] {
     const InCallback inside(in_callback_);
+    std::optional<OutOfLibrary> outside;
+    if (probe_) outside.emplace();
     return saves_.save(tick_);
   }();
   if (status_ != TICKTRUE_OK) return false;  // a wrong call from inside
@@ -79,6 +82,8 @@ bool Session::gather_shown(std::optional<Bytes>& bytes) {
 bool Session::load_now(std::uint64_t tick, ByteView bytes) {
   const Status loaded = [&] {
     const InCallback inside(in_callback_);
+    std::optional<OutOfLibrary> outside;
+    if (probe_) outside.emplace();
     return saves_.load(tick, bytes);
   }();
   if (status_ != TICKTRUE_OK) return false;
@@ -106,10 +111,14 @@ bool Session::open_sync_block() {
 
 bool Session::go_back() {
   const std::uint64_t first = second_.first();
-  if (!load_now(first, second_.save())) return false;
+  if (!load_now(first, second_.save())) {
+    if (probe_) probe_->load_failed(message_);
+    return false;
+  }
   tick_ = first;
   inputs_.clear();
   inputs_taken_ = 0;
+  if (probe_) probe_->loaded(state_.view());
   if (second_.state().is_same(state_.view())) {
     second_.begin_second();
     return true;
@@ -119,7 +128,34 @@ bool Session::go_back() {
   return false;
 }
 
+int Session::after_probed_tick() {
+  if (probe_->role() == Probe::Role::trial) return TICKTRUE_OK;
+  if (probe_->role() == Probe::Role::straight) {
+    if (!second_.is_open()) probe_->leave();
+    if (second_.behind() - second_.first() < probe_->length() && recorded() != nullptr) return TICKTRUE_OK;
+    return go_back() ? TICKTRUE_OK : status_;
+  }
+  if (!probe_->wants_window(tick_) || recorded() == nullptr) return TICKTRUE_OK;
+  std::optional<Bytes> save;
+  if (!save_now(save)) return status_;
+  if (!save) return probe_->no_save(tick_), TICKTRUE_OK;
+  comparing_->at(tick_ + probe_->length());  // copies of the process read no file
+  const auto apply = [this](const MovedColumn& moved) {
+    if (!moved.column.empty()) return static_cast<bool>(state_.column(moved.table, moved.column, moved.source));
+    const std::optional<std::size_t> table = state_.find_table(moved.table);
+    return table && static_cast<bool>(state_.rows(*table, moved.source.data, moved.source.row_count));
+  };
+  if (probe_->run_window(tick_, state_.view(), apply) && probe_->role() == Probe::Role::straight)
+    second_.open(tick_, std::move(*save), state_.view());
+  return TICKTRUE_OK;
+}
+
+void Session::tell_probe(const char* table, const char* column, const ColumnSource& source) {
+  if (in_callback_) probe_->column_moved({table, column, source});
+}
+
 int Session::after_first_run(std::optional<Bytes> recorded_save) {
+  if (probe_) return after_probed_tick();
   // A loop that counts to the end of its trace would not ask for another tick.
   if (comparing_ && can_go_back() && recorded() == nullptr) return go_back() ? TICKTRUE_OK : status_;
   if (sync_ticks_ > 0) {
@@ -147,6 +183,7 @@ int Session::end_second(std::uint64_t tick) {
                    "");
   // What repeats itself every few ticks would be in step again behind as many ticks as both runs have. So every other
   // second run begins twice.
+  if (probe_) return TICKTRUE_OK;
   if (tick == second_.first() && second_.behind() - tick > 1 && begins_twice_) {
     begins_twice_ = false;
     return go_back() ? TICKTRUE_OK : status_;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "shim/arena.h"
+#include "shim/kept_heap.h"
 #include "shim/shim.h"
 
 extern "C" {
@@ -23,6 +24,7 @@ constexpr std::size_t smallest_alignment = 16;
 std::size_t size_of(void* block) {
   static std::size_t (*real)(void*) = nullptr;
   if (is_in_arena(block)) return arena_size(block);
+  if (is_kept(block)) return kept_size(block);
   const auto found = real_function(real, "malloc_usable_size");
   return found == nullptr ? 0 : found(block);
 }
@@ -35,12 +37,14 @@ void fill(void* block, std::size_t size, std::uint64_t number) {
 }
 
 bool wants_arena() {
-  return settings().heap_order != 0 || settings().heap_alignment != 0;
+  return settings().heap_order != 0 || settings().heap_alignment != 0 || settings().heap_kept != 0;
 }
 
 /// A block that is not filled.
 void* place(const Call& call, std::size_t alignment, std::size_t size) {
-  if (call.is_changed && wants_arena()) {
+  if (call.is_changed && settings().heap_kept != 0) {
+    if (void* block = kept_allocate(alignment, size); block != nullptr) return block;
+  } else if (call.is_changed && wants_arena()) {
     void* block = arena_allocate(alignment, size, settings().heap_order, settings().heap_alignment, call.number);
     if (block != nullptr) {
       count_change();
@@ -53,6 +57,8 @@ void* place(const Call& call, std::size_t alignment, std::size_t size) {
 void release(void* block) {
   if (is_in_arena(block))
     arena_free(block);
+  else if (is_kept(block))
+    kept_free(block);
   else
     __libc_free(block);
 }
@@ -102,7 +108,7 @@ TICKTRUE_SHIM_API void* realloc(void* block, std::size_t size) {
     release(block);
     return nullptr;
   }
-  const bool moves = is_in_arena(block) || (call.is_changed && wants_arena());
+  const bool moves = is_in_arena(block) || is_kept(block) || (call.is_changed && wants_arena());
   if (!moves && (!call.is_changed || settings().heap_fill == heap_fill_off)) return __libc_realloc(block, size);
   const std::size_t before = size_of(block);
   if (!moves) {

@@ -33,28 +33,29 @@ enum class Group : std::uint32_t {
 inline constexpr std::size_t group_count = 12;
 
 // name, group. Of a float function and its double twin each has a row.
-#define TICKTRUE_SHIM_LIBM_1(X)                                                                                       \
-  X(sin)                                                                                                              \
-  X(cos)                                                                                                              \
-  X(tan)                                                                                                              \
-  X(asin)                                                                                                             \
-  X(acos)                                                                                                             \
-  X(atan) X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) X(log10) \
-      X(log1p) X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
+#define TICKTRUE_SHIM_LIBM_1(X)                                                                                        \
+  X(sin)                                                                                                               \
+  X(cos)                                                                                                               \
+  X(tan)                                                                                                               \
+  X(asin)                                                                                                              \
+  X(acos)                                                                                                              \
+  X(atan)                                                                                                              \
+  X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) X(log10) X(log1p) \
+      X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
 #define TICKTRUE_SHIM_LIBM_2(X) X(pow) X(atan2) X(hypot)
-#define TICKTRUE_SHIM_OTHERS(X)                                                                                       \
-  X(malloc, heap)                                                                                                     \
-  X(calloc, heap)                                                                                                     \
-  X(realloc, heap)                                                                                                    \
-  X(free, heap)                                                                                                       \
-  X(memalign, heap)                                                                                                   \
-  X(clock_gettime, clock) X(gettimeofday, clock) X(time, clock) X(clock, clock) X(timespec_get, clock)                \
-      X(getrandom, random) X(getentropy, random) X(arc4random, random) X(random_device, random) X(dev_random, random) \
-          X(rand, rand) X(random, rand) X(drand48, rand) X(readdir, directory) X(pthread_create, thread)              \
-              X(pthread_mutex_lock, lock) X(pthread_cond_signal, lock) X(sysconf, processors)                         \
-                  X(get_nprocs, processors) X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm)           \
-                      X(sincosf, libm) X(gethostname, identity) X(uname, identity) X(getpid, identity)                \
-                          X(rdtsc, cycle_counter)
+#define TICKTRUE_SHIM_OTHERS(X)                                                                                        \
+  X(malloc, heap)                                                                                                      \
+  X(calloc, heap)                                                                                                      \
+  X(realloc, heap)                                                                                                     \
+  X(free, heap)                                                                                                        \
+  X(memalign, heap)                                                                                                    \
+  X(clock_gettime, clock)                                                                                              \
+  X(gettimeofday, clock) X(time, clock) X(clock, clock) X(timespec_get, clock) X(getrandom, random)                    \
+      X(getentropy, random) X(arc4random, random) X(random_device, random) X(dev_random, random) X(rand, rand)         \
+          X(random, rand) X(drand48, rand) X(readdir, directory) X(pthread_create, thread) X(pthread_mutex_lock, lock) \
+              X(pthread_cond_signal, lock) X(sysconf, processors) X(get_nprocs, processors)                            \
+                  X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm) X(sincosf, libm)                     \
+                      X(gethostname, identity) X(uname, identity) X(getpid, identity) X(rdtsc, cycle_counter)
 
 /// Functions that the preload library takes the place of.
 enum class Function : std::uint32_t {
@@ -102,6 +103,7 @@ struct Settings {
   std::int32_t stack_fill = heap_fill_off;  // a byte: below the stack, at the start and before each tick
   std::uint32_t heap_order = 0;             // 1: falling addresses, 2: scattered ones
   std::uint32_t heap_alignment = 0;         // 16, 32, 64: blocks begin at such a multiple and at no greater one
+  std::uint32_t heap_kept = 0;              // 1: blocks know where they were allocated (kept_block.h)
   std::uint32_t clock_mode = 0;             // 1: shifted, 2: virtual (each call is 10 us later)
   std::uint32_t random_mode = 0;            // 1: bytes that follow from the seed
   std::uint32_t rand_mode = 0;              // 1: other numbers, 2: one number is drawn and dropped before

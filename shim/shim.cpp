@@ -238,6 +238,10 @@ Call begin_call(Function function, std::uint64_t size, const void* trapped_at) {
   return call;
 }
 
+void forget_thread() {
+  thread_id = 0;
+}
+
 void count_change() {
   Page& shared = page();
   __atomic_fetch_add(&changed_count, 1, __ATOMIC_RELAXED);

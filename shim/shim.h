@@ -42,6 +42,9 @@ class Inside {
   ~Inside();
 };
 
+/// In the child of a fork: its thread has another id.
+void forget_thread();
+
 /// Whole numbers that follow from the seed and `value`.
 std::uint64_t mixed(std::uint64_t value);
 

@@ -209,9 +209,10 @@ constexpr Room rooms[] = {
     {"shim", ""},
     {"capi/peers", "base,base/state,replay/format,verifier/report,verifier/locate"},
     {"capi/marks", "base,replay/format,shim"},
+    {"capi/unsaved", "base,base/state,shim,capi/marks"},
     {"capi",
      "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
-     "capi/peers"},
+     "capi/peers,capi/unsaved"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
     {"tool/environment", "below"},
@@ -233,6 +234,7 @@ constexpr Room rooms[] = {
     {"tool/experiment/bisect", "below,tool/experiment/reduce,tool/output"},
     {"tool/experiment/shake", "below,shim,tool/experiment,tool/output"},
     {"tool/experiment/trail", "below,tool/experiment/shake,tool/output"},
+    {"tool/experiment/unsaved", "below,tool/experiment/shake,tool/output"},
     {"tool/experiment/oracle", "below,tool/experiment,tool/session,tool/study"},
     {"tool/experiment/soak", "below,tool/experiment,tool/experiment/oracle,tool/session"},
     {"tool/play/picture", "below,tool/drawing,tool/output"},
@@ -241,7 +243,7 @@ constexpr Room rooms[] = {
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/reduce,"
-     "tool/experiment/shake,tool/experiment/trail,tool/import,tool/play,tool/report_page"},
+     "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"

@@ -34,6 +34,7 @@ constexpr int way_out = 1;
 constexpr int way_into_tick = 2;
 bool leaves_into_tick = false;
 void* followed_by = nullptr;  // the session that takes calls
+thread_local const void* outermost = nullptr;
 
 shim::SessionPart* map_page() {
   const char* path = std::getenv(shim::page_variable);
@@ -67,6 +68,7 @@ InLibrary::InLibrary() {
   const auto thread = static_cast<std::int32_t>(::syscall(SYS_gettid));
   if (__atomic_load_n(&shared->library_thread, __ATOMIC_RELAXED) == thread) return;
   is_outermost_ = true;
+  outermost = this;
   __atomic_store_n(&shared->library_thread, thread, __ATOMIC_RELAXED);
   if (ticktrue_shim_library != nullptr) ticktrue_shim_library(way_in);
 }
@@ -76,6 +78,24 @@ InLibrary::~InLibrary() {
   __atomic_store_n(&page()->library_thread, 0, __ATOMIC_RELAXED);
   if (ticktrue_shim_library != nullptr) ticktrue_shim_library(leaves_into_tick ? way_into_tick : way_out);
   leaves_into_tick = false;
+}
+
+OutOfLibrary::OutOfLibrary() : frame_(outermost) {
+  if (shim::SessionPart* shared = page()) __atomic_store_n(&shared->library_thread, 0, __ATOMIC_RELAXED);
+}
+
+OutOfLibrary::~OutOfLibrary() {
+  outermost = frame_;
+  enter_library_again();
+}
+
+const void* library_frame() {
+  return outermost;
+}
+
+void enter_library_again() {
+  if (shim::SessionPart* shared = page())
+    __atomic_store_n(&shared->library_thread, static_cast<std::int32_t>(::syscall(SYS_gettid)), __ATOMIC_RELAXED);
 }
 
 void tell_session() {
@@ -126,6 +146,14 @@ void leave_calls(void* with) {
 
 InLibrary::InLibrary() = default;
 InLibrary::~InLibrary() = default;
+OutOfLibrary::OutOfLibrary() = default;
+OutOfLibrary::~OutOfLibrary() {
+  frame_ = nullptr;
+}
+const void* library_frame() {
+  return nullptr;
+}
+void enter_library_again() {}
 void tell_session() {}
 void tell_tick_begin(std::uint64_t) {}
 void tell_tick_end(std::uint64_t) {}

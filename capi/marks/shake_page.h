@@ -19,6 +19,23 @@ class InLibrary {
   bool is_outermost_ = false;
 };
 
+/// While it lives, calls that this thread makes are of the program again: of its callbacks.
+class OutOfLibrary {
+ public:
+  OutOfLibrary();
+  OutOfLibrary(const OutOfLibrary&) = delete;
+  OutOfLibrary& operator=(const OutOfLibrary&) = delete;
+  ~OutOfLibrary();
+
+ private:
+  const void* frame_ = nullptr;
+};
+
+/// Where on the stack the library was entered: what is above belongs to the program. Null: there is no page.
+const void* library_frame();
+/// Behind a fork, and behind the end of the child: this thread is inside of the library.
+void enter_library_again();
+
 /// A session of this process begins.
 void tell_session();
 /// Tick `tick` runs from now on, or has ended.

@@ -44,6 +44,7 @@ constexpr const char* footer =
   know what makes a program diverge: heap, clock, libm, ...       shake
   make a failing session small: few bodies, inputs and ticks      reduce
   know which call of a tick is missing, extra or another          trail
+  know which variable a save forgets                              unsaved
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
@@ -125,7 +126,8 @@ int report_usage(const CLI::App& app, const CLI::ParseError& parse_error, const 
 
 /// The words behind `--` of a command that runs a program: options among them are not ours. Returns how many are left.
 int take_program(int argc, char** argv, CliContext& context) {
-  if (argc < 2 || (std::string_view(argv[1]) != "shake" && std::string_view(argv[1]) != "trail")) return argc;
+  constexpr std::string_view takers[] = {"shake", "trail", "unsaved"};
+  if (argc < 2 || std::find(std::begin(takers), std::end(takers), argv[1]) == std::end(takers)) return argc;
   for (int i = 2; i < argc; ++i) {
     if (std::string_view(argv[i]) != "--") continue;
     context.program.assign(argv + i + 1, argv + argc);
@@ -167,6 +169,7 @@ int parse_and_run(int argc, char** argv) {
   add_shake(app, context);
   add_reduce(app, context);
   add_trail(app, context);
+  add_unsaved(app, context);
   add_compare(app, context);
   add_accuracy(app, context);
   add_stress(app, context);

@@ -1,0 +1,71 @@
+// The writable memory of the program: variables of its modules, of its thread, its stack and its heap.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "shim/kept_block.h"
+
+namespace ticktrue::capi {
+
+/// A variable, as the symbol table of a module has it.
+struct Variable {
+  std::uint64_t address = 0;
+  std::uint64_t size = 0;  // bytes
+  std::string name;        // mangled
+};
+
+/// `generator`: the state of rand and random of the C library.
+enum class RangeKind : std::uint8_t { module, thread, stack, generator };
+
+/// Writable memory that lies in one piece.
+struct MemoryRange {
+  RangeKind kind = RangeKind::module;
+  std::uint64_t begin = 0;
+  std::uint64_t size = 0;  // bytes
+  std::size_t module = 0;  // of module and thread
+};
+
+struct LoadedModule {
+  std::string path;
+  std::uint64_t base = 0;
+  std::uint64_t end = 0;
+};
+
+struct ProgramMemory {
+  std::vector<LoadedModule> modules;
+  std::vector<MemoryRange> ranges;
+  std::vector<Variable> variables;  // by address
+  std::uint64_t left_out = 0;       // bytes of ranges that are too large
+};
+
+/// What the calling thread sees. `stack_begin`: the stack from there on is the program's. Without the C library, the
+/// C++ library and libticktrue. Elsewhere than on GNU/Linux: nothing.
+ProgramMemory program_memory(const void* stack_begin);
+
+/// The heap of the preload library; all null: it is not loaded.
+shim::KeptHeap kept_heap();
+/// No freed block is used again, and new blocks lie at `top` or behind it.
+void keep_heap_blocks(const shim::KeptHeap& from);
+
+/// Keeps rand and random of the C library from their state while it lives, so that the state may be read and written.
+class ParkedGenerator {
+ public:
+  ParkedGenerator();
+  ParkedGenerator(const ParkedGenerator&) = delete;
+  ParkedGenerator& operator=(const ParkedGenerator&) = delete;
+  ~ParkedGenerator();
+  /// 0: it lies in memory of the program.
+  std::uint64_t address() const;
+
+ private:
+  char other_[8] = {};
+  char* state_ = nullptr;
+};
+
+/// Threads of this process.
+std::size_t thread_count();
+
+}  // namespace ticktrue::capi

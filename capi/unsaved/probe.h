@@ -1,0 +1,134 @@
+// Finds what a save forgets: copies of the process run the same ticks, with single variables as load left them.
+// SPDX-License-Identifier: MIT
+//
+// A window is some ticks behind a save. At its begin the process forks. The copy runs the ticks, loads the save, leaves
+// its memory, and runs them again. Where the second run ends otherwise, the process compares that memory with its own,
+// which load should have brought back. Then further copies of the process run the ticks, each with some of the
+// differences written into it. A copy that ends otherwise has the cause.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/state/gathered_state.h"
+#include "capi/unsaved/units.h"
+
+namespace ticktrue::capi {
+
+/// The variable that names the file for the findings, which turns the search on.
+inline constexpr const char* unsaved_variable = "TICKTRUE_UNSAVED";
+
+/// A column that load registered anew.
+struct MovedColumn {
+  std::string table, column;  // column empty: rows of a table of structs
+  ColumnSource source;
+};
+
+struct WindowResult;  // in memory that copies share
+
+class Probe {
+ public:
+  /// Null unless the variable is set. The first session of the process takes it.
+  static std::unique_ptr<Probe> from_environment();
+  ~Probe();
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
+
+  /// `watching`: the process itself. Others are copies.
+  enum class Role : std::uint8_t { watching, straight, trial };
+  Role role() const { return role_; }
+  bool is_copy() const { return role_ != Role::watching; }
+
+  bool wants_window(std::uint64_t tick) const { return tick >= next_ && !has_ended_; }
+  std::uint64_t length() const { return length_; }  // ticks of a window
+  using Register = std::function<bool(const MovedColumn&)>;
+  /// Returns true in a copy, which has to run the ticks from here on. `straight` is to load the save behind them.
+  bool run_window(std::uint64_t tick, const StateView& state, const Register& apply);
+  void no_save(std::uint64_t tick);
+
+  // Of copies. They may end the process.
+  void tick_ended(std::uint64_t tick, const StateView& state, bool is_second);
+  void column_moved(const MovedColumn& column);
+  void loaded(const StateView& state);
+  [[noreturn]] void load_failed(const std::string& message);
+  [[noreturn]] void leave();  // the program goes elsewhere than through the window
+
+  /// Why nothing can be compared; empty: nothing hinders.
+  void refuse(const std::string& reason, const std::string& hint);
+  void finish(std::uint64_t ticks_run);
+
+ private:
+  explicit Probe(std::string path);
+  struct Finding {
+    std::uint64_t tick = 0;
+    std::uint64_t window = 0;
+    std::vector<std::string> columns;
+    std::vector<Unit> units;
+    bool has_crashed = false;
+    bool is_joint = false;  // of several things, of which none is enough alone
+  };
+  struct Trial {
+    bool has_moved = false;
+    bool has_crashed = false;
+    std::uint64_t tick = 0;
+    std::vector<std::string> columns;
+  };
+  using Groups = std::vector<std::size_t>;
+
+  bool map_window(const StateView& state);
+  void unmap_window();
+  void copy_memory();
+  bool fork_copy(Role role);
+  void wait_for_copy();
+  void compare_with_copy();
+  bool examine();
+  bool search(const Groups& groups, const Trial* known);
+  Trial try_groups(const Groups& groups);
+  void write_groups(const Groups& groups);
+  void add_finding(const Groups& groups, const Trial& trial, bool is_joint);
+  void note_harmless();
+  std::vector<std::string> moved_columns() const;
+  void write_log() const;
+
+  std::string path_;
+  Role role_ = Role::watching;
+  std::uint64_t next_ = 1;    // tick of the next window
+  std::uint64_t length_ = 5;  // ticks
+  std::uint64_t begin_ = 0;   // tick of this window
+  bool has_ended_ = false;
+
+  // Of a window.
+  WindowResult* shared_ = nullptr;
+  std::uint64_t shared_size_ = 0;
+  std::uint64_t column_count_ = 0;
+  std::uint64_t* hashes_ = nullptr;  // [tick - begin_][column]
+  std::uint8_t* copied_ = nullptr;   // ranges, then the heap
+  std::uint64_t heap_room_ = 0;      // bytes
+  const StateSchema* schema_ = nullptr;
+  ProgramMemory memory_;
+  shim::KeptHeap heap_{};
+  OtherMemory other_;
+  Differences differences_;
+  std::vector<std::ptrdiff_t> moved_group_;
+  Register apply_;
+  std::uint64_t trials_here_ = 0;
+
+  // Of the report.
+  std::vector<Finding> findings_;
+  std::vector<Finding> unexplained_;
+  std::vector<Finding> not_loaded_;
+  std::vector<Unit> harmless_;
+  std::set<std::string> known_;  // keys of units that move columns
+  std::set<std::string> seen_;   // keys of harmless_
+  std::vector<LoadedModule> modules_;
+  std::uint64_t window_count_ = 0, moved_count_ = 0, trial_count_ = 0, lost_count_ = 0, missing_saves_ = 0;
+  std::uint64_t threads_ = 0, left_out_ = 0, ticks_run_ = 0;
+  std::string refusal_, hint_;
+  std::string lost_reason_;
+};
+
+}  // namespace ticktrue::capi

@@ -1,0 +1,38 @@
+// What a copy of the process leaves behind, in memory that it shares with the process.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "capi/unsaved/probe.h"
+#include "shim/kept_block.h"
+
+namespace ticktrue::capi {
+
+/// `none`: the copy ended without a result. `lost`: the program went elsewhere than through the window.
+enum class CopyEnd : std::uint32_t { none, same, moved, load_differs, load_failed, lost };
+
+inline constexpr std::size_t moved_column_count_max = 256;
+inline constexpr std::size_t name_room = 128;
+
+struct SharedColumn {
+  char table[name_room];
+  char column[name_room];
+  ColumnSource source;
+};
+
+struct WindowResult {
+  CopyEnd end;
+  std::uint32_t has_crashed;
+  std::uint64_t tick;            // moved: whose end differs
+  std::uint64_t straight_count;  // ticks of the first run
+  std::uint64_t column_count;    // that differ; their flags are behind this struct
+  const void* frame;             // of the copy, where its memory was taken
+  shim::KeptHeap heap;           // of the copy
+  std::uint64_t heap_copied;     // bytes
+  std::uint64_t moved_column_count;
+  SharedColumn moved_columns[moved_column_count_max];
+  char message[256];
+};
+
+}  // namespace ticktrue::capi

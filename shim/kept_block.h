@@ -1,0 +1,36 @@
+// A block of the heap of `ticktrue unsaved`, as the preload library and the session see it.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ticktrue::shim {
+
+inline constexpr std::size_t kept_depth_max = 14;
+inline constexpr std::uint64_t kept_magic = 0x6b636f6c6274706b;
+
+/// Blocks lie one after another. The header stands before each.
+struct alignas(16) KeptBlock {
+  std::uint64_t magic;
+  std::uint64_t whole;    // bytes to the next header
+  std::uint64_t size;     // bytes that the program asked for
+  std::uint64_t number;   // of the allocation, from 1
+  std::uint32_t offset;   // from the header to the block
+  std::uint32_t is_live;  // 0: it was freed
+  std::uint32_t depth;    // of the stack; 0: not recorded
+  std::uint32_t spare;
+  const void* stack[kept_depth_max];  // return addresses, the innermost first
+  KeptBlock* next_free;
+  KeptBlock* self;  // directly before the block, wherever that begins
+};
+
+/// What the session asks of the heap.
+struct KeptHeap {
+  char* begin;              // null: no block was allocated
+  char* top;                // behind the last block
+  std::uint64_t number;     // of allocations
+  std::uint32_t has_reuse;  // 0: no freed block is used again
+};
+
+}  // namespace ticktrue::shim

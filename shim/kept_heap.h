@@ -1,0 +1,15 @@
+// The heap of `ticktrue unsaved`: blocks that lie one after another and know where they were allocated.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "shim/kept_block.h"
+
+namespace ticktrue::shim {
+
+/// Null: the heap is full.
+void* kept_allocate(std::size_t alignment, std::size_t size);
+void kept_free(void* block);
+bool is_kept(const void* block);
+std::size_t kept_size(const void* block);
+
+}  // namespace ticktrue::shim

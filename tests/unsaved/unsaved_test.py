@@ -1,0 +1,138 @@
+# Runs `ticktrue unsaved` over programs that forget one variable each, over clean ones and over what cannot be examined.
+# SPDX-License-Identifier: MIT
+#
+#   unsaved_test.py TICKTRUE FOLDER_OF_PROGRAMS STATIC_PROGRAM
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+# What the first thing of a finding has to be: a name, or where the block was allocated.
+PLANTED = {
+    "global": ("variable", "combo_global"),
+    "file_static": ("variable", "lcg_state"),
+    "function_static": ("variable", "count_calls()::calls_of_spawn"),
+    "class_static": ("variable", "Spawner::next_id"),
+    "struct_member": ("variable", "file_settings"),
+    "twister_global": ("variable", "twister_global"),
+    "twister_heap": ("heap", "make_rng"),
+    "rand": ("generator", ""),
+    "distribution": ("variable", "spread_values"),
+    "heap_pointer": ("heap", "make_ai"),
+    "heap_member": ("heap", "make_ai"),
+    "heap_float": ("heap", "make_ai"),
+    "heap_bool": ("heap", "make_ai"),
+    "calloc_table": ("heap", "make_table"),
+    "vector_growth": ("variable", "pushed_values"),
+    "vector_order": ("holder", "free_slots"),
+    "deque": ("variable", "pending_events"),
+    "map": ("variable", "visits_map"),
+    "unordered_map": ("variable", "cost_map"),
+    "set": ("variable", "seen_set"),
+    "list": ("variable", "turn_list"),
+    "string": ("variable", "log_text"),
+    "thread_local": ("variable", "streak_of_thread"),
+    "module": ("variable", "level_of_module"),
+    "cache": ("variable", "cached_sum"),
+    "local": ("stack", ""),
+}
+# Of the programs beside the planted variable: it differs behind load and does no harm.
+HARMLESS = ["frames_shown", "last_message"]
+CLEAN = ["plain", "pure_cache", "pure_hash_cache", "allocations", "log_buffer", "frames", "containers", "scratch",
+         "particles", "history", "printing", "large_blocks", "forks"]
+REFUSED = {
+    "without_saves": "the session has no load callback: nothing to compare",
+    "threads": "found 2 threads, expected one",
+    "crash": "crashed",
+    "hang": "hung",
+    "diverges": "it differs from the trace without any load",
+}
+
+
+def run(args, folder, program, name, words):
+    trace = os.path.join(folder, name + ".ttr")
+    subprocess.run([program, name, "--record", trace], check=True, stdout=subprocess.DEVNULL)
+    return subprocess.run([args.ticktrue, "unsaved", trace, *words, "--", program, name], capture_output=True,
+                          text=True, cwd=folder)
+
+
+def check_planted(args, folder, name):
+    kind, expected = PLANTED[name]
+    done = run(args, folder, os.path.join(args.programs, "unsaved_planted"), name, ["--json"])
+    if done.returncode != 1:
+        return f"exit code {done.returncode}, expected 1: {done.stdout}{done.stderr}"
+    report = json.loads(done.stdout)
+    if report["unexplained"] or report["not_loaded"]:
+        return f"found columns without a cause: {report}"
+    field = {"heap": "function", "holder": "holder"}.get(kind, "name")
+    kind = "heap" if kind == "holder" else kind
+    named = [thing[field] for finding in report["findings"] for thing in finding["things"] if thing["kind"] == kind]
+    if not any(expected in found for found in named):
+        return f"found {[f['things'] for f in report['findings']]}, expected {kind} {expected}"
+    if any(not finding["columns"] or "x" not in finding["columns"][0] for finding in report["findings"]):
+        return f"found other columns than units.x: {report['findings']}"
+    wrong = [thing["name"] for finding in report["findings"] for thing in finding["things"]
+             if thing["name"] in HARMLESS or (thing["kind"] == "variable" and expected not in thing["name"]
+                                              and name != "cache" and not (kind == "heap"))]
+    return f"found {wrong}, which move nothing" if wrong else ""
+
+
+def check_clean(args, folder, name):
+    before = set(os.listdir(folder))
+    done = run(args, folder, os.path.join(args.programs, "unsaved_clean"), name, [])
+    if done.returncode != 0 or not done.stdout.startswith("nothing unsaved moves a column"):
+        return f"exit code {done.returncode}, found {done.stdout}{done.stderr}"
+    left = set(os.listdir(folder)) - before - {name + ".ttr"}
+    return f"found files that were left: {left}" if left else ""
+
+
+def check_refused(args, folder, name):
+    done = run(args, folder, os.path.join(args.programs, "unsaved_clean"), name, ["--timeout", "5"])
+    if done.returncode != 2 or REFUSED[name] not in done.stderr:
+        return f"exit code {done.returncode}, found {done.stdout}{done.stderr}, expected {REFUSED[name]}"
+    return ""
+
+
+def check_usage(args, folder):
+    trace = os.path.join(folder, "plain.ttr")
+    static = os.path.join(folder, "static.ttr")
+    subprocess.run([args.static, "plain", "--record", static], check=True, stdout=subprocess.DEVNULL)
+    for words, expected in [([static, "--", args.static, "plain"], "found no preload library in it"),
+                            ([trace, "--", "/bin/true"], "/bin/true: no session wrote findings"),
+                            ([trace], "unsaved: found no program"),
+                            ([trace + "x", "--", "/bin/true"], "No such file")]:
+        done = subprocess.run([args.ticktrue, "unsaved", *words], capture_output=True, text=True)
+        if done.returncode != 2 or expected not in done.stderr:
+            return f"{words}: exit code {done.returncode}, found {done.stdout}{done.stderr}, expected {expected}"
+    return ""
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ["ticktrue", "programs", "static"]:
+        parser.add_argument(name)
+    parser.add_argument("--only", default="")
+    args = parser.parse_args()
+    faults = count = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for check, names in [(check_planted, PLANTED), (check_clean, CLEAN), (check_refused, REFUSED)]:
+            for name in names:
+                if args.only and name not in args.only.split(","):
+                    continue
+                count += 1
+                fault = check(args, folder, name)
+                if fault:
+                    faults += 1
+                    print(f"unsaved_test: error: {name}: {fault}")
+        fault = check_usage(args, folder) if not args.only else ""
+        if fault:
+            faults += 1
+            print(f"unsaved_test: error: {fault}")
+    print(f"unsaved_test: {count} programs, {faults} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
