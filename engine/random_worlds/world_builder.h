@@ -6,6 +6,9 @@
 
 namespace ticktrue::engine {
 
+/// Names of the bodies that inputs shoot at a wall begin with it.
+inline constexpr const char* shot_prefix = "shot_";
+
 /// Where a body starts and how it moves.
 struct Placement {
   Point position;
@@ -50,6 +53,7 @@ class WorldBuilder {
   void add_links(std::uint32_t count);  // a row
   void add_plate(std::uint32_t count);  // a long box under so many discs that touch it
   void add_ring(std::uint32_t count);   // a large body at rest, all others fly at it from every side
+  void add_shots(std::uint32_t count);  // a thin wall, and all others almost at rest beside it
   void add_prototypes();
   void finish();
   void push(Body body, const Placement& placement);

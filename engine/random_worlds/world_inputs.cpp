@@ -78,6 +78,7 @@ class InputMaker {
     const std::uint32_t more = draw_.below(1u << draw_.below(6)) + (plan_.is_quiet ? 3 : 0);
     if (!scene_.inputs.empty())
       for (std::uint32_t i = 0; i < more; ++i) add_script(draw_.any(scene_.inputs));
+    if (plan_.shot_count > 0) add_shots();
     sort();
     name_issued_ids();
     if (plan_.has_end) {
@@ -255,6 +256,23 @@ class InputMaker {
     wait(40);
     context_.velocity = {-there.x, -there.y};
     add(InputKind::set_velocity);
+  }
+
+  /// Each body of add_shots flies at its wall, or through it, within a tick or a few.
+  void add_shots() {
+    const InputKind kind = takes(InputKind::set_velocity) ? InputKind::set_velocity : InputKind::impulse;
+    for (std::uint32_t i = 0; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      if (body.name.rfind(shot_prefix, 0) != 0) continue;
+      body_ = i;
+      tick_ = 2 + draw_.below(static_cast<std::uint32_t>(plan_.tick_count));
+      const double radius = body.shapes[0].radius;
+      context_ = {};
+      context_.size = 2 * radius;
+      context_.mass = body_mass(body).mass;
+      context_.velocity = {radius * draw_.one_of({64, 256, 1024}), 0};
+      add(kind);
+    }
   }
 
   /// By tick and player; numbered within both. Stable.

@@ -50,6 +50,7 @@ struct WorldPlan {
   std::uint32_t link_count = 0;        // of a row of links; 0: there is none
   std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: there is none
   std::uint32_t ring_body_count = 0;   // that close in on a large body; 0: there is none
+  std::uint32_t shot_count = 0;        // bodies, almost at rest, that an input shoots at a wall; 0: there is none
   std::uint64_t tick_count = 1;
 
   bool has(WorldFeature feature) const { return features[static_cast<std::size_t>(feature)]; }
@@ -63,8 +64,8 @@ struct WorldPlan {
 };
 
 WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options);
-/// Long rows of links, bodies with many contacts and rings that close in on a large body, in few worlds. From a stream
-/// of its own: other worlds do not depend on them.
+/// Long rows of links, bodies with many contacts, rings that close in on a large body and shots at a wall, in few
+/// worlds. From a stream of its own: other worlds do not depend on them.
 void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& plan);
 
 }  // namespace ticktrue::engine

@@ -1,11 +1,13 @@
-// Structures that arrangements never make: a row of many links, a body with many contacts, a ring that closes in.
-// SPDX-License-Identifier: MIT
+// Structures that arrangements never make: a row of many links, a body with many contacts, a ring that closes in,
+// shots. SPDX-License-Identifier: MIT
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
-// colours of contacts; and what only bodies of unlike sizes reach that meet from every side, in touch with others.
+// colours of contacts; what only bodies of unlike sizes reach that meet from every side, in touch with others; and what
+// only a body reaches that hardly moves until one input sends it through a wall within a tick.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 
 #include "engine/builtin_scenes/pieces.h"
 #include "engine/random_worlds/world_builder.h"
@@ -34,12 +36,22 @@ void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& pl
     plan.features[static_cast<std::size_t>(WorldFeature::locate_impacts)] = true;
     plan.settings.locate_impacts = true;
   }
+  room -= plan.ring_body_count;
+  // What else sweeps every box leaves nothing to find.
+  const Settings& settings = plan.settings;
+  const bool sweeps_fast_alone = settings.continuous && !settings.locate_impacts && !settings.auto_substeps;
+  if (!draw.chance(sweeps_fast_alone ? 40 : 4)) return;
+  plan.shot_count = draw_count(draw, 3, 5, room);  // the wall is one of them
+  const auto shoots = [](InputKind kind) { return kind == InputKind::set_velocity || kind == InputKind::impulse; };
+  if (plan.shot_count > 0 && std::none_of(plan.inputs.begin(), plan.inputs.end(), shoots))
+    plan.inputs.push_back(InputKind::set_velocity);
 }
 
 void WorldBuilder::add_structures() {
   if (plan.link_count > 0) add_links(plan.link_count);
   if (plan.plate_body_count > 0) add_plate(plan.plate_body_count);
   if (plan.ring_body_count > 0) add_ring(plan.ring_body_count);
+  if (plan.shot_count > 0) add_shots(plan.shot_count);
 }
 
 void WorldBuilder::add_links(std::uint32_t count) {
@@ -106,6 +118,25 @@ void WorldBuilder::add_ring(std::uint32_t count) {
     body.shapes.push_back(circle(small));
     push(std::move(body),
          {{center.x + distance * to.x, center.y + distance * to.y}, 0, {-speed * to.x, -speed * to.y}, 0});
+  }
+}
+
+void WorldBuilder::add_shots(std::uint32_t count) {
+  const Point start{upper.x + 4 * size, upper.y + 2 * size};
+  Body wall;
+  wall.type = BodyType::static_body;
+  wall.shapes.push_back(box(size / 16, size * count));
+  push(std::move(wall), {{start.x + size * draw.one_of({1, 2, 4}), start.y}, 0, {}, 0});
+  scene.bodies.back().angle = 0;
+  for (std::uint32_t i = 0; i + 1 < count; ++i) {
+    Body body;
+    body.type = BodyType::dynamic_body;
+    body.name = shot_prefix + std::to_string(i);
+    body.shapes.push_back(circle(size / 4));
+    body.gravity_scale = 0;
+    // m/s, along the wall: slow enough for a box with a margin, which a body at rest has no use for
+    const double drift = draw.chance(25) ? 0 : size / 256;
+    push(std::move(body), {{start.x, start.y + size * i}, 0, {0, drift}, 0});
   }
 }
 

@@ -16,22 +16,22 @@
 namespace ticktrue::test {
 namespace {
 
-struct Place {
+struct Spot {
   float x = 0;
   float y = 0;
 };
-struct Unit {
+struct Soldier {
   std::uint8_t kind = 0;
   std::uint32_t id = 0;
   double position[2] = {0, 0};
-  Place place;
+  Spot place;
   std::uint16_t hits = 0;
 };
 
 const std::vector<ticktrue_member> unit_members{
-    TICKTRUE_MEMBER(Unit, id, TICKTRUE_U32),          TICKTRUE_MEMBER(Unit, kind, TICKTRUE_U8),
-    TICKTRUE_MEMBER(Unit, position, TICKTRUE_F64),    TICKTRUE_MEMBER(Unit, place.y, TICKTRUE_F32),
-    TICKTRUE_MEMBER(Unit, position[1], TICKTRUE_F64), TICKTRUE_MEMBER(Unit, hits, TICKTRUE_U16)};
+    TICKTRUE_MEMBER(Soldier, id, TICKTRUE_U32),          TICKTRUE_MEMBER(Soldier, kind, TICKTRUE_U8),
+    TICKTRUE_MEMBER(Soldier, position, TICKTRUE_F64),    TICKTRUE_MEMBER(Soldier, place.y, TICKTRUE_F32),
+    TICKTRUE_MEMBER(Soldier, position[1], TICKTRUE_F64), TICKTRUE_MEMBER(Soldier, hits, TICKTRUE_U16)};
 
 ticktrue_session* open(const std::string& path, int mode) {
   ticktrue_options options = {};
@@ -46,28 +46,28 @@ ticktrue_session* open(const std::string& path, int mode) {
 }
 
 std::uint32_t unit_table(ticktrue_session* session) {
-  return ticktrue_table(session, "units", sizeof(Unit), unit_members.data(),
+  return ticktrue_table(session, "units", sizeof(Soldier), unit_members.data(),
                         static_cast<std::uint32_t>(unit_members.size()));
 }
 
 /// The same columns one by one.
-void show_columns(ticktrue_session* session, const std::vector<Unit>& units) {
+void show_columns(ticktrue_session* session, const std::vector<Soldier>& units) {
   const auto rows = static_cast<std::uint32_t>(units.size());
-  const Unit none;
-  const Unit* u = units.empty() ? &none : units.data();
-  ticktrue_column(session, "units", "id", &u->id, TICKTRUE_U32, 1, rows, sizeof(Unit));
-  ticktrue_column(session, "units", "kind", &u->kind, TICKTRUE_U8, 1, rows, sizeof(Unit));
-  ticktrue_column(session, "units", "position", u->position, TICKTRUE_F64, 2, rows, sizeof(Unit));
-  ticktrue_column(session, "units", "place.y", &u->place.y, TICKTRUE_F32, 1, rows, sizeof(Unit));
-  ticktrue_column(session, "units", "position[1]", &u->position[1], TICKTRUE_F64, 1, rows, sizeof(Unit));
-  ticktrue_column(session, "units", "hits", &u->hits, TICKTRUE_U16, 1, rows, sizeof(Unit));
+  const Soldier none;
+  const Soldier* u = units.empty() ? &none : units.data();
+  ticktrue_column(session, "units", "id", &u->id, TICKTRUE_U32, 1, rows, sizeof(Soldier));
+  ticktrue_column(session, "units", "kind", &u->kind, TICKTRUE_U8, 1, rows, sizeof(Soldier));
+  ticktrue_column(session, "units", "position", u->position, TICKTRUE_F64, 2, rows, sizeof(Soldier));
+  ticktrue_column(session, "units", "place.y", &u->place.y, TICKTRUE_F32, 1, rows, sizeof(Soldier));
+  ticktrue_column(session, "units", "position[1]", &u->position[1], TICKTRUE_F64, 1, rows, sizeof(Soldier));
+  ticktrue_column(session, "units", "hits", &u->hits, TICKTRUE_U16, 1, rows, sizeof(Soldier));
 }
 
 /// Units that come, go and move in memory. Returns the exit code.
 int play(const std::string& path, int mode, bool by_column) {
   std::mt19937 random(5);
   ticktrue_session* session = open(path, mode);
-  std::vector<Unit> units;
+  std::vector<Soldier> units;
   const std::uint32_t table = by_column ? 0 : unit_table(session);
   if (by_column) show_columns(session, units);
   ticktrue_key(session, "units", 1);
@@ -75,7 +75,7 @@ int play(const std::string& path, int mode, bool by_column) {
     if (ticktrue_begin_tick(session, nullptr) != TICKTRUE_OK) break;
     if (random() % 3 == 0) units.emplace_back().id = 2 + tick;
     if (random() % 7 == 0 && !units.empty()) units.erase(units.begin());
-    for (Unit& unit : units) {
+    for (Soldier& unit : units) {
       unit.kind = static_cast<std::uint8_t>(random());
       unit.position[random() % 2] += 0.5;
       unit.place.y += 0.25f;
@@ -107,7 +107,7 @@ TEST_CASE("a table of structs records the bytes of its columns registered one by
 TEST_CASE("a table that is registered again keeps its number, and no session has tables", "[capi][tables]") {
   const TracePath path;
   ticktrue_session* session = open(path("x.ttr"), TICKTRUE_RECORD);
-  std::vector<Unit> units(3);
+  std::vector<Soldier> units(3);
   for (std::uint32_t i = 0; i < 3; ++i) units[i].id = i;
   ticktrue_column(session, "world", "count", &units[0].id, TICKTRUE_U32, 1, 1, 0);
   const std::uint32_t table = unit_table(session);
@@ -124,12 +124,12 @@ TEST_CASE("a table that is registered again keeps its number, and no session has
 TEST_CASE("tables that are wrong are refused with the member to mend", "[capi][tables][corruption]") {
   using Call = void (*)(ticktrue_session*);
   static const auto add = [](ticktrue_session* session, std::vector<ticktrue_member> members,
-                             std::size_t stride = sizeof(Unit)) {
+                             std::size_t stride = sizeof(Soldier)) {
     const std::uint32_t number =
         ticktrue_table(session, "t", stride, members.data(), static_cast<std::uint32_t>(members.size()));
     CHECK(number == TICKTRUE_NO_TABLE);
   };
-  static Unit unit;
+  static Soldier unit;
   const struct {
     Call call;
     const char* message;
@@ -145,10 +145,10 @@ TEST_CASE("tables that are wrong are refused with the member to mend", "[capi][t
          add(s, {unit_members[0], unit_members[1], unit_members[0]});
        },
        "table t: column id: stands twice: as member 0 and as member 2, counted from 0"},
-      {[](ticktrue_session* s) { add(s, {TICKTRUE_MEMBER(Unit, kind, TICKTRUE_U32)}); },
+      {[](ticktrue_session* s) { add(s, {TICKTRUE_MEMBER(Soldier, kind, TICKTRUE_U32)}); },
        "table t: column kind: bytes in the struct: found 1, expected a multiple of 4 (u32)"},
       {[](ticktrue_session* s) {
-         add(s, {{"position", TICKTRUE_F64, 3, offsetof(Unit, position), 16}});
+         add(s, {{"position", TICKTRUE_F64, 3, offsetof(Soldier, position), 16}});
        },
        "table t: column position: bytes in the struct: found 16, expected 24 (f64)"},
       {[](ticktrue_session* s) {

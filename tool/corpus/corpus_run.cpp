@@ -24,6 +24,7 @@
 #include "verifier/store/agreement.h"
 #include "verifier/store/claims.h"
 #include "verifier/store/history.h"
+#include "verifier/store/mapped_libraries.h"
 #include "verifier/store/stat_index.h"
 #include "verifier/verify/parts.h"
 

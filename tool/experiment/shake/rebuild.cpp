@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* program_variable = "TICKTRUE_PROGRAM";
 constexpr std::size_t last_line_count = 6;
-constexpr std::size_t output_size_max = std::size_t{16} << 20;
+constexpr std::size_t build_output_max = std::size_t{16} << 20;
 
 struct Compilers {
   std::string c;
@@ -42,7 +42,7 @@ verifier::ChildResult run_shell(const std::string& text, double time_s) {
   verifier::ChildCommand command;
   command.argv = {"sh", "-c", text};
   command.limits.time_s = time_s;
-  command.limits.output_size_max = output_size_max;
+  command.limits.output_size_max = build_output_max;
   return verifier::run_child(command);
 }
 
@@ -117,7 +117,7 @@ Failure build(const RebuildOptions& options, const std::string& program, const C
                          {"CXXFLAGS", with("CXXFLAGS")},
                          {program_variable, program}};
   command.limits.time_s = options.time_s;
-  command.limits.output_size_max = output_size_max;
+  command.limits.output_size_max = build_output_max;
   const verifier::ChildResult result = verifier::run_child(command);
   std::string what = verifier::child_failure(result, command.limits);
   if (what.empty() && result.end.exit_status != 0) what = "ended with status " + std::to_string(result.end.exit_status);
