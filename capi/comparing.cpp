@@ -3,6 +3,7 @@
 #include "capi/comparing.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <variant>
 
@@ -452,6 +453,10 @@ void Comparing::second_run_differs(SecondRunFinding finding) {
   report_.checkpoint = finding.begin;
   report_.reason = std::move(finding.reason);
   report_.hint = second_run_hint;
+  constexpr std::array<std::string_view, 3> second_runs{"--mode", "--sync-test", "--from"};
+  if (const std::string program = program_command(report_.file, second_runs); !program.empty())
+    report_.again.push_back("ticktrue unsaved " + verifier::shell_word(report_.file) + " -- " + program +
+                            " names what the save lacks");
   report_.divergence = std::move(finding.divergence);
 }
 

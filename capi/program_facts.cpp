@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include "base/build_info.h"
 #include "base/limits.h"
@@ -167,14 +168,18 @@ std::string program_build_id() {
 
 #endif
 
-std::string program_command(const std::string& trace) {
+std::string program_command(const std::string& trace, std::span<const std::string_view> left_out) {
   std::vector<std::string> words;
 #ifdef __linux__
   constexpr std::size_t size_max = std::size_t{64} << 10;
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   std::size_t size = 0;
+  bool is_value_left_out = false;
   for (std::string word; std::getline(in, word, '\0') && (size += word.size()) < size_max;) {
-    if (word != trace)
+    if (std::exchange(is_value_left_out, false)) continue;
+    if (std::find(left_out.begin(), left_out.end(), word) != left_out.end())
+      is_value_left_out = true;
+    else if (word != trace)
       words.push_back(verifier::shell_word(word));
     else if (!words.empty() && words.back() == "--verify")
       words.pop_back();
@@ -183,6 +188,7 @@ std::string program_command(const std::string& trace) {
   }
 #else
   static_cast<void>(trace);
+  static_cast<void>(left_out);
 #endif
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;

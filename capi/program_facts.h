@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,7 @@ class ProgramFacts {
 std::string program_build_id();
 
 /// The words that started this program, for a shell, as `ticktrue shake` wants them: without `--verify TRACE`, and with
-/// {trace} where the trace stands elsewhere. Empty: not known.
-std::string program_command(const std::string& trace);
+/// {trace} where the trace stands elsewhere. The options `left_out` go with their values. Empty: not known.
+std::string program_command(const std::string& trace, std::span<const std::string_view> left_out = {});
 
 }  // namespace ticktrue::capi

@@ -16,7 +16,7 @@ Status TraceReader::Impl::read_start() {
   const ByteView found = view(0, file_header_size);
   if (is_box(found))
     return Error{ErrorCode::incompatible, name + ": a black box, expected a trace",
-                 "run ticktrue recover: it makes a trace of it"};
+                 "`ticktrue recover " + name + " -o saved.ttr` makes a trace of it"};
   const std::size_t magic_size = std::min(found.size(), magic.size());
   if (!std::equal(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(magic_size), magic.begin()))
     return Error{ErrorCode::corrupt, name + ": offset 0: no trace: it does not begin with the mark of one",

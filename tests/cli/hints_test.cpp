@@ -108,6 +108,13 @@ constexpr Elsewhere elsewhere[] = {
     {"capi/comparing.cpp", "ticktrue shake", "tests/causes/causes_test.py runs it as a session prints it"},
     {"capi/comparing.cpp", "ticktrue trail", "tests/causes/causes_test.py runs it as a session prints it"},
     {"tool/session/plugin_session.cpp", "ticktrue recover", "tests/examples/run.sh"},
+    {"capi/comparing.cpp", "ticktrue unsaved", "tests/unsaved/unsaved_test.py runs it as a session prints it"},
+    {"replay/trace_reader.cpp", "ticktrue recover", "needs a black box: tests/capi/box_test.cpp"},
+    {"tool/cli/session/verify.cpp", "ticktrue verify session_1.ttr", "in a help text, for a program with a session"},
+    {"tool/cli/session/trail.cpp", "ticktrue trail session.ttr", "in a help text, for a program with a session"},
+    {"tool/cli/session/unsaved.cpp", "ticktrue unsaved session.ttr", "in a help text, for a program with a session"},
+    {"tool/cli/upkeep/bisect.cpp", "ticktrue bisect v1.0", "in a help text, for a repository"},
+    {"tool/experiment/soak/cache_counts.cpp", "ticktrue soak", "what a file says of itself: ./dev golden update runs it"},
 };
 
 bool is_elsewhere(const SourceHint& hint) {

@@ -1,5 +1,5 @@
-// The frame of the programs for tests of `ticktrue unsaved`: a small game whose save holds its columns and nothing
-// else. SPDX-License-Identifier: MIT
+// The frame of the programs for tests of `ticktrue unsaved`: a small game whose save holds its columns alone.
+// SPDX-License-Identifier: MIT
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "ticktrue.h"
+#include "include/ticktrue.h"
 
 struct Game {
   std::uint32_t tick = 0;

@@ -5,6 +5,7 @@
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -20,7 +21,7 @@ PLANTED = {
     "twister_heap": ("heap", "make_rng"),
     "rand": ("generator", ""),
     "distribution": ("variable", "spread_values"),
-    "heap_pointer": ("heap", "make_ai"),
+    "heap_pointer": ("heap", "Ai"),
     "heap_member": ("heap", "make_ai"),
     "heap_float": ("heap", "make_ai"),
     "heap_bool": ("heap", "make_ai"),
@@ -79,6 +80,21 @@ def check_planted(args, folder, name):
     return f"found {wrong}, which move nothing" if wrong else ""
 
 
+def check_printed_command(args, folder):
+    """A session whose restored ticks differ prints the command that finds out why. It runs as printed."""
+    program = os.path.join(args.programs, "unsaved_planted")
+    trace = os.path.join(folder, "printed.ttr")
+    subprocess.run([program, "global", "--record", trace], check=True, stdout=subprocess.DEVNULL)
+    done = subprocess.run([program, "global", "--verify", trace, "--mode", "restore"], capture_output=True, text=True)
+    found = re.search(r"^  again +(ticktrue unsaved .*) names what the save lacks$", done.stdout, re.M)
+    if done.returncode != 1 or not found:
+        return f"exit code {done.returncode}, found {done.stdout}, expected a line `again ticktrue unsaved ...`"
+    path = os.path.dirname(os.path.abspath(args.ticktrue)) + os.pathsep + os.environ["PATH"]
+    done = subprocess.run(found.group(1), shell=True, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True,
+                          text=True)
+    return "" if done.returncode == 1 else f"{found.group(1)}: exit code {done.returncode}: {done.stdout}{done.stderr}"
+
+
 def check_clean(args, folder, name):
     before = set(os.listdir(folder))
     done = run(args, folder, os.path.join(args.programs, "unsaved_clean"), name, [])
@@ -126,10 +142,11 @@ def main():
                 if fault:
                     faults += 1
                     print(f"unsaved_test: error: {name}: {fault}")
-        fault = check_usage(args, folder) if not args.only else ""
-        if fault:
-            faults += 1
-            print(f"unsaved_test: error: {fault}")
+        for check in [] if args.only else [check_usage, check_printed_command]:
+            fault = check(args, folder)
+            if fault:
+                faults += 1
+                print(f"unsaved_test: error: {fault}")
     print(f"unsaved_test: {count} programs, {faults} faults")
     return 1 if faults else 0
 

@@ -438,7 +438,7 @@ void add_golden(CLI::App& app, CliContext& context) {
       "ticktrue golden check .",
       "MANIFEST.tsv has a row for each trace, columns separated by tabs: file, scene, inputs (- for none),\n"
       "ticks (- for up to the `end` input), detail, hash after the last tick (- for a new one), bytes, why.\n"
-      "scene command:WORDS: the program that recorded the trace verifies it, as `ticktrue verify --command WORDS`.");
+      "scene command:WORDS: the program that recorded the trace verifies it, as with --command of verify.");
   check->callback([check_options, &context] { context.exit_code = run_golden_check(*check_options); });
 
   auto update_options = std::make_shared<GoldenCommand>();
