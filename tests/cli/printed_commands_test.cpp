@@ -438,8 +438,8 @@ TEST_CASE("the search for printed commands finds each way in which they are prin
       return command.document == document && command.text == text && command.how == how;
     });
   };
-  CHECK(is_there("README.md", "ticktrue verify session.ttr", How::run));
-  CHECK(is_there("README.md", "ticktrue play thesis", How::parse));
+  CHECK(is_there("README.md", "./mygame --verify game.ttr", How::run));
+  CHECK(is_there("README.md", "ticktrue reduce F.ttr", How::parse));
   CHECK(is_there("docs/ci.yml", "ticktrue golden check traces", How::run));
   CHECK(is_there("docs/cli.md", "ticktrue env --check --json", How::run));
   CHECK(is_there("docs/scale.md", "ticktrue verify traces -j 2", How::run));
