@@ -223,7 +223,10 @@ expect 0 "match  rollback.ttr  600 of 600 ticks compared" "$tool" verify rollbac
 expect 0 "30 of 600 ticks compared" "$tool" verify rollback.ttr --command './rollback --verify {} --from 310 --to 339'
 expect 3 "\`ticktrue recover\` makes a complete trace of it" "$tool" verify cut.ttr --command ./lockstep
 expect 0 "accepted: every tick up to the cut matches" "$tool" verify cut.ttr --command ./lockstep --allow-truncated
-expect 1 "balls.velocity    row 3, lane 0" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug clock'
+# Two runs read the same clock in one of a hundred cases.
+"$tool" verify lockstep.ttr --command './lockstep --verify {} --bug clock' >by_clock
+case $? in 1 | 6) ;; *) complain "verify --command: a program that reads a clock: found another exit code, expected 6" ;; esac
+grep -q "balls.velocity    row 3, lane 0" by_clock || complain "verify --command: a program that reads a clock: found no column"
 expect 1 "1 ulp" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order'
 expect 1 "the program ran twice, with the same result" "$tool" verify lockstep.ttr --command './lockstep --verify {} --bug order'
 expect 1 "state_incomplete" "$tool" verify rollback.ttr --command './rollback --verify {} --sync-test 1 --bug unsaved'
