@@ -71,10 +71,9 @@ void take_place(int, siginfo_t* info, void* with) {
   if (!is_of_system(at) && begin_call(Function::rdtsc, 0, reinterpret_cast<const void*>(at + size)).is_changed)
     cycles = shown_cycles(cycles);
   constexpr unsigned half_bits = 32;
-  constexpr std::uint64_t low_half = 0xffffffff;
   constexpr std::size_t rdtscp_size = 3;
-  registers[REG_RAX] = static_cast<greg_t>(cycles & low_half);
-  registers[REG_RDX] = static_cast<greg_t>(cycles >> half_bits);
+  registers[REG_RAX] = greg_t{static_cast<std::uint32_t>(cycles)};
+  registers[REG_RDX] = greg_t{static_cast<std::uint32_t>(cycles >> half_bits)};
   if (size == rdtscp_size) registers[REG_RCX] = static_cast<greg_t>(processor);
   registers[REG_RIP] = static_cast<greg_t>(at + size);
 }
