@@ -75,7 +75,8 @@ void take_place(int, siginfo_t* info, void* with) {
   registers[REG_RAX] = greg_t{static_cast<std::uint32_t>(cycles)};
   registers[REG_RDX] = greg_t{static_cast<std::uint32_t>(cycles >> half_bits)};
   if (size == rdtscp_size) registers[REG_RCX] = static_cast<greg_t>(processor);
-  registers[REG_RIP] = static_cast<greg_t>(at + size);
+  const std::uint64_t next = at + size;
+  registers[REG_RIP] = static_cast<greg_t>(next);
 }
 
 /// A program that a child process begins may not have this library.

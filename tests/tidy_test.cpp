@@ -211,7 +211,8 @@ constexpr Room rooms[] = {
     {"capi/marks", "base,replay/format,shim"},
     {"capi/unsaved", "base,base/state,shim,capi/marks"},
     {"capi",
-     "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/verify,capi/marks,"
+     "base,base/state,replay,replay/format,replay/box,include,shim,verifier/report,verifier/locate,verifier/"
+     "verify,capi/marks,"
      "capi/peers,capi/unsaved"},
     {"tool", "tool/cli"},
     {"tool/output", "below"},
@@ -277,12 +278,12 @@ std::string_view folder_of(std::string_view path) {
 
 /// What the tool's rooms see without being told: all but the tool, the tests and the engine's inside.
 bool is_below_tool(std::string_view room) {
-  return is_one_of(
-      room,
-      "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/math,engine/simd,"
-      "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
-      "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
-      "verifier/store,verifier/plugins,verifier/programs");
+  return is_one_of(room,
+                   "base,base/state,base/parallel,replay,replay/format,replay/file,replay/box,include,engine,engine/"
+                   "math,engine/simd,"
+                   "engine/json,engine/scene,engine/builtin_scenes,engine/random_worlds,engine/clock,verifier/report,"
+                   "verifier/locate,verifier/verify,verifier/runs,verifier/compare,verifier/inject,verifier/corpus,"
+                   "verifier/store,verifier/plugins,verifier/programs");
 }
 
 bool may_include(std::string_view from, std::string_view to) {

@@ -114,7 +114,8 @@ constexpr Elsewhere elsewhere[] = {
     {"tool/cli/session/trail.cpp", "ticktrue trail session.ttr", "in a help text, for a program with a session"},
     {"tool/cli/session/unsaved.cpp", "ticktrue unsaved session.ttr", "in a help text, for a program with a session"},
     {"tool/cli/upkeep/bisect.cpp", "ticktrue bisect v1.0", "in a help text, for a repository"},
-    {"tool/experiment/soak/cache_counts.cpp", "ticktrue soak", "what a file says of itself: ./dev golden update runs it"},
+    {"tool/experiment/soak/cache_counts.cpp", "ticktrue soak",
+     "what a file says of itself: ./dev golden update runs it"},
 };
 
 bool is_elsewhere(const SourceHint& hint) {

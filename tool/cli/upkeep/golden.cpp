@@ -431,14 +431,13 @@ void add_golden(CLI::App& app, CliContext& context) {
   CLI::App* check =
       command->add_subcommand("check", "Verify every golden trace, and that the manifest tells the truth about it");
   add_common(*check, *check_options);
-  set_examples(
-      *check,
-      "printf 'stack.ttr\\tstack?boxes=3\\t-\\t60\\troot\\t-\\t0\\twhy it is kept\\n' > MANIFEST.tsv\n"
-      "ticktrue golden update . --reason 'the first recording'\n"
-      "ticktrue golden check .",
-      "MANIFEST.tsv has a row for each trace, columns separated by tabs: file, scene, inputs (- for none),\n"
-      "ticks (- for up to the `end` input), detail, hash after the last tick (- for a new one), bytes, why.\n"
-      "scene command:WORDS: the program that recorded the trace verifies it, as with --command of verify.");
+  set_examples(*check,
+               "printf 'stack.ttr\\tstack?boxes=3\\t-\\t60\\troot\\t-\\t0\\twhy it is kept\\n' > MANIFEST.tsv\n"
+               "ticktrue golden update . --reason 'the first recording'\n"
+               "ticktrue golden check .",
+               "MANIFEST.tsv has a row for each trace, columns separated by tabs: file, scene, inputs (- for none),\n"
+               "ticks (- for up to the `end` input), detail, hash after the last tick (- for a new one), bytes, why.\n"
+               "scene command:WORDS: the program that recorded the trace verifies it, as with --command of verify.");
   check->callback([check_options, &context] { context.exit_code = run_golden_check(*check_options); });
 
   auto update_options = std::make_shared<GoldenCommand>();

@@ -160,7 +160,8 @@ Result<std::string> build_as_is(const RebuildOptions& options) {
   const Failure failure = build(options, program, own_compilers(), "");
   if (failure.what.empty()) return program;
   const std::string hint =
-      std::string("it has to build the program anew with CC, CXX, CFLAGS and CXXFLAGS, as the file ") + program_variable;
+      std::string("it has to build the program anew with CC, CXX, CFLAGS and CXXFLAGS, as the file ") +
+      program_variable;
   return Error{ErrorCode::usage, "--rebuild: " + options.command + ": " + failure.what,
                (failure.lines.empty() ? "" : failure.lines + "\n") + hint};
 }
