@@ -300,6 +300,7 @@ class Shaking {
         const std::lock_guard guard(lock);
         tell();
         ++row.run_count;
+        row.wall_s += run->outcome.wall_s;
         if (signature(run->outcome) == baseline_of(perturbation)) continue;
         if (!is_own_refusal(perturbation, run->outcome, row)) {
           row.state = RowState::moved;

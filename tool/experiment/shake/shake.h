@@ -40,6 +40,7 @@ struct RowResult {
   RowState state = RowState::not_run;
   std::string reason;  // of not_applicable and not_run
   unsigned run_count = 0;
+  double wall_s = 0;         // of these runs together
   Outcome outcome;           // moved: of the first run that was another
   unsigned moved_count = 0;  // of `repeat_count` runs under those conditions
   unsigned repeat_count = 0;

@@ -205,7 +205,7 @@ Json row_json(const RowResult& row) {
   Json object = {{"name", perturbation.name}, {"class", class_of(row)},
                  {"what", perturbation.what}, {"outcome", state_name(row)},
                  {"reason", row.reason},      {"together", row.state == RowState::same_together},
-                 {"runs", row.run_count}};
+                 {"runs", row.run_count},     {"wall_s", row.wall_s}};
   if (row.state != RowState::moved) return object;
   object["run"] = outcome_json(row.outcome);
   object["moved"] = row.moved_count;
