@@ -224,7 +224,7 @@ bool read_words(int argc, char* const* argv, bool knows_new_words, ticktrue_opti
   }
   if (box_kib > 0) options.box_kib = box_kib;
   if (is_asked && !has_box) options.box_kib = 0;  // a trace was asked for
-  // What the program wants of its traces in full, a box has no room for.
+  // A box has no room for ticks in full.
   if (has_box && !has_detail && options.detail == TICKTRUE_DETAIL_FULL) options.detail = TICKTRUE_DETAIL_CELLS;
   if (has_detail && is_asked && options.mode == TICKTRUE_VERIFY && run_error.empty())
     run_error = "command line: --detail: found it with --verify: what a trace holds was decided by its recording";

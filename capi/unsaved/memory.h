@@ -41,8 +41,8 @@ struct ProgramMemory {
   std::uint64_t left_out = 0;       // bytes of ranges that are too large
 };
 
-/// What the calling thread sees. `stack_begin`: the stack from there on is the program's. Without the C library, the
-/// C++ library and libticktrue. Elsewhere than on GNU/Linux: nothing.
+/// The writable memory that the calling thread can reach. `stack_begin`: the stack from there on is the program's.
+/// Without the C library, the C++ library and libticktrue. Elsewhere than on GNU/Linux: nothing.
 ProgramMemory program_memory(const void* stack_begin);
 
 /// The heap of the preload library; all null: it is not loaded.

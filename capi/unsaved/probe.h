@@ -69,7 +69,7 @@ class Probe {
     std::vector<std::string> columns;
     std::vector<Unit> units;
     bool has_crashed = false;
-    bool is_joint = false;  // of several things, of which none is enough alone
+    bool is_joint = false;  // none of its things moves a column alone
   };
   struct Trial {
     bool has_moved = false;

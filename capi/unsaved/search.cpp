@@ -16,7 +16,7 @@ constexpr std::uint64_t trials_of_window_max = 400;
 constexpr std::size_t holders_max = 16;  // units of a finding whose holder is looked for
 constexpr std::uint64_t examined_windows_max = 40;
 
-/// What stays the same over windows: a variable, or a place in blocks of one kind.
+/// A variable, or a place in blocks of one allocation site: the same in every window.
 std::string key_of(const Unit& unit) {
   std::string key = std::to_string(static_cast<int>(unit.owner)) + " " + unit.name;
   if (unit.owner == PieceOwner::variable || unit.owner == PieceOwner::generator) return key;

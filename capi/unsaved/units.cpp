@@ -10,7 +10,7 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::uint64_t cell = 4;             // bytes: differences in blocks are told apart by cells
+constexpr std::uint64_t cell = 4;             // bytes; differences in a block are counted by cells of this size
 constexpr std::uint64_t long_run = 64;        // bytes that differ side by side are one thing: a generator, an array
 constexpr std::uint64_t node_size_max = 256;  // bytes: a greater block is no node of a container
 constexpr std::uint64_t page = 4096;

@@ -1,4 +1,4 @@
-// What load left otherwise than it was: pieces of memory, joined where they only make sense together.
+// Units: pieces of memory that load left changed. A pointer and the new block it points to are one unit.
 // SPDX-License-Identifier: MIT
 #pragma once
 

@@ -1,4 +1,4 @@
-// What a copy of the process leaves behind, in memory that it shares with the process.
+// The result of a copy of the process, in memory that both share.
 // SPDX-License-Identifier: MIT
 #pragma once
 
