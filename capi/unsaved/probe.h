@@ -126,6 +126,7 @@ class Probe {
   std::set<std::string> seen_;   // keys of harmless_
   std::vector<LoadedModule> modules_;
   std::uint64_t window_count_ = 0, moved_count_ = 0, trial_count_ = 0, lost_count_ = 0, missing_saves_ = 0;
+  std::uint64_t unexamined_count_ = 0;  // windows that moved and were not examined, or not to the end
   std::uint64_t threads_ = 0, left_out_ = 0, ticks_run_ = 0;
   std::string refusal_, hint_;
   std::string lost_reason_;

@@ -63,6 +63,7 @@ void Probe::write_log() const {
             {"lost", lost_count_},      {"lost_reason", lost_reason_}, {"missing_saves", missing_saves_},
             {"threads", threads_},      {"left_out", left_out_},       {"ticks", ticks_run_},
             {"has_ended", has_ended_},  {"refusal", refusal_},         {"hint", hint_}};
+  json["unexamined"] = unexamined_count_;
   json["findings"] = findings_json(findings_);
   json["unexplained"] = findings_json(unexplained_);
   json["not_loaded"] = findings_json(not_loaded_);

@@ -35,7 +35,10 @@ bool Probe::examine() {
   plain.tick = shared_->tick;
   plain.window = begin_;
   plain.columns = moved_columns();
-  if (moved_count_ > examined_windows_max) return false;
+  if (moved_count_ > examined_windows_max) {
+    ++unexamined_count_;
+    return false;
+  }
   compare_with_copy();
   trials_here_ = 0;
   Groups rest;
@@ -57,6 +60,7 @@ bool Probe::examine() {
   const std::size_t before = findings_.size();
   const bool has_found = search(rest, nullptr);
   if (is_copy()) return true;
+  if (trials_here_ >= trials_of_window_max) ++unexamined_count_;
   if (!has_found && before == 0 && unexplained_.empty()) unexplained_.push_back(std::move(plain));
   for (const Unit& unit : differences_.units)
     if (known_.count(key_of(unit)) == 0 && seen_.insert(key_of(unit)).second) harmless_.push_back(unit);

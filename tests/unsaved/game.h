@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -41,7 +42,8 @@ inline int load_game(void* user, const void* bytes, std::size_t size) {
   return 0;
 }
 
-/// Runs `step` with a button for 150 ticks, or as many as are verified. Returns the exit code.
+/// Runs `step` with a button for TICKS ticks (of the environment; 150), or as many as are verified. Returns the exit
+/// code.
 template <typename Step>
 int play(Game& game, int argc, char** argv, bool has_saves, Step step) {
   ticktrue_options options{};
@@ -55,7 +57,9 @@ int play(Game& game, int argc, char** argv, bool has_saves, Step step) {
   }
   game.session = ticktrue_open_arguments(&options, argc, argv);
   game.show();
-  while (game.tick < 150) {
+  const char* ticks = std::getenv("TICKS");
+  const std::uint64_t end = ticks != nullptr ? std::strtoull(ticks, nullptr, 10) : 150;
+  while (game.tick < end) {
     auto button = static_cast<std::uint8_t>((game.tick * 2654435761u) >> 30 == 0);
     if (ticktrue_input(game.session, &button, sizeof button) != TICKTRUE_OK) break;
     if (ticktrue_begin_tick(game.session, nullptr) != TICKTRUE_OK) break;

@@ -95,6 +95,19 @@ def check_printed_command(args, folder):
     return "" if done.returncode == 1 else f"{found.group(1)}: exit code {done.returncode}: {done.stdout}{done.stderr}"
 
 
+def check_limit(args, folder):
+    """More windows differ than are examined: the report says how many were not."""
+    program = os.path.join(args.programs, "unsaved_planted")
+    trace = os.path.join(folder, "long.ttr")
+    subprocess.run([program, "global", "--record", trace], check=True, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "TICKS": "600"})
+    done = subprocess.run([args.ticktrue, "unsaved", trace, "--", program, "global"], capture_output=True, text=True,
+                          cwd=folder, env={**os.environ, "TICKS": "600"})
+    if done.returncode != 1 or not re.search(r"note +[1-9][0-9]* windows with other columns were not examined", done.stdout):
+        return f"exit code {done.returncode}, found {done.stdout}{done.stderr}, expected a note of windows not examined"
+    return ""
+
+
 def check_clean(args, folder, name):
     before = set(os.listdir(folder))
     done = run(args, folder, os.path.join(args.programs, "unsaved_clean"), name, [])
@@ -142,7 +155,7 @@ def main():
                 if fault:
                     faults += 1
                     print(f"unsaved_test: error: {name}: {fault}")
-        for check in [] if args.only else [check_usage, check_printed_command]:
+        for check in [] if args.only else [check_usage, check_printed_command, check_limit]:
             fault = check(args, folder)
             if fault:
                 faults += 1

@@ -121,6 +121,9 @@ void add_notes(const nlohmann::ordered_json& log, UnsavedReport& report) {
   if (const auto bytes = log.at("left_out").get<std::uint64_t>(); bytes > 0)
     report.notes.push_back(std::to_string((bytes >> 20) + 1) +
                            " MiB were not compared: a variable above 256 MiB, or the heap behind its first 512 MiB");
+  if (const auto windows = log.at("unexamined").get<std::uint64_t>(); windows > 0)
+    report.notes.push_back(count_text(windows, "window") +
+                           " with other columns were not examined to the end: mend what is named, and run again");
   if (const auto threads = log.at("threads").get<std::uint64_t>(); threads > 1)
     report.notes.push_back("windows with " + std::to_string(threads) + " threads were left out");
   if (const auto missing = log.at("missing_saves").get<std::uint64_t>(); missing > 0)
