@@ -1,4 +1,4 @@
-// The order of calls of a session, and rollback.
+// The order of calls of a session, its options, and rollback.
 // SPDX-License-Identifier: MIT
 #include "capi/session.h"
 
@@ -10,6 +10,7 @@
 
 #include "base/limits.h"
 #include "base/plain_text.h"
+#include "capi/call_values.h"
 #include "capi/marks/shake_page.h"
 #include "replay/format/chunk.h"
 #include "verifier/report/exit_codes.h"
@@ -22,28 +23,6 @@ constexpr std::uint32_t checkpoint_interval_default = 600;
 constexpr std::size_t note_count_max = 1024;  // that wait for their tick
 constexpr std::uint32_t known_flags =
     TICKTRUE_OVERWRITE | TICKTRUE_QUIET | TICKTRUE_JSON | TICKTRUE_NO_SYNC | TICKTRUE_RESTORE | TICKTRUE_MARKS;
-
-std::string_view text_of(const char* text) {
-  // Bounded: an unterminated name is too long, not a read out of bounds.
-  return text == nullptr ? std::string_view() : std::string_view(text, strnlen(text, limits::name_size_max + 1));
-}
-
-Error usage(const std::string& message, const std::string& hint = "") {
-  return {ErrorCode::usage, message, hint};
-}
-
-std::string number(std::uint64_t value) {
-  return std::to_string(value);
-}
-
-/// `type` may have the flag of a shown column.
-ScalarType scalar_type(int type) {
-  const int plain = type & ~TICKTRUE_SHOWN;
-  return static_cast<ScalarType>(type >= 0 && plain <= 255 ? plain : 0);
-}
-bool is_shown_type(int type) {
-  return type >= 0 && (type & TICKTRUE_SHOWN) != 0;
-}
 
 /// Another address in each thread.
 const void* own_thread() {
@@ -307,100 +286,6 @@ int Session::build_facts(const char* unit, const char* facts) {
   if (const Status status = check_name("build_facts: unit", text_of(unit)); !status) return fail(status.error());
   if (const Status status = facts_.add(text_of(unit), facts); !status) return fail(status.error());
   set_facts();
-  return TICKTRUE_OK;
-}
-
-int Session::column(const char* table, const char* name, const void* data, int type, std::uint32_t lanes,
-                    std::uint32_t rows, std::size_t stride) {
-  if (!can_call("column")) return status_;
-  ColumnSource source;
-  source.data = data;
-  source.type = scalar_type(type);
-  source.lane_count = lanes;
-  source.row_count = rows;
-  source.stride = stride;
-  source.is_shown = is_shown_type(type);
-  const Status status = state_.column(text_of(table), text_of(name), source);
-  if (probe_ && status) tell_probe(table, name, source);
-  return status ? TICKTRUE_OK : fail(status.error());
-}
-
-int Session::table(const char* name, std::size_t stride, const ticktrue_member* members, std::uint32_t member_count,
-                   std::uint32_t& table_number) {
-  if (!can_call("table") || refuse_in_callback("table")) return status_;
-  if (const Status status = check_name("table", text_of(name)); !status) return fail(status.error());
-  const std::string place = "table " + std::string(text_of(name)) + ": ";
-  if (members == nullptr || member_count == 0 || member_count > limits::column_count_max)
-    return fail(usage(place + "members: found " + (members == nullptr ? "null" : number(member_count)) +
-                          ", expected 1.." + number(limits::column_count_max),
-                      "each member of the struct that is compared is one of them"));
-  std::vector<RowMember> row(member_count);
-  for (std::uint32_t i = 0; i < member_count; ++i) {
-    const ticktrue_member& member = members[i];
-    row[i] = {text_of(member.name), scalar_type(member.type), member.lanes, member.offset, is_shown_type(member.type)};
-    if (const Status status = check_name(place + "column", row[i].name); !status) return fail(status.error());
-    const ScalarInfo* scalar = scalar_info(row[i].type);
-    if (scalar == nullptr || member.size == 0) continue;
-    if (member.lanes == 0 && member.size % scalar->size == 0)
-      row[i].lane_count = static_cast<std::uint32_t>(std::min<std::size_t>(member.size / scalar->size, UINT32_MAX));
-    else if (member.lanes == 0 || member.size != std::size_t{scalar->size} * member.lanes)
-      return fail(usage(place + "column " + std::string(row[i].name) + ": bytes in the struct: found " +
-                            number(member.size) + ", expected " +
-                            (member.lanes == 0 ? "a multiple of " + number(scalar->size)
-                                               : number(std::size_t{scalar->size} * member.lanes)) +
-                            " (" + std::string(scalar->name) + ")",
-                        "the type is that of the member: TICKTRUE_U8 for one byte, TICKTRUE_F64 for double"));
-  }
-  const Result<std::size_t> made = state_.table(text_of(name), stride, row);
-  if (!made) return fail(made.error());
-  table_number = static_cast<std::uint32_t>(*made);
-  return TICKTRUE_OK;
-}
-
-int Session::rows(std::uint32_t table, const void* base, std::uint32_t rows) {
-  if (!can_call("rows")) return status_;
-  const Status status = state_.rows(table, base, rows);
-  if (probe_ && status && table < state_.schema().tables.size()) {
-    ColumnSource source;
-    source.data = base;
-    source.row_count = rows;
-    tell_probe(state_.schema().tables[table].name.c_str(), "", source);
-  }
-  return status ? TICKTRUE_OK : fail(status.error());
-}
-
-int Session::key(const char* table, std::uint32_t columns) {
-  if (!can_call("key") || refuse_in_callback("key")) return status_;
-  const Status status = state_.key(text_of(table), columns);
-  return status ? TICKTRUE_OK : fail(status.error());
-}
-
-int Session::reference(const char* table, const char* column, const char* target) {
-  if (!can_call("reference") || refuse_in_callback("reference")) return status_;
-  const Status status = state_.reference(text_of(table), text_of(column), text_of(target));
-  return status ? TICKTRUE_OK : fail(status.error());
-}
-
-int Session::row_names(const char* table, ticktrue_namer call, void* user) {
-  if (!can_call("row_names") || refuse_in_callback("row_names")) return status_;
-  if (!state_.find_table(text_of(table)))
-    return fail(usage("row_names: table " + std::string(text_of(table)) + ": found none of this name",
-                      "register its columns first"));
-  namers_[std::string(text_of(table))] = {call, user};
-  return TICKTRUE_OK;
-}
-
-int Session::add_stage(const char* name) {
-  if (!can_call("add_stage") || refuse_in_callback("add_stage")) return status_;
-  if (phase_ != Phase::registering)
-    return wrong_order("add_stage: found a new stage after the first tick", "add every stage before the first tick");
-  const std::string text(text_of(name));
-  if (const Status status = check_name("stage", text); !status) return fail(status.error());
-  if (std::find(stages_.begin(), stages_.end(), text) != stages_.end())
-    return fail(usage("stage " + text + ": stands twice"));
-  if (stages_.size() >= limits::stage_count_max)
-    return fail(usage("stages: found more than " + number(limits::stage_count_max)));
-  stages_.push_back(text);
   return TICKTRUE_OK;
 }
 
