@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: MIT
 #include "tool/cli/session/program_runs.h"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/plain_text.h"
 #include "tool/output/cli.h"
@@ -54,6 +56,37 @@ std::string shim_path() {
     if (!failed) return path.string();
   }
   return "";
+}
+
+void add_program_words(CLI::App& command, ProgramOptions& options) {
+  command.add_option("TRACE", options.trace, "A trace that the program recorded")->required();
+  command.add_option("PROGRAM", options.words,
+                     "Behind --: the program and its arguments. {trace} stands for the trace; without it, "
+                     "--verify TRACE is added");
+}
+
+void add_program_options(CLI::App& command, ProgramOptions& options, const std::string& schema) {
+  add_number(command, "--timeout", options.timeout_s, "Seconds that a run may take (default 600)", {1, 1'000'000});
+  command.add_flag("--json", options.json, "One JSON object (schema " + schema + ")");
+  command.add_option("--out", options.folder, "Folder for the files of runs; it is kept (default: a temporary one)")
+      ->type_name("DIR");
+}
+
+Result<ProgramRun> prepare_run(const std::string& command, const ProgramOptions& options) {
+  if (options.words.empty())
+    return Error{ErrorCode::usage, command + ": found no program, expected TRACE -- PROGRAM ARGUMENTS",
+                 "behind -- stands the program: see `ticktrue " + command + " --help`"};
+  std::error_code failed;
+  const std::string trace = fs::canonical(options.trace, failed).string();
+  if (failed) return Error{ErrorCode::io, options.trace + ": " + failed.message(), ""};
+  Result<verifier::RunFolder> folder = verifier::RunFolder::make("ticktrue-" + command, options.folder);
+  if (!folder) return folder.error();
+  ProgramRun run{trace, words_with_trace(options.words, trace), std::move(*folder), {}};
+  run.launch.folder = run.folder.path();
+  run.launch.shim_path = shim_path();
+  run.launch.time_s = static_cast<double>(options.timeout_s);
+  catch_stop_signals();
+  return run;
 }
 
 std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace) {

@@ -7,11 +7,40 @@
 #include <vector>
 
 #include "base/result.h"
+#include "tool/experiment/shake/launch.h"
+#include "verifier/runs/run_folder.h"
+
+namespace CLI {
+class App;
+}
 
 namespace ticktrue::cli {
 
 /// The preload library of this build or installation; empty: there is none.
 std::string shim_path();
+
+/// What `trail` and `unsaved` take alike.
+struct ProgramOptions {
+  std::string trace;
+  std::vector<std::string> words;  // of the program
+  std::uint64_t timeout_s = 600;
+  bool json = false;
+  std::string folder;  // empty: a temporary one
+};
+/// TRACE and PROGRAM.
+void add_program_words(CLI::App& command, ProgramOptions& options);
+/// --timeout, --json, --out.
+void add_program_options(CLI::App& command, ProgramOptions& options, const std::string& schema);
+
+/// A program that may run.
+struct ProgramRun {
+  std::string trace;               // absolute
+  std::vector<std::string> words;  // with the trace in them
+  verifier::RunFolder folder;
+  shake::LaunchOptions launch;  // without the words
+};
+/// Catches stop signals, so that the folder is removed. Errors: usage, io.
+Result<ProgramRun> prepare_run(const std::string& command, const ProgramOptions& options);
 
 /// The program's words with the trace in them: in place of {trace}, else behind --verify at their end.
 std::vector<std::string> words_with_trace(const std::vector<std::string>& words, const std::string& trace);
