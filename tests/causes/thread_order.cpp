@@ -1,6 +1,8 @@
 // Cause: threads append to one list, and the first one moves first.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -13,14 +15,20 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
   if (tick % 16 != 5) return;
   std::mutex lock;
   std::vector<std::uint32_t> arrived;
+  const auto has_arrived = [&](std::uint32_t count_before) {
+    const std::lock_guard<std::mutex> guard(lock);
+    return arrived.size() > count_before;
+  };
   std::vector<std::thread> threads;
   for (std::uint32_t i = 0; i < 4; ++i) {
     threads.emplace_back([&, i] {
       const std::lock_guard<std::mutex> guard(lock);
       arrived.push_back(i);
     });
-    // A thread is done long before the next one begins, on a loaded machine, too.
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    // The next thread begins when this one is done, or after about 15 ms: a loaded machine seldom takes as long, and
+    // thread_start waits for up to 50 ms.
+    for (int wait = 0; wait < 100 && !has_arrived(i); ++wait)
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   for (std::thread& thread : threads) thread.join();
   if (is_mended) std::sort(arrived.begin(), arrived.end());
