@@ -118,10 +118,11 @@ class Workshop:
         os.makedirs(self.tree)
         root = self.options.root
         subprocess.check_call(f"cd '{root}' && git ls-files -z | xargs -0 cp --parents -t '{self.tree}'", shell=True)
+        # without sed a build has no digest of its sources: a mutant with the same code is the same program
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=OFF "
-                     f"-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF {launcher}")
+                     f"-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF -DTICKTRUE_SED=OFF {launcher}")
         for command in (configure, self.build_command(os.cpu_count())):
             status, output = run(command, 3600)
             if status != 0:
