@@ -54,6 +54,7 @@ class WorldBuilder {
   void add_plate(std::uint32_t count);  // a long box under so many discs that touch it
   void add_ring(std::uint32_t count);   // a large body at rest, all others fly at it from every side
   void add_shots(std::uint32_t count);  // a thin wall, and all others almost at rest beside it
+  void add_net(std::uint32_t columns, std::uint32_t rows);  // of joints; nothing touches
   void add_prototypes();
   void finish();
   void push(Body body, const Placement& placement);

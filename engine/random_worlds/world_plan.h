@@ -51,6 +51,8 @@ struct WorldPlan {
   std::uint32_t plate_body_count = 0;  // of a plate under many bodies; 0: there is none
   std::uint32_t ring_body_count = 0;   // that close in on a large body; 0: there is none
   std::uint32_t shot_count = 0;        // bodies, almost at rest, that an input shoots at a wall; 0: there is none
+  std::uint32_t net_columns = 0;       // of a net of joints that is the whole world; 0: there is none
+  std::uint32_t net_rows = 0;
   std::uint64_t tick_count = 1;
 
   bool has(WorldFeature feature) const { return features[static_cast<std::size_t>(feature)]; }
@@ -64,8 +66,8 @@ struct WorldPlan {
 };
 
 WorldPlan draw_plan(Draw& draw, const RandomWorldOptions& options);
-/// Long rows of links, bodies with many contacts, rings that close in on a large body and shots at a wall, in few
-/// worlds. From a stream of its own: other worlds do not depend on them.
+/// Long rows of links, bodies with many contacts, rings that close in on a large body, shots at a wall and nets of
+/// joints, in few worlds. From a stream of its own: other worlds do not depend on them.
 void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& plan);
 
 }  // namespace ticktrue::engine

@@ -1,9 +1,10 @@
-// Structures that arrangements never make: rows of links, bodies with many contacts, rings that close in, shots.
-// SPDX-License-Identifier: MIT
+// Structures that arrangements never make: rows and nets of links, bodies with many contacts, rings that close in,
+// shots. SPDX-License-Identifier: MIT
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
-// colours of contacts; what only bodies of unlike sizes reach that meet from every side, in touch with others; and what
-// only a body reaches that hardly moves until one input sends it through a wall within a tick.
+// colours of contacts; what only bodies of unlike sizes reach that meet from every side, in touch with others; what
+// only a body reaches that hardly moves until one input sends it through a wall within a tick; and the wavefront sweep,
+// which only bodies reach on which nothing but joints acts.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -19,6 +20,36 @@ namespace {
 std::uint32_t draw_count(Draw& draw, std::uint32_t least, std::uint32_t more, std::uint32_t room) {
   const std::uint32_t count = least + draw.below(more);
   return count <= room ? count : 0;
+}
+
+/// In place of everything else: no shape may meet another.
+void draw_net(Draw& draw, const RandomWorldOptions& options, WorldPlan& plan) {
+  if (plan.settings.solver != SolverKind::tgs_soft || !plan.carries_joints() || !draw.chance(12)) return;
+  const std::uint32_t columns = 2 + draw.below(9), rows = 2 + draw.below(9);
+  if (columns * rows > options.body_count_max) return;
+  plan.net_columns = columns;
+  plan.net_rows = rows;
+  plan.collides = false;
+  if (draw.chance(80)) {
+    // Only these settings allow the wavefront sweep.
+    plan.settings.integrator = IntegratorKind::semi_implicit_euler;
+    plan.settings.auto_substeps.reset();
+    plan.settings.sleep.reset();
+    plan.forces.clear();
+    plan.joints.clear();
+  }
+  plan.body_count = plan.link_count = plan.plate_body_count = plan.ring_body_count = plan.shot_count = 0;
+}
+
+void draw_shots(Draw& draw, std::uint32_t room, WorldPlan& plan) {
+  // What else sweeps every box leaves nothing to find.
+  const Settings& settings = plan.settings;
+  const bool sweeps_fast_alone = settings.continuous && !settings.locate_impacts && !settings.auto_substeps;
+  if (!draw.chance(sweeps_fast_alone ? 40 : 4)) return;
+  plan.shot_count = draw_count(draw, 3, 5, room);  // the wall is one of them
+  const auto shoots = [](InputKind kind) { return kind == InputKind::set_velocity || kind == InputKind::impulse; };
+  if (plan.shot_count > 0 && std::none_of(plan.inputs.begin(), plan.inputs.end(), shoots))
+    plan.inputs.push_back(InputKind::set_velocity);
 }
 
 }  // namespace
@@ -37,14 +68,8 @@ void draw_structures(Draw draw, const RandomWorldOptions& options, WorldPlan& pl
     plan.settings.locate_impacts = true;
   }
   room -= plan.ring_body_count;
-  // What else sweeps every box leaves nothing to find.
-  const Settings& settings = plan.settings;
-  const bool sweeps_fast_alone = settings.continuous && !settings.locate_impacts && !settings.auto_substeps;
-  if (!draw.chance(sweeps_fast_alone ? 40 : 4)) return;
-  plan.shot_count = draw_count(draw, 3, 5, room);  // the wall is one of them
-  const auto shoots = [](InputKind kind) { return kind == InputKind::set_velocity || kind == InputKind::impulse; };
-  if (plan.shot_count > 0 && std::none_of(plan.inputs.begin(), plan.inputs.end(), shoots))
-    plan.inputs.push_back(InputKind::set_velocity);
+  draw_shots(draw, room, plan);
+  draw_net(draw, options, plan);
 }
 
 void WorldBuilder::add_structures() {
@@ -52,6 +77,7 @@ void WorldBuilder::add_structures() {
   if (plan.plate_body_count > 0) add_plate(plan.plate_body_count);
   if (plan.ring_body_count > 0) add_ring(plan.ring_body_count);
   if (plan.shot_count > 0) add_shots(plan.shot_count);
+  if (plan.net_columns > 0) add_net(plan.net_columns, plan.net_rows);
 }
 
 void WorldBuilder::add_links(std::uint32_t count) {
@@ -75,6 +101,50 @@ void WorldBuilder::add_links(std::uint32_t count) {
     if (i == 0)
       joint.anchor_a = {start.x - size / 2 - scene.bodies[0].position.x, start.y - scene.bodies[0].position.y};
     scene.joints.push_back(joint);
+  }
+}
+
+void WorldBuilder::add_net(std::uint32_t columns, std::uint32_t rows) {
+  const bool is_mixed = draw.half();
+  const auto first = static_cast<std::uint32_t>(scene.bodies.size());
+  const auto join = [&](std::uint32_t a, std::uint32_t b, Point anchor) {
+    const auto is_static = [&](std::uint32_t body) { return scene.bodies[body].type == BodyType::static_body; };
+    if (is_static(a) && is_static(b)) return;
+    Joint joint;
+    joint.kind = JointKind::revolute;
+    joint.body_a = a;
+    joint.body_b = b;
+    joint.anchor_a = anchor;
+    joint.anchor_b = {-anchor.x, -anchor.y};
+    const std::uint32_t choice = is_mixed ? draw.below(8) : 0;
+    if (choice == 5) joint.limits = Range{-0.25, 0.25};
+    if (choice == 6) joint.spring = JointSpring{false, 4, 0.5, 0, 0};
+    if (choice == 7) joint.motor = JointMotor{1, 0.5};
+    scene.joints.push_back(joint);
+  };
+  for (std::uint32_t row = 0; row < rows; ++row)
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      const bool is_peg = row == 0 && (column == 0 || column + 1 == columns);
+      const auto body_number = static_cast<std::uint32_t>(scene.bodies.size());
+      Body body;
+      body.type = is_peg ? BodyType::static_body : BodyType::dynamic_body;
+      body.shapes.push_back(circle(size / 4));
+      body.shapes[0].filter.mask = 0;
+      const Point velocity = draw.chance(20) ? Point{size * draw.part(-4, 4, 1), 0} : Point{};
+      push(std::move(body), {{size * column, -size * row}, 0, is_peg ? Point{} : velocity, 0});
+      scene.bodies.back().angle = 0;
+      if (row > 0) join(body_number - columns, body_number, {0, -size / 2});
+      if (column > 0) join(body_number - 1, body_number, {size / 2, 0});
+    }
+  // Slack ropes: the joints of a body are far apart in the order, and in levels.
+  for (std::uint32_t i = draw.below(4); i > 0; --i) {
+    Joint rope;
+    rope.kind = JointKind::distance;
+    rope.body_a = first + draw.below(columns * rows);
+    rope.body_b = first + draw.below(columns * rows);
+    rope.limits = Range{0, 4 * size * (columns + rows)};
+    if (rope.body_a != rope.body_b && scene.bodies[rope.body_b].type == BodyType::dynamic_body)
+      scene.joints.push_back(rope);
   }
 }
 

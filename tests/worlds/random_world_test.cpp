@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/parallel/chunk_order.h"
 #include "engine/engine.h"
 #include "engine/random_worlds/world_features.h"
 #include "engine/random_worlds/world_plan.h"
@@ -224,13 +225,14 @@ TEST_CASE("of 2000 random worlds 100 have each row, one has each possible pair",
   }
 }
 
-TEST_CASE("of 2000 random worlds 20 have a row of links, a plate, a ring, a ring with located impacts, shots",
+TEST_CASE("of 2000 random worlds 20 have a row of links, a plate, a ring, a ring with located impacts, shots, a net",
           "[worlds][coverage]") {
   int links = 0;
   int plates = 0;
   int rings = 0;
   int located_rings = 0;
   int shots = 0;
+  int nets = 0;
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     engine::Draw draw(seed);
     engine::WorldPlan plan = engine::draw_plan(draw, {});
@@ -240,12 +242,30 @@ TEST_CASE("of 2000 random worlds 20 have a row of links, a plate, a ring, a ring
     rings += plan.ring_body_count > 0 ? 1 : 0;
     located_rings += plan.ring_body_count > 0 && plan.settings.locate_impacts ? 1 : 0;
     shots += plan.shot_count > 0 ? 1 : 0;
+    nets += plan.net_columns > 0 ? 1 : 0;
   }
   CHECK(links >= 20);
   CHECK(plates >= 20);
   CHECK(rings >= 20);
   CHECK(located_rings >= 20);
   CHECK(shots >= 20);
+  CHECK(nets >= 20);
+}
+
+TEST_CASE("of 500 random worlds 10 are solved by a wavefront sweep where chunks are small", "[worlds][coverage]") {
+  int swept = 0;
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    ChunkOrder order(false);
+    engine::EngineOptions options;
+    options.parallel = {&order, 3};
+    const RandomWorld world = random_world(seed, {300, 4});
+    const auto engine = engine::make_engine(world.scene, options);
+    CAPTURE(seed);
+    REQUIRE(engine.has_value());
+    REQUIRE((*engine)->step({world.scene.settings.dt, {}}, nullptr));
+    swept += order.line_run_count > 0 ? 1 : 0;
+  }
+  CHECK(swept >= 10);
 }
 
 TEST_CASE("2000 random worlds are legal, and fewer than one in 200 blows up", "[worlds][equivalence]") {

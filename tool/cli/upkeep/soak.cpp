@@ -192,6 +192,8 @@ Status write_hashes(const std::string& path, std::uint64_t world_count) {
 Status compare_with_files(const SoakCommand& command) {
   engine::CacheReport counts;
   if (const Status same = compare_hashes(command.hashes, counts); !same) return same;
+  if (command.write_cache_counts.empty() && command.cache_counts.empty()) return {};
+  if (const Status counted = soak::add_counts_of_scenes(counts); !counted) return counted;
   if (!command.write_cache_counts.empty())
     return write_file(command.write_cache_counts, soak::print_cache_counts(counts));
   if (!command.cache_counts.empty()) return compare_counts(command.cache_counts, counts);

@@ -4,8 +4,22 @@
 
 #include <sstream>
 
+#include "engine/builtin_scenes/builtin_scenes.h"
+
 namespace ticktrue::verifier::soak {
 namespace {
+
+struct CountedScene {
+  const char* name;
+  int tick_count;
+};
+// Bodies that rest in their margins, more contacts than two blocks of islands, joints enough for a wavefront sweep.
+constexpr CountedScene counted_scenes[] = {
+    {"pyramid?base=24", 90},
+    {"mixed_pile?bodies=150", 150},
+    {"many_pyramids?rows=6&columns=8", 12},
+    {"joint_grid?columns=30", 20},
+};
 
 const char* const renew_hint =
     "if the structure is meant to be used again that often: `ticktrue soak --hashes H --write-cache-counts C`";
@@ -16,9 +30,23 @@ std::string counts_text(engine::CacheCounts counts) {
 
 }  // namespace
 
+Status add_counts_of_scenes(engine::CacheReport& counts) {
+  for (const CountedScene& counted : counted_scenes) {
+    const auto scene = engine::make_builtin_scene(counted.name);
+    if (!scene) return scene.error();
+    const auto made = engine::make_engine(*scene);
+    if (!made) return made.error();
+    for (int tick = 0; tick < counted.tick_count; ++tick)
+      if (const Status did = (*made)->step({scene->settings.dt, {}}, nullptr); !did) return did;
+    engine::add_counts(counts, (*made)->cache_report());
+  }
+  return {};
+}
+
 std::string print_cache_counts(const engine::CacheReport& counts) {
   std::string text =
-      "# How often each cached structure was used again, over the worlds of hashes.tsv (docs/soak.md).\n"
+      "# How often each cached structure was used again, over the worlds of hashes.tsv and a few scenes "
+      "(docs/soak.md).\n"
       "# Written by `ticktrue soak --hashes H --write-cache-counts C`.\n# cache\thits\tinvalidations\n";
   for (std::size_t i = 0; i < counts.size(); ++i)
     text += std::string(engine::cache_kinds[i].name) + "\t" + std::to_string(counts[i].hits) + "\t" +
