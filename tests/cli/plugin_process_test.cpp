@@ -217,6 +217,30 @@ TEST_CASE("a verdict by a plug-in is stored, its crash is not, and another libra
   CHECK(contains(rude.run("", claiming).output, "1 traces: 1 match; 1 cached, 0 verified"));
 }
 
+TEST_CASE("golden add: a row of a plug-in is checked with it, and one that crashes leaves nothing",
+          "[cli][plugin_process][golden]") {
+  const RudeRun rude;
+  const std::string golden = rude.folder.file("golden");
+  std::filesystem::create_directory(golden);
+  const ChildResult added = rude.run("", {"golden", "add", golden, "setup", "--ticks", "5", "--name", "a"});
+  INFO(added.output + added.message);
+  CHECK(added.end.exit_status == 0);
+  CHECK(contains(added.output, "added  " + golden + "/a.ttr"));
+  const std::string manifest = golden + "/MANIFEST.tsv";
+  const Bytes before = read_file(manifest);
+  CHECK(contains(std::string(before.begin(), before.end()), "a.ttr\tplugin:setup\t-\t5\troot\t"));
+  CHECK(contains(rude.run("", {"golden", "check", golden}).output, "1 of 1 golden traces match"));
+  ChildCommand without;
+  without.argv = {TICKTRUE_TOOL, "golden", "check", golden};
+  const ChildResult unknown = verifier::run_child(without);
+  CHECK(unknown.end.exit_status == 2);
+  CHECK(contains(unknown.message, "found no plug-in, expected --plugin LIB.so"));
+  const ChildResult crashed = rude.run("step:crash", {"golden", "add", golden, "setup", "--ticks", "5", "--name", "b"});
+  CHECK(crashed.end.exit_status == 1);
+  CHECK(!std::filesystem::exists(golden + "/b.ttr"));
+  CHECK(read_file(manifest) == before);
+}
+
 TEST_CASE("a signal that stops the tool stops the plug-in and what it forked", "[cli][plugin_process][analytic]") {
   const RudeRun rude;
   REQUIRE(rude.record("").end.exit_status == 0);

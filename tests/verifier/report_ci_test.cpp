@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/report/report_ci.h"
 
+#include <random>
+
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
 #include "verifier/corpus/golden.h"
@@ -105,6 +107,56 @@ TEST_CASE("golden: a wrong line of a manifest is named", "[verifier][golden][cor
     const auto manifest = verifier::parse_manifest(text, "M");
     REQUIRE(!manifest);
     CHECK(contains(manifest.error().message, message));
+  }
+}
+
+verifier::GoldenRow row_named(const std::string& file) {
+  verifier::GoldenRow row;
+  row.file = file;
+  row.scene = "command:./game --verify {}";
+  row.detail = "root";
+  row.hash = "0123456789abcdef";
+  row.size = 7;
+  row.why = "because";
+  return row;
+}
+
+TEST_CASE("golden: a row is added behind the others, and every other line stays", "[verifier][golden][equivalence]") {
+  std::mt19937 random(20261126);
+  const std::string added = "new.ttr\tcommand:./game --verify {}\t-\t-\troot\t0123456789abcdef\t7\tbecause\n";
+  const char* others[] = {"# a word\n", "\n", "file\tscene\n"};
+  for (int i = 0; i < 300; ++i) {
+    std::string before, after;
+    for (std::size_t n = random() % 4; n > 0; --n)
+      before += random() % 2 == 0 ? others[random() % (before.empty() ? 3 : 2)]
+                                  : std::to_string(before.size()) + ".ttr\ts\t-\t6\troot\t-\t0\twhy\n";
+    const bool has_row = before.find(".ttr") != std::string::npos;
+    if (has_row) before += "last.ttr\ts\t-\t6\troot\t-\t0\twhy\n";
+    for (std::size_t n = random() % 3; n > 0; --n) after += others[random() % 2];
+    CAPTURE(i, before, after);
+    auto manifest = verifier::parse_manifest(before + after, "M");
+    REQUIRE(manifest);
+    REQUIRE(verifier::add_row(*manifest, row_named("new.ttr"), "M"));
+    CHECK(verifier::manifest_text(*manifest) == (has_row ? before + added + after : before + after + added));
+    CHECK(!verifier::add_row(*manifest, row_named("new.ttr"), "M"));
+  }
+}
+
+TEST_CASE("golden: a row that the file cannot hold is refused", "[verifier][golden][corruption]") {
+  for (const char* name : {"#a.ttr", "", "file", "../a.ttr", "a/b.ttr", "a\tb.ttr", "a\nb.ttr"}) {
+    CAPTURE(name);
+    verifier::GoldenManifest manifest;
+    CHECK(!verifier::add_row(manifest, row_named(name), "M"));
+    CHECK(manifest.rows.empty());
+  }
+  for (std::string verifier::GoldenRow::*field : {&verifier::GoldenRow::scene, &verifier::GoldenRow::inputs,
+                                                  &verifier::GoldenRow::detail, &verifier::GoldenRow::why}) {
+    verifier::GoldenManifest manifest;
+    verifier::GoldenRow row = row_named("a.ttr");
+    row.*field = "two\nlines";
+    CHECK(!verifier::add_row(manifest, row, "M"));
+    row.*field = "two\tcolumns";
+    CHECK(!verifier::add_row(manifest, row, "M"));
   }
 }
 

@@ -100,18 +100,9 @@ class ByteInputs : public replay::InputSource {
   double dt_ = dt_default_s;
 };
 
-struct Made {
-  const SimulationInfo* info = nullptr;
-  Bytes setup;
-  double dt = dt_default_s;
-  std::uint64_t tick_count = 0;
-  std::unique_ptr<Simulation> simulation;
-  std::unique_ptr<replay::InputSource> inputs;
-};
-
 /// The session of a trace: its setup, its inputs, its length. Errors: usage (--inputs as well, another simulation),
 /// what TraceReader::open refuses.
-Status take_trace(const PluginSession& session, Made& made) {
+Status take_trace(const PluginSession& session, OpenPluginSession& made) {
   if (!session.inputs.empty())
     return Error{ErrorCode::usage, "--inputs: found a trace to run again, expected none: a trace has its own", ""};
   auto reader = replay::TraceReader::open(session.scene);
@@ -132,7 +123,7 @@ Status take_trace(const PluginSession& session, Made& made) {
   return {};
 }
 
-Status take_scene(const PluginSession& session, Made& made) {
+Status take_scene(const PluginSession& session, OpenPluginSession& made) {
   if (!session.tick_count)
     return Error{ErrorCode::usage, "--ticks: found none, expected how many: a plug-in's inputs do not say", ""};
   made.tick_count = *session.tick_count;
@@ -151,12 +142,15 @@ Status take_scene(const PluginSession& session, Made& made) {
   return {};
 }
 
-Result<Made> make(const PluginSession& session) {
+}  // namespace
+
+Result<OpenPluginSession> open_plugin_session(const PluginSession& session) {
   const auto plugins = verifier::plugin_simulations();
   if (plugins.size() != 1)
     return Error{ErrorCode::usage,
                  "--plugin: found " + std::to_string(plugins.size()) + ", expected one to simulate with", ""};
-  Made made;
+  OpenPluginSession made;
+  made.dt = dt_default_s;
   made.info = plugins[0];
   const Status taken = is_trace_argument(session.scene) ? take_trace(session, made) : take_scene(session, made);
   if (!taken) return taken.error();
@@ -166,7 +160,21 @@ Result<Made> make(const PluginSession& session) {
   return made;
 }
 
-}  // namespace
+replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices) {
+  replay::TraceSetup setup;
+  setup.simulation = std::string(made.info->name);
+  setup.physics_version = made.info->physics_version;
+  setup.title = std::string(made.info->name);
+  setup.dt = made.dt;
+  setup.detail = choices.detail;
+  setup.full_first = choices.full_first;
+  setup.full_last = choices.full_last;
+  setup.checkpoint_interval = choices.checkpoint_interval;
+  setup.schema = *made.simulation->state().schema;
+  setup.stages.assign(made.simulation->stage_names().begin(), made.simulation->stage_names().end());
+  setup.setup = made.setup;
+  return setup;
+}
 
 bool has_plugin() {
   return !verifier::plugin_simulations().empty();
@@ -187,7 +195,7 @@ Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs,
 }
 
 int run_plugin(const PluginSession& session) {
-  const auto made = make(session);
+  const auto made = open_plugin_session(session);
   if (!made) return fail_usage(made.error());
   catch_stop_signals();
   const auto run = run_ticks(*made->simulation, *made->inputs, made->tick_count);
@@ -211,7 +219,7 @@ int run_plugin(const PluginSession& session) {
 }
 
 int record_plugin(const PluginSession& session) {
-  const auto made = make(session);
+  const auto made = open_plugin_session(session);
   if (!made) return fail_usage(made.error());
   if (const Status status = replay::check_output(session.output); !status) return fail_usage(status.error());
   if (const Status status = verifier::check_writable_target(session.output, session.force); !status)
@@ -219,19 +227,6 @@ int record_plugin(const PluginSession& session) {
   if (const Status status = verifier::check_not_read(session.output, {session.scene, session.inputs}); !status)
     return fail_usage(status.error());
   catch_stop_signals();
-  Simulation& simulation = *made->simulation;
-  replay::TraceSetup setup;
-  setup.simulation = std::string(made->info->name);
-  setup.physics_version = made->info->physics_version;
-  setup.title = std::string(made->info->name);
-  setup.dt = made->dt;
-  setup.detail = session.choices.detail;
-  setup.full_first = session.choices.full_first;
-  setup.full_last = session.choices.full_last;
-  setup.checkpoint_interval = session.choices.checkpoint_interval;
-  setup.schema = *simulation.state().schema;
-  setup.stages.assign(simulation.stage_names().begin(), simulation.stage_names().end());
-  setup.setup = made->setup;
   Progress progress("record " + session.output, made->tick_count);
   replay::RecordOptions options;
   options.tick_count = made->tick_count;
@@ -241,8 +236,8 @@ int record_plugin(const PluginSession& session) {
     progress.update(done);
     return !stop_requested();
   };
-  const auto result =
-      replay::record(simulation, *made->inputs, session.output, setup, verifier::make_build_facts(), options);
+  const auto result = replay::record(*made->simulation, *made->inputs, session.output,
+                                     plugin_trace_setup(*made, session.choices), verifier::make_build_facts(), options);
   progress.finish();
   if (!result) return fail_usage(result.error());
   if (result->reason == replay::EndReason::interrupted && result->tick_count == 0) {

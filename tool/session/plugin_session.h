@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,21 @@ struct PluginSession {
 
 /// Whether SCENE is meant for a plug-in.
 bool has_plugin();
+/// The session, made and not yet run.
+struct OpenPluginSession {
+  const SimulationInfo* info = nullptr;
+  Bytes setup;
+  double dt = 0;  // s
+  std::uint64_t tick_count = 0;
+  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<replay::InputSource> inputs;
+};
+/// Errors: usage (several plug-ins, no number of ticks), io, invalid_input, and what the plug-in refuses.
+/// Requires: has_plugin().
+Result<OpenPluginSession> open_plugin_session(const PluginSession& session);
+/// The setup for a trace of it.
+replay::TraceSetup plugin_trace_setup(const OpenPluginSession& made, const verifier::TraceChoices& choices);
+
 /// The exit code. Require: has_plugin().
 int run_plugin(const PluginSession& session);
 int record_plugin(const PluginSession& session);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -65,6 +66,14 @@ Result<GoldenRow> parse_row(std::string_view line, const std::string& place) {
   return row;
 }
 
+/// But for the lines above it.
+bool is_same_row(const GoldenRow& a, const GoldenRow& b) {
+  const auto key = [](const GoldenRow& row) {
+    return std::tie(row.file, row.scene, row.inputs, row.tick_count, row.detail, row.hash, row.size, row.why);
+  };
+  return key(a) == key(b);
+}
+
 std::string range_words(std::uint64_t first, std::uint64_t last) {
   return first == last ? std::to_string(first) : std::to_string(first) + ".." + std::to_string(last);
 }
@@ -112,6 +121,26 @@ std::string manifest_text(const GoldenManifest& manifest) {
             (row.tick_count ? std::to_string(*row.tick_count) : "-") + "\t" + row.detail + "\t" + row.hash + "\t" +
             std::to_string(row.size) + "\t" + row.why + "\n";
   return text + manifest.after;
+}
+
+Status add_row(GoldenManifest& manifest, GoldenRow row, const std::string& name) {
+  const auto refuse = [&](const std::string& what, const std::string& hint) {
+    return Error{ErrorCode::usage, name + ": " + row.file + ": " + what, hint};
+  };
+  for (const GoldenRow& other : manifest.rows)
+    if (other.file == row.file) return refuse("found a row of this name, expected none", "give another --name");
+  GoldenManifest alone;
+  alone.rows = {row};
+  alone.rows[0].before.clear();
+  const auto read = parse_manifest(manifest_text(alone), name);
+  const bool is_same = read && read->rows.size() == 1 && read->after.empty() && is_same_row(read->rows[0], row);
+  if (!is_same)
+    return refuse("found a text that the file cannot hold, expected none with a tab or a line end" +
+                      (read ? "" : ": " + read.error().message),
+                  "a name begins with a letter or a digit, and has no folder");
+  if (manifest.rows.empty()) row.before = std::exchange(manifest.after, "");
+  manifest.rows.push_back(std::move(row));
+  return {};
 }
 
 std::string changed_ticks(replay::TraceReader& a, replay::TraceReader& b) {
