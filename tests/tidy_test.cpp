@@ -222,6 +222,7 @@ constexpr Room rooms[] = {
     {"tool/debug_info", "below"},
     {"tool/box2d", "below"},
     {"tool/session", "below,tool/output"},
+    {"tool/campaign", "below"},
     {"tool/corpus", "below,tool/session"},
     {"tool/report_page", "below,tool/drawing,tool/output,tool/session"},
     {"tool/crosscheck", "below,tool/box2d"},
@@ -243,7 +244,7 @@ constexpr Room rooms[] = {
     {"tool/play", "below,tool/drawing,tool/output,tool/play/picture,tool/play/window,tool/session"},
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
-     "below,tool/cli,tool/output,tool/session,tool/corpus,tool/drawing,tool/experiment/reduce,"
+     "below,tool/cli,tool/output,tool/session,tool/campaign,tool/corpus,tool/drawing,tool/experiment/reduce,"
      "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/import,tool/play,tool/report_page"},
     {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
     {"tool/cli/upkeep",

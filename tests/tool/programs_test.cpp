@@ -1,7 +1,8 @@
-// The words of --command, and reports that come back from JSON.
+// The words of --command, reports that come back from JSON.
 // SPDX-License-Identifier: MIT
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/catch.h"
@@ -42,6 +43,26 @@ TEST_CASE("the trace takes the place of its mark in one word, whatever its name"
   CHECK(with_trace({"game", "--file={}", "{trace}", "{x}"}, name) ==
         std::vector<std::string>{"game", "--file=" + name, name, "{x}"});
   CHECK(with_trace({"game"}, name) == std::vector<std::string>{"game", "--verify", name});
+}
+
+TEST_CASE("marks are replaced once, and what takes their place is not searched", "[verifier][programs]") {
+  std::mt19937 random(3);
+  const CommandMark marks[] = {{"{seed}", "{trace}"}, {"{trace}", "{seed}"}};
+  for (int i = 0; i < 500; ++i) {
+    std::vector<std::string> words(1 + random() % 3), expected(words.size());
+    std::vector<bool> found(2);
+    for (std::size_t w = 0; w < words.size(); ++w)
+      for (std::size_t n = random() % 5; n > 0; --n) {
+        const char* parts[] = {"{seed}", "{trace}", "{", "}", "{se", "x"};
+        const std::size_t part = random() % 6;
+        words[w] += parts[part];
+        expected[w] += part < 2 ? parts[1 - part] : parts[part];
+        if (part < 2) found[part] = true;
+      }
+    CAPTURE(i, words);
+    CHECK(replace_marks(words, marks) == found);
+    CHECK(words == expected);
+  }
 }
 
 StateSchema schema_of_units() {

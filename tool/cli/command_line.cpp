@@ -45,6 +45,7 @@ constexpr const char* footer =
   make a failing session small: few bodies, inputs and ticks      reduce
   know which call of a tick is missing, extra or another          trail
   know which variable a save forgets                              unsaved
+  record a program with a thousand seeds, and verify each         campaign
   save what a killed recorder left                                recover
   turn a mouse recording (or a model of one) into inputs          import
   turn a scene drawn in the R.U.B.E. editor into a scene file     import
@@ -170,6 +171,7 @@ int parse_and_run(int argc, char** argv) {
   add_reduce(app, context);
   add_trail(app, context);
   add_unsaved(app, context);
+  add_campaign(app, context);
   add_compare(app, context);
   add_accuracy(app, context);
   add_stress(app, context);

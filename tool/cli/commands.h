@@ -29,6 +29,7 @@ void add_reduce(CLI::App& app, CliContext& context);
 void add_shake(CLI::App& app, CliContext& context);
 void add_trail(CLI::App& app, CliContext& context);
 void add_unsaved(CLI::App& app, CliContext& context);
+void add_campaign(CLI::App& app, CliContext& context);
 
 // study
 void add_compare(CLI::App& app, CliContext& context);

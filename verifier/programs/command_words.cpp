@@ -2,29 +2,32 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/command_words.h"
 
+#include "verifier/report/report.h"
+
 namespace ticktrue::verifier {
 namespace {
 
 constexpr std::string_view shell_characters = "|&;<>()$`";
 
-Error refuse(const std::string& what, const std::string& hint) {
-  return Error{ErrorCode::usage, "--command: " + what, hint};
-}
-
 class Splitter {
  public:
-  explicit Splitter(std::string_view text) : text_(text) {}
+  Splitter(std::string_view text, std::string_view option) : text_(text), option_(option) {}
 
   Result<std::vector<std::string>> run() {
     while (at_ < text_.size())
       if (const Status status = take(text_[at_++]); !status) return status.error();
     end_word();
     if (words_.empty())
-      return refuse("found no word, expected a program and its arguments", "as in --command './mygame --verify {}'");
+      return refuse("found no word, expected a program and its arguments",
+                    "as in " + option_ + " './mygame --verify {}'");
     return std::move(words_);
   }
 
  private:
+  Error refuse(const std::string& what, const std::string& hint) const {
+    return Error{ErrorCode::usage, option_ + ": " + what, hint};
+  }
+
   void end_word() {
     if (has_word_) words_.push_back(std::move(word_));
     word_.clear();
@@ -38,7 +41,7 @@ class Splitter {
     }
     if (shell_characters.find(c) != std::string_view::npos)
       return refuse(std::string("found ") + c + " outside of quotes, expected words: no shell runs the command",
-                    "quote it, or name a shell: --command \"sh -c '...'\"");
+                    "quote it, or name a shell: " + option_ + " \"sh -c '...'\"");
     has_word_ = true;
     if (c == '\'' || c == '"') return take_quoted(c);
     if (c == '\\') {
@@ -61,6 +64,7 @@ class Splitter {
   }
 
   std::string_view text_;
+  std::string option_;
   std::size_t at_ = 0;
   std::vector<std::string> words_;
   std::string word_;
@@ -69,22 +73,40 @@ class Splitter {
 
 }  // namespace
 
-Result<std::vector<std::string>> split_command(std::string_view text) {
-  return Splitter(text).run();
+Result<std::vector<std::string>> split_command(std::string_view text, std::string_view option) {
+  return Splitter(text, option).run();
+}
+
+std::vector<bool> replace_marks(std::vector<std::string>& words, std::span<const CommandMark> marks) {
+  std::vector<bool> found(marks.size());
+  for (std::string& word : words)
+    for (std::size_t at = word.find('{'); at != std::string::npos; at = word.find('{', at)) {
+      std::size_t next = at + 1;
+      for (std::size_t i = 0; i < marks.size(); ++i) {
+        if (word.compare(at, marks[i].mark.size(), marks[i].mark) != 0) continue;
+        word.replace(at, marks[i].mark.size(), marks[i].text);
+        next = at + marks[i].text.size();
+        found[i] = true;
+        break;
+      }
+      at = next;
+    }
+  return found;
+}
+
+std::string command_line_of(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) {
+    const bool is_mark = word == "{}" || word == "{trace}" || word == "{seed}";
+    line += (line.empty() ? "" : " ") + (is_mark ? word : shell_word(word));
+  }
+  return line;
 }
 
 std::vector<std::string> with_trace(std::vector<std::string> words, const std::string& trace) {
-  bool has_mark = false;
-  for (std::string& word : words)
-    for (std::size_t at = word.find('{'); at != std::string::npos; at = word.find('{', at)) {
-      std::size_t size = 0;
-      for (const std::string_view mark : {"{}", "{trace}"})
-        if (word.compare(at, mark.size(), mark) == 0) size = mark.size();
-      if (size > 0) word.replace(at, size, trace);
-      has_mark = has_mark || size > 0;
-      at += size > 0 ? trace.size() : 1;
-    }
-  if (!has_mark) words.insert(words.end(), {"--verify", trace});
+  const CommandMark marks[] = {{"{}", trace}, {"{trace}", trace}};
+  const std::vector<bool> found = replace_marks(words, marks);
+  if (!found[0] && !found[1]) words.insert(words.end(), {"--verify", trace});
   return words;
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "base/plain_text.h"
 #include "shim/page.h"
 
 namespace ticktrue::verifier {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t printed_size_max = std::uint64_t{1} << 30;
 constexpr std::size_t output_size_max = 64u << 10;  // of standard output, which nobody reads
 constexpr std::uintmax_t result_size_max = 16u << 20;
+constexpr std::size_t line_size_max = 160;
 
 bool write_page(const std::string& path) {
   shim::SessionPart part{};
@@ -93,6 +95,14 @@ std::string position_text(const ProgramRun& run) {
   if (run.position == 0) return ", before its first tick";
   const std::string tick = std::to_string((run.position - 1) / 2);
   return run.position % 2 == 1 ? ", in tick " + tick : ", behind tick " + tick;
+}
+
+std::string last_line(const ProgramRun& run) {
+  std::string text = run.child.message;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const std::size_t line = text.rfind('\n');
+  text = plain_line(line == std::string::npos ? text : text.substr(line + 1));
+  return text.size() > line_size_max ? text.substr(0, line_size_max) + "..." : text;
 }
 
 }  // namespace ticktrue::verifier

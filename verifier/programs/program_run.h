@@ -27,4 +27,7 @@ Result<ProgramRun> run_program(const std::vector<std::string>& words, const std:
 /// ", in tick 33", or ", before its first tick"; empty where no session was opened.
 std::string position_text(const ProgramRun& run);
 
+/// The last line that it printed to standard error, shortened; empty: none.
+std::string last_line(const ProgramRun& run);
+
 }  // namespace ticktrue::verifier

@@ -19,21 +19,12 @@
 namespace ticktrue::verifier {
 namespace {
 
-constexpr std::size_t line_size_max = 160;
-
 /// What a run says of the trace.
 struct Judged {
   Report report;
   std::string finding;   // the same in two runs that did the same
   bool repeats = false;  // a second run tells whether the program repeats it
 };
-
-std::string last_line(std::string text) {
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  const std::size_t line = text.rfind('\n');
-  text = plain_line(line == std::string::npos ? text : text.substr(line + 1));
-  return text.size() > line_size_max ? text.substr(0, line_size_max) + "..." : text;
-}
 
 class ProgramVerification {
  public:
@@ -173,7 +164,7 @@ class ProgramVerification {
       return {empty_report(Verdict::diverged, reason, "leave the loop and close the session in every case"), reason,
               true};
     }
-    if (const std::string message = last_line(run.child.message); !message.empty()) reason += ": " + message;
+    if (const std::string message = last_line(run); !message.empty()) reason += ": " + message;
     return {empty_report(Verdict::incomplete, reason + ", and no session verified the trace",
                          "a session verifies with ticktrue_open_arguments and the words --verify TRACE"),
             "", false};

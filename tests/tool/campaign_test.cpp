@@ -1,0 +1,144 @@
+// The results of a campaign: rows come back as they were, whatever a killed campaign left.
+// SPDX-License-Identifier: MIT
+#include "tool/campaign/campaign.h"
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/replay/toy_traces.h"
+#include "tests/support/catch.h"
+#include "tests/support/text.h"
+#include "tool/campaign/campaign_results.h"
+
+namespace ticktrue::test {
+namespace {
+
+using campaign::SeedResult;
+
+SeedResult random_result(std::mt19937& random) {
+  constexpr std::string_view characters = "ab:_-.# {}";
+  const auto text = [&] {
+    std::string word;
+    for (std::size_t n = random() % 6; n > 0; --n) word += characters[random() % characters.size()];
+    return word == "-" ? std::string() : word;  // how no text is written
+  };
+  SeedResult result;
+  result.seed = random() % 20;
+  result.program = text();
+  result.verdict = verifier::verdicts[random() % verifier::verdicts.size()].verdict;
+  result.ticks = random();
+  if (random() % 2 == 0) result.tick = random();
+  result.table = text();
+  result.column = text();
+  result.trace = text();
+  result.second = text();
+  result.reason = text();
+  return result;
+}
+
+TEST_CASE("results that were written are read as they were, and the last of a seed counts",
+          "[tool][campaign][equivalence]") {
+  std::mt19937 random(20261126);
+  for (int i = 0; i < 300; ++i) {
+    std::string text = campaign::results_head();
+    std::map<std::uint64_t, SeedResult> expected;
+    for (std::size_t n = random() % 30; n > 0; --n) {
+      const SeedResult result = random_result(random);
+      text += campaign::result_line(result);
+      expected.insert_or_assign(result.seed, result);
+    }
+    CAPTURE(i, text);
+    CHECK(campaign::parse_results(text) == expected);
+  }
+}
+
+TEST_CASE("a text of a result stays in its cell", "[tool][campaign][corruption]") {
+  SeedResult result;
+  result.seed = 3;
+  result.reason = "two\tcells\nand a line\n4\tx";
+  const std::map<std::uint64_t, SeedResult> read = campaign::parse_results(campaign::result_line(result));
+  REQUIRE(read.size() == 1);
+  CHECK(read.at(3).reason == "two\\u0009cells\\u000aand a line\\u000a4\\u0009x");
+}
+
+TEST_CASE("results that were cut anywhere are rows that are whole", "[tool][campaign][corruption]") {
+  std::mt19937 random(7);
+  std::string text;
+  std::vector<SeedResult> written;
+  std::vector<std::size_t> ends;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    written.push_back(random_result(random));
+    written.back().seed = seed;
+    text += campaign::result_line(written.back());
+    ends.push_back(text.size());
+  }
+  for (std::size_t size = 0; size <= text.size(); ++size) {
+    const auto read = campaign::parse_results(std::string_view(text).substr(0, size));
+    std::size_t whole = 0;
+    while (whole < ends.size() && ends[whole] <= size) ++whole;
+    CAPTURE(size);
+    REQUIRE(read.size() == whole);
+    for (std::size_t i = 0; i < whole; ++i) CHECK(read.at(i) == written[i]);
+  }
+}
+
+TEST_CASE("a file of results goes on behind a line that was cut short", "[tool][campaign][corruption]") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("");
+  SeedResult result;
+  result.seed = 1;
+  {
+    auto file = campaign::ResultsFile::open(path);
+    REQUIRE(file);
+    REQUIRE(file->append(result));
+    CHECK(!campaign::ResultsFile::open(path));  // one campaign at a time
+  }
+  std::ofstream(folder.file(campaign::results_name), std::ios::app) << "2\tcut";
+  result.seed = 3;
+  {
+    auto file = campaign::ResultsFile::open(path);
+    REQUIRE(file);
+    CHECK(file->before().size() == 1);
+    REQUIRE(file->append(result));
+  }
+  const auto file = campaign::ResultsFile::open(path);
+  REQUIRE(file);
+  CHECK(file->before().count(1) == 1);
+  CHECK(file->before().count(2) == 0);
+  CHECK(file->before().count(3) == 1);
+}
+
+TEST_CASE("the digest of a program changes with its words and with the files they name", "[tool][campaign][analytic]") {
+  const TemporaryFolder folder;
+  const std::string script = folder.file("game.sh");
+  std::ofstream(script) << "one";
+  campaign::CampaignOptions options;
+  options.record = {"sh", script, "{seed}"};
+  const auto digest = [&] {
+    const Result<std::string> found = campaign::program_digest(options);
+    REQUIRE(found);
+    return *found;
+  };
+  const std::string first = digest();
+  CHECK(digest() == first);
+  std::ofstream(script) << "two";
+  CHECK(digest() != first);
+  std::ofstream(script) << "one";
+  CHECK(digest() == first);
+  options.verify = {"sh", script};
+  const std::string verified = digest();
+  CHECK(verified != first);
+  options.restore = true;
+  CHECK(digest() != verified);
+  options = {};
+  options.record = {"sh", script + "{seed}"};  // the same letters in other words
+  CHECK(digest() != first);
+  options.record = {folder.file("nothing")};
+  CHECK(!campaign::program_digest(options));
+}
+
+}  // namespace
+}  // namespace ticktrue::test
