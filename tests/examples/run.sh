@@ -308,6 +308,12 @@ for mode in replay restore twice; do
   expect 0 "match  pendulum.ttr" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode "$mode"
 done
 expect 0 "match  pendulum.ttr" "$tool" --plugin "$pendulum" verify pendulum.ttr --from 120
+sed 's/-9\.8125/-9.75/' ../examples/plugin_pendulum.c >other_pendulum.c
+expect 0 "" cc -O2 -ffp-contract=off -I"$prefix/include" other_pendulum.c -shared -fPIC -o other_pendulum.so
+expect 0 "gives the recorded bits too, in all 300 ticks" "$tool" verify pendulum.ttr --plugin "$pendulum" --against-plugin "$pendulum"
+expect 1 "this build gives the recorded bits, ./other_pendulum.so leaves the recording at tick 0" \
+  "$tool" verify pendulum.ttr --plugin "$pendulum" --against-plugin ./other_pendulum.so
+expect 1 "columns links.angle, links.velocity" "$tool" verify pendulum.ttr --plugin "$pendulum" --against-plugin ./other_pendulum.so
 expect 0 "links 4 (pendulum 4)  id 4  angle " "$tool" replay pendulum.ttr --plugin "$pendulum" --ticks 299
 expect 0 "\"name\":\"pendulum 7\"" "$tool" replay pendulum.ttr --plugin "$pendulum" --format jsonl --ticks 10..12
 expect 0 "" "$tool" diff pendulum.ttr pendulum.ttr --plugin "$pendulum"

@@ -1,4 +1,4 @@
-// The words of --command, reports that come back from JSON.
+// The words of --command, reports that come back from JSON, and two reports on one trace.
 // SPDX-License-Identifier: MIT
 #include <random>
 #include <string>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "verifier/compare/pair_report.h"
 #include "verifier/programs/command_words.h"
 #include "verifier/report/report_read.h"
 
@@ -152,6 +153,85 @@ TEST_CASE("bytes that were changed in a report give a report or none, and no lan
   }
   CHECK_FALSE(read_report(std::string(100000, '['), schema));
   CHECK_FALSE(read_report("", schema));
+}
+
+/// A program that leaves the recording at `tick`; in both lanes of x, by these bits. 0: as recorded.
+Report report_of_program(std::uint64_t tick, std::uint64_t x0, std::uint64_t x1) {
+  Report report;
+  report.file = "a.ttr";
+  report.verdict = Verdict::diverged;
+  report.ticks_compared = tick + 1;
+  Divergence& divergence = report.divergence.emplace();
+  divergence.tick = tick;
+  divergence.tables = {{"units", {"x"}}};
+  for (const auto& [lane, bits] : {std::pair{0u, x0}, std::pair{1u, x1}})
+    if (bits != 0) divergence.rows.push_back({"units", "x", 3, 7, "", lane, 2, ScalarType::f32, 100 + lane, bits});
+  divergence.lane_count = divergence.rows.size();
+  divergence.expected_root = 1000;
+  divergence.got_root = 1000 + x0 + 10 * x1;
+  return report;
+}
+
+Report matching_report() {
+  Report report;
+  report.verdict = Verdict::match;
+  report.ticks_compared = 50;
+  return report;
+}
+
+TEST_CASE("two programs that give the recorded bits are a match", "[verifier][programs]") {
+  const Report pair = pair_of_programs(matching_report(), matching_report(), "other");
+  CHECK(pair.verdict == Verdict::match);
+  REQUIRE(pair.notes.size() == 1);
+  CHECK(pair.notes[0] == "other gives the recorded bits too, in all 50 ticks");
+}
+
+TEST_CASE("the side that leaves the recording first has its value, the other one the recorded value",
+          "[verifier][programs]") {
+  const Report here = pair_of_programs(report_of_program(5, 1, 0), matching_report(), "other");
+  REQUIRE(here.divergence);
+  CHECK(here.divergence->tick == 5);
+  CHECK(here.divergence->rows[0].expected == 100u);
+  CHECK(here.divergence->rows[0].got == 1u);
+  const Report there = pair_of_programs(matching_report(), report_of_program(5, 1, 0), "other");
+  REQUIRE(there.divergence);
+  CHECK(there.verdict == Verdict::diverged);
+  CHECK(there.divergence->rows[0].expected == 1u);
+  CHECK(there.divergence->rows[0].got == 100u);
+  CHECK(there.divergence->expected_root == 1001);
+  const Report later = pair_of_programs(report_of_program(9, 2, 0), report_of_program(5, 1, 0), "other");
+  CHECK(later.divergence->tick == 5);
+  CHECK(later.divergence->rows[0].expected == 1u);
+  CHECK(later.divergence->rows[0].got == 100u);
+}
+
+TEST_CASE("of two that leave the recording at one tick, the lanes that differ between them are told",
+          "[verifier][programs]") {
+  const Report pair = pair_of_programs(report_of_program(5, 1, 3), report_of_program(5, 1, 0), "other");
+  REQUIRE(pair.divergence);
+  CHECK(pair.divergence->tick == 5);
+  REQUIRE(pair.divergence->rows.size() == 1);
+  CHECK(pair.divergence->rows[0].lane == 1);
+  CHECK(pair.divergence->rows[0].expected == 101u);  // as recorded
+  CHECK(pair.divergence->rows[0].got == 3u);
+  const Report alike = pair_of_programs(report_of_program(5, 1, 3), report_of_program(5, 1, 3), "other");
+  CHECK(alike.verdict == Verdict::diverged);
+  REQUIRE(alike.divergence);
+  CHECK(alike.divergence->rows.size() == 2);
+  CHECK(alike.divergence->rows[0].expected == 100u);
+  REQUIRE(alike.notes.size() == 2);
+  CHECK(alike.notes[0].compare(0, 45, "both builds give the same other bits at tick ") == 0);
+}
+
+TEST_CASE("a program that was not judged decides the verdict of the pair", "[verifier][programs]") {
+  Report cut = matching_report();
+  cut.verdict = Verdict::incomplete;
+  cut.reason = "ended";
+  CHECK(pair_of_programs(matching_report(), cut, "other").verdict == Verdict::incomplete);
+  CHECK(pair_of_programs(cut, matching_report(), "other").verdict == Verdict::incomplete);
+  CHECK(pair_of_programs(report_of_program(5, 1, 0), cut, "other").verdict == Verdict::incomplete);
+  cut.verdict = Verdict::error;
+  CHECK(pair_of_programs(matching_report(), cut, "other").verdict == Verdict::error);
 }
 
 }  // namespace

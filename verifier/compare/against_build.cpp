@@ -7,19 +7,13 @@
 #include <utility>
 
 #include "base/hash.h"
+#include "verifier/compare/pair_report.h"
 #include "verifier/compare/stage_states.h"
 #include "verifier/locate/locate.h"
 #include "verifier/runs/child.h"
 
 namespace ticktrue::verifier {
 namespace {
-
-/// The verdict of the other build on the trace.
-struct OtherVerdict {
-  std::string failure;  // why there is no verdict; empty: there is one
-  OtherBuild build;
-  std::string got_hash;  // of the tick at which it diverged
-};
 
 std::string first_line(const std::string& text) {
   const std::string line = text.substr(0, text.find('\n'));
@@ -45,51 +39,34 @@ class BuildComparison {
   }
 
   Report run() {
-    const std::optional<std::uint64_t> here_at = diverged_at();
-    const OtherVerdict other = ask_for_verdict(here_at);
-    report_.against = other.build;
-    if (!other.failure.empty()) return failed(other.failure);
-    const std::optional<std::uint64_t> there_at = other.build.diverged_at;
-    const bool here_judges = report_.verdict == Verdict::match || here_at;
-    const bool there_judges = other.build.verdict == "match" || there_at;
-    if (!here_judges) return std::move(report_);  // its verdict says why
-    if (!there_judges) return not_judged_there(other.build);
-    if (!here_at && !there_at) {
-      report_.notes.push_back(options_.binary + " gives the recorded bits too, in all " +
-                              std::to_string(other.build.ticks_compared) + " ticks");
-      return std::move(report_);
-    }
-    const std::uint64_t tick = std::min(here_at.value_or(*there_at), there_at.value_or(*here_at));
-    const bool same_there = here_at && there_at && *here_at == *there_at && report_.divergence &&
-                            other.got_hash == hex64(report_.divergence->got_root);
-    return same_there ? both_differ_alike(tick) : builds_differ(tick, here_at, there_at);
+    OtherVerdict other;
+    other.build.binary = options_.binary;
+    const std::string failure = ask_for_verdict(other);
+    if (!failure.empty()) report_.against = other.build;
+    Report pair = failure.empty()
+                      ? pair_report(std::move(report_), other, [&](Report& parted) { locate_in(parted); })
+                      : pair_failed(std::move(report_), options_.binary, failure,
+                                    "--against-build needs another build of ticktrue that runs here, --against-plugin "
+                                    "a library of the same simulation; --timeout gives it more time");
+    pair.warnings.insert(pair.warnings.end(), warnings_.begin(), warnings_.end());
+    return pair;
   }
 
  private:
-  std::optional<std::uint64_t> diverged_at() const {
-    if (report_.verdict != Verdict::diverged || !report_.divergence) return std::nullopt;
-    return report_.divergence->tick;
-  }
-
-  OtherVerdict ask_for_verdict(std::optional<std::uint64_t> to) {
-    OtherVerdict other;
-    other.build.binary = options_.binary;
-    std::vector<std::string> words{options_.binary, "verify", reader_.name(), "--json"};
-    if (to)
-      words.insert(words.end(), {"--to", std::to_string(*to)});  // ticks after our first difference are not compared
-    const ChildResult result = run(words);
-    other.failure = child_failure(result, limits_);
-    if (!other.failure.empty()) return other;
+  /// Fills in what the other build says. Returns why it says nothing; empty: it does.
+  std::string ask_for_verdict(OtherVerdict& other) {
+    std::vector<std::string> more{"verify", reader_.name(), "--json"};
+    if (report_.verdict == Verdict::diverged && report_.divergence)  // ticks behind it are not compared
+      more.insert(more.end(), {"--to", std::to_string(report_.divergence->tick)});
+    const ChildResult result = run(more);
+    if (std::string failure = child_failure(result, limits_); !failure.empty()) return failure;
     const auto json = nlohmann::json::parse(result.output, nullptr, false);
     if (!json.is_object() || json_at<std::string>(json, "schema", "") != "ticktrue.verify/1" ||
-        !json.contains("verdict")) {
-      other.failure = "gave no report of schema ticktrue.verify/1: exit code " +
-                      std::to_string(result.end.exit_status) +
-                      (result.message.empty() ? "" : ", \"" + first_line(result.message) + "\"");
-      return other;
-    }
-    other.build.verdict = json_at<std::string>(json, "verdict", "");
-    other.build.reason = json_at<std::string>(json, "reason", "");
+        !json.contains("verdict"))
+      return "gave no report of schema ticktrue.verify/1: exit code " + std::to_string(result.end.exit_status) +
+             (result.message.empty() ? "" : ", \"" + first_line(result.message) + "\"");
+    other.build.verdict = first_line(json_at<std::string>(json, "verdict", ""));
+    other.build.reason = first_line(json_at<std::string>(json, "reason", ""));
     other.build.ticks_compared = json_at<std::uint64_t>(json, "ticks_compared", 0);
     if (const auto divergence = json.find("divergence");
         other.build.verdict == "diverged" && divergence != json.end() && divergence->is_object()) {
@@ -99,63 +76,38 @@ class BuildComparison {
     if (const auto builds = json.find("builds"); builds != json.end() && builds->contains("here"))
       for (const auto& [name, value] : (*builds)["here"].items())
         if (value.is_string()) other.build.facts.emplace_back(name, value.get<std::string>());
-    return other;
+    return "";
   }
 
-  ChildResult run(std::vector<std::string> argv) {
+  /// The words of the other build, for a call of it.
+  std::vector<std::string> words() const {
+    return options_.words.empty() ? std::vector<std::string>{options_.binary} : options_.words;
+  }
+
+  ChildResult run(const std::vector<std::string>& more) {
     ChildCommand command;
-    command.argv = std::move(argv);
+    command.argv = words();
+    command.argv.insert(command.argv.end(), more.begin(), more.end());
     command.limits = limits_;
     const ChildResult result = run_child(command);
     if (!result.end.escaped.empty())
-      report_.warnings.push_back(options_.binary +
-                                 " left running, outside of its process group: " + escaped_text(result.end.escaped));
+      warnings_.push_back(options_.binary +
+                          " left running, outside of its process group: " + escaped_text(result.end.escaped));
     return result;
   }
 
-  Report failed(const std::string& what) {
-    report_.verdict = Verdict::error;
-    report_.reason = options_.binary + " " + what;
-    report_.hint = "--against-build needs another build of ticktrue that runs here; --timeout gives it more time";
-    return std::move(report_);
+  std::string shell_words() const {
+    std::string text;
+    for (const std::string& word : words()) text += (text.empty() ? "" : " ") + shell_word(word);
+    return text;
   }
 
-  Report not_judged_there(const OtherBuild& other) {
-    const auto found = std::find_if(verdicts.begin(), verdicts.end(),
-                                    [&](const VerdictInfo& info) { return info.name == other.verdict; });
-    if (found == verdicts.end()) return failed("gave an unknown verdict: \"" + first_line(other.verdict) + "\"");
-    report_.verdict = found->verdict;
-    report_.reason = options_.binary + " says " + other.verdict + ": " + first_line(other.reason);
-    report_.hint.clear();
-    return std::move(report_);
-  }
-
-  Report both_differ_alike(std::uint64_t tick) {
-    report_.notes.push_back("both builds give the same other bits at tick " + std::to_string(tick) +
-                            ": the recording is of a third build, or was changed");
-    return std::move(report_);
-  }
-
-  Report builds_differ(std::uint64_t tick, std::optional<std::uint64_t> here_at,
-                       std::optional<std::uint64_t> there_at) {
-    report_.verdict = Verdict::diverged;
-    report_.reason.clear();
-    report_.hint.clear();
-    report_.again.clear();
-    report_.against->is_expected = true;
-    const auto words = [](std::optional<std::uint64_t> at) {
-      return at ? "leaves the recording at tick " + std::to_string(*at) : std::string("gives the recorded bits");
-    };
-    report_.notes.push_back("this build " + words(here_at) + ", " + options_.binary + " " + words(there_at));
-    if (!report_.divergence || report_.divergence->tick != tick) report_.divergence = Divergence{};
-    Divergence& divergence = *report_.divergence;
-    divergence.tick = tick;
-    divergence.time_s = time_of(tick);
-    locate(divergence);
-    report_.again = {shell_word(options_.binary) + " replay " + shell_word(reader_.name()) +
-                     " --format stages --ticks " + std::to_string(tick) +
-                     ", and the same with this build, give every state of the tick"};
-    return std::move(report_);
+  void locate_in(Report& pair) {
+    Divergence& divergence = *pair.divergence;
+    divergence.time_s = time_of(divergence.tick);
+    locate(divergence, pair);
+    pair.again = {shell_words() + " replay " + shell_word(reader_.name()) + " --format stages --ticks " +
+                  std::to_string(divergence.tick) + ", and the same with this build, give every state of the tick"};
   }
 
   double time_of(std::uint64_t tick) {
@@ -170,7 +122,7 @@ class BuildComparison {
   }
 
   /// Both builds again, with every state of the tick.
-  void locate(Divergence& divergence) {
+  void locate(Divergence& divergence, Report& pair) {
     divergence.stage.reset();
     ReaderSource source(reader_);
     const auto here = stage_states(source, *options_.simulation, divergence.tick);
@@ -178,8 +130,8 @@ class BuildComparison {
       divergence.stage_note = "not known: " + here.error().message;
       return;
     }
-    const ChildResult result = run(
-        {options_.binary, "replay", reader_.name(), "--format", "stages", "--ticks", std::to_string(divergence.tick)});
+    const ChildResult result =
+        run({"replay", reader_.name(), "--format", "stages", "--ticks", std::to_string(divergence.tick)});
     std::string failure = child_failure(result, limits_);
     if (failure.empty() && result.end.exit_status == exit_usage)
       failure = "does not know `replay --format stages` (\"" + first_line(result.message) + "\"): an older version?";
@@ -189,10 +141,10 @@ class BuildComparison {
       divergence.stage_note = "not known: " + options_.binary + " " + failure;
       return;
     }
-    compare_states(*there, *here, divergence);
+    compare_states(*there, *here, divergence, pair);
   }
 
-  void compare_states(const StageStates& there, const StageStates& here, Divergence& divergence) {
+  void compare_states(const StageStates& there, const StageStates& here, Divergence& divergence, Report& pair) {
     divergence.inputs = here.inputs;
     const std::size_t count = std::min(there.states.size(), here.states.size());
     std::size_t first = 0;
@@ -221,12 +173,12 @@ class BuildComparison {
     const Status located =
         locate_lanes(reader_.setup().schema, a.image, b.image, names_in(b.image), options_.row_count_max, divergence);
     if (!located)
-      report_.warnings.push_back("states of tick " + std::to_string(divergence.tick) +
-                                 " cannot be compared: " + located.error().message);
+      pair.warnings.push_back("states of tick " + std::to_string(divergence.tick) +
+                              " cannot be compared: " + located.error().message);
     Divergence at_end;
     if (first + 1 < count &&
         locate_lanes(reader_.setup().schema, there.states.back().image, here.states.back().image, {}, 0, at_end))
-      report_.notes.push_back("at the end of the tick " + std::to_string(at_end.lane_count) + " lanes differ");
+      pair.notes.push_back("at the end of the tick " + std::to_string(at_end.lane_count) + " lanes differ");
   }
 
   /// Names of rows, from a simulation in that state.
@@ -241,6 +193,7 @@ class BuildComparison {
   Report report_;
   const AgainstOptions& options_;
   ChildLimits limits_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/state/simulation.h"
 #include "replay/trace_reader.h"
@@ -11,7 +12,8 @@
 namespace ticktrue::verifier {
 
 struct AgainstOptions {
-  std::string binary;  // of the other build: a path, or a name to be found in PATH
+  std::string binary;              // of the other build: a path, or a name to be found in PATH
+  std::vector<std::string> words;  // that call it, where the path alone does not; `binary` is its name then
   double timeout_s = 600;
   const SimulationInfo* simulation = nullptr;
   std::size_t row_count_max = 64;

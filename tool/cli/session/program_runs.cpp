@@ -20,19 +20,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* trace_mark = "{trace}";
 
-fs::path own_program() {
-  std::error_code failed;
-  const fs::path path = fs::read_symlink("/proc/self/exe", failed);
-  return failed ? fs::path() : path;
-}
-
 std::string own_folder() {
-  return own_program().parent_path().string();
+  return fs::path(own_program()).parent_path().string();
 }
 
 /// This tool, with the plug-ins that are loaded.
 std::vector<std::string> own_words() {
-  std::vector<std::string> words{own_program().string()};
+  std::vector<std::string> words{own_program()};
   for (const SimulationInfo* info : verifier::plugin_simulations())
     words.insert(words.end(), {"--plugin", verifier::plugin_path(info->name)});
   return words;
@@ -48,6 +42,12 @@ std::string message_of(const verifier::ChildResult& child) {
 }
 
 }  // namespace
+
+std::string own_program() {
+  std::error_code failed;
+  const fs::path path = fs::read_symlink("/proc/self/exe", failed);
+  return failed ? std::string() : path.string();
+}
 
 std::string shim_path() {
   for (const char* folder : {"", "/../lib", "/../lib/x86_64-linux-gnu", "/../lib/aarch64-linux-gnu", "/../lib64"}) {

@@ -16,6 +16,9 @@ class App;
 
 namespace ticktrue::cli {
 
+/// The path of this tool; empty where the system does not say.
+std::string own_program();
+
 /// The preload library of this build or installation; empty: there is none.
 std::string shim_path();
 

@@ -239,6 +239,7 @@ int run_replay(const ReplayOptions& options) {
     if (const Status known = check_tick("--ticks", last_asked, reader->tick_count_hint()); !known)
       return fail_usage(known.error());
   if (is_plugin_trace(reader->setup())) {
+    if (options.format == "stages") return write_stages(*reader, options, range);
     if (!options.output.empty() || options.format == "svg")
       return fail_usage(Error{ErrorCode::usage,
                               "replay of a plug-in: found -o or --format svg, expected table or jsonl",

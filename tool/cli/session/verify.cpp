@@ -15,13 +15,16 @@
 #include "base/limits.h"
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
+#include "tool/cli/session/program_runs.h"
 #include "tool/corpus/verify_trace.h"
 #include "tool/output/progress.h"
 #include "tool/output/trace_text.h"
+#include "tool/session/plugin_session.h"
 #include "tool/session/scene_source.h"
 #include "tool/session/session_inputs.h"
 #include "tool/session/simulations.h"
 #include "verifier/compare/against_build.h"
+#include "verifier/compare/pair_report.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/plugins/plugin.h"
 #include "verifier/programs/command_words.h"
@@ -54,6 +57,8 @@ struct VerifyCommand {
   std::string junit;
   std::string report_page;
   std::string other_build;
+  std::string other_plugin;
+  std::optional<std::string> other_program;  // the words of it
   std::uint64_t timeout_s = 600;
   std::optional<std::string> program;  // the words of the one that recorded
   std::string inputs;                  // of scenes
@@ -99,9 +104,14 @@ Report verify_file(const std::string& file, const VerifyCommand& command, unsign
   how.progress = progress;
   Report report = verifier::verify_trace(*reader, file, how);
   const SimulationInfo* simulation = verifier::simulation_of(*reader);
-  if (!command.other_build.empty() && simulation != nullptr) {
+  const bool is_against = !command.other_build.empty() || !command.other_plugin.empty();
+  if (is_against && simulation != nullptr) {
     verifier::AgainstOptions against;
     against.binary = command.other_build;
+    if (!command.other_plugin.empty()) {
+      against.binary = command.other_plugin;
+      against.words = {own_program(), "--plugin", command.other_plugin};
+    }
     against.timeout_s = static_cast<double>(command.timeout_s);
     const SimulationInfo on_threads = verifier::on_engine_threads(*simulation, how.engine_threads);
     against.simulation = &on_threads;
@@ -162,9 +172,10 @@ Report verify_word(const std::string& word, const VerifyCommand& command, unsign
                        command, start);
 }
 
-/// The program that recorded the traces, and a folder for the files of its runs.
+/// The program that recorded the traces, another one to compare it with, and a folder for the files of their runs.
 struct Program {
   verifier::ProgramCommand command;
+  std::optional<verifier::ProgramCommand> other;
   std::optional<verifier::RunFolder> folder;
   std::mutex lock;
   std::vector<verifier::EscapedChild> escaped;
@@ -172,8 +183,16 @@ struct Program {
   ~Program() { verifier::end_escaped(escaped); }
 
   Report verify(const std::string& file, std::size_t number) {
+    Report report = verify_by(command, file, "run-" + std::to_string(number));
+    if (!other || report.verdict == Verdict::error) return report;
+    const Report there = verify_by(*other, file, "other-" + std::to_string(number));
+    return verifier::pair_of_programs(std::move(report), there, verifier::command_line_of(other->words));
+  }
+
+ private:
+  Report verify_by(const verifier::ProgramCommand& program, const std::string& file, const std::string& name) {
     if (stop_requested()) return verifier::open_error_report(file, Error{ErrorCode::io, file + ": stopped", ""});
-    verifier::ProgramVerdict verdict = verifier::verify_by_program(file, command, "run-" + std::to_string(number));
+    verifier::ProgramVerdict verdict = verifier::verify_by_program(file, program, name);
     const std::lock_guard<std::mutex> guard(lock);
     escaped.insert(escaped.end(), verdict.escaped.begin(), verdict.escaped.end());
     return std::move(verdict.report);
@@ -190,6 +209,12 @@ Status open_program(const VerifyCommand& command, std::optional<Program>& progra
   program->command.words = *std::move(words);
   program->command.folder = folder->path();
   program->command.time_s = static_cast<double>(command.timeout_s);
+  if (command.other_program) {
+    Result<std::vector<std::string>> other = verifier::split_command(*command.other_program, "--against-command");
+    if (!other) return other.error();
+    program->other = program->command;
+    program->other->words = *std::move(other);
+  }
   program->folder.emplace(*std::move(folder));
   catch_stop_signals();  // so that the folder is removed
   return {};
@@ -303,14 +328,23 @@ Status check_options(const VerifyCommand& command) {
                                                    {"--from", command.from.has_value()},
                                                    {"--to", command.to.has_value()},
                                                    {"--threads", command.thread_count != 1},
+                                                   {"--against-plugin", !command.other_plugin.empty()},
                                                    {"--against-build", !command.other_build.empty()}};
     for (const auto& [name, is_given] : others)
       if (is_given)
         return refuse(std::string(name) + ": found it with --command, expected it among the words of the program",
                       "as in --command './mygame --verify {} --from 200'");
   }
-  if (!command.other_build.empty() && command.mode != "replay")
-    return refuse("--against-build: found --mode " + command.mode + ", expected replay");
+  if (command.other_program && !command.program)
+    return refuse("--against-command: found no --command, expected the program to compare with");
+  if (!command.other_plugin.empty() && !has_plugin())
+    return refuse("--against-plugin: found no --plugin, expected the library to compare with");
+  if (!command.other_plugin.empty() && !command.other_build.empty())
+    return refuse("--against-plugin: found --against-build as well, expected one of them");
+  const bool is_against = !command.other_build.empty() || !command.other_plugin.empty();
+  if (is_against && command.mode != "replay")
+    return refuse((command.other_build.empty() ? "--against-plugin: found --mode " : "--against-build: found --mode ") +
+                  command.mode + ", expected replay");
   if (command.mode != "twice" && (command.tick_count || !command.inputs.empty()))
     return refuse("--ticks, --inputs: found --mode " + command.mode + ", expected twice",
                   "they are for a scene; a trace has its own");
@@ -420,10 +454,19 @@ void add_verify(CLI::App& app, CliContext& context) {
                    "state of that tick")
       ->type_name("BINARY");
   command
+      ->add_option("--against-plugin", options->other_plugin,
+                   "Another library of the simulation that --plugin brings: as --against-build")
+      ->type_name("LIB.so");
+  command
       ->add_option(
           "--command", options->program,
           "The program that recorded the traces: it is run, and its session compares. {} stands for the trace; "
           "without it, --verify TRACE is added. A finding is run twice")
+      ->type_name("WORDS");
+  command
+      ->add_option("--against-command", options->other_program,
+                   "Another program: it verifies the trace too, and what differs between the two is told. Each is "
+                   "compared up to the tick at which it leaves the recording")
       ->type_name("WORDS");
   add_number(*command, "--timeout", options->timeout_s,
              "Seconds the other build or the program may take for a run (default 600)", {1, 1'000'000});

@@ -110,6 +110,7 @@ verifier::Report report_of_row(const GoldenRow& row, const std::string& path, Re
   if (row.command().empty()) {
     verifier::VerifyOptions options;
     options.simulation = verifier::find_simulation(reader->setup().simulation);
+    if (options.simulation != nullptr) options.tool = verifier::tool_command(options.simulation->name);
     return verifier::verify(*reader, options);
   }
   const auto words = verifier::split_command(row.command());
