@@ -19,7 +19,7 @@ namespace {
 using campaign::SeedResult;
 
 SeedResult random_result(std::mt19937& random) {
-  constexpr std::string_view characters = "ab:_-.# {}";
+  constexpr std::string_view characters = "ab_-.# {}\\";  // none that plain_line changes
   const auto text = [&] {
     std::string word;
     for (std::size_t n = random() % 6; n > 0; --n) word += characters[random() % characters.size()];
