@@ -5,19 +5,23 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <system_error>
 
 #include "base/hash.h"
 #include "tool/cli/commands.h"
+#include "tool/corpus/verify_trace.h"
 #include "tool/session/plugin_session.h"
 #include "tool/session/session.h"
 #include "tool/session/session_inputs.h"
 #include "tool/session/simulations.h"
+#include "verifier/plugins/plugin.h"
 #include "verifier/programs/command_words.h"
 #include "verifier/programs/verify_program.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/runs/data_file.h"
+#include "verifier/runs/plugin_isolation.h"
 #include "verifier/runs/run_folder.h"
 #include "verifier/verify/verify.h"
 
@@ -104,13 +108,58 @@ Result<std::string> run_again(RowSession& session, const GoldenRow& row) {
   return hex64(run->root_hash);
 }
 
+/// A row of a plug-in runs in a process of its own: what an earlier simulation left in the memory of the library has no
+/// part in it, and a crash ends this row alone. Errors: those of the work; inconsistent (what the plug-in did wrong).
+Result<std::string> in_own_process(const std::function<Result<std::string>()>& work) {
+  const auto told = [&work]() -> Bytes {
+    std::string text;
+    try {
+      const Result<std::string> result = work();
+      text = result ? "+" + *result : "-" + result.error().message;
+    } catch (const verifier::PluginFailure& failure) {
+      text = std::string("-") + failure.what();
+    }
+    return Bytes(text.begin(), text.end());
+  };
+  const verifier::IsolatedPart done = verifier::run_part(told);
+  if (!done.message.empty()) return Error{ErrorCode::inconsistent, done.message, ""};
+  const std::string text(done.result.begin(), done.result.end());
+  if (text.empty() || text[0] != '+') return Error{ErrorCode::usage, text.empty() ? "no result" : text.substr(1), ""};
+  return text.substr(1);
+}
+
+/// What a recording left in a file. Errors: those of TraceReader::open; truncated (no end).
+Result<replay::RecordResult> result_of_file(const std::string& path) {
+  auto reader = replay::TraceReader::open(path);
+  if (!reader) return reader.error();
+  replay::RecordResult result;
+  result.size = reader->size();
+  for (;;) {
+    const auto& item = reader->next();
+    if (std::holds_alternative<std::monostate>(item)) break;
+    if (const auto* tick = std::get_if<replay::TickRecord>(&item)) result.root_hash = tick->root_hash;
+  }
+  if (!reader->tail().end) return Error{ErrorCode::truncated, path + ": " + reader->tail().message, ""};
+  result.tick_count = reader->tail().end->tick_count;
+  result.reason = reader->tail().end->reason;
+  result.note = reader->tail().end->note;
+  return result;
+}
+
 verifier::Report report_of_row(const GoldenRow& row, const std::string& path, Result<replay::TraceReader>& reader,
                                GoldenOutcome& outcome) {
   if (!reader) return verifier::open_error_report(path, reader.error());
+  if (row.plugin_setup() && has_plugin()) {
+    const auto work = [&](verifier::SharedCount& compared) {
+      verifier::TraceVerification how;
+      how.compared = &compared;
+      return verifier::verify_trace(*reader, path, how);
+    };
+    return verifier::verify_by_plugin(path, "replay", work).report;
+  }
   if (row.command().empty()) {
     verifier::VerifyOptions options;
     options.simulation = verifier::find_simulation(reader->setup().simulation);
-    if (options.simulation != nullptr) options.tool = verifier::tool_command(options.simulation->name);
     return verifier::verify(*reader, options);
   }
   const auto words = verifier::split_command(row.command());
@@ -161,16 +210,26 @@ std::optional<std::string> find_beside(const GoldenCommand& command, const std::
 Result<replay::RecordResult> record_row(const GoldenCommand& command, const GoldenRow& row, const std::string& path) {
   std::error_code failure;
   fs::remove(path, failure);
-  auto session = open_session(command, row);
-  if (!session) return session.error();
-  verifier::TraceChoices choices;
-  choices.checkpoint_interval = golden_checkpoint_interval;
-  if (const Status detail = parse_detail(row.detail, choices); !detail) return detail.error();
-  replay::RecordOptions options;
-  options.tick_count = (*session)->plugin ? (*session)->plugin->tick_count : row.tick_count;
-  options.writer.compress = false;
-  return replay::record((*session)->simulation(), (*session)->source(), path, (*session)->setup(choices),
-                        verifier::make_build_facts(), options);
+  const auto work = [&]() -> Result<replay::RecordResult> {
+    auto session = open_session(command, row);
+    if (!session) return session.error();
+    verifier::TraceChoices choices;
+    choices.checkpoint_interval = golden_checkpoint_interval;
+    if (const Status detail = parse_detail(row.detail, choices); !detail) return detail.error();
+    replay::RecordOptions options;
+    options.tick_count = (*session)->plugin ? (*session)->plugin->tick_count : row.tick_count;
+    options.writer.compress = false;
+    return replay::record((*session)->simulation(), (*session)->source(), path, (*session)->setup(choices),
+                          verifier::make_build_facts(), options);
+  };
+  if (!row.plugin_setup()) return work();
+  const Result<std::string> done = in_own_process([&]() -> Result<std::string> {
+    const Result<replay::RecordResult> recorded = work();
+    if (!recorded) return recorded.error();
+    return std::string();
+  });
+  if (!done) return done.error();
+  return result_of_file(path);
 }
 
 void verify_row(const GoldenRow& row, const std::string& path, Result<replay::TraceReader>& reader,
@@ -206,8 +265,12 @@ void check_trace(const GoldenCommand& command, const GoldenRow& row, const std::
     outcome.hash = recorded_hash(*reader);
     return compare_hash(command, row, outcome);
   }
-  auto session = open_session(command, row);
-  const Result<std::string> hash = session ? run_again(**session, row) : Result<std::string>(session.error());
+  const auto work = [&]() -> Result<std::string> {
+    auto session = open_session(command, row);
+    if (!session) return session.error();
+    return run_again(**session, row);
+  };
+  const Result<std::string> hash = row.plugin_setup() ? in_own_process(work) : work();
   if (!hash) {
     outcome.fail(exit_usage, place + ": cannot be recorded anew: " + hash.error().message);
     return;
