@@ -228,6 +228,7 @@ constexpr Room rooms[] = {
     {"tool/crosscheck", "below,tool/box2d"},
     {"tool/study", "below,tool/box2d,tool/crosscheck,tool/drawing,tool/session"},
     {"tool/study/stress", "below,tool/study"},
+    {"tool/study/problem_file", "below,tool/expression,tool/output,tool/study"},
     {"tool/experiment", "below"},
     {"tool/expression", "below,tool/study"},
     {"tool/experiment/reduce",
@@ -246,7 +247,9 @@ constexpr Room rooms[] = {
     {"tool/cli/session",
      "below,tool/cli,tool/output,tool/session,tool/campaign,tool/corpus,tool/drawing,tool/experiment/reduce,"
      "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/import,tool/play,tool/report_page"},
-    {"tool/cli/study", "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,tool/study/stress"},
+    {"tool/cli/study",
+     "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,"
+     "tool/study/problem_file,tool/study/stress"},
     {"tool/cli/upkeep",
      "below,tool/cli,tool/output,tool/session,tool/corpus,tool/debug_info,tool/environment,"
      "tool/experiment/bisect,"

@@ -6,13 +6,27 @@
 #include <muParser.h>
 #endif
 
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <deque>
+#include <optional>
+#include <string_view>
 
+#include "engine/math/trig.h"
 #include "tool/study/table.h"
 
 namespace ticktrue::verifier {
 
 #ifdef TICKTRUE_HAS_MUPARSER
+
+/// `bodies.3.x`.
+struct NamedBody {
+  std::string name;
+  std::uint32_t id = 0;
+  BodyValue value = BodyValue::x;
+  double now = 0;
+};
 
 struct Expression::Parser {
   mu::Parser parser;
@@ -21,6 +35,13 @@ struct Expression::Parser {
   std::array<double, world_values.size()> start{};  // [value]
   std::vector<WorldValue> used;                     // ascending
   std::vector<WorldValue> used_at_start;
+  std::deque<NamedBody> bodies;  // in the order in which they are named
+  double time_s = 0;
+
+  /// Before the text is set.
+  void define(ExpressionNames names);
+  /// After it.
+  void find_used();
 };
 
 namespace {
@@ -31,10 +52,47 @@ std::string name_of(WorldValue value) {
   return std::string(world_values[static_cast<std::size_t>(value)].name);
 }
 
-std::string all_names() {
-  std::string names;
-  for (const WorldValueInfo& info : world_values) names += (names.empty() ? "" : ", ") + std::string(info.name);
-  return names;
+std::string known_names(ExpressionNames names) {
+  if (names == ExpressionNames::time) return "names: t, the time in s";
+  std::string text;
+  for (const WorldValueInfo& info : world_values) text += (text.empty() ? "" : ", ") + std::string(info.name);
+  if (names == ExpressionNames::world) return "names: " + text + "; with _start: before the first tick";
+  text += "; of a body, as in bodies.3.x:";
+  for (const BodyValueInfo& info : body_values) text += " " + std::string(info.name);
+  return "names: " + text;
+}
+
+/// The body that `name` means: "bodies.3.x".
+std::optional<NamedBody> named_body(std::string_view name) {
+  constexpr std::string_view prefix = "bodies.";
+  if (name.substr(0, prefix.size()) != prefix) return {};
+  NamedBody body;
+  body.name = std::string(name);
+  name.remove_prefix(prefix.size());
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), body.id);
+  if (error != std::errc()) return {};
+  name.remove_prefix(static_cast<std::size_t>(end - name.data()));
+  for (const BodyValueInfo& info : body_values)
+    if (name == "." + std::string(info.name)) {
+      body.value = info.value;
+      return body;
+    }
+  return {};
+}
+
+/// Of each name of a body in the text, one.
+std::deque<NamedBody> find_bodies(const std::string& text) {
+  std::deque<NamedBody> bodies;
+  constexpr std::string_view name_characters = "0123456789_.abcdefghijklmnopqrstuvwxyz";
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t begin = text.find_first_of(name_characters, at);
+    if (begin == std::string::npos) break;
+    at = std::min(text.find_first_not_of(name_characters, begin), text.size());
+    std::optional<NamedBody> body = named_body(std::string_view(text).substr(begin, at - begin));
+    const auto is_same = [&](const NamedBody& other) { return other.name == body->name; };
+    if (body && std::none_of(bodies.begin(), bodies.end(), is_same)) bodies.push_back(*std::move(body));
+  }
+  return bodies;
 }
 
 /// An assignment changes a value of the world for the rest of the expression: nobody means that.
@@ -50,7 +108,33 @@ bool has_assignment(const std::string& text) {
 
 }  // namespace
 
-Result<Expression> Expression::parse(const std::string& text, const std::string& option) {
+void Expression::Parser::define(ExpressionNames names) {
+  if (names == ExpressionNames::time) {
+    parser.DefineVar("t", &time_s);
+    parser.DefineConst("pi", engine::pi);
+    return;
+  }
+  for (const WorldValueInfo& info : world_values) {
+    const auto index = static_cast<std::size_t>(info.value);
+    const std::string name(info.name);
+    parser.DefineVar(name, &now[index]);
+    parser.DefineVar(name + start_suffix, &start[index]);
+  }
+  if (names != ExpressionNames::world_and_bodies) return;
+  parser.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+  bodies = find_bodies(text);
+  for (NamedBody& body : bodies) parser.DefineVar(body.name, &body.now);
+}
+
+void Expression::Parser::find_used() {
+  const auto& names = parser.GetUsedVar();
+  for (const WorldValueInfo& info : world_values) {
+    if (names.count(std::string(info.name)) != 0) used.push_back(info.value);
+    if (names.count(std::string(info.name) + start_suffix) != 0) used_at_start.push_back(info.value);
+  }
+}
+
+Result<Expression> Expression::parse(const std::string& text, const std::string& option, ExpressionNames names) {
   const auto wrong = [&](const std::string& what, const std::string& hint) {
     return Error{ErrorCode::usage, option + ": \"" + text + "\": " + what, hint};
   };
@@ -58,22 +142,13 @@ Result<Expression> Expression::parse(const std::string& text, const std::string&
   auto parser = std::make_unique<Parser>();
   parser->text = text;
   try {
-    for (const WorldValueInfo& info : world_values) {
-      const auto index = static_cast<std::size_t>(info.value);
-      const std::string name(info.name);
-      parser->parser.DefineVar(name, &parser->now[index]);
-      parser->parser.DefineVar(name + start_suffix, &parser->start[index]);
-    }
+    parser->define(names);
     parser->parser.SetExpr(text);
-    const auto& names = parser->parser.GetUsedVar();
-    for (const WorldValueInfo& info : world_values) {
-      if (names.count(std::string(info.name)) != 0) parser->used.push_back(info.value);
-      if (names.count(std::string(info.name) + start_suffix) != 0) parser->used_at_start.push_back(info.value);
-    }
+    parser->find_used();
     parser->parser.Eval();
     if (parser->parser.GetNumResults() != 1) return wrong("found several expressions, expected one", "");
   } catch (const mu::Parser::exception_type& error) {
-    return wrong(error.GetMsg(), "names: " + all_names() + "; with _start: before the first tick");
+    return wrong(error.GetMsg(), known_names(names));
   }
   return Expression(std::move(parser));
 }
@@ -87,7 +162,17 @@ void Expression::begin(const engine::Engine& engine) {
 double Expression::evaluate(const engine::Engine& engine) {
   WorldMeasures measures(engine);
   for (const WorldValue value : parser_->used) parser_->now[static_cast<std::size_t>(value)] = measures.of(value);
+  for (NamedBody& body : parser_->bodies) body.now = measures.of_body(body.id, body.value);
   return parser_->parser.Eval();
+}
+
+double Expression::evaluate_at(double time_s) {
+  parser_->time_s = time_s;
+  return parser_->parser.Eval();
+}
+
+bool Expression::uses_start() const {
+  return !parser_->used_at_start.empty();
 }
 
 std::string Expression::values_text() const {
@@ -98,6 +183,7 @@ std::string Expression::values_text() const {
   for (const WorldValue value : parser_->used) add(name_of(value), parser_->now[static_cast<std::size_t>(value)]);
   for (const WorldValue value : parser_->used_at_start)
     add(name_of(value) + start_suffix, parser_->start[static_cast<std::size_t>(value)]);
+  for (const NamedBody& body : parser_->bodies) add(body.name, body.now);
   return text;
 }
 
@@ -108,13 +194,19 @@ struct Expression::Parser {
   std::vector<WorldValue> used;
 };
 
-Result<Expression> Expression::parse(const std::string& text, const std::string& option) {
+Result<Expression> Expression::parse(const std::string& text, const std::string& option, ExpressionNames) {
   return Error{ErrorCode::unsupported, option + ": \"" + text + "\": this build evaluates no expressions",
                "build ticktrue with muParser: apt-get install libmuparser-dev"};
 }
 void Expression::begin(const engine::Engine&) {}
 double Expression::evaluate(const engine::Engine&) {
   return 0;
+}
+double Expression::evaluate_at(double) {
+  return 0;
+}
+bool Expression::uses_start() const {
+  return false;
 }
 std::string Expression::values_text() const {
   return "";

@@ -16,11 +16,16 @@
 
 namespace ticktrue::verifier {
 
+/// What an expression may name beside world_values: values of single bodies, as `bodies.3.x`, or the time alone, as
+/// `t`.
+enum class ExpressionNames : std::uint8_t { world, world_and_bodies, time };
+
 class Expression {
  public:
   /// `option` comes first in messages. Names: those of world_values, and each with `_start`: the value before the first
   /// tick. Errors: usage; unsupported (a build without muParser).
-  static Result<Expression> parse(const std::string& text, const std::string& option);
+  static Result<Expression> parse(const std::string& text, const std::string& option,
+                                  ExpressionNames names = ExpressionNames::world);
   Expression(Expression&& other) noexcept;
   Expression& operator=(Expression&& other) noexcept;
   ~Expression();
@@ -29,6 +34,10 @@ class Expression {
   void begin(const engine::Engine& engine);
   /// The value in the present state; a comparison gives 1 or 0. A comparison with a NaN gives 0.
   double evaluate(const engine::Engine& engine);
+  /// Requires: ExpressionNames::time.
+  double evaluate_at(double time_s);
+  /// Whether begin() must be called.
+  bool uses_start() const;
 
   /// The values that the expression names, each once, in the order of world_values.
   const std::vector<WorldValue>& values() const;

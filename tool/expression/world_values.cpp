@@ -3,6 +3,7 @@
 #include "tool/expression/world_values.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tool/study/measures.h"
 
@@ -64,6 +65,27 @@ double WorldMeasures::of(WorldValue value) {
       return largest(joint_gaps(engine_.scene(), bodies()));
     case WorldValue::speed_max:
       return fastest(bodies());
+  }
+  return 0;
+}
+
+double WorldMeasures::of_body(std::uint32_t id, BodyValue value) {
+  const auto body =
+      std::find_if(bodies().begin(), bodies().end(), [id](const BodyReport& report) { return report.id == id; });
+  if (body == bodies().end()) return std::nan("");
+  switch (value) {
+    case BodyValue::x:
+      return body->center.x;
+    case BodyValue::y:
+      return body->center.y;
+    case BodyValue::angle:
+      return body->angle;
+    case BodyValue::vx:
+      return body->velocity.x;
+    case BodyValue::vy:
+      return body->velocity.y;
+    case BodyValue::w:
+      return body->angular_velocity;
   }
   return 0;
 }

@@ -11,6 +11,7 @@
 #include "engine/math/trig.h"
 #include "replay/recorder.h"
 #include "tool/session/clocked_inputs.h"
+#include "tool/study/table.h"
 
 namespace ticktrue::verifier {
 
@@ -229,7 +230,7 @@ void explain_by_f64(const Problem& problem, const std::vector<double>& f64_error
   const Judgement f64 = judge(expectation_of(problem, curve.method), steps, f64_errors, f64_floors);
   if (f64.verdict != StudyVerdict::pass || !same_steps) return;
   if (std::fabs(*same_steps - *judgement.slope) > slope_tolerance) return;
-  judgement.verdict = StudyVerdict::expected;
+  judgement.verdict = StudyVerdict::not_judged;
   judgement.reason = "rounding leaves coarse steps alone: f64 has this slope over them, and theory's over finer ones";
 }
 
@@ -281,12 +282,9 @@ std::vector<AccuracyCurve> run_method(const Problem& problem, const Method& meth
   for (AccuracyCurve& curve : curves) {
     judge_curve(problem, curve);
     explain_by_f64(problem, f64_errors, f64_floors, curve);
+    judge_bars(problem, curve);
   }
   return curves;
-}
-
-bool has_clocks(const Problem& problem) {
-  return problem.name == "oscillator" || problem.name == "pendulum" || problem.name == "kepler";
 }
 
 }  // namespace
@@ -307,6 +305,37 @@ SampleError sample_error(const Problem& problem, const std::vector<double>& time
   }
   error.rms = samples.empty() ? HUGE_VAL : std::sqrt(sum / static_cast<double>(samples.size())) / problem.scale;
   return error;
+}
+
+void judge_bars(const Problem& problem, AccuracyCurve& curve) {
+  Judgement& judgement = curve.judgement;
+  if (judgement.verdict == StudyVerdict::fail || judgement.verdict == StudyVerdict::not_applicable) return;
+  bool has_bars = false;
+  std::string missed;
+  for (const Bar& bar : problem.bars) {
+    if (bar.method != curve.method.name) continue;
+    for (const AccuracyPoint& point : curve.points) {
+      const std::string setting = setting_text(curve.method, point.setting);
+      if (!bar.setting.empty() && bar.setting != setting) continue;
+      has_bars = true;
+      if (!missed.empty()) continue;
+      if (bar.error > 0 && !(point.error <= bar.error))
+        missed = "error " + short_number(point.error) + " at " + setting + ", bar " + short_number(bar.error);
+      else if (bar.energy > 0 && !(std::fabs(point.energy) <= bar.energy))
+        missed = "energy changes by " + short_number(point.energy) + " J at " + setting + ", bar " +
+                 short_number(bar.energy) + " J";
+    }
+  }
+  if (!has_bars) return;
+  if (missed.empty()) {
+    if (judgement.verdict == StudyVerdict::not_judged) judgement = {StudyVerdict::pass, judgement.slope, {}, ""};
+    return;
+  }
+  const auto known = std::find_if(problem.shortfalls.begin(), problem.shortfalls.end(),
+                                  [&](const Shortfall& each) { return each.method == curve.method.name; });
+  const bool is_known = known != problem.shortfalls.end();
+  judgement.verdict = is_known ? StudyVerdict::falls_short : StudyVerdict::fail;
+  judgement.reason = is_known ? missed + ": " + known->reason : missed;
 }
 
 bool shows_order(double error, double floor) {
@@ -350,8 +379,8 @@ Expectation expectation_of(const Problem& problem, const Method& method) {
       out.reason = "the step follows the tolerance";
       return out;
     }
-    out.is_exact = problem.name == "projectile" && integrator.order >= 2;
-    if (!out.is_exact) out.slope = integrator.order;
+    out.is_exact = problem.is_exact_from_order_2 && integrator.order >= 2;
+    if (!out.is_exact) out.slope = problem.slope ? *problem.slope : integrator.order;
     return out;
   }
   if (method.solver != SolverKind::tgs_soft) {
@@ -407,12 +436,14 @@ Judgement judge(const Expectation& expectation, const std::vector<double>& steps
   return out;
 }
 
-std::vector<Method> methods_of(const Problem& problem) {
+namespace {
+
+std::vector<Method> all_methods_of(const Problem& problem) {
   std::vector<Method> methods;
   if (problem.kind == ProblemClass::smooth) {
     for (const engine::IntegratorInfo& info : engine::integrators)
       methods.push_back({std::string(info.name), SolverKind::free_flight, info.kind});
-    if (!has_clocks(problem)) return methods;
+    if (!problem.has_clocks) return methods;
     for (const IntegratorKind kind :
          {IntegratorKind::semi_implicit_euler, IntegratorKind::velocity_verlet, IntegratorKind::rk4}) {
       const std::string name(engine::info_of(engine::integrators, kind).name);
@@ -441,6 +472,19 @@ std::vector<Method> methods_of(const Problem& problem) {
   return methods;
 }
 
+}  // namespace
+
+std::vector<Method> methods_of(const Problem& problem) {
+  std::vector<Method> methods = all_methods_of(problem);
+  const std::vector<std::string>& names = problem.method_names;
+  if (names.empty()) return methods;
+  const auto is_left_out = [&](const Method& method) {
+    return std::find(names.begin(), names.end(), method.name) == names.end();
+  };
+  methods.erase(std::remove_if(methods.begin(), methods.end(), is_left_out), methods.end());
+  return methods;
+}
+
 std::vector<Setting> settings_of(const Problem& problem, const Method& method) {
   std::vector<Setting> settings;
   if (method.clock) {
@@ -465,14 +509,16 @@ std::vector<Setting> settings_of(const Problem& problem, const Method& method) {
     return settings;
   }
   if (method.automatic) {
-    for (const double target : {0.05, 0.02, 0.01, 0.005, 0.002, 0.001}) settings.push_back({1.0 / 60, 4, target, {}});
+    for (const double target : {0.05, 0.02, 0.01, 0.005, 0.002, 0.001}) settings.push_back({problem.dt, 4, target, {}});
     return settings;
   }
   const bool substeps = method.solver == SolverKind::tgs_soft;
-  if (substeps && method.locates)
-    for (int count = 1; count <= problem.substeps_max; count *= 2) settings.push_back({1.0 / 60, count, 0, {}});
+  if (!substeps || !method.locates)
+    for (int i = 0; i < 6; ++i) settings.push_back({problem.dt / (1 << i), substeps ? 4 : 1, 0, {}});
+  else if (problem.substep_counts.empty())
+    for (int count = 1; count <= problem.substeps_max; count *= 2) settings.push_back({problem.dt, count, 0, {}});
   else
-    for (int i = 0; i < 6; ++i) settings.push_back({1.0 / (60 << i), substeps ? 4 : 1, 0, {}});
+    for (const int count : problem.substep_counts) settings.push_back({problem.dt, count, 0, {}});
   return settings;
 }
 

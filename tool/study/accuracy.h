@@ -61,7 +61,7 @@ struct AccuracyPoint {
 };
 
 struct Judgement {
-  StudyVerdict verdict = StudyVerdict::expected;
+  StudyVerdict verdict = StudyVerdict::not_judged;
   std::optional<double> slope;     // observed
   std::optional<double> expected;  // by theory
   std::string reason;              // of every verdict but pass
@@ -100,6 +100,10 @@ bool shows_order(double error, double floor);
 /// The verdict on one curve. `steps` descend; errors and floors belong to the steps.
 Judgement judge(const Expectation& expectation, const std::vector<double>& steps, const std::vector<double>& errors,
                 const std::vector<double>& floors);
+
+/// Judges the points of a curve by the bars of the problem. A missed bar makes it fail, or fall short where that is
+/// documented. A curve of which no order is claimed passes if it has bars and keeps them.
+void judge_bars(const Problem& problem, AccuracyCurve& curve);
 
 /// Error of observed values against the problem's exact ones.
 struct SampleError {

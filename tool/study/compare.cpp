@@ -12,11 +12,13 @@
 #include "base/hash.h"
 #include "base/parallel/jobs.h"
 #include "base/random.h"
+#include "engine/json/number_text.h"
 #include "engine/math/trig.h"
 #include "engine/scene/input.h"
 #include "engine/scene/scene_binary.h"
 #include "replay/trace_reader.h"
 #include "tool/session/clocked_inputs.h"
+#include "tool/study/table.h"
 
 namespace ticktrue::verifier {
 
@@ -67,7 +69,7 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
       for (const auto& value : values) {
         Variant next = variant;
         const std::string name = set(next, value);
-        next.name += (next.name.empty() ? "" : ", ") + name;
+        next.name += (next.name.empty() || name.empty() ? "" : ", ") + name;
         more.push_back(std::move(next));
       }
     variants = std::move(more);
@@ -100,6 +102,11 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
     v.clock = kind;
     return std::string(engine::info_of(engine::clock_kinds, kind).name);
   });
+  if (!axes.clocks.empty())
+    multiply(axes.hosts, [&](Variant& v, const std::string& host) {
+      v.host = host;
+      return axes.hosts.size() > 1 ? host : std::string();
+    });
   multiply(axes.broad_phases, [](Variant& v, engine::BroadPhaseKind kind) {
     v.broad_phase = kind;
     return std::string(engine::info_of(engine::broad_phases, kind).name);
@@ -110,6 +117,31 @@ std::vector<Variant> product_of(const CompareAxes& axes) {
   });
   if (variants.size() == 1 && variants[0].name.empty()) variants.clear();
   return variants;
+}
+
+Result<std::vector<Variant>> with_varied(const std::vector<Variant>& variants, const Scene& scene,
+                                         const VariedKey& varied, const std::string& place) {
+  std::vector<Variant> out;
+  const std::string name = varied.key.substr(varied.key.rfind('.') + 1);
+  for (const Variant& variant : variants.empty() ? std::vector<Variant>{{}} : variants)
+    for (const std::string& value : varied.values) {
+      Result<Scene> changed = scene_with(variant.scene ? *variant.scene : scene, varied.key, value, place);
+      if (!changed) return changed.error();
+      Variant next = variant;
+      const auto number = engine::parse_number(value);
+      next.name += (next.name.empty() ? "" : ", ") + name + " " + (number ? short_number(*number) : value);
+      next.scene = std::make_shared<const Scene>(*std::move(changed));
+      out.push_back(std::move(next));
+    }
+  return out;
+}
+
+std::string base_text(const engine::Settings& settings) {
+  std::string text = std::string(engine::info_of(engine::solvers, settings.solver).name) + ", " +
+                     std::string(engine::info_of(engine::integrators, settings.integrator).name) + ", ";
+  text += settings.auto_substeps ? "auto sub" : std::to_string(settings.substeps) + " sub";
+  text += ", " + std::string(engine::info_of(engine::precisions, settings.precision).name);
+  return text + ", dt " + short_number(settings.dt) + " s";
 }
 
 Scene twin_of(const Scene& scene, std::uint64_t seed) {
@@ -159,16 +191,17 @@ struct Trajectory {
   std::string why_not;  // not empty: it was refused, and why
   bool is_finite = true;
   bool has_clock = false;
-  std::vector<double> dts;          // s, of the ticks
-  std::vector<std::uint64_t> bits;  // of the bodies after each tick
-  std::vector<std::uint64_t> root;  // of the whole state after each tick
-  std::vector<Bodies> samples;      // at the common times
-  CompareRow row;                   // what needs no base
+  std::vector<double> dts;              // s, of the ticks
+  std::vector<std::uint64_t> bits;      // of the bodies after each tick
+  std::vector<std::uint64_t> root;      // of the whole state after each tick
+  std::vector<Bodies> samples;          // at the common times
+  std::vector<CompareSample> measures;  // of each of them: what needs no base
+  CompareRow row;                       // what needs no base
   CrosscheckRun outcome;
 };
 
 Scene scene_of(const CompareSession& session, const Variant& variant) {
-  Scene scene = session.scene;
+  Scene scene = variant.scene ? *variant.scene : session.scene;
   engine::Settings& settings = scene.settings;
   if (variant.solver) scene = scene_with_solver(scene, *variant.solver);
   if (variant.integrator) settings.integrator = *variant.integrator;
@@ -186,7 +219,7 @@ Scene scene_of(const CompareSession& session, const Variant& variant) {
 
 /// Whether the variant changes no state, so that every column must have the same bits.
 bool preserves_state(const Variant& v) {
-  return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt;
+  return !v.integrator && !v.clock && !v.solver && !v.substeps && !v.precision && !v.dt && !v.scene;
 }
 
 std::uint64_t bits_of(const StateView& view) {
@@ -202,7 +235,7 @@ class TickMaker {
   TickMaker(const CompareSession& session, const Variant& variant, const CompareOptions& options, Engine& engine)
       : session_(session), engine_(engine), uses_record_(!variant.dt && !variant.clock && !session.dts.empty()) {
     if (!variant.clock) return;
-    auto frames = open_host(options.host, options.host_seed);
+    auto frames = open_host(variant.host, options.host_seed);
     if (!frames) {
       error_ = frames.error().message;
       return;
@@ -272,6 +305,17 @@ Bodies between(const Bodies& before, double before_s, const Bodies& after, doubl
   return out;
 }
 
+/// What a sample says without a base, at the end of a tick.
+CompareSample measured(const Scene& scene, const Bodies& bodies, const std::vector<engine::ContactReport>& contacts) {
+  CompareSample sample;
+  sample.energy = energy_of(scene, bodies);
+  const engine::Point momentum = momentum_of(bodies);
+  sample.momentum = std::hypot(momentum.x, momentum.y);
+  sample.overlap = deepest_overlap(contacts);
+  sample.joint_gap = largest(joint_gaps(scene, bodies));
+  return sample;
+}
+
 Trajectory run_trajectory(const CompareSession& session, const Variant& variant, const Scene& scene,
                           const CrosscheckLayout& layout, const CompareOptions& options) {
   Trajectory trajectory;
@@ -326,8 +370,10 @@ Trajectory run_trajectory(const CompareSession& session, const Variant& variant,
     }
     trajectory.samples.push_back(between(before, before_s, now, engine.time_s(), time_s));
     const auto contacts = engine.contacts();
-    trajectory.row.overlap_max = std::max(trajectory.row.overlap_max, deepest_overlap(contacts));
-    trajectory.row.joint_gap_max = std::max(trajectory.row.joint_gap_max, largest(joint_gaps(scene, now)));
+    trajectory.measures.push_back(measured(scene, now, contacts));
+    const CompareSample& measured_now = trajectory.measures.back();
+    trajectory.row.overlap_max = std::max(trajectory.row.overlap_max, measured_now.overlap);
+    trajectory.row.joint_gap_max = std::max(trajectory.row.joint_gap_max, measured_now.joint_gap);
     measure.add(time_s, now, time_s > session.seconds - 1 ? &contacts : nullptr);
   }
   trajectory.row.tick_count = engine.tick();
@@ -345,8 +391,8 @@ Trajectory run_trajectory(const CompareSession& session, const Variant& variant,
   return trajectory;
 }
 
-CompareSample apart(const Bodies& a, const Bodies& b, double time_s) {
-  CompareSample sample;
+/// Adds to `sample` how far `b` is from `a`.
+CompareSample apart(const Bodies& a, const Bodies& b, double time_s, CompareSample sample) {
   sample.time_s = time_s;
   double squares = 0;
   std::size_t count = 0, k = 0;
@@ -396,7 +442,8 @@ CompareRow against(const Trajectory& base, const Trajectory& trajectory, const s
   const std::size_t count = std::min(base.samples.size(), trajectory.samples.size());
   const double interval = session.seconds / static_cast<double>(std::max<std::size_t>(1, base.samples.size()));
   for (std::size_t i = 0; i < count; ++i) {
-    CompareSample sample = apart(base.samples[i], trajectory.samples[i], interval * static_cast<double>(i + 1));
+    CompareSample sample =
+        apart(base.samples[i], trajectory.samples[i], interval * static_cast<double>(i + 1), trajectory.measures[i]);
     if (i < twin_rms.size()) sample.twin_rms = twin_rms[i];
     row.position_max = std::max(row.position_max, sample.position_max);
     row.angle_max = std::max(row.angle_max, sample.angle_max);
@@ -452,7 +499,7 @@ Result<CompareReport> compare_variants(const CompareSession& session, const std:
 
   CompareReport report;
   report.size = layout.size;
-  report.base = base.row;
+  report.base = against(base, base, {}, session, layout.size);
   report.base.verdict = base.is_finite ? CompareVerdict::same_bits : CompareVerdict::not_finite;
   std::vector<double> twin_rms(base.samples.size(), 0);
   std::size_t twins_with_other_outcome = 0;

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@
 #include "base/result.h"
 #include "engine/scene/scene.h"
 #include "tool/crosscheck/crosscheck.h"
+#include "tool/session/scene_key.h"
 #include "tool/study/measures.h"
 
 namespace ticktrue::verifier {
@@ -49,13 +51,16 @@ struct Variant {
   std::optional<engine::Precision> precision = {};
   std::optional<double> dt = {};
   std::optional<engine::BroadPhaseKind> broad_phase = {};
-  std::optional<unsigned> threads = {};  // of a tick; the base has one
+  std::optional<unsigned> threads = {};             // of a tick; the base has one
+  std::string host = {};                            // of a clock: the model of its frames
+  std::shared_ptr<const engine::Scene> scene = {};  // null: that of the session
 };
 
 /// Values per axis; the product of all is what is compared.
 struct CompareAxes {
   std::vector<engine::IntegratorKind> integrators;
   std::vector<engine::ClockKind> clocks;
+  std::vector<std::string> hosts{"jitter_60"};  // of the clocks
   std::vector<engine::SolverKind> solvers;
   std::vector<int> substeps;
   std::vector<engine::Precision> precisions;
@@ -64,6 +69,12 @@ struct CompareAxes {
   std::vector<unsigned> threads;
 };
 std::vector<Variant> product_of(const CompareAxes& axes);
+/// Each of the variants with each value at a key of the scene; without variants, one for each value. `place` comes
+/// first in messages. Errors: those of scene_with.
+Result<std::vector<Variant>> with_varied(const std::vector<Variant>& variants, const engine::Scene& scene,
+                                         const VariedKey& varied, const std::string& place);
+/// What the base is: "tgs_soft, semi_implicit_euler, 4 sub, f32, dt 1/60".
+std::string base_text(const engine::Settings& settings);
 
 enum class CompareVerdict : std::uint8_t { same_bits, within_twins, drift, other_outcome, not_finite, not_applicable };
 inline constexpr std::array<std::string_view, 6> compare_verdict_names{
@@ -76,6 +87,10 @@ struct CompareSample {
   double position_rms = 0;  // m, over bodies that both have
   double angle_max = 0;     // rad
   double twin_rms = 0;      // m, the largest of the twins' so far
+  double energy = 0;        // J, kinetic and of gravity
+  double momentum = 0;      // kg m/s, its length
+  double overlap = 0;       // m, the deepest
+  double joint_gap = 0;     // m, the largest
 };
 
 struct CompareRow {
@@ -114,8 +129,7 @@ struct CompareReport {
 
 struct CompareOptions {
   int twin_count = 3;
-  std::string host = "jitter_60";  // of variants with a clock
-  std::uint64_t host_seed = 1;
+  std::uint64_t host_seed = 1;  // of the hosts of clocks
   int sample_count = 120;
   unsigned thread_count = 1;  // runs at once
   bool wall_clock = false;    // for ms_per_s: threads that share a tick compute more than passes

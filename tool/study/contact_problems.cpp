@@ -55,7 +55,7 @@ Problem bounce(std::string name, double height, double restitution, double durat
     return std::vector<double>{bouncing_height(height, restitution, t)};
   };
   problem.slope = 1;
-  problem.limit = 0.01;
+  problem.bars = {{"tgs_soft", "4 sub", 0.01}};
   return problem;
 }
 
@@ -82,7 +82,7 @@ Problem collision(std::string name, double restitution) {
     return std::vector<double>{bodies[0].velocity.x, bodies[1].velocity.x};
   };
   problem.exact = [restitution](double) { return std::vector<double>{1 - 3 * restitution, 1 + restitution}; };
-  problem.limit = 1e-6;
+  problem.bars = {{"tgs_soft", "4 sub", 1e-6}};
   return problem;
 }
 
@@ -108,7 +108,7 @@ Problem cradle() {
     return speeds;
   };
   problem.exact = [](double) { return std::vector<double>{0, 0, 0, 0, 10}; };
-  problem.limit = 1e-6;
+  problem.bars = {{"tgs_soft", "4 sub", 1e-6}};
   return problem;
 }
 
@@ -136,7 +136,7 @@ Problem billiards() {
     return std::vector<double>{momentum.x, momentum.y, std::sqrt(2 * kinetic_energy(bodies))};
   };
   problem.exact = [](double) { return std::vector<double>{20, 0, 20}; };
-  problem.limit = 0.001;
+  problem.bars = {{"tgs_soft", "4 sub", 0.001}};
   return problem;
 }
 
@@ -162,7 +162,7 @@ Problem slide() {
   problem.exact = [](double t) { return std::vector<double>{slid(t)}; };
   problem.slope = 1;
   problem.slope_of_higher = 2;  // a known friction is a constant force
-  problem.limit = 0.0025;
+  problem.bars = {{"tgs_soft", "4 sub", 0.0025}};
   return problem;
 }
 
@@ -199,7 +199,7 @@ Problem rolling(std::string name, double inertia_share) {
   problem.exact = [acceleration](double t) { return std::vector<double>{acceleration * t * t / 2}; };
   problem.slope = 1;
   problem.slope_of_higher = 2;  // a known friction is a constant force
-  problem.limit = 0.005;
+  problem.bars = {{"tgs_soft", "4 sub", 0.005}};
   return problem;
 }
 
@@ -260,7 +260,7 @@ Problem stack_forces() {
   problem.scale = 100;
   problem.why_no_slope = "the forces settle: what is left after 10 s is damped motion, no error of a step";
   problem.size = 0;
-  problem.limit = 0.001;
+  problem.bars = {{"tgs_soft", "4 sub", 0.001}};
   problem.scene = [](Precision precision) { return worlds::stack(precision, 10); };
   problem.observe = [](const Engine& engine) {
     std::vector<double> forces;
@@ -290,7 +290,7 @@ Problem stack_height(std::string name, int count, double top_mass, double limit)
   problem.observe = [](const Engine& engine) { return std::vector<double>{engine.bodies().back().center.y}; };
   problem.exact = [count](double) { return std::vector<double>{count - 0.5}; };
   problem.slope = 2;
-  problem.limit = limit;
+  problem.bars = {{"tgs_soft", "4 sub", limit}};
   if (count > 10) problem.substeps_max = 256;  // high ones show their order late
   return problem;
 }

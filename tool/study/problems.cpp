@@ -99,6 +99,7 @@ Problem smooth(std::string name, std::string summary, double duration, int step_
 
 Problem projectile() {
   Problem problem = smooth("projectile", "thrown at (3, 7) m/s, 2 s", 2, 40, {0, 0}, {3, 7});
+  problem.is_exact_from_order_2 = true;
   problem.scale = 6;
   problem.scene = [](Precision precision) {
     Scene scene = worlds::flight(precision, {0, 0}, {3, 7});
@@ -161,6 +162,7 @@ Problem oscillator(std::string name, double zeta) {
                                                        : "5") +
                                ", 2 s",
                            2, zeta > 1 ? 640 : 320, {1, 0}, {0, 0});
+  problem.has_clocks = zeta == 0;
   problem.scene = [zeta](Precision precision) {
     Scene scene = worlds::flight(precision, {1, 0}, {0, 0});
     scene.forces.push_back(spring_along_x(100, 20 * zeta));
@@ -186,6 +188,7 @@ Problem oscillator(std::string name, double zeta) {
 Problem pendulum() {
   Problem problem =
       smooth("pendulum", "1 m, from 60 degrees, as an equation of the angle, 2 s", 2, 120, {pi / 3, 0}, {0, 0});
+  problem.has_clocks = true;
   problem.reference = "closed form (Jacobi's sn)";
   problem.is_angle = true;
   problem.scale = pi / 3;
@@ -214,6 +217,7 @@ Problem kepler(std::string name, double e, int step_count) {
   Problem problem =
       smooth(std::move(name), "an orbit of eccentricity " + std::string(e < 0.5 ? "0.3" : "0.9") + ", once around",
              2 * pi, step_count, {1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))});
+  problem.has_clocks = e < 0.5;
   problem.reference = "Kepler's equation";
   problem.scene = [start = problem.start, velocity = problem.start_velocity](Precision precision) {
     Scene scene = worlds::flight(precision, start, velocity);

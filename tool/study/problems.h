@@ -22,20 +22,38 @@ enum class ProblemClass : std::uint8_t { smooth, joint, impact, friction, rest, 
 inline constexpr std::array<std::string_view, 9> problem_class_names{"smooth", "joint", "impact", "friction", "rest",
                                                                      "roll",   "slide", "stack",  "bounce"};
 
+/// What the points of a method must keep at a setting.
+struct Bar {
+  std::string method;
+  std::string setting;  // as setting_text prints it; empty: every one
+  double error = 0;     // largest, relative, root mean square; 0: none is set
+  double energy = 0;    // J, largest change in either direction; 0: none is set
+};
+
+/// A method that misses a bar of a problem, and the documented reason.
+struct Shortfall {
+  std::string method;
+  std::string reason;
+};
+
 struct Problem {
   std::string name;
   std::string summary;
   std::string reference;  // where the exact values come from
   ProblemClass kind = ProblemClass::smooth;
-  double duration = 1;    // s
-  int sample_count = 20;  // at equal times, the last at the end
-  double scale = 1;       // what errors are relative to
-  int step_count = 60;    // smooth: of the coarsest run, a multiple of sample_count
-  int substeps_max = 64;  // the finest of the sweep, a power of two
-  bool is_angle = false;  // values are angles: differences count modulo a turn
-  double limit = 0;       // largest error of the default method at its default setting; 0: none is set
-  double size = 0;        // m, of the smallest shape, where errors are lengths; 0: they are not
-  int corner_count = -1;  // of the shape families: 0 a disc, 3..16
+  double duration = 1;                    // s
+  int sample_count = 20;                  // at equal times, the last at the end
+  double scale = 1;                       // what errors are relative to
+  int step_count = 60;                    // smooth: of the coarsest run, a multiple of sample_count
+  int substeps_max = 64;                  // the finest of the sweep, a power of two
+  double dt = 1.0 / 60;                   // s, of a tick where substeps are swept
+  std::vector<int> substep_counts;        // of the sweep, ascending; empty: powers of two
+  std::vector<std::string> method_names;  // of methods_of: these alone; empty: all
+  bool has_clocks = false;                // smooth: also run on the frames of a host
+  bool is_exact_from_order_2 = false;     // smooth: no error but rounding
+  bool is_angle = false;                  // values are angles: differences count modulo a turn
+  double size = 0;                        // m, of the smallest shape, where errors are lengths; 0: they are not
+  int corner_count = -1;                  // of the shape families: 0 a disc, 3..16
 
   std::function<engine::Scene(engine::Precision)> scene;
   std::function<std::vector<double>(const engine::Engine&)> observe;
@@ -48,6 +66,8 @@ struct Problem {
   std::string why_no_slope;
   bool is_exact = false;  // of the scheme itself: only rounding remains
   bool is_pair = false;   // an impact of two bodies: exact also where it is not located
+  std::vector<Bar> bars;
+  std::vector<Shortfall> shortfalls;
 
   /// Smooth problems: the start and the acceleration, of a point or (x alone) an angle.
   engine::Point start;

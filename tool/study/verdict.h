@@ -8,8 +8,10 @@
 
 namespace ticktrue::verifier {
 
-enum class StudyVerdict : std::uint8_t { pass, fail, expected, not_applicable };
-inline constexpr std::array<std::string_view, 4> study_verdict_names{"pass", "fail", "expected", "not_applicable"};
+/// not_judged: nothing is claimed of it. falls_short: it misses what is claimed, as docs/physics.md says.
+enum class StudyVerdict : std::uint8_t { pass, fail, not_judged, falls_short, not_applicable };
+inline constexpr std::array<std::string_view, 5> study_verdict_names{"pass", "fail", "not_judged", "falls_short",
+                                                                     "not_applicable"};
 constexpr std::string_view verdict_name(StudyVerdict verdict) {
   return study_verdict_names[static_cast<std::size_t>(verdict)];
 }

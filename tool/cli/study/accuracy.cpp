@@ -14,6 +14,7 @@
 #include "tool/cli/study/study_output.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
+#include "tool/study/problem_file/problem_file.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -44,6 +45,12 @@ Result<std::vector<Problem>> chosen_problems(const std::vector<std::string>& nam
   std::vector<Problem> chosen;
   for (const std::string& name : names) {
     const std::size_t before = chosen.size();
+    if (name.size() > 5 && name.compare(name.size() - 5, 5, ".json") == 0) {
+      Result<Problem> own = verifier::read_problem(name);
+      if (!own) return own.error();
+      chosen.push_back(*std::move(own));
+      continue;
+    }
     for (const Problem& problem : all)
       if (problem.name == name ||
           (problem.name != name && class_name(problem.kind) == name &&
@@ -111,7 +118,8 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   CLI::App* command =
       app.add_subcommand("accuracy", "Error against run time on problems whose answers are known")->group(group_study);
   command->add_option("PROBLEM", options->problems,
-                      "Problems or classes of --list, or shapes; default: all. With --peer: its scenes");
+                      "Problems or classes of --list, shapes, or files of one's own (my.json: docs/study.md); "
+                      "default: all. With --peer: its scenes");
   std::vector<std::string> names;
   for (const auto& info : engine::precisions) names.emplace_back(info.name);
   options->precisions = {"f64", "f32"};
@@ -133,6 +141,7 @@ void add_accuracy(CLI::App& app, CliContext& context) {
                "ticktrue accuracy\n"
                "ticktrue accuracy pendulum kepler --precision f64 --plot pendulum.svg\n"
                "ticktrue accuracy shapes --csv shapes.csv\n"
+               "ticktrue accuracy my.json --precision f64 --plot my.svg\n"
                "ticktrue accuracy --peer box2d");
   command->callback([options, &context] { context.exit_code = run_accuracy_command(*options); });
 }

@@ -105,7 +105,7 @@ std::string point_table(const std::vector<const AccuracyCurve*>& curves, bool no
 // One line a problem: the default method at the scene's settings and at its finest, and how its curves were judged.
 std::string brief_table(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves) {
   TextTable table({"problem", "class", "precision", "default", "finest", "slope", "theory", "best of all", "pass",
-                   "explained", "fail"},
+                   "fail", "falls short", "not judged"},
                   3);
   std::string last;
   for (const Problem& problem : problems)
@@ -129,16 +129,21 @@ std::string brief_table(const std::vector<Problem>& problems, const std::vector<
           {problem.name == last ? "" : problem.name, problem.name == last ? "" : std::string(class_name(problem.kind)),
            std::string(precision_name(precision)), short_number(usual->error), short_number(main->points.back().error),
            slope_text(main->judgement.slope), slope_text(main->judgement.expected), short_number(best),
-           std::to_string(counts.of(StudyVerdict::pass)),
-           std::to_string(counts.of(StudyVerdict::expected) + counts.of(StudyVerdict::not_applicable)),
-           std::to_string(counts.of(StudyVerdict::fail))});
+           std::to_string(counts.of(StudyVerdict::pass)), std::to_string(counts.of(StudyVerdict::fail)),
+           std::to_string(counts.of(StudyVerdict::falls_short)),
+           std::to_string(counts.of(StudyVerdict::not_judged) + counts.of(StudyVerdict::not_applicable))});
       last = problem.name;
     }
   return "\n" + table.text();
 }
 
-// Why curves without pass or fail have neither.
-std::string explained_table(const std::vector<AccuracyCurve>& curves) {
+// A shape of n corners and its kin are one problem.
+std::string family_of(const AccuracyCurve& curve) {
+  return curve.corner_count < 0 ? curve.problem : std::string(class_name(curve.kind));
+}
+
+// Why curves have a verdict, the most frequent reason first.
+std::string reason_table(const std::vector<AccuracyCurve>& curves, StudyVerdict verdict, std::string_view title) {
   struct Reason {
     std::string text;
     int count = 0;
@@ -146,24 +151,33 @@ std::string explained_table(const std::vector<AccuracyCurve>& curves) {
   };
   std::vector<Reason> reasons;
   for (const AccuracyCurve& curve : curves) {
-    if (curve.judgement.verdict != StudyVerdict::expected) continue;
+    if (curve.judgement.verdict != verdict) continue;
     auto found = std::find_if(reasons.begin(), reasons.end(),
                               [&](const Reason& reason) { return reason.text == curve.judgement.reason; });
     if (found == reasons.end()) found = reasons.insert(found, {curve.judgement.reason, 0, {}});
     ++found->count;
-    if (std::find(found->problems.begin(), found->problems.end(), curve.problem) == found->problems.end())
-      found->problems.push_back(curve.problem);
+    const std::string family = family_of(curve);
+    if (std::find(found->problems.begin(), found->problems.end(), family) == found->problems.end())
+      found->problems.push_back(family);
   }
   if (reasons.empty()) return {};
   std::sort(reasons.begin(), reasons.end(),
             [](const Reason& a, const Reason& b) { return a.count != b.count ? a.count > b.count : a.text < b.text; });
-  std::string text = "\nexplained  curves of which no order is claimed, or that cannot show it\n";
+  std::string text = fmt::format("\n{}\n", title);
   for (const Reason& reason : reasons) {
-    std::string line = fmt::format("{:>4} curves  {}", reason.count, reason.text);
+    std::string line =
+        fmt::format("{:>4} curves of {} problems  {}", reason.count, reason.problems.size(), reason.text);
     if (reason.problems.size() <= 6) line += fmt::format(": {}", fmt::join(reason.problems, ", "));
     text += verifier::wrapped(line, 2);
   }
   return text;
+}
+
+std::size_t family_count(const std::vector<AccuracyCurve>& curves) {
+  std::vector<std::string> families;
+  for (const AccuracyCurve& curve : curves) families.push_back(family_of(curve));
+  std::sort(families.begin(), families.end());
+  return static_cast<std::size_t>(std::unique(families.begin(), families.end()) - families.begin());
 }
 
 // Error and time against the number of corners, at the settings that a scene has by default.
@@ -326,8 +340,11 @@ std::string accuracy_text(const std::vector<Problem>& problems, const std::vecto
   for (const engine::Precision precision : precisions)
     if (!view.brief) text += shape_table(problems, curves, precision, view.no_times);
   if (!view.brief) text += target_table(problems, curves, view.no_times);
-  text += explained_table(curves);
-  text += fmt::format("\n{} curves: {}\n", curves.size(), counts_text(verdicts_of(curves)));
+  text += reason_table(curves, StudyVerdict::falls_short, "falls short  curves that miss a bar, as documented");
+  text += reason_table(curves, StudyVerdict::not_judged,
+                       "not judged  curves of which nothing is claimed, or that cannot show it");
+  text += fmt::format("\n{} curves of {} problems (shapes of all corners are one): {}\n", curves.size(),
+                      family_count(curves), counts_text(verdicts_of(curves)));
   for (const AccuracyCurve& curve : curves)
     if (curve.judgement.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: slope {}, theory {}: {}\n", curve.problem,
@@ -339,10 +356,19 @@ std::string accuracy_text(const std::vector<Problem>& problems, const std::vecto
 Json accuracy_json(const std::vector<Problem>& problems, const std::vector<AccuracyCurve>& curves,
                    const std::string& command_line) {
   Json object;
-  object["schema"] = "ticktrue.accuracy/1";
+  object["schema"] = "ticktrue.accuracy/2";
   object["command"] = command_line;
   add_counts(object, verdicts_of(curves));
   object["problems"] = Json::array();
+  const auto bars_json = [](const Problem& problem) {
+    Json bars = Json::array();
+    for (const verifier::Bar& bar : problem.bars)
+      bars.push_back({{"method", bar.method},
+                      {"setting", bar.setting.empty() ? Json(nullptr) : Json(bar.setting)},
+                      {"error", bar.error > 0 ? Json(bar.error) : Json(nullptr)},
+                      {"energy_j", bar.energy > 0 ? Json(bar.energy) : Json(nullptr)}});
+    return bars;
+  };
   for (const Problem& problem : problems)
     object["problems"].push_back({{"name", problem.name},
                                   {"class", class_name(problem.kind)},
@@ -351,6 +377,7 @@ Json accuracy_json(const std::vector<Problem>& problems, const std::vector<Accur
                                   {"duration_s", problem.duration},
                                   {"samples", problem.sample_count},
                                   {"scale", problem.scale},
+                                  {"bars", bars_json(problem)},
                                   {"corners", problem.corner_count < 0 ? Json(nullptr) : Json(problem.corner_count)}});
   object["rows"] = Json::array();
   for (const AccuracyCurve& curve : curves) {

@@ -36,11 +36,14 @@ struct CompareCommand {
   std::optional<std::uint64_t> tick_count;
   double seconds = 10;
   std::uint64_t twin_count = 3;
-  std::string host = "jitter_60";
+  std::vector<std::string> hosts{"jitter_60"};
+  std::vector<std::string> varied;
   std::uint64_t host_seed = 1;
   std::uint64_t job_count = 0;  // 0: as many as there are cores, or one where threads of a tick are compared
   StudyFiles files;
 };
+
+constexpr std::size_t variant_count_max = 10'000;
 
 std::string_view verdict_name(CompareVerdict verdict) {
   return verifier::compare_verdict_names[static_cast<std::size_t>(verdict)];
@@ -97,6 +100,7 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
   std::string text =
       fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
   text += verifier::wrapped(command_line, 2);
+  text += verifier::wrapped("base: " + verifier::base_text(session.scene.settings), 2);
   TextTable drift(
       {"against the base", "bits", "ticks", "max m", "RMS m", "angle rad", "growth 1/s", "beyond s", "verdict"});
   TextTable outcome(
@@ -145,7 +149,11 @@ Json row_json(const CompareRow& row, bool is_twin) {
                                 {"position_max_m", number_json(sample.position_max)},
                                 {"position_rms_m", number_json(sample.position_rms)},
                                 {"angle_max_rad", number_json(sample.angle_max)},
-                                {"twins_rms_m", number_json(sample.twin_rms)}});
+                                {"twins_rms_m", number_json(sample.twin_rms)},
+                                {"energy_j", number_json(sample.energy)},
+                                {"momentum", number_json(sample.momentum)},
+                                {"overlap_m", number_json(sample.overlap)},
+                                {"joint_gap_m", number_json(sample.joint_gap)}});
   return entry;
 }
 
@@ -156,6 +164,7 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
   object["scene"] = session.scene.name;
   object["seconds"] = session.seconds;
   object["beyond_factor"] = verifier::beyond_factor;
+  object["base_settings"] = verifier::base_text(session.scene.settings);
   Json counts;
   for (const std::string_view name : verifier::compare_verdict_names) counts[std::string(name)] = 0;
   for (const CompareRow& row : report.rows)
@@ -169,15 +178,20 @@ Json report_json(const CompareReport& report, const CompareSession& session, con
 }
 
 std::string csv_of(const CompareReport& report) {
-  std::string text = verifier::csv_line(
-      {"variant", "verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad", "twins_rms_m"});
-  for (const auto* rows : {&report.twins, &report.rows})
-    for (const CompareRow& row : *rows)
-      for (const auto& sample : row.samples)
-        text +=
-            verifier::csv_line({row.variant.name, std::string(verdict_name(row.verdict)), full_number(sample.time_s),
-                                full_number(sample.position_max), full_number(sample.position_rms),
-                                full_number(sample.angle_max), full_number(sample.twin_rms)});
+  std::string text =
+      verifier::csv_line({"variant", "verdict", "time_s", "position_max_m", "position_rms_m", "angle_max_rad",
+                          "twins_rms_m", "energy_j", "momentum", "overlap_m", "joint_gap_m"});
+  const auto add = [&](const CompareRow& row) {
+    for (const auto& sample : row.samples)
+      text += verifier::csv_line({row.variant.name, std::string(verdict_name(row.verdict)), full_number(sample.time_s),
+                                  full_number(sample.position_max), full_number(sample.position_rms),
+                                  full_number(sample.angle_max), full_number(sample.twin_rms),
+                                  full_number(sample.energy), full_number(sample.momentum), full_number(sample.overlap),
+                                  full_number(sample.joint_gap)});
+  };
+  add(report.base);
+  for (const CompareRow& row : report.twins) add(row);
+  for (const CompareRow& row : report.rows) add(row);
   return text;
 }
 
@@ -225,6 +239,7 @@ Result<verifier::CompareAxes> axes_of(const CompareCommand& command) {
   choose(engine::solvers, command.solvers, axes.solvers);
   choose(engine::precisions, command.precisions, axes.precisions);
   choose(engine::broad_phases, command.broad_phases, axes.broad_phases);
+  axes.hosts = command.hosts;
   for (const std::string& text : command.dts) {
     const Result<double> dt = parse_dt(text);
     if (!dt) return dt.error();
@@ -262,9 +277,12 @@ std::string command_line_of(const CompareCommand& command, const CompareSession&
   add("--dt", command.dts);
   add("--broad-phase", command.broad_phases);
   add("--threads", command.threads);
+  for (const std::string& varied : command.varied) line += " --vary '" + varied + "'";
   if (session.dts.empty()) line += " --seconds " + full_number(session.seconds);
   line += " --twins " + std::to_string(command.twin_count);
-  if (!command.clocks.empty()) line += " --host " + command.host + " --host-seed " + std::to_string(command.host_seed);
+  if (command.clocks.empty()) return line;
+  add("--host", command.hosts);
+  line += " --host-seed " + std::to_string(command.host_seed);
   return line;
 }
 
@@ -272,15 +290,30 @@ bool is_trace(const std::string& path) {
   return path.size() > 4 && path.compare(path.size() - 4, 4, ".ttr") == 0;
 }
 
-int run_compare(const CompareCommand& command) {
+/// Errors: usage; what --vary makes of the scene.
+Result<std::vector<verifier::Variant>> variants_of(const CompareCommand& command, const engine::Scene& scene) {
   const auto axes = axes_of(command);
-  if (!axes) return fail_usage(axes.error());
-  const auto variants = verifier::product_of(*axes);
-  if (variants.empty())
-    return fail_usage(Error{ErrorCode::usage,
-                            "compare: found nothing to compare with, expected at least one of --integrator, --clock, "
-                            "--solver, --substeps, --precision, --dt, --broad-phase, --threads",
-                            "ticktrue compare pyramid --integrator velocity_verlet,rk4"});
+  if (!axes) return axes.error();
+  std::vector<verifier::Variant> variants = verifier::product_of(*axes);
+  for (const std::string& text : command.varied) {
+    const auto varied = verifier::parse_varied(text, "--vary");
+    if (!varied) return varied.error();
+    auto more = verifier::with_varied(variants, scene, *varied, "--vary " + text);
+    if (!more) return more.error();
+    variants = *std::move(more);
+    if (variants.size() > variant_count_max)
+      return Error{ErrorCode::usage,
+                   fmt::format("compare: found {} variants, expected at most {}", variants.size(), variant_count_max),
+                   ""};
+  }
+  if (!variants.empty()) return variants;
+  return Error{ErrorCode::usage,
+               "compare: found nothing to compare with, expected at least one of --integrator, --clock, --solver, "
+               "--substeps, --precision, --dt, --broad-phase, --threads, --vary",
+               "ticktrue compare pyramid --integrator velocity_verlet,rk4"};
+}
+
+int run_compare(const CompareCommand& command) {
   CompareSession session;
   if (is_trace(command.subject)) {
     auto read = verifier::session_of_trace(command.subject);
@@ -293,17 +326,19 @@ int run_compare(const CompareCommand& command) {
     session.seconds =
         command.tick_count ? static_cast<double>(*command.tick_count) * scene->settings.dt : command.seconds;
   }
-  if (const Status host = verifier::check_host(command.host, command.host_seed); !host) return fail_usage(host.error());
+  for (const std::string& host : command.hosts)
+    if (const Status known = verifier::check_host(host, command.host_seed); !known) return fail_usage(known.error());
+  const auto variants = variants_of(command, session.scene);
+  if (!variants) return fail_usage(variants.error());
   verifier::CompareOptions options;
   options.twin_count = static_cast<int>(command.twin_count);
-  options.host = command.host;
   options.host_seed = command.host_seed;
   options.wall_clock = !command.threads.empty();
   const unsigned job_count = options.wall_clock ? 1 : core_count();
   options.thread_count = command.job_count > 0 ? static_cast<unsigned>(command.job_count) : job_count;
   Progress progress("compare " + session.scene.name, 1, "runs");
   options.progress = [&](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  const auto report = verifier::compare_variants(session, variants, options);
+  const auto report = verifier::compare_variants(session, *variants, options);
   progress.finish();
   if (!report) return fail_usage(report.error());
   const std::string command_line = command_line_of(command, session);
@@ -349,6 +384,11 @@ void add_compare(CLI::App& app, CliContext& context) {
       ->delimiter(',')
       ->allow_extra_args(false);
   add_axis(*command, "--broad-phase", options->broad_phases, engine::broad_phases, "Broad phases");
+  command
+      ->add_option("--vary", options->varied,
+                   "A key of the scene and its values: bodies.3.shapes.0.friction=0.1:0.9:9, settings.substeps=1,4")
+      ->type_name("KEY=VALUES")
+      ->allow_extra_args(false);
   command->add_option("--threads", options->threads, "Threads of a tick, 1..64")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -358,8 +398,11 @@ void add_compare(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count, "The same in ticks of the base", {1, limits::tick_count_max})
       ->excludes(seconds);
   add_number(*command, "--twins", options->twin_count, "Runs of the base shifted by 1 ULP; default: 3", {1, 100});
-  command->add_option("--host", options->host, "Frames for --clock: a model of `ticktrue run --help`, or a file")
-      ->capture_default_str();
+  command
+      ->add_option("--host", options->hosts,
+                   "Frames for --clock: models of `ticktrue run --help`, or files; default: jitter_60")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   add_number(*command, "--host-seed", options->host_seed, "Of the model; default: 1");
   add_number(*command, "-j,--jobs", options->job_count, "Runs at once; default: one a core, with --threads one",
              {1, 1024});
@@ -367,6 +410,7 @@ void add_compare(CLI::App& app, CliContext& context) {
   set_examples(*command,
                "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16\n"
                "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
+               "ticktrue compare slide --vary bodies.1.shapes.0.friction=0.1:0.9:9 --csv slide.csv\n"
                "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"
                "ticktrue compare stack.ttr --broad-phase aabb_tree,uniform_grid --threads 1,2");
   command->callback([options, &context] { context.exit_code = run_compare(*options); });

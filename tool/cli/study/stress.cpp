@@ -45,7 +45,9 @@ std::string bound_text(const StressRow& row) {
 
 // Beside a number that is outside its bounds.
 std::string_view mark_of(StudyVerdict verdict) {
-  return verdict == StudyVerdict::fail ? "!" : verdict == StudyVerdict::expected ? "~" : " ";
+  return verdict == StudyVerdict::fail                                                 ? "!"
+         : verdict == StudyVerdict::not_judged || verdict == StudyVerdict::falls_short ? "~"
+                                                                                       : " ";
 }
 
 std::string cases_text(const std::vector<StressRow>& rows) {
@@ -147,7 +149,7 @@ std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts
 Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
                  const std::string& command_line) {
   Json object;
-  object["schema"] = "ticktrue.stress/1";
+  object["schema"] = "ticktrue.stress/2";
   object["command"] = command_line;
   add_counts(object, verdicts_of(rows, limits));
   object["rows"] = Json::array();

@@ -18,15 +18,16 @@ void add_study_files(CLI::App& command, StudyFiles& files) {
 }
 
 std::string counts_text(const verifier::VerdictCounts& counts) {
-  return fmt::format("{} pass, {} fail, {} expected, {} not applicable", counts.of(StudyVerdict::pass),
-                     counts.of(StudyVerdict::fail), counts.of(StudyVerdict::expected),
-                     counts.of(StudyVerdict::not_applicable));
+  return fmt::format("{} pass, {} fail, {} fall short as documented, {} not judged, {} not applicable",
+                     counts.of(StudyVerdict::pass), counts.of(StudyVerdict::fail), counts.of(StudyVerdict::falls_short),
+                     counts.of(StudyVerdict::not_judged), counts.of(StudyVerdict::not_applicable));
 }
 
 void add_counts(Json& object, const verifier::VerdictCounts& counts) {
   object["passed"] = counts.of(StudyVerdict::pass);
   object["failed"] = counts.of(StudyVerdict::fail);
-  object["expected"] = counts.of(StudyVerdict::expected);
+  object["falls_short"] = counts.of(StudyVerdict::falls_short);
+  object["not_judged"] = counts.of(StudyVerdict::not_judged);
   object["not_applicable"] = counts.of(StudyVerdict::not_applicable);
 }
 

@@ -46,13 +46,13 @@ void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& metho
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].verdict != StudyVerdict::fail) continue;
     if (methods[i].is_baseline) {
-      rows[i].verdict = StudyVerdict::expected;
+      rows[i].verdict = StudyVerdict::not_judged;
       rows[i].reason = "a method to compare with";
     } else if (auto_passes && !methods[i].automatic) {
-      rows[i].verdict = StudyVerdict::expected;
+      rows[i].verdict = StudyVerdict::falls_short;
       rows[i].reason = "passes with automatic substeps";
     } else if (default_passes && methods[i].automatic) {
-      rows[i].verdict = StudyVerdict::expected;
+      rows[i].verdict = StudyVerdict::falls_short;
       rows[i].reason = "passes with the default's substeps";
     }
   }

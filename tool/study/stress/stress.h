@@ -74,8 +74,8 @@ struct StressRow {
 
 /// The verdict on a number, and for baselines and for the default where automatic substeps pass, why it is expected.
 StudyVerdict judge(const StressCase& stress_case, const StressValue& value);
-/// Turns failures that are expected into `expected`: those of baselines, and those of the default in a case that
-/// automatic substeps pass, or the other way round: a case fails where neither passes. `rows` are all rows of one case
+/// Failures of baselines are not judged. Those of the default in a case that automatic substeps pass, or the other way
+/// round, fall short: a case fails where neither passes. `rows` are all rows of one case
 /// and precision, `methods` in the same order.
 void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods);
 

@@ -1,0 +1,106 @@
+// Setting a key of a scene through its JSON form.
+// SPDX-License-Identifier: MIT
+#include "tool/session/scene_key.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "engine/json/number_text.h"
+#include "engine/scene/scene_json.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t value_count_max = 1000;
+
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+std::optional<std::size_t> index_of(const std::string& part) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  if (error != std::errc() || end != part.data() + part.size()) return {};
+  return index;
+}
+
+/// "0.1:0.9:9" as nine values; nothing if it is no such range.
+std::optional<std::vector<std::string>> range_of(const std::string& text) {
+  const std::vector<std::string> parts = parts_of(text, ':');
+  if (parts.size() != 3) return {};
+  const auto first = engine::parse_number(parts[0]);
+  const auto last = engine::parse_number(parts[1]);
+  const auto count = index_of(parts[2]);
+  if (!first || !last || !count || *count < 2 || *count > value_count_max) return {};
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < *count; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(*count - 1);
+    values.push_back(engine::number_text(i + 1 == *count ? *last : *first + (*last - *first) * share));
+  }
+  return values;
+}
+
+}  // namespace
+
+Result<engine::Scene> scene_with(const engine::Scene& scene, const std::string& key, const std::string& value,
+                                 const std::string& place) {
+  Json tree = Json::parse(engine::print_scene(scene));
+  Json* at = &tree;
+  std::string path;
+  for (const std::string& part : parts_of(key, '.')) {
+    path += (path.empty() ? "" : ".") + part;
+    if (at->is_array()) {
+      const auto index = index_of(part);
+      if (!index || *index >= at->size())
+        return Error{ErrorCode::usage,
+                     place + ": found " + path + ", expected an index below " + std::to_string(at->size()), ""};
+      at = &(*at)[*index];
+    } else if (at->is_object() || at->is_null()) {
+      at = &(*at)[part];
+    } else {
+      return Error{ErrorCode::usage, place + ": found " + path + " below a value that has no keys", ""};
+    }
+  }
+  const Json parsed = Json::parse(value, nullptr, false);
+  *at = parsed.is_discarded() ? Json(value) : parsed;
+  Result<engine::Scene> changed = engine::parse_scene(tree.dump(), place);
+  if (changed) changed->name = scene.name;
+  return changed;
+}
+
+Result<VariedKey> parse_varied(const std::string& text, const std::string& option) {
+  const auto wrong = [&](const std::string& expected) {
+    return Error{ErrorCode::usage, option + ": found " + text + ", expected " + expected,
+                 "such as bodies.3.shapes.0.friction=0.1:0.9:9 (nine values) or settings.substeps=1,4,16"};
+  };
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) return wrong("KEY=VALUES");
+  VariedKey varied;
+  varied.key = text.substr(0, equals);
+  const std::string values = text.substr(equals + 1);
+  if (auto range = range_of(values))
+    varied.values = *std::move(range);
+  else if (values.find(':') != std::string::npos && values.find_first_of("[{\"") == std::string::npos)
+    return wrong("FIRST:LAST:COUNT with 2 to 1000 values");
+  else if (values.find_first_of("[{\"") != std::string::npos)
+    varied.values = {values};  // one JSON value
+  else
+    varied.values = parts_of(values, ',');
+  if (varied.values.size() > value_count_max) return wrong("at most 1000 values");
+  for (const std::string& value : varied.values)
+    if (value.empty()) return wrong("a value between commas");
+  return varied;
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,349 @@
+// Reading a problem of one's own.
+// SPDX-License-Identifier: MIT
+#include "tool/study/problem_file/problem_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include "engine/json/number_text.h"
+#include "engine/scene/json_reader.h"
+#include "engine/scene/scene_json.h"
+#include "tool/expression/expression.h"
+#include "tool/output/json_output.h"
+#include "tool/study/accuracy.h"
+#include "tool/study/problem_file/reference_table.h"
+#include "tool/study/table.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using engine::JsonPath;
+using engine::JsonValue;
+using engine::number_text;
+using engine::Precision;
+using engine::Scene;
+
+constexpr std::size_t file_size_max = std::size_t{64} << 20;
+constexpr engine::FieldRange sample_range{1, 10'000};
+constexpr engine::FieldRange substep_range{1, 1024};
+constexpr std::size_t list_count_max = 64;
+
+/// What the file says, before it is a problem.
+struct ProblemText {
+  std::string name;
+  std::string summary;
+  const JsonValue* scene = nullptr;
+  double duration = 0;
+  int sample_count = 20;
+  std::vector<std::string> observe;
+  std::vector<std::string> exact;
+  std::string reference;
+  bool is_angle = false;
+  double scale = 0;
+  double size = 0;
+  std::vector<std::string> methods;
+  std::vector<int> substeps;
+  std::optional<double> slope;
+  std::vector<Bar> bars;
+};
+
+class ProblemReader final : public engine::JsonReader {
+ public:
+  explicit ProblemReader(std::string place) : JsonReader(std::move(place), ErrorCode::usage) {}
+
+  bool read_all(const JsonValue& root, ProblemText& out) {
+    const JsonPath path;
+    const auto texts = [this](std::vector<std::string>& list) {
+      return [this, &list](const JsonValue& v, const JsonPath& p) { return read_texts(v, p, list); };
+    };
+    const auto text = [this](std::string& into) {
+      return [this, &into](const JsonValue& v, const JsonPath& p) { return read(v, p, into); };
+    };
+    const std::vector<Field> fields{
+        {"name", text(out.name)},
+        {"summary", text(out.summary)},
+        {"scene", [&](const JsonValue& v, const JsonPath&) { return (out.scene = &v) != nullptr; }, true},
+        {"duration", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.duration); }, true},
+        whole("samples", sample_range, out.sample_count),
+        {"observe", texts(out.observe), true},
+        {"exact", texts(out.exact)},
+        {"reference", text(out.reference)},
+        {"angle", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, out.is_angle); }},
+        {"scale", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.scale); }},
+        {"size", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.size); }},
+        {"methods", texts(out.methods)},
+        {"substeps", [&](const JsonValue& v, const JsonPath& p) { return read_substeps(v, p, out.substeps); }},
+        {"slope", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, out.slope.emplace()); }},
+        {"bars",
+         [&](const JsonValue& v, const JsonPath& p) {
+           return list(v, p, out.bars, [&](const auto& e, const auto& q, Bar& bar) { return read_bar(e, q, bar); });
+         }},
+    };
+    if (!object(root, path, fields)) return false;
+    if (out.observe.empty()) return fail({&path, "observe"}, "found nothing, expected an expression");
+    if (out.exact.empty() == out.reference.empty())
+      return fail(path, "found " + std::string(out.exact.empty() ? "neither" : "both") +
+                            " exact and reference, expected one of them");
+    if (!out.exact.empty() && out.exact.size() != out.observe.size())
+      return fail({&path, "exact"}, "found " + std::to_string(out.exact.size()) + " expressions, expected " +
+                                        std::to_string(out.observe.size()) + ", as in observe");
+    return true;
+  }
+
+  /// An error at a key of the file.
+  Error error_at(std::string_view key, const std::string& what, std::string hint = {}) {
+    const JsonPath path;
+    fail({&path, key}, what, std::move(hint));
+    return error();
+  }
+
+ private:
+  bool positive(const JsonValue& value, const JsonPath& path, double& out) {
+    if (!read(value, path, out)) return false;
+    return out > 0 || fail(path, "found " + number_text(out) + ", expected a number above 0");
+  }
+
+  /// One text, or several.
+  bool read_texts(const JsonValue& value, const JsonPath& path, std::vector<std::string>& out) {
+    if (value.type == JsonValue::Type::text) return read(value, path, out.emplace_back());
+    if (value.type == JsonValue::Type::array && value.items.size() > list_count_max)
+      return fail(
+          path, "found " + std::to_string(value.items.size()) + ", expected at most " + std::to_string(list_count_max));
+    return list(value, path, out, [&](const auto& v, const auto& p, std::string& text) { return read(v, p, text); });
+  }
+
+  bool read_substeps(const JsonValue& value, const JsonPath& path, std::vector<int>& out) {
+    const auto read_one = [&](const auto& v, const auto& p, int& count) { return whole(v, p, substep_range, count); };
+    if (!list(value, path, out, read_one)) return false;
+    for (std::size_t i = 1; i < out.size(); ++i)
+      if (out[i] <= out[i - 1])
+        return fail({&path, {}, i}, "found " + std::to_string(out[i]) + ", expected more than before");
+    return !out.empty() || fail(path, "found nothing, expected counts from coarse to fine");
+  }
+
+  bool read_bar(const JsonValue& value, const JsonPath& path, Bar& bar) {
+    const std::vector<Field> fields{
+        {"method", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, bar.method); }, true},
+        {"at", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, bar.setting); }},
+        {"error", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, bar.error); }},
+        {"energy", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, bar.energy); }},
+    };
+    if (!object(value, path, fields)) return false;
+    return bar.error > 0 || bar.energy > 0 || fail(path, "found no bar, expected error or energy");
+  }
+};
+
+/// Expressions that several threads evaluate in turn.
+struct SharedExpressions {
+  std::mutex mutex;
+  std::vector<Expression> list;
+
+  template <typename Evaluate>
+  std::vector<double> values(Evaluate evaluate) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::vector<double> out;
+    for (Expression& expression : list) out.push_back(evaluate(expression));
+    return out;
+  }
+};
+
+Result<std::shared_ptr<SharedExpressions>> parse_all(const std::vector<std::string>& texts, const std::string& place,
+                                                     ExpressionNames names) {
+  auto shared = std::make_shared<SharedExpressions>();
+  for (const std::string& text : texts) {
+    Result<Expression> parsed = Expression::parse(text, place, names);
+    if (!parsed) return parsed.error();
+    if (names != ExpressionNames::time && parsed->uses_start())
+      return Error{ErrorCode::usage, place + ": \"" + text + "\": found a name with _start, expected present values",
+                   ""};
+    shared->list.push_back(*std::move(parsed));
+  }
+  return shared;
+}
+
+class ProblemMaker {
+ public:
+  ProblemMaker(std::string path, std::string json, ProblemText text)
+      : path_(std::move(path)), json_(std::move(json)), text_(std::move(text)), reader_(path_) {}
+
+  Result<Problem> make() {
+    Problem problem;
+    problem.name = text_.name.empty() ? std::filesystem::path(path_).stem().string() : text_.name;
+    problem.summary = text_.summary.empty() ? path_ : text_.summary;
+    problem.reference = text_.reference.empty() ? "an expression of " + path_ : text_.reference;
+    problem.duration = text_.duration;
+    problem.sample_count = text_.sample_count;
+    problem.is_angle = text_.is_angle;
+    problem.size = text_.size;
+    problem.method_names = text_.methods;
+    problem.substep_counts = text_.substeps;
+    problem.bars = text_.bars;
+    problem.slope = text_.slope;
+    if (!text_.slope) problem.why_no_slope = path_ + " states no slope";
+    for (const auto step :
+         {&ProblemMaker::add_scene, &ProblemMaker::add_observe, &ProblemMaker::add_exact, &ProblemMaker::check_methods})
+      if (const Status done = (this->*step)(problem); !done) return done.error();
+    return problem;
+  }
+
+ private:
+  Status add_scene(Problem& problem) {
+    const Result<Scene> read = read_scene();
+    if (!read) return read.error();
+    const Scene scene = *read;
+    problem.scene = [scene](Precision precision) {
+      Scene out = scene;
+      out.settings.precision = precision;
+      return out;
+    };
+    problem.dt = scene.settings.dt;
+    const bool is_free = scene.settings.solver == engine::SolverKind::free_flight;
+    problem.kind = is_free ? ProblemClass::smooth : ProblemClass::joint;
+    if (is_free) {
+      // Of the coarsest run: about the scene's own, so that every sample is at the end of a tick.
+      const double ticks = std::ceil(problem.duration / problem.dt / problem.sample_count);
+      problem.step_count = problem.sample_count * static_cast<int>(std::clamp(ticks, 1.0, 1000.0));
+      return {};
+    }
+    const double ticks = problem.duration / problem.dt / problem.sample_count;
+    if (ticks < 0.5 || std::fabs(ticks - std::round(ticks)) > 1e-6)
+      return reader_.error_at("samples",
+                              "found " + std::to_string(problem.sample_count) + " in " + number_text(problem.duration) +
+                                  " s, expected each at the end of a tick of " + number_text(problem.dt) + " s",
+                              "duration / dt / samples must be a whole number");
+    return {};
+  }
+
+  Result<Scene> read_scene() {
+    const JsonValue& value = *text_.scene;
+    if (value.type == JsonValue::Type::object)
+      return engine::parse_scene(cli::Json::parse(json_).at("scene").dump(), path_ + ": scene");
+    if (value.type != JsonValue::Type::text)
+      return reader_.error_at("scene",
+                              "found " + engine::found_text(value) +
+                                  ", expected a scene, a file beside this one, or the name of a built-in scene");
+    const std::filesystem::path beside = std::filesystem::path(path_).parent_path() / value.text;
+    std::error_code failed;
+    const bool is_file = std::filesystem::is_regular_file(beside, failed);
+    return cli::load_scene_argument(is_file ? beside.string() : value.text);
+  }
+
+  Status add_observe(Problem& problem) {
+    const auto parsed = parse_all(text_.observe, path_ + ": observe", ExpressionNames::world_and_bodies);
+    if (!parsed) return parsed.error();
+    const std::shared_ptr<SharedExpressions> shared = *parsed;
+    problem.observe = [shared](const engine::Engine& engine) {
+      return shared->values([&](Expression& expression) { return expression.evaluate(engine); });
+    };
+    const auto engine = engine::make_engine(problem.scene(Precision::f64));
+    if (!engine) return engine.error();
+    const std::vector<double> values = problem.observe(**engine);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        return reader_.error_at("observe",
+                                "\"" + text_.observe[i] + "\": found " + short_number(values[i]) +
+                                    " before the first tick, expected a finite number",
+                                "bodies.3.x is that of the body with id 3: `ticktrue describe` lists the bodies");
+    return {};
+  }
+
+  Status add_exact(Problem& problem) {
+    if (text_.exact.empty()) {
+      if (const Status done = add_reference(problem); !done) return done;
+    } else {
+      const auto parsed = parse_all(text_.exact, path_ + ": exact", ExpressionNames::time);
+      if (!parsed) return parsed.error();
+      const std::shared_ptr<SharedExpressions> shared = *parsed;
+      problem.exact = [shared](double time_s) {
+        return shared->values([&](Expression& expression) { return expression.evaluate_at(time_s); });
+      };
+    }
+    double largest = 0;
+    for (int sample = 1; sample <= problem.sample_count; ++sample) {
+      const double time_s = problem.duration * sample / problem.sample_count;
+      double squares = 0;
+      for (const double value : problem.exact(time_s)) squares += value * value;
+      if (!std::isfinite(squares))
+        return reader_.error_at("exact", "found a value that is not finite at " + number_text(time_s) + " s");
+      largest = std::max(largest, std::sqrt(squares));
+    }
+    problem.scale = text_.scale > 0 ? text_.scale : largest;
+    if (problem.scale > 0) return {};
+    return reader_.error_at("scale", "found none, and exact values of 0, expected what errors are relative to");
+  }
+
+  Status add_reference(Problem& problem) {
+    const std::string file = (std::filesystem::path(path_).parent_path() / text_.reference).string();
+    const Result<std::string> csv = cli::read_text_file(file, file_size_max);
+    if (!csv) return csv.error();
+    const auto table = ReferenceTable::parse(*csv, file, text_.observe.size());
+    if (!table) return table.error();
+    const double first = problem.duration / problem.sample_count;
+    const double tolerance = 1e-9 * problem.duration;
+    if (table->first_time() > first + tolerance || table->last_time() < problem.duration - tolerance)
+      return Error{ErrorCode::usage,
+                   file + ": found times from " + number_text(table->first_time()) + " to " +
+                       number_text(table->last_time()) + " s, expected " + number_text(first) + " to " +
+                       number_text(problem.duration) + " s",
+                   ""};
+    problem.exact = [reference = *table](double time_s) { return reference.at(time_s); };
+    return {};
+  }
+
+  Status check_methods(Problem& problem) {
+    std::vector<std::string> names = std::move(problem.method_names);
+    problem.method_names.clear();
+    std::vector<std::string> known;
+    for (const Method& method : methods_of(problem)) known.push_back(method.name);
+    const auto check = [&](const char* key, const std::string& name) -> Status {
+      if (std::find(known.begin(), known.end(), name) != known.end()) return {};
+      return reader_.error_at(key, "found method " + engine::in_quotes(name) + ", expected " +
+                                       engine::listed({known.begin(), known.end()}));
+    };
+    for (const std::string& name : names)
+      if (const Status is_known = check("methods", name); !is_known) return is_known;
+    problem.method_names = std::move(names);
+    for (const Bar& bar : problem.bars) {
+      if (const Status is_known = check("bars", bar.method); !is_known) return is_known;
+      if (const Status is_run = check_bar(problem, bar); !is_run) return is_run;
+    }
+    return {};
+  }
+
+  /// A bar that no point meets would be kept by all.
+  Status check_bar(const Problem& problem, const Bar& bar) {
+    std::vector<std::string> settings;
+    for (const Method& method : methods_of(problem)) {
+      if (method.name != bar.method) continue;
+      for (const Setting& setting : settings_of(problem, method)) settings.push_back(setting_text(method, setting));
+    }
+    if (settings.empty())
+      return reader_.error_at("bars", "found a bar of " + bar.method + ", which methods leaves out");
+    if (bar.setting.empty() || std::find(settings.begin(), settings.end(), bar.setting) != settings.end()) return {};
+    return reader_.error_at("bars", "found setting " + engine::in_quotes(bar.setting) + " of " + bar.method +
+                                        ", expected " + engine::listed({settings.begin(), settings.end()}));
+  }
+
+  std::string path_;
+  std::string json_;
+  ProblemText text_;
+  ProblemReader reader_;
+};
+
+}  // namespace
+
+Result<Problem> read_problem(const std::string& path) {
+  const Result<std::string> json = cli::read_text_file(path, file_size_max);
+  if (!json) return json.error();
+  const Result<JsonValue> tree = engine::parse_json(*json, path, ErrorCode::usage);
+  if (!tree) return tree.error();
+  ProblemText text;
+  ProblemReader reader(path);
+  if (!reader.read_all(*tree, text)) return reader.error();
+  return ProblemMaker(path, *json, std::move(text)).make();
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,16 @@
+// A problem of one's own: a scene, what is observed of it, and what that should be, in a JSON file.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "tool/study/problems.h"
+
+namespace ticktrue::verifier {
+
+/// Reads the problem of a JSON file (docs/study.md, *Problems of one's own*). Files that it names stand beside it.
+/// Errors: io, limit, usage (with the path in the JSON); those of parse_scene and Expression::parse.
+Result<Problem> read_problem(const std::string& path);
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,31 @@
+// A reference solution as a table of times and values, from a CSV file.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace ticktrue::verifier {
+
+/// Values at ascending times.
+class ReferenceTable {
+ public:
+  /// Lines "time, value, ..." with `value_count` values; a first line of names and lines that begin with # are skipped.
+  /// `place` comes first in messages. Errors: corrupt, with the line; limit.
+  static Result<ReferenceTable> parse(std::string_view text, const std::string& place, std::size_t value_count);
+
+  double first_time() const { return times_.front(); }
+  double last_time() const { return times_.back(); }
+  /// By the cubic through the four rows around the time: its error is of order 4 in the distance of rows. Requires: a
+  /// time between the first and the last.
+  std::vector<double> at(double time) const;
+
+ private:
+  std::vector<double> times_;                // s
+  std::vector<std::vector<double>> values_;  // [row][value]
+};
+
+}  // namespace ticktrue::verifier
