@@ -386,9 +386,8 @@ class ManyDiffer {
     if (const auto* checkpoint = client.side.checkpoint_at(tick + 1); checkpoint != nullptr && !stored.image)
       stored.image = checkpoint->image;
     if (!stored.image || holds(*stored.image, stored.root_hash)) return;
-    report_.contradictions.push_back(
-        "tick " + std::to_string(tick) + " of " + trace_label(client.trace) +
-        ": the state that is stored is not that of the hash: the record contradicts itself");
+    report_.contradictions.push_back("tick " + std::to_string(tick) + ": " + trace_label(client.trace) +
+                                     " stores a state that is not that of its hash: the record contradicts itself");
     stored.image.reset();
   }
 
@@ -640,12 +639,16 @@ class ManyDiffer {
                               ", each with the program that recorded it, and compare those");
       return;
     }
+    std::string compare = options_.tool + " diff";
     for (const TraceGroup& group : finding.who.groups) {
       const std::string& file = report_.traces[group.front()].side.file;
+      const std::string out = "full_" + trace_label(group.front()) + ".ttr";
       report_.again.push_back(options_.tool + " record " + shell_word(file) + " --ticks " +
                               std::to_string(finding.tick + 1) + " --detail full:" + number + ".." + number + " -o " +
-                              trace_label(group.front()) + ".ttr");
+                              out);
+      compare += " " + out;
     }
+    report_.again.push_back(compare + ", each recorded by the build of its trace");
   }
 
   std::span<const OpenedTrace> traces_;
