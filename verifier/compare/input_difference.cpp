@@ -87,7 +87,6 @@ Items InputComparer::items(ByteView bytes) const {
 }
 
 bool InputComparer::compare(std::uint64_t tick, std::span<const PresentTick> present) {
-  follow(tick, present);
   const bool same = std::all_of(present.begin(), present.end(), [&](const PresentTick& one) {
     return same_inputs(*present.front().record, *one.record);
   });
@@ -99,7 +98,10 @@ bool InputComparer::compare(std::uint64_t tick, std::span<const PresentTick> pre
   });
   for (const std::size_t trace : who.odd())
     if (!from_[trace]) from_[trace] = tick;
-  if (!found_) describe(tick, present, who);
+  if (!found_)
+    describe(tick, present, who);
+  else if (who.has_majority() && tick - found_->tick <= moved_ticks_max)
+    follow(tick, present, record_of(present, who.groups.front().front())->inputs);
   return false;
 }
 
@@ -123,14 +125,9 @@ void InputComparer::describe(std::uint64_t tick, std::span<const PresentTick> pr
   }
 }
 
-/// Looks for the inputs that were missing or extra, in the ticks behind.
-void InputComparer::follow(std::uint64_t tick, std::span<const PresentTick> present) {
-  if (!found_ || tick - found_->tick > moved_ticks_max) return;
-  const TraceGroup& majority = found_->who.groups.front();
-  const auto member = std::find_if(majority.begin(), majority.end(),
-                                   [&](std::size_t trace) { return record_of(present, trace) != nullptr; });
-  if (member == majority.end()) return;
-  const Items there = items(record_of(present, *member)->inputs);
+/// Looks for the inputs that were missing or extra, in a tick behind. `most`: what the majority has in that tick.
+void InputComparer::follow(std::uint64_t tick, std::span<const PresentTick> present, ByteView most) {
+  const Items there = items(most);
   for (OddInputs& odd : found_->odd) {
     const replay::TickRecord* record = record_of(present, odd.trace);
     if (record == nullptr) continue;

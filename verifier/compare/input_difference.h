@@ -84,7 +84,7 @@ class InputComparer {
  private:
   std::vector<std::string> items(ByteView bytes) const;
   void describe(std::uint64_t tick, std::span<const PresentTick> present, const TraceGroups& who);
-  void follow(std::uint64_t tick, std::span<const PresentTick> present);
+  void follow(std::uint64_t tick, std::span<const PresentTick> present, ByteView most);
 
   const Simulation* simulation_;
   std::optional<InputsFinding> found_;
