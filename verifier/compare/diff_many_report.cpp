@@ -56,6 +56,15 @@ std::string files_text(const DiffManyReport& report, const TraceGroup& traces) {
   return text;
 }
 
+/// Whether some fact of the setup is another one in a trace that is blamed.
+bool is_of_other_setup(const DiffManyReport& report) {
+  return std::any_of(report.setup.begin(), report.setup.end(), [&](const TraceFact& fact) {
+    const TraceGroup& most = fact.values.front().traces;
+    return std::any_of(report.blame->traces.begin(), report.blame->traces.end(),
+                       [&](std::size_t trace) { return std::find(most.begin(), most.end(), trace) == most.end(); });
+  });
+}
+
 std::string who_line(const DiffManyReport& report) {
   if (!report.blame) {
     const bool inputs_first = report.inputs && (!report.state || report.inputs->tick <= report.state->tick);
@@ -65,12 +74,15 @@ std::string who_line(const DiffManyReport& report) {
   const bool by_inputs = blame.by == "inputs";
   return files_text(report, blame.traces) + ": other " + std::string(blame.by) + (by_inputs ? "" : "s") +
          " than the majority from tick " + std::to_string(blame.tick) + " on" +
-         (by_inputs ? "" : ", with the same inputs up to there");
+         (by_inputs ? "" : ", with the same inputs up to there") +
+         (is_of_other_setup(report) ? ", and another setup" : "");
 }
 
 std::string trace_line(const ManyTrace& trace) {
   std::string text = trace.side.file + "  ";
-  if (!trace.error.empty()) return text + "not opened: " + trace.error;
+  const std::string place = trace.side.file + ": ";
+  if (!trace.error.empty())
+    return text + "not opened: " + trace.error.substr(trace.error.starts_with(place) ? place.size() : 0);
   text += count_text(trace.side.ticks.value_or(0), "tick");
   if (trace.first_tick > 0) text += " from tick " + std::to_string(trace.first_tick) + " on";
   if (!trace.is_compared) text += ", not compared";

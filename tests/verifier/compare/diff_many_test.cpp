@@ -1,4 +1,4 @@
-// Three to six recordings of one match: planted planted_faults are named with trace, tick, table, column and row.
+// Three to six recordings of one match: planted faults are named with trace, tick, table, column and row.
 // SPDX-License-Identifier: MIT
 #include "verifier/compare/diff_many.h"
 
@@ -34,15 +34,17 @@ struct PlantedClient {
   std::uint32_t body = 2;   // whose charge a fault of values changes
   std::int32_t change = 1;  // by so much
   std::uint64_t tick_count = 40;
+  bool repeats = false;  // the same push in every tick
   replay::TraceSetup setup = full_toy_setup(body_count, 0, 100);
   replay::BuildFacts facts = toy_facts;
 };
 
 /// One push each tick, whose value no other tick has. In odd ticks a second one.
 Bytes script(std::uint64_t seed, std::uint64_t tick, const PlantedClient& client) {
-  const auto push_of = [&](std::uint64_t of, ToyInputs& inputs) {
+  const auto push_of = [&](std::uint64_t of, ToyInputs& to) {
+    if (client.repeats) of = 0;
     Random random(seed * 1000 + of);
-    inputs.push(static_cast<std::uint32_t>(random.below(body_count)), 1 + random.unit() + static_cast<double>(of));
+    to.push(static_cast<std::uint32_t>(random.below(body_count)), 1 + random.unit() + static_cast<double>(of));
   };
   const bool is_fault = client.fault != Planted::none && tick == client.tick;
   ToyInputs inputs;
@@ -261,7 +263,19 @@ TEST_CASE("diff of many: equal sessions are equal, whatever their detail", "[ver
   }
 }
 
-TEST_CASE("diff of many: two clients with two planted_faults are both named, each from its tick",
+TEST_CASE("diff of many: an input that all have again is not taken for a late one",
+          "[verifier][diff][many][analytic]") {
+  std::vector<PlantedClient> clients(3);
+  for (PlantedClient& client : clients) client.repeats = true;
+  clients[1].fault = Planted::missing;
+  clients[1].tick = 12;
+  const DiffManyReport report = diff_clients(3, clients);
+  REQUIRE(report.inputs);
+  CHECK(report.inputs->odd[0].change == InputChange::missing);
+  CHECK(!report.inputs->odd[0].later);
+}
+
+TEST_CASE("diff of many: two clients with two faults are both named, each from its tick",
           "[verifier][diff][many][analytic]") {
   std::vector<PlantedClient> clients(5);
   clients[1] = {Planted::late, 9};
@@ -362,6 +376,7 @@ TEST_CASE("diff of many: another setup begins in another state, before any input
   REQUIRE(report.blame);
   CHECK(report.blame->traces == TraceGroup{0});
   CHECK(report.state->odd[0].divergence.stage == "setup");
+  CHECK(contains(verifier::diff_many_text(report), "up to there, and another setup\n"));
   CHECK(report.state->odd[0].why.empty());
 }
 
