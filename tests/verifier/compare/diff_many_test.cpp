@@ -229,6 +229,7 @@ TEST_CASE("diff of many: another order of the traces changes labels only", "[ver
       client.change = 1 + static_cast<std::int32_t>(random.below(3));
       client.tick_count = 30 + random.below(2) * 10;
       client.setup = setup_with(random.below(3) == 0 ? replay::Detail::cells : replay::Detail::full);
+      if (seed % 4 == 0) client.setup.physics_version = 1 + static_cast<std::uint32_t>(random.below(2));
       traces.push_back(recorded(seed, client));
     }
     std::vector<std::size_t> order = in_order(clients.size());
@@ -269,9 +270,14 @@ TEST_CASE("diff of many: an input that all have again is not taken for a late on
   for (PlantedClient& client : clients) client.repeats = true;
   clients[1].fault = Planted::missing;
   clients[1].tick = 12;
+  clients[2].fault = Planted::extra;
+  clients[2].tick = 15;
   const DiffManyReport report = diff_clients(3, clients);
   REQUIRE(report.inputs);
+  REQUIRE(report.inputs->odd.size() == 1);
+  CHECK(report.inputs->odd[0].trace == 1);
   CHECK(report.inputs->odd[0].change == InputChange::missing);
+  CHECK(report.traces[2].inputs_from == 15);
   CHECK(!report.inputs->odd[0].later);
 }
 
