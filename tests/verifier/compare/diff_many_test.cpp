@@ -403,6 +403,22 @@ TEST_CASE("diff of many: a trace of other physics is left out, and the others ar
   CHECK(report.blame->traces == TraceGroup{3});
 }
 
+TEST_CASE("diff of many: of two halves that cannot be compared the same one is compared in every order",
+          "[verifier][diff][many][equivalence]") {
+  std::vector<Bytes> traces;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    PlantedClient client;
+    client.setup.physics_version = 1 + i % 2;
+    traces.push_back(recorded(3, client));
+  }
+  for (const std::vector<std::size_t>& order :
+       {std::vector<std::size_t>{0, 1, 2, 3}, std::vector<std::size_t>{1, 0, 3, 2}}) {
+    const DiffManyReport report = diff_ordered(traces, order);
+    CHECK(report.verdict == DiffVerdict::not_comparable);
+    for (std::size_t i = 0; i < order.size(); ++i) CHECK(report.traces[i].is_compared == (order[i] % 2 == 0));
+  }
+}
+
 TEST_CASE("diff of many: lengths, cuts and damage are told apart, and hide no difference",
           "[verifier][diff][many][corruption]") {
   const PlantedClient whole;
