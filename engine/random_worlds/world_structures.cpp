@@ -1,5 +1,5 @@
-// Structures that arrangements never make: rows and nets of links, bodies with many contacts, rings that close in,
-// shots. SPDX-License-Identifier: MIT
+// Structures that arrangements never make: rows and nets of links, crowded bodies, rings that close in, shots.
+// SPDX-License-Identifier: MIT
 //
 // They reach what only many constraints of one body or one island reach: batches of joints in serial order, the last
 // colours of contacts; what only bodies of unlike sizes reach that meet from every side, in touch with others; what

@@ -69,6 +69,7 @@ std::vector<Arguments> commands(std::uint64_t i, const std::string& file, const 
                                       {"diff", file, other},
                                       {"diff", other, file},
                                       {"diff", file, file},
+                                      {"diff", other, file, other},
                                       {"recover", file, "-o", saved, "--force"},
                                       {"report", file, "-o", saved, "--force"},
                                       {"report", file, "--against", other, "-o", saved, "--force"}};

@@ -105,7 +105,7 @@ cp game.c "$work/doc/game.c"
 # The first program behind the heading, and what the document says that it prints.
 sed -n '/^## C++: five lines$/,$p' "$source/docs/any_simulation.md" >five_lines
 awk '/^```cpp$/ { n++; next } /^```/ { if (n) exit } n' five_lines >"$work/doc/units.cpp"
-cp rollback udp_lockstep "$work/doc"
+cp lockstep rollback udp_lockstep "$work/doc"
 [ ! -f libplugin_pendulum.so ] || cp libplugin_pendulum.so "$work/doc"
 library_folder=$(dirname "$library")
 sed -n 's/^\$ //p' "$source/docs/any_simulation.md" |
@@ -127,7 +127,8 @@ while IFS= read -r command; do
   case $command in
     ./game_fma*) wanted=$is_red is_red=0 ;;
     ./units_fma*) wanted=1 ;;
-    *--bug*) wanted=1 ;;
+    *--record*--bug*) ;;
+    *--bug* | "ticktrue diff "*) wanted=1 ;;
   esac
   case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
   expect "$wanted" "" env HOME="$home" PATH="$(dirname "$tool"):$PATH" sh -c "cd '$work/doc' && $environment && $command"
@@ -303,7 +304,8 @@ fi
 pendulum=./libplugin_pendulum.so
 printf '{"tick": 3, "bytes": "10f0"}\n{"tick": 150, "bytes": "7f"}\n' >inputs.jsonl
 expect 0 "300 ticks" "$tool" record 8 --plugin "$pendulum" --ticks 300 --inputs inputs.jsonl --detail full --checkpoint-interval 50 -o pendulum.ttr
-expect 0 "hash" "$tool" run 8 --plugin "$pendulum" --ticks 300 --inputs inputs.jsonl
+expect 0 "ms/tick (mean, without writing)" "$tool" record 8 --plugin "$pendulum" --ticks 9 -o timed.ttr
+expect 0 "ms/tick (median)" "$tool" run 8 --plugin "$pendulum" --ticks 300 --inputs inputs.jsonl
 for mode in replay restore twice; do
   expect 0 "match  pendulum.ttr" "$tool" verify pendulum.ttr --plugin "$pendulum" --mode "$mode"
 done

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -187,7 +188,9 @@ Result<PluginRun> run_ticks(Simulation& simulation, replay::InputSource& inputs,
     if (!input) return input.error();
     if (!*input) break;
     if (const Status accepted = simulation.accept(**input); !accepted) return accepted.error();
+    const auto start = std::chrono::steady_clock::now();
     if (const Status did = simulation.step(**input, nullptr); !did) return did.error();
+    run.times.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     run.time_s += (*input)->dt;
     run.found = find_non_finite_of(simulation, run.tick_count);
   }
@@ -207,12 +210,15 @@ int run_plugin(const PluginSession& session) {
     object["scene"] = made->info->name;
     object["ticks"] = run->tick_count;
     object["time_s"] = run->time_s;
+    object["ms_per_tick"] = run->times.median_s() * 1e3;
     object["hash"] = hash;
     print_json(object);
   } else {
     print(fmt::format("{}  {}  {} ticks ({:.3f} s)\n", run->found ? "not finite" : "ran", made->info->name,
                       run->tick_count, run->time_s));
     if (run->found) print(fmt::format("  where     {}\n", non_finite_text(*run->found)));
+    print(fmt::format("  time      {:.4g} ms/tick (median), {:.3f} s in all\n", run->times.median_s() * 1e3,
+                      run->times.sum_s()));
     print(fmt::format("  hash      {}\n", hash));
   }
   return run->found ? exit_finding : exit_ok;
@@ -247,6 +253,8 @@ int record_plugin(const PluginSession& session) {
   std::string_view reason;
   for (const replay::EndReasonInfo& info : replay::end_reasons)
     if (info.reason == result->reason) reason = info.name;
+  const double tick_ms =
+      result->tick_count == 0 ? 0 : result->simulate_s * 1e3 / static_cast<double>(result->tick_count);
   if (session.json) {
     Json object;
     object["schema"] = "ticktrue.record/1";
@@ -256,10 +264,12 @@ int record_plugin(const PluginSession& session) {
     object["size"] = result->size;
     object["reason"] = reason;
     object["note"] = result->note;
+    object["ms_per_tick"] = tick_ms;
     object["hash"] = hex64(result->root_hash);
     print_json(object);
   } else {
     print(fmt::format("recorded  {}  {} ticks, {} bytes\n", session.output, result->tick_count, result->size));
+    print(fmt::format("  time    {:.4g} ms/tick (mean, without writing)\n", tick_ms));
     print(fmt::format("  hash    {}\n", hex64(result->root_hash)));
     if (result->reason != replay::EndReason::complete) print(fmt::format("  ended   {}: {}\n", reason, result->note));
   }

@@ -52,6 +52,7 @@ struct PluginRun {
   std::uint64_t tick_count = 0;
   double time_s = 0;               // simulated
   std::optional<NonFinite> found;  // in the last tick
+  verifier::TickTimes times;       // wall time of the steps
 };
 /// Runs at most so many ticks, to the end of the inputs, a stop signal or a value that is not finite.
 /// Errors: those of the source, of Simulation::accept and of Simulation::step.

@@ -7,11 +7,11 @@
 
 #include "base/hash.h"
 #include "replay/format/shown_image.h"
+#include "verifier/compare/trace_side.h"
 #include "verifier/locate/compare_marks.h"
 #include "verifier/locate/compare_tick.h"
 #include "verifier/locate/locate.h"
 #include "verifier/locate/locate_cells.h"
-#include "verifier/locate/schema_difference.h"
 
 namespace ticktrue::verifier {
 namespace {
@@ -40,55 +40,6 @@ std::string shown_difference(const StateSchema& whole, ByteView a, ByteView b) {
   return "";
 }
 
-/// One of the two traces, tick by tick.
-class Side {
- public:
-  explicit Side(replay::TraceReader& reader) : reader_(reader) { reader_.rewind(); }
-
-  /// The next tick, or null at the end. Stores the checkpoint that it passes.
-  const TickRecord* advance() {
-    checkpoint_.reset();
-    if (ended_) return nullptr;
-    for (;;) {
-      const replay::TraceReader::Item& item = reader_.next();
-      if (const auto* record = std::get_if<TickRecord>(&item)) {
-        ++ticks_;
-        return record;
-      }
-      if (std::holds_alternative<std::monostate>(item)) {
-        ended_ = true;
-        return nullptr;
-      }
-      checkpoint_ = copy_of(std::get<CheckpointRecord>(item));
-      time_s_ = std::get<CheckpointRecord>(item).time_s.value_or(0);
-      if (updates_last_) last_ = checkpoint_;
-    }
-  }
-
-  /// The one passed on the way to the present tick, if it holds the state with so many ticks done.
-  const StoredCheckpoint* checkpoint_at(std::uint64_t ticks_done) const {
-    return checkpoint_ && checkpoint_->tick == ticks_done ? &*checkpoint_ : nullptr;
-  }
-  std::uint64_t ticks() const { return ticks_; }
-  /// The last checkpoint passed; fixed after freeze_last.
-  const std::optional<StoredCheckpoint>& last() const { return last_; }
-  void freeze_last() { updates_last_ = false; }
-  const replay::TraceTail& tail() const { return reader_.tail(); }
-  std::uint64_t first_tick() const { return reader_.first_tick(); }
-  std::uint64_t end_tick() const { return first_tick() + ticks_; }
-  /// Simulated before the checkpoint passed last.
-  double time_s() const { return time_s_; }
-
- private:
-  replay::TraceReader& reader_;
-  std::optional<StoredCheckpoint> checkpoint_;
-  std::optional<StoredCheckpoint> last_;
-  bool updates_last_ = true;
-  std::uint64_t ticks_ = 0;
-  double time_s_ = 0;
-  bool ended_ = false;
-};
-
 constexpr std::uint64_t spread_ticks = 64;
 constexpr std::size_t differing_ranges_max = 1'000;  // then the last one goes on
 
@@ -105,47 +56,6 @@ std::string more_detail_commands(const std::string& a, const std::string& b, std
   };
   return record(a, "a.ttr") + " and " + record(b, "b.ttr") +
          ", each with the build that recorded it; then ticktrue diff a.ttr b.ttr";
-}
-
-std::string number_text(double value) {
-  return lane_text(ScalarType::f64, bits_of(value));
-}
-
-std::string bytes_summary(const Bytes& bytes) {
-  return std::to_string(bytes.size()) + " bytes, hash " + hex64(hash64(bytes));
-}
-
-std::string stages_summary(const std::vector<std::string>& stages) {
-  std::string text;
-  for (const std::string& stage : stages) text += (text.empty() ? "" : ", ") + stage;
-  return text;
-}
-
-/// Differences that make a comparison impossible come first; returns their number.
-std::size_t compare_setups(const TraceSetup& a, const TraceSetup& b, std::vector<SetupDifference>& out) {
-  if (a.simulation != b.simulation) out.push_back({"simulation", a.simulation, b.simulation});
-  if (a.physics_version != b.physics_version)
-    out.push_back({"physics version", std::to_string(a.physics_version), std::to_string(b.physics_version)});
-  // Of one setup, another range is another build's; of two, it may be that of what they hold.
-  const Ranges ranges = a.setup == b.setup ? Ranges::any : Ranges::same;
-  if (const auto precision = precision_difference(a.schema, b.schema))
-    out.push_back({precision->place, precision->a, precision->b});
-  else if (const auto difference = first_schema_difference(a.schema, b.schema, ranges))
-    out.push_back({"schema: " + difference->place, difference->a, difference->b});
-  const std::size_t blocking = out.size();
-  if (a.stages != b.stages) out.push_back({"stages", stages_summary(a.stages), stages_summary(b.stages)});
-  if (a.title != b.title) out.push_back({"title", a.title, b.title});
-  if (bits_of(a.dt) != bits_of(b.dt)) out.push_back({"dt", number_text(a.dt), number_text(b.dt)});
-  if (a.setup != b.setup) out.push_back({"setup", bytes_summary(a.setup), bytes_summary(b.setup)});
-  return blocking;
-}
-
-/// Ticks of which the parts are stored.
-void count_parts(const TickRecord& record, ComparedParts& counts) {
-  ++counts.ticks;
-  counts.stage_hashes += record.stage_hashes.empty() ? 0 : 1;
-  counts.images += record.image ? 1 : 0;
-  counts.cells += record.cells == nullptr ? 0 : 1;
 }
 
 class Differ {
@@ -389,7 +299,7 @@ class Differ {
   void finish() {
     report_.compared = comparer_.take_compared();
     if (comparable_ && !report_.divergence) note_not_compared();
-    for (const auto& [side, out] : {std::pair<Side*, DiffSide*>{&a_, &report_.a}, {&b_, &report_.b}}) {
+    for (const auto& [side, out] : {std::pair<TraceSide*, DiffSide*>{&a_, &report_.a}, {&b_, &report_.b}}) {
       out->ticks = side->ticks();
       out->end.tail = side->tail();
       const replay::TraceTail& tail = out->end.tail;
@@ -428,14 +338,10 @@ class Differ {
           more_detail_commands(report_.a.file, report_.b.file, report_.divergence->tick, options_.tool));
   }
 
-  const Side& shorter() const { return b_.end_tick() < a_.end_tick() ? b_ : a_; }
+  const TraceSide& shorter() const { return b_.end_tick() < a_.end_tick() ? b_ : a_; }
 
   /// Whether the recorder of the side was stopped, or died, before the other one ended.
-  bool ended_early(const Side& side) const {
-    if (a_.end_tick() == b_.end_tick() || !side.tail().end) return false;
-    const replay::EndReason reason = side.tail().end->reason;
-    return reason == replay::EndReason::recovered || reason == replay::EndReason::interrupted;
-  }
+  bool ended_early(const TraceSide& side) const { return a_.end_tick() != b_.end_tick() && side.was_stopped(); }
 
   /// Where the states do not.
   std::string what_differs() const {
@@ -445,8 +351,8 @@ class Differ {
 
   const TraceSetup& setup_a_;
   const TraceSetup& setup_b_;
-  Side a_;
-  Side b_;
+  TraceSide a_;
+  TraceSide b_;
   const DiffOptions& options_;
   std::unique_ptr<Simulation> simulation_;  // formats inputs and row names as text
   DiffReport report_;

@@ -10,6 +10,7 @@
 
 #include "base/state/simulation.h"
 #include "replay/trace_reader.h"
+#include "verifier/compare/setup_difference.h"
 #include "verifier/report/report.h"
 
 namespace ticktrue::verifier {
@@ -29,13 +30,6 @@ inline constexpr std::array<DiffVerdictInfo, 5> diff_verdicts{{
     {DiffVerdict::not_comparable, "not_comparable", exit_not_comparable, "of different simulations or schemas"},
 }};
 const DiffVerdictInfo& diff_verdict_info(DiffVerdict verdict);
-
-/// One fact of the setup that differs.
-struct SetupDifference {
-  std::string what;
-  std::string a;
-  std::string b;
-};
 
 /// The first tick whose inputs or dt differ.
 struct InputDifference {

@@ -1,0 +1,689 @@
+// Walks all traces tick by tick, and locates the first difference between the majority and each other group.
+// SPDX-License-Identifier: MIT
+#include "verifier/compare/diff_many.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "base/assert.h"
+#include "verifier/compare/trace_facts.h"
+#include "verifier/compare/trace_side.h"
+#include "verifier/locate/compare_marks.h"
+#include "verifier/locate/compare_tick.h"
+#include "verifier/locate/locate_cells.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+using replay::TickRecord;
+using replay::TraceCondition;
+using replay::TraceSetup;
+
+/// One of the traces that are compared.
+struct Client {
+  std::size_t trace = 0;
+  const TraceSetup* setup = nullptr;
+  TraceSide side;
+  const TickRecord* record = nullptr;  // the next tick; null behind the last
+  StoredTick differing;                // the first tick that differs, if the trace has it
+  ComparedParts stored;                // up to there
+};
+
+/// The shown values of a trace.
+using Shown = std::pair<std::size_t, ByteView>;
+
+bool equal_bytes(ByteView a, ByteView b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+bool stores(const TickSide& side, TickPart part) {
+  switch (part) {
+    case TickPart::root_hash:
+      return true;
+    case TickPart::stage_hashes:
+      return !side.stage_hashes.empty();
+    case TickPart::image:
+      return side.image || side.tables;
+    case TickPart::cells:
+      return side.cells != nullptr;
+  }
+  return false;
+}
+
+/// One of the largest groups, by what it holds: the same one in every order of the traces.
+template <typename Key>
+const TraceGroup& reference_group(const TraceGroups& groups, Key key_of) {
+  const TraceGroup* best = &groups.groups.front();
+  for (const TraceGroup& group : groups.groups)
+    if (group.size() == best->size() && key_of(group.front()) < key_of(best->front())) best = &group;
+  return *best;
+}
+
+class ManyDiffer {
+ public:
+  ManyDiffer(std::span<const OpenedTrace> traces, const DiffOptions& options)
+      : traces_(traces),
+        options_(options),
+        comparable_(comparable_traces(traces)),
+        schema_(setup_of(comparable_.front()).schema),
+        comparer_(schema_) {
+    const TraceSetup& setup = setup_of(comparable_.front());
+    report_.simulation = setup.simulation;
+    if (options.simulation != nullptr && options.simulation->name == setup.simulation)
+      if (Result<std::unique_ptr<Simulation>> made = options.simulation->make(setup.setup))
+        simulation_ = std::move(*made);
+    inputs_.emplace(simulation_.get(), traces.size());
+    clients_.reserve(comparable_.size());
+    for (const std::size_t trace : comparable_)
+      clients_.push_back({trace, &setup_of(trace), TraceSide(*traces[trace].reader), nullptr, {}, {}});
+  }
+
+  DiffManyReport run() {
+    describe_traces();
+    walk();
+    finish();
+    return std::move(report_);
+  }
+
+ private:
+  const TraceSetup& setup_of(std::size_t trace) const { return traces_[trace].reader->setup(); }
+  Client& client_of(std::size_t trace) {
+    return *std::find_if(clients_.begin(), clients_.end(), [&](const Client& one) { return one.trace == trace; });
+  }
+
+  void describe_traces() {
+    for (const OpenedTrace& opened : traces_) {
+      ManyTrace trace;
+      trace.side.file = opened.file;
+      trace.error = opened.error;
+      if (opened.reader != nullptr) {
+        trace.side.build = opened.reader->facts();
+        trace.first_tick = opened.reader->first_tick();
+      }
+      report_.traces.push_back(std::move(trace));
+    }
+    for (const std::size_t trace : comparable_) report_.traces[trace].is_compared = true;
+    report_.setup = setup_facts(traces_, comparable_.front());
+    report_.build = build_facts(traces_);
+  }
+
+  // --- tick by tick --------------------------------------------------------------------------------------------------
+
+  void walk() {
+    for (Client& client : clients_) client.record = client.side.advance();
+    std::optional<std::uint64_t> tick = next_tick();
+    if (!tick) return;
+    time_s_ = time_before(*tick);
+    compare_checkpoints(*tick);
+    for (; tick; tick = next_tick()) {
+      take_present(*tick);
+      if (present_.size() > 1)
+        compare_tick(*tick);
+      else
+        agreed_root_ = present_.front().record->root_hash;
+      time_s_ += dt_of_most();
+      for (const PresentTick& one : present_) {
+        Client& client = client_of(one.trace);
+        client.record = client.side.advance();
+      }
+      if (is_located_next_) locate();
+      compare_checkpoints(*tick + 1);
+      if (options_.progress) options_.progress(*tick + 1);
+    }
+  }
+
+  std::optional<std::uint64_t> next_tick() const {
+    std::optional<std::uint64_t> first;
+    for (const Client& client : clients_)
+      if (client.record != nullptr && (!first || client.record->tick < *first)) first = client.record->tick;
+    return first;
+  }
+
+  double time_before(std::uint64_t tick) const {
+    for (const Client& client : clients_)
+      if (client.side.first_tick() == tick) return client.side.time_s();
+    return 0;
+  }
+
+  void take_present(std::uint64_t tick) {
+    present_.clear();
+    for (const Client& client : clients_)
+      if (client.record != nullptr && client.record->tick == tick) present_.push_back({client.trace, client.record});
+  }
+
+  /// Of the present tick. The same one in every order of the traces.
+  double dt_of_most() const {
+    const auto count_of = [&](double dt) {
+      return std::count_if(present_.begin(), present_.end(),
+                           [&](const PresentTick& one) { return bits_of(one.record->dt) == bits_of(dt); });
+    };
+    double best = present_.front().record->dt;
+    for (const PresentTick& one : present_) {
+      const auto more = count_of(one.record->dt) - count_of(best);
+      if (more > 0 || (more == 0 && one.record->dt < best)) best = one.record->dt;
+    }
+    return best;
+  }
+
+  void compare_tick(std::uint64_t tick) {
+    same_inputs_ = inputs_->compare(tick, present_) && same_inputs_;
+    compare_marks(tick);
+    std::vector<Shown> shown;
+    for (const PresentTick& one : present_)
+      if (one.record->shown) shown.push_back({one.trace, *one.record->shown});
+    compare_shown("after tick " + std::to_string(tick), shown);
+    ++report_.ticks_compared;
+    if (report_.state)
+      note_odd_states(tick);
+    else
+      compare_states(tick);
+  }
+
+  /// Hashes after the stages are compared where all have the same stages.
+  TickSide stored_side(const TickRecord& record) const {
+    TickSide side = side_of(record);
+    if (!same_stages()) side.stage_hashes = {};
+    return side;
+  }
+  bool same_stages() const {
+    return std::all_of(clients_.begin(), clients_.end(),
+                       [&](const Client& one) { return one.setup->stages == clients_.front().setup->stages; });
+  }
+
+  void compare_states(std::uint64_t tick) {
+    std::vector<TickSide> sides;
+    for (const PresentTick& one : present_) {
+      count_parts(*one.record, client_of(one.trace).stored);
+      sides.push_back(stored_side(*one.record));
+    }
+    const auto difference = comparer_.compare(sides);
+    if (difference && difference->part == TickPart::root_hash) {
+      begin_finding(tick);
+      return;
+    }
+    agreed_root_ = present_.front().record->root_hash;
+    if (difference) note_contradiction(tick, difference->part, sides);
+  }
+
+  TraceGroups groups_by_root() const {
+    TraceGroup traces;
+    std::vector<std::uint64_t> roots(traces_.size());
+    for (const PresentTick& one : present_) {
+      traces.push_back(one.trace);
+      roots[one.trace] = one.record->root_hash;
+    }
+    return group_traces(traces, [&](std::size_t i, std::size_t j) { return roots[i] == roots[j]; });
+  }
+
+  void note_odd_states(std::uint64_t tick) {
+    for (const std::size_t trace : groups_by_root().odd()) note_odd_state(trace, tick);
+  }
+  void note_odd_state(std::size_t trace, std::uint64_t tick) {
+    std::optional<std::uint64_t>& from = report_.traces[trace].state_from;
+    if (!from) from = tick;
+  }
+
+  /// The root hashes agree, a part does not. Noted once for each part: the roots go on being compared.
+  void note_contradiction(std::uint64_t tick, TickPart part, const std::vector<TickSide>& sides) {
+    bool& told = told_parts_[static_cast<std::size_t>(part)];
+    if (std::exchange(told, true)) return;
+    TraceGroup storing;
+    for (std::size_t i = 0; i < sides.size(); ++i)
+      if (stores(sides[i], part)) storing.push_back(i);
+    TickComparer comparer(schema_);
+    TraceGroups groups = group_traces(storing, [&](std::size_t i, std::size_t j) {
+      const TickSide pair[] = {sides[i], sides[j]};
+      const auto difference = comparer.compare(pair);
+      return !difference || difference->part != part;
+    });
+    for (TraceGroup& group : groups.groups)
+      for (std::size_t& place : group) place = present_[place].trace;
+    groups.put_in_order();
+    report_.contradictions.push_back(contradiction_text(tick, part) + " (" + who_text(groups) + ")");
+  }
+
+  // --- what decides nothing -----------------------------------------------------------------------------------------
+
+  /// Tells the first difference of marks.
+  void compare_marks(std::uint64_t tick) {
+    if (told_marks_) return;
+    std::vector<const TickRecord*> records(traces_.size());
+    TraceGroup traces;
+    for (const PresentTick& one : present_)
+      if (setup_of(one.trace).has(replay::Feature::marks) && one.record->has_bound) {
+        traces.push_back(one.trace);
+        records[one.trace] = one.record;
+      }
+    const auto difference_of = [&](std::size_t i, std::size_t j) {
+      const auto marks_of = [&](std::size_t trace) {
+        return records[trace]->marks ? &*records[trace]->marks : nullptr;
+      };
+      return verifier::compare_marks(tick, marks_of(i), marks_of(j));
+    };
+    const TraceGroups groups = group_traces(traces, [&](std::size_t i, std::size_t j) { return !difference_of(i, j); });
+    for (std::size_t g = 1; g < groups.groups.size(); ++g) {
+      told_marks_ = true;
+      const auto difference = difference_of(groups.groups[0].front(), groups.groups[g].front());
+      if (!difference) continue;
+      report_.notes.push_back(
+          "marks differ first in tick " + std::to_string(tick) + " (" + labels_text(groups.groups[g]) + " " +
+          marks_text(*difference, labels_text(groups.groups[0]).c_str()) + "): no verdict depends on them");
+    }
+  }
+
+  /// Tells the first difference of shown values.
+  void compare_shown(const std::string& when, const std::vector<Shown>& shown) {
+    if (told_shown_ || shown.size() < 2) return;
+    TraceGroup places;
+    for (std::size_t i = 0; i < shown.size(); ++i) places.push_back(i);
+    TraceGroups groups = group_traces(
+        places, [&](std::size_t i, std::size_t j) { return equal_bytes(shown[i].second, shown[j].second); });
+    if (groups.groups.size() < 2) return;
+    for (TraceGroup& group : groups.groups)
+      for (std::size_t& place : group) place = shown[place].first;
+    told_shown_ = true;
+    report_.notes.push_back("shown values differ first " + when + " (" + who_text(groups) +
+                            "): no verdict depends on them");
+  }
+
+  // --- checkpoints --------------------------------------------------------------------------------------------------
+
+  /// Whether the checkpoint is a state with this hash.
+  bool holds(const StoredCheckpoint& checkpoint, std::uint64_t root) const {
+    return checkpoint.root_hash == root && holds(checkpoint.image, root);
+  }
+  bool holds(ByteView image, std::uint64_t root) const {
+    const Result<ImageState> state = ImageState::of(schema_, image);
+    return state && root_hash(state->view()) == root;
+  }
+
+  /// Those with so many ticks done. Before the first tick they are compared with each other, else with the hash of the
+  /// tick before.
+  void compare_checkpoints(std::uint64_t ticks_done) {
+    if (report_.state) return;
+    TraceGroup with;
+    for (const Client& client : clients_)
+      if (client.side.checkpoint_at(ticks_done) != nullptr) with.push_back(client.trace);
+    if (with.size() > 1) ++report_.checkpoints_compared;
+    std::vector<Shown> shown;
+    for (const std::size_t trace : with)
+      if (const auto& stored = client_of(trace).side.checkpoint_at(ticks_done)->shown)
+        shown.push_back({trace, *stored});
+    compare_shown("before tick " + std::to_string(ticks_done), shown);
+    if (!agreed_root_) {
+      compare_starts(ticks_done, with);
+      return;
+    }
+    TraceGroup contradicting;
+    for (const std::size_t trace : with) {
+      const TraceSide& side = client_of(trace).side;
+      // Where a trace begins late, the tick behind its first checkpoint tells.
+      if (side.first_tick() == ticks_done || holds(*side.checkpoint_at(ticks_done), *agreed_root_)) continue;
+      contradicting.push_back(trace);
+    }
+    if (contradicting.empty() || std::exchange(told_checkpoint_, true)) return;
+    report_.contradictions.push_back("the checkpoint before tick " + std::to_string(ticks_done) + " of " +
+                                     labels_text(contradicting) +
+                                     " is not the state of the tick before: the record contradicts itself");
+  }
+
+  void compare_starts(std::uint64_t ticks_done, const TraceGroup& with) {
+    if (with.size() < 2) return;
+    TickComparer comparer(schema_);
+    const auto side = [&](std::size_t trace) { return side_of(*client_of(trace).side.checkpoint_at(ticks_done)); };
+    const TraceGroups who = group_traces(with, [&](std::size_t i, std::size_t j) {
+      const TickSide pair[] = {side(i), side(j)};
+      return !comparer.compare(pair);
+    });
+    if (who.groups.size() < 2) return;
+    report_.state = StateFinding{ticks_done, true, who, {}, {}};
+    report_.state->reference = reference_group(who, [&](std::size_t trace) { return side(trace).root_hash; });
+    for (const std::size_t trace : who.odd()) note_odd_state(trace, ticks_done);
+    for (const TraceGroup& group : who.groups) {
+      if (group == report_.state->reference) continue;
+      OddState odd{group, {}, {}};
+      odd.divergence.tick = ticks_done;
+      odd.divergence.time_s = time_s_;
+      describe(side(report_.state->reference.front()), side(group.front()), context(), odd.divergence);
+      odd.divergence.stage = std::string(stage_setup);
+      odd.divergence.stage_note = "they begin with different states";
+      report_.state->odd.push_back(std::move(odd));
+    }
+  }
+
+  // --- the first tick that differs ----------------------------------------------------------------------------------
+
+  void begin_finding(std::uint64_t tick) {
+    report_.state = StateFinding{tick, false, groups_by_root(), {}, {}};
+    for (const std::size_t trace : report_.state->who.odd()) note_odd_state(trace, tick);
+    for (const PresentTick& one : present_) {
+      Client& client = client_of(one.trace);
+      client.differing = copy_of(*one.record);
+      client.side.freeze_last();
+    }
+    inputs_text_ = same_inputs_ ? inputs_->lines(tick, present_.front().record->inputs) : "";
+    divergence_time_s_ = time_s_;
+    is_located_next_ = true;
+  }
+
+  DescribeContext context() const {
+    DescribeContext context{schema_, clients_.front().setup->stages, {}, options_.row_count_max};
+    context.no_stages = "not known: not both store a hash after each stage of this tick";
+    return context;
+  }
+
+  void describe(const TickSide& reference, const TickSide& odd, const DescribeContext& context,
+                Divergence& divergence) {
+    if (const Status described = describe_tick(context, reference, odd, divergence); !described)
+      report_.notes.push_back("a stored state cannot be read: " + described.error().message);
+  }
+
+  /// The checkpoint behind the tick is its state. An image that is not the state of its hash is left out.
+  void complete_image(Client& client, std::uint64_t tick) {
+    StoredTick& stored = client.differing;
+    if (const auto* checkpoint = client.side.checkpoint_at(tick + 1); checkpoint != nullptr && !stored.image)
+      stored.image = checkpoint->image;
+    if (!stored.image || holds(*stored.image, stored.root_hash)) return;
+    report_.contradictions.push_back("tick " + std::to_string(tick) + ": " + trace_label(client.trace) +
+                                     " stores a state that is not that of its hash: the record contradicts itself");
+    stored.image.reset();
+  }
+
+  /// What the members of a group store of the tick, together. Cells are those with as many cells as `like` has, if any.
+  TickSide side_of_group(const TraceGroup& group, const StateCells* like) {
+    TickSide side{client_of(group.front()).differing.root_hash};
+    for (const std::size_t trace : group) {
+      const StoredTick& stored = client_of(trace).differing;
+      if (side.stage_hashes.empty() && same_stages()) side.stage_hashes = stored.stage_hashes;
+      if (!side.image && stored.image) side.image = ByteView(*stored.image);
+      if (!stored.cells) continue;
+      const bool fits = like != nullptr && stored.cells->partition_cells == like->partition_cells;
+      if (side.cells == nullptr || fits) side.cells = &*stored.cells;
+    }
+    return side;
+  }
+
+  /// The clients stand behind the checkpoints, if any, of the states after the tick.
+  void locate() {
+    is_located_next_ = false;
+    StateFinding& finding = *report_.state;
+    for (const TraceGroup& group : finding.who.groups)
+      for (const std::size_t trace : group) complete_image(client_of(trace), finding.tick);
+    finding.reference =
+        reference_group(finding.who, [&](std::size_t trace) { return client_of(trace).differing.root_hash; });
+    std::optional<ImageState> rows;
+    const StoredCheckpoint* last = last_checkpoint();
+    if (last != nullptr)
+      if (Result<ImageState> state = ImageState::of(schema_, last->image)) rows.emplace(std::move(*state));
+    for (const TraceGroup& group : finding.who.groups)
+      if (group != finding.reference) locate_group(group, last, rows ? &rows->view() : nullptr);
+    for (Client& client : clients_) client.differing = {};
+  }
+
+  void locate_group(const TraceGroup& group, const StoredCheckpoint* last, const StateView* rows) {
+    StateFinding& finding = *report_.state;
+    OddState odd{group, {}, {}};
+    odd.divergence.tick = finding.tick;
+    odd.divergence.time_s = divergence_time_s_;
+    odd.divergence.inputs = inputs_text_;
+    const TickSide got = side_of_group(group, nullptr);
+    const TickSide expected = side_of_group(finding.reference, got.cells);
+    DescribeContext with_rows = context();
+    const bool by_cells = (!expected.image || !got.image) && expected.cells != nullptr && got.cells != nullptr;
+    if (by_cells && rows != nullptr) {
+      with_rows.rows = rows;
+      if (simulation_ && simulation_->load(last->image))
+        with_rows.row_name = [this](std::size_t table, std::size_t row) { return simulation_->row_name(table, row); };
+      add_note("rows are those of the state stored before tick " + std::to_string(last->tick) +
+               ": later ones cannot be named");
+    }
+    if (by_cells && expected.cells->partition_cells != got.cells->partition_cells)
+      add_note("rows cannot be named: the traces have another number of cells for this tick");
+    describe(expected, got, with_rows, odd.divergence);
+    finding.odd.push_back(std::move(odd));
+  }
+
+  void add_note(const std::string& note) {
+    if (std::find(report_.notes.begin(), report_.notes.end(), note) == report_.notes.end())
+      report_.notes.push_back(note);
+  }
+
+  /// The last one before the difference: all have its state.
+  const StoredCheckpoint* last_checkpoint() const {
+    const StoredCheckpoint* last = nullptr;
+    for (const Client& client : clients_)
+      if (const auto& own = client.side.last(); own && own->tick <= report_.state->tick)
+        if (last == nullptr || own->tick > last->tick) last = &*own;
+    return last;
+  }
+
+  // --- the end ------------------------------------------------------------------------------------------------------
+
+  void finish() {
+    report_.compared = comparer_.take_compared();
+    report_.inputs = inputs_->found();
+    for (const Client& client : clients_) report_.traces[client.trace].inputs_from = inputs_->from(client.trace);
+    for (std::size_t trace = 0; trace < traces_.size(); ++trace)
+      if (traces_[trace].reader != nullptr) finish_trace(trace);
+    if (!report_.state) note_not_compared();
+    find_blame();
+    if (report_.state) find_causes();
+    judge();
+    add_again();
+  }
+
+  void finish_trace(std::size_t trace) {
+    DiffSide& out = report_.traces[trace].side;
+    std::optional<TraceSide> unread;  // one that is not compared is read to its end here
+    if (!report_.traces[trace].is_compared) {
+      unread.emplace(*traces_[trace].reader);
+      while (unread->advance() != nullptr) {
+      }
+    }
+    const TraceSide& side = unread ? *unread : client_of(trace).side;
+    out.ticks = side.ticks();
+    out.end.tail = side.tail();
+    if (out.end.tail.has_pending_inputs)
+      out.end.pending_inputs = inputs_->lines(out.end.tail.ticks_intact, out.end.tail.pending_inputs);
+  }
+
+  /// Data that is stored for more ticks than it was compared in.
+  void note_not_compared() {
+    const ComparedParts& done = report_.compared;
+    const auto note = [&](TickPart part, std::uint64_t ComparedParts::*count) {
+      std::vector<std::string> values(traces_.size());
+      bool is_more = false;
+      for (const Client& client : clients_) {
+        values[client.trace] = std::to_string(client.stored.*count);
+        is_more = is_more || client.stored.*count > done.*count;
+      }
+      if (!is_more) return;
+      std::string text;
+      for (const FactValue& value : fact_of("", comparable_, values).values)
+        text += (text.empty() ? "" : ".  ") + labels_text(value.traces) + " stored in " + value.value + " ticks";
+      report_.notes.push_back(std::string(name_of(part)) + ": " + text + ".  compared in " +
+                              std::to_string(done.*count));
+    };
+    note(TickPart::stage_hashes, &ComparedParts::stage_hashes);
+    note(TickPart::image, &ComparedParts::images);
+    note(TickPart::cells, &ComparedParts::cells);
+  }
+
+  /// Inputs of a tick are there before its state.
+  void find_blame() {
+    const auto& inputs = report_.inputs;
+    const auto& state = report_.state;
+    const bool inputs_first =
+        inputs && (!state || inputs->tick < state->tick || (inputs->tick == state->tick && !state->is_start));
+    if (!inputs && !state) return;
+    const TraceGroups& who = inputs_first ? inputs->who : state->who;
+    if (!who.has_majority()) return;
+    report_.blame = Blame{who.odd(), inputs_first ? "inputs" : "state", inputs_first ? inputs->tick : state->tick};
+  }
+
+  /// Other inputs and another setup explain any difference. A cause must stand against every trace of the reference.
+  void find_causes() {
+    StateFinding& finding = *report_.state;
+    for (OddState& odd : finding.odd) {
+      if (has_other_inputs(odd.traces) || has_other_setup(odd.traces)) continue;
+      bool is_first = true;
+      for (const std::size_t trace : finding.reference) {
+        Symptoms symptoms;
+        symptoms.simulation = report_.simulation;
+        symptoms.divergence = &odd.divergence;
+        symptoms.build_a = &report_.traces[trace].side.build;
+        symptoms.build_b = &report_.traces[odd.traces.front()].side.build;
+        const std::vector<Cause> causes = likely_causes(symptoms);
+        if (std::exchange(is_first, false)) odd.why = causes;
+        std::erase_if(odd.why,
+                      [&](Cause cause) { return std::find(causes.begin(), causes.end(), cause) == causes.end(); });
+      }
+    }
+  }
+
+  bool has_other_inputs(const TraceGroup& group) const {
+    if (!report_.inputs || report_.inputs->tick > report_.state->tick) return false;
+    const auto group_of = [&](std::size_t trace) -> const InputGroup* {
+      for (const InputGroup& one : report_.inputs->groups)
+        if (std::find(one.traces.begin(), one.traces.end(), trace) != one.traces.end()) return &one;
+      return nullptr;
+    };
+    return std::any_of(group.begin(), group.end(), [&](std::size_t trace) {
+      return group_of(trace) != group_of(report_.state->reference.front());
+    });
+  }
+
+  bool has_other_setup(const TraceGroup& group) const {
+    std::vector<SetupDifference> differences;
+    for (const std::size_t trace : group)
+      compare_setups(setup_of(report_.state->reference.front()), setup_of(trace), differences);
+    return !differences.empty();
+  }
+
+  /// Whether setups of traces that are compared differ.
+  bool setups_differ() const {
+    std::vector<SetupDifference> differences;
+    for (const std::size_t trace : comparable_)
+      compare_setups(setup_of(comparable_.front()), setup_of(trace), differences);
+    return !differences.empty();
+  }
+
+  bool any_ends(TraceCondition condition) const {
+    return std::any_of(clients_.begin(), clients_.end(),
+                       [&](const Client& one) { return one.side.tail().condition == condition; });
+  }
+
+  /// Traces that are whole and end before the last one does, by whether their recorders were stopped.
+  TraceGroup shorter(bool was_stopped) const {
+    std::uint64_t end = 0;
+    for (const Client& client : clients_) end = std::max(end, client.side.end_tick());
+    TraceGroup found;
+    for (const Client& client : clients_)
+      if (client.side.tail().condition == TraceCondition::complete && client.side.end_tick() < end &&
+          client.side.was_stopped() == was_stopped)
+        found.push_back(client.trace);
+    return found;
+  }
+
+  std::string not_compared_text() const {
+    TraceGroup others;
+    for (std::size_t i = 0; i < traces_.size(); ++i)
+      if (traces_[i].reader != nullptr && !report_.traces[i].is_compared) others.push_back(i);
+    if (others.empty()) return "";
+    return labels_text(others) + " cannot be compared with " + labels_text(comparable_);
+  }
+
+  /// What differs where the states do not.
+  std::string what_differs(bool setups) const {
+    if (report_.inputs) return setups ? "the setups and the inputs differ" : "the inputs differ";
+    return setups ? "the setups differ" : "a record contradicts itself";
+  }
+
+  void judge() {
+    const auto is = [&](DiffVerdict verdict, std::string reason) {
+      report_.verdict = verdict;
+      report_.reason = std::move(reason);
+    };
+    const bool setups = setups_differ();
+    const std::string not_compared = not_compared_text();
+    const TraceGroup ended = shorter(false), stopped = shorter(true);
+    if (report_.state || report_.inputs || setups || !report_.contradictions.empty())
+      is(DiffVerdict::different,
+         report_.state || report_.ticks_compared == 0 ? "" : "states equal; " + what_differs(setups));
+    else if (!ended.empty())
+      is(DiffVerdict::different, "lengths: " + labels_text(ended) + " ended first; equal as far as they go");
+    else if (any_ends(TraceCondition::damaged))
+      is(DiffVerdict::damaged, "equal as far as all are intact");
+    else if (!not_compared.empty())
+      is(DiffVerdict::not_comparable, not_compared);
+    else if (!stopped.empty())
+      is(DiffVerdict::incomplete, "equal as far as they go; " + labels_text(stopped) + " ended early");
+    else if (any_ends(TraceCondition::truncated))
+      is(DiffVerdict::incomplete, "equal as far as they go");
+    else if (report_.ticks_compared == 0)
+      is(DiffVerdict::incomplete, "no tick was compared");
+  }
+
+  /// Commands that show the values, one for each recording build.
+  void add_again() {
+    if (!report_.state) return;
+    const StateFinding& finding = *report_.state;
+    if (std::none_of(finding.odd.begin(), finding.odd.end(),
+                     [](const OddState& odd) { return odd.divergence.rows.empty(); }))
+      return;
+    const std::string number = std::to_string(finding.tick);
+    if (options_.tool.empty()) {
+      report_.again.push_back("record all again with detail full:" + number + ".." + number +
+                              ", each with the program that recorded it, and compare those");
+      return;
+    }
+    std::string compare = options_.tool + " diff";
+    for (const TraceGroup& group : finding.who.groups) {
+      const std::string& file = report_.traces[group.front()].side.file;
+      const std::string out = "full_" + trace_label(group.front()) + ".ttr";
+      report_.again.push_back(options_.tool + " record " + shell_word(file) + " --ticks " +
+                              std::to_string(finding.tick + 1) + " --detail full:" + number + ".." + number + " -o " +
+                              out);
+      compare += " " + out;
+    }
+    report_.again.push_back(compare + ", each recorded by the build of its trace");
+  }
+
+  std::span<const OpenedTrace> traces_;
+  const DiffOptions& options_;
+  TraceGroup comparable_;
+  const StateSchema& schema_;
+  TickComparer comparer_;
+  std::unique_ptr<Simulation> simulation_;  // formats inputs and row names as text
+  std::optional<InputComparer> inputs_;
+  std::vector<Client> clients_;       // the traces that are compared
+  std::vector<PresentTick> present_;  // those that have the present tick
+  DiffManyReport report_;
+  double time_s_ = 0;                         // simulated before the present tick
+  std::optional<std::uint64_t> agreed_root_;  // of the tick before; absent before the first one
+  bool same_inputs_ = true;                   // up to the present tick
+  bool is_located_next_ = false;              // when the traces have passed the checkpoints behind the tick
+  std::string inputs_text_;                   // of the tick that differs
+  double divergence_time_s_ = 0;
+  std::array<bool, tick_parts.size()> told_parts_ = {};
+  bool told_marks_ = false;
+  bool told_shown_ = false;
+  bool told_checkpoint_ = false;
+};
+
+}  // namespace
+
+int DiffManyReport::exit_code(bool allow_truncated) const {
+  if (allow_truncated && verdict == DiffVerdict::incomplete && ticks_compared > 0) return exit_ok;
+  return diff_verdict_info(verdict).exit_code;
+}
+
+DiffManyReport diff_many(std::span<const OpenedTrace> traces, const DiffOptions& options) {
+  const auto is_open = [](const OpenedTrace& one) { return one.reader != nullptr; };
+  TICKTRUE_ASSERT(std::count_if(traces.begin(), traces.end(), is_open) >= 2);
+  return ManyDiffer(traces, options).run();
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,99 @@
+// The first tick whose inputs are not the same in all traces: who has what, and who lacks what.
+// SPDX-License-Identifier: MIT
+//
+// An input is one event of the simulation, where the simulation can print its inputs as lines. Otherwise it is all
+// bytes of the tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/state/simulation.h"
+#include "replay/format/trace.h"
+#include "verifier/compare/trace_groups.h"
+
+namespace ticktrue::verifier {
+
+/// How the inputs of one trace differ from those of the majority.
+enum class InputChange : std::uint8_t { missing, extra, other, order, dt };
+struct InputChangeInfo {
+  InputChange change;
+  std::string_view name;  // in JSON
+  std::string_view text;  // for people
+};
+inline constexpr std::array<InputChangeInfo, 5> input_changes{{
+    {InputChange::missing, "missing", "an input is missing"},
+    {InputChange::extra, "extra", "there is an extra input"},
+    {InputChange::other, "other", "an input has another payload"},
+    {InputChange::order, "order", "the inputs stand in another order"},
+    {InputChange::dt, "dt", "the tick has another length"},
+}};
+const InputChangeInfo& input_change_info(InputChange change);
+
+/// Traces that have the same inputs in the tick.
+struct InputGroup {
+  TraceGroup traces;
+  double dt = 0;  // s
+  Bytes bytes;
+  std::string lines;  // JSON Lines; empty where the simulation cannot print the bytes
+};
+
+/// One trace against the majority.
+struct OddInputs {
+  std::size_t trace = 0;
+  InputChange change = InputChange::other;
+  std::vector<std::string> missing;     // inputs of the majority that the trace lacks
+  std::vector<std::string> extra;       // inputs of the trace that the majority lacks
+  std::optional<std::uint64_t> later;   // tick in which the trace has what is missing, and the majority has it not
+  std::optional<std::uint64_t> before;  // the trace has what is extra that early: tick of it in the majority
+};
+
+struct InputsFinding {
+  std::uint64_t tick = 0;
+  std::vector<InputGroup> groups;  // as in `who`
+  TraceGroups who;
+  std::vector<OddInputs> odd;  // empty if there is no majority
+};
+
+/// A trace that has the tick.
+struct PresentTick {
+  std::size_t trace = 0;
+  const replay::TickRecord* record = nullptr;
+};
+
+/// Is given tick after tick, of all traces that have it. Holds the inputs of one tick.
+class InputComparer {
+ public:
+  /// `simulation` prints inputs; may be null. It must outlive this.
+  InputComparer(const Simulation* simulation, std::size_t trace_count) : simulation_(simulation), from_(trace_count) {}
+
+  /// Whether all have the same inputs and dt. Requires: ascending ticks, at least one trace.
+  bool compare(std::uint64_t tick, std::span<const PresentTick> present);
+  const std::optional<InputsFinding>& found() const { return found_; }
+  /// The first tick in which a majority has other inputs than the trace.
+  const std::optional<std::uint64_t>& from(std::size_t trace) const { return from_[trace]; }
+
+  /// JSON Lines; empty where the simulation cannot print the bytes.
+  std::string lines(std::uint64_t tick, ByteView bytes) const;
+
+ private:
+  std::vector<std::string> items(ByteView bytes) const;
+  void describe(std::uint64_t tick, std::span<const PresentTick> present, const TraceGroups& who);
+  void follow(std::uint64_t tick, std::span<const PresentTick> present, ByteView most);
+
+  const Simulation* simulation_;
+  std::optional<InputsFinding> found_;
+  std::vector<std::optional<std::uint64_t>> from_;  // [trace]
+};
+
+/// Bytes in hexadecimal.
+std::string input_hex(ByteView bytes);
+/// The same, at most the first 32, and how many there are. "none" for none.
+std::string input_bytes_text(ByteView bytes);
+
+}  // namespace ticktrue::verifier
