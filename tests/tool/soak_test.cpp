@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/forwarding_engine.h"
 #include "tests/support/scenes.h"
+#include "tests/support/text.h"
 #include "tool/experiment/ddmin.h"
 #include "tool/experiment/shrink.h"
 #include "tool/experiment/soak/cache_counts.h"

@@ -31,6 +31,7 @@ struct AccuracyCommand {
   std::uint64_t thread_count = 0;  // 0: as many as there are cores
   AccuracyView view;
   bool list = false;
+  bool example = false;
   StudyFiles files;
 };
 
@@ -80,6 +81,10 @@ int run_accuracy_command(const AccuracyCommand& command) {
   const Result<std::vector<Problem>> problems = chosen_problems(command.problems);
   if (!problems) return fail_usage(problems.error());
   if (command.list) return list_problems(*problems);
+  if (command.example) {
+    print(verifier::example_problem);
+    return exit_ok;
+  }
   verifier::AccuracyOptions options;
   options.precisions.clear();
   for (const std::string& name : command.precisions)
@@ -134,6 +139,7 @@ void add_accuracy(CLI::App& app, CliContext& context) {
   command->add_flag("--brief", options->view.brief, "One line a problem");
   command->add_flag("--no-times", options->view.no_times, "What is the same on every machine, to the last digit");
   command->add_flag("--list", options->list, "List the problems, run none");
+  command->add_flag("--example", options->example, "Print a problem file to begin with, run none");
   add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core. 1 gives the quietest times",
              {1, 1024});
   add_study_files(*command, options->files);
@@ -141,6 +147,7 @@ void add_accuracy(CLI::App& app, CliContext& context) {
                "ticktrue accuracy\n"
                "ticktrue accuracy pendulum kepler --precision f64 --plot pendulum.svg\n"
                "ticktrue accuracy shapes --csv shapes.csv\n"
+               "ticktrue accuracy --example > my.json\n"
                "ticktrue accuracy my.json --precision f64 --plot my.svg\n"
                "ticktrue accuracy --peer box2d");
   command->callback([options, &context] { context.exit_code = run_accuracy_command(*options); });

@@ -343,8 +343,8 @@ std::string accuracy_text(const std::vector<Problem>& problems, const std::vecto
   text += reason_table(curves, StudyVerdict::falls_short, "falls short  curves that miss a bar, as documented");
   text += reason_table(curves, StudyVerdict::not_judged,
                        "not judged  curves of which nothing is claimed, or that cannot show it");
-  text += fmt::format("\n{} curves of {} problems (shapes of all corners are one): {}\n", curves.size(),
-                      family_count(curves), counts_text(verdicts_of(curves)));
+  text += fmt::format("\n{} curves of {} problems: {}\n", curves.size(), family_count(curves),
+                      counts_text(verdicts_of(curves)));
   for (const AccuracyCurve& curve : curves)
     if (curve.judgement.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: slope {}, theory {}: {}\n", curve.problem,

@@ -47,6 +47,7 @@ struct ProblemText {
   std::vector<std::string> methods;
   std::vector<int> substeps;
   std::optional<double> slope;
+  std::optional<double> slope_of_higher;
   std::vector<Bar> bars;
 };
 
@@ -76,7 +77,7 @@ class ProblemReader final : public engine::JsonReader {
         {"size", [&](const JsonValue& v, const JsonPath& p) { return positive(v, p, out.size); }},
         {"methods", texts(out.methods)},
         {"substeps", [&](const JsonValue& v, const JsonPath& p) { return read_substeps(v, p, out.substeps); }},
-        {"slope", [&](const JsonValue& v, const JsonPath& p) { return read(v, p, out.slope.emplace()); }},
+        {"slope", [&](const JsonValue& v, const JsonPath& p) { return read_slope(v, p, out); }},
         {"bars",
          [&](const JsonValue& v, const JsonPath& p) {
            return list(v, p, out.bars, [&](const auto& e, const auto& q, Bar& bar) { return read_bar(e, q, bar); });
@@ -113,6 +114,12 @@ class ProblemReader final : public engine::JsonReader {
       return fail(
           path, "found " + std::to_string(value.items.size()) + ", expected at most " + std::to_string(list_count_max));
     return list(value, path, out, [&](const auto& v, const auto& p, std::string& text) { return read(v, p, text); });
+  }
+
+  /// One for all integrators, or [of order 1, of higher order].
+  bool read_slope(const JsonValue& value, const JsonPath& path, ProblemText& out) {
+    if (value.type != JsonValue::Type::array) return read(value, path, out.slope.emplace());
+    return pair(value, path, "[of order 1, of higher order]", out.slope.emplace(), out.slope_of_higher.emplace());
   }
 
   bool read_substeps(const JsonValue& value, const JsonPath& path, std::vector<int>& out) {
@@ -182,6 +189,7 @@ class ProblemMaker {
     problem.substep_counts = text_.substeps;
     problem.bars = text_.bars;
     problem.slope = text_.slope;
+    problem.slope_of_higher = text_.slope_of_higher;
     if (!text_.slope) problem.why_no_slope = path_ + " states no slope";
     for (const auto step :
          {&ProblemMaker::add_scene, &ProblemMaker::add_observe, &ProblemMaker::add_exact, &ProblemMaker::check_methods})
@@ -246,7 +254,7 @@ class ProblemMaker {
         return reader_.error_at("observe",
                                 "\"" + text_.observe[i] + "\": found " + short_number(values[i]) +
                                     " before the first tick, expected a finite number",
-                                "bodies.3.x is that of the body with id 3: `ticktrue describe` lists the bodies");
+                                "bodies.3.x is that of the body with id 3; ids count from 0 in the order of the scene");
     return {};
   }
 
@@ -334,6 +342,23 @@ class ProblemMaker {
 };
 
 }  // namespace
+
+const char* const example_problem = R"({
+  "name": "brake",
+  "summary": "a box at 6 m/s stops by friction of 0.4 after 1.5 s",
+  "scene": "slide?speed=6&friction=0.4",
+  "duration": 2,
+  "samples": 20,
+  "observe": "bodies.1.x",
+  "exact": "t < 1.5 ? 6*t - 2*t^2 : 4.5",
+  "methods": ["tgs_soft", "tgs_soft verlet", "pgs"],
+  "slope": [1, 2],
+  "bars": [
+    {"method": "tgs_soft", "at": "4 sub", "error": 0.01},
+    {"method": "tgs_soft verlet", "error": 0.001}
+  ]
+}
+)";
 
 Result<Problem> read_problem(const std::string& path) {
   const Result<std::string> json = cli::read_text_file(path, file_size_max);

@@ -13,4 +13,7 @@ namespace ticktrue::verifier {
 /// Errors: io, limit, usage (with the path in the JSON); those of parse_scene and Expression::parse.
 Result<Problem> read_problem(const std::string& path);
 
+/// A file to begin with: a box that slides to rest.
+extern const char* const example_problem;
+
 }  // namespace ticktrue::verifier
