@@ -250,6 +250,9 @@ TEST_CASE("traces are verified in parts, in parallel, on shards and against othe
 TEST_CASE("verify runs a program, and neither its exit code nor its word alone is a match", "[cli][programs]") {
   run_cases("programs.case");
 }
+TEST_CASE("a campaign records and judges each seed, and goes on where it was stopped", "[cli][campaign]") {
+  run_cases("campaign.case");
+}
 TEST_CASE("golden traces are recorded, checked and told apart", "[cli][golden][equivalence]") {
   run_cases("golden.case");
 }
