@@ -127,7 +127,7 @@ while IFS= read -r command; do
   case $command in
     ./game_fma*) wanted=$is_red is_red=0 ;;
     ./units_fma*) wanted=1 ;;
-    *--record*--bug*) ;;
+    "./lockstep --record"*) ;;
     *--bug* | "ticktrue diff "*) wanted=1 ;;
   esac
   case $command in *' & '*) command="{ $command; code=\$?; wait; exit \$code; }" ;; esac
