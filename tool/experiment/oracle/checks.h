@@ -27,6 +27,7 @@ enum class CheckKind : std::uint8_t {
   process,
   trace,
   momentum,
+  pair_limit,
 };
 struct CheckInfo {
   CheckKind kind;
@@ -34,7 +35,7 @@ struct CheckInfo {
   std::string_view summary;
   std::string_view value;  // what the number of a variant means; empty: it has none
 };
-inline constexpr std::array<CheckInfo, 13> check_table{{
+inline constexpr std::array<CheckInfo, 14> check_table{{
     {CheckKind::finite, "finite", "every stored real is finite, and every tick can be done", ""},
     {CheckKind::zeros, "zeros", "no stored real is -0", ""},
     {CheckKind::cold, "cold", "all cached structures are forgotten before every tick", ""},
@@ -49,6 +50,8 @@ inline constexpr std::array<CheckInfo, 13> check_table{{
     {CheckKind::process, "process", "a fresh process loads every checkpoint of a trace and runs on", "seed"},
     {CheckKind::trace, "trace", "the world is recorded, and verify says match", "seed"},
     {CheckKind::momentum, "momentum", "without anything from outside, momentum stays", ""},
+    {CheckKind::pair_limit, "pair_limit", "a tick may list no more pairs of shapes than it needs",
+     "index in the list of broad phases"},
 }};
 
 /// One way to examine a world.

@@ -36,12 +36,15 @@ class Plan {
     if (random_.below(3) == 0) add({CheckKind::threads, (body_count_ > 400 ? 0 : 40) + thread_count()}, 3, false);
     if (random_.below(24) == 0) add({CheckKind::process, random_.below(1u << 20)}, 6, false);
     if (random_.below(4) == 0) add({CheckKind::momentum}, 2, false);
+    if (body_count_ <= pair_count_body_max && random_.below(3) == 0)
+      add({CheckKind::pair_limit, random_.below(engine::broad_phases.size())}, 4, false);
     return std::move(planned_);
   }
 
  private:
   void add(const Variant& variant, double cost, bool is_required) { planned_.push_back({variant, cost, is_required}); }
   static constexpr int repeat_count = 4;  // variants of a check whose numbers are drawn
+  static constexpr std::size_t pair_count_body_max = 400;
 
   std::uint64_t thread_count() { return random_.below(2) == 0 ? 2 : 4; }
 

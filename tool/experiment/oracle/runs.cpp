@@ -191,7 +191,9 @@ class VariantWalk {
       : context_(context), base_(base), variant_(variant), tally_(tally), order_(variant.value % 10 == 0) {}
 
   std::optional<Finding> run() {
-    auto made = context_.make(context_.soak_case.scene, engine_options());
+    engine::EngineOptions options = engine_options();
+    if (variant_.check == CheckKind::pair_limit) options.pair_count_max = most_pairs();
+    auto made = context_.make(context_.soak_case.scene, options);
     if (!made) return make_failure(variant_, 0, made.error().message, false);
     engine_ = *std::move(made);
     std::uint64_t tick = 0;
@@ -205,7 +207,7 @@ class VariantWalk {
         return make_failure(variant_, tick, "load: " + loaded.error().message, false);
     }
     std::optional<Finding> found;
-    for (; tick < base_.tick_count && !found; ++tick) found = run_tick(tick);
+    for (; tick < base_.tick_count && !found && !is_beyond_; ++tick) found = run_tick(tick);
     engine::add_counts(tally_.caches, engine_->cache_report());
     return found;
   }
@@ -221,6 +223,7 @@ class VariantWalk {
         if (variant_.value / 8 % 2 == 1) options.parallel.chunk_size_forced = 1 + variant_.value / 16 % 12;
         break;
       case CheckKind::broad_phase:
+      case CheckKind::pair_limit:
         options.broad_phase = engine::broad_phases[variant_.value % engine::broad_phases.size()].kind;
         break;
       case CheckKind::chunks:
@@ -242,6 +245,27 @@ class VariantWalk {
     return options;
   }
 
+  /// Whether a tick may need more pairs than there were at its beginning: inputs move bodies, and a tick that has
+  /// several steps lists pairs in each.
+  bool may_list_more(std::uint64_t tick) const {
+    const engine::Settings& settings = context_.soak_case.scene.settings;
+    return !context_.inputs.at(tick).inputs.empty() || settings.locate_impacts || settings.auto_substeps;
+  }
+
+  /// The largest number of pairs at the beginning of a tick.
+  std::size_t most_pairs() const {
+    std::size_t most = 0;
+    engine::Scene scene = context_.soak_case.scene;
+    scene.settings.broad_phase = engine::BroadPhaseKind::brute_force;  // bounding_circle lists fewer
+    const auto made = context_.make(scene, {});
+    if (!made) return most;
+    for (std::uint64_t tick = 0; tick < base_.tick_count; ++tick) {
+      most = std::max(most, (*made)->broad_phase().pairs.size());
+      if (step_tick(**made, context_.inputs.at(tick), tick, variant_)) break;
+    }
+    return most;
+  }
+
   CacheSet forgotten_at(std::uint64_t tick) const {
     if (variant_.check == CheckKind::cold) return engine::all_caches;
     if (variant_.check != CheckKind::forget) return 0;
@@ -252,7 +276,11 @@ class VariantWalk {
   std::optional<Finding> run_tick(std::uint64_t tick) {
     if (const CacheSet set = forgotten_at(tick); set != 0) engine_->forget_caches(set);
     const CacheReport before = engine_->cache_report();
-    if (auto failed = step_tick(*engine_, context_.inputs.at(tick), tick, variant_)) return failed;
+    if (auto failed = step_tick(*engine_, context_.inputs.at(tick), tick, variant_)) {
+      if (variant_.check != CheckKind::pair_limit || !failed->is_beyond || !may_list_more(tick)) return failed;
+      is_beyond_ = true;
+      return std::nullopt;
+    }
     const CacheSet hit_once = base_.hit[tick] ^ hit_between(before, engine_->cache_report());
     for (const engine::CacheInfo& info : engine::cache_kinds)
       if (hit_once & engine::cache_bit(info.kind)) ++tally_.while_hit[static_cast<std::size_t>(info.kind)];
@@ -297,6 +325,7 @@ class VariantWalk {
   Variant variant_;
   RunTally& tally_;
   ChunkOrder order_;
+  bool is_beyond_ = false;  // a tick needed more than its limits allow
   std::unique_ptr<Engine> engine_;
 };
 
