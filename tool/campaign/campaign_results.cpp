@@ -76,8 +76,10 @@ std::string result_line(const SeedResult& result) {
 std::map<std::uint64_t, SeedResult> parse_results(std::string_view text) {
   std::map<std::uint64_t, SeedResult> results;
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
-    if (std::optional<SeedResult> result = parse_line(text.substr(0, end)))
-      results.insert_or_assign(result->seed, *std::move(result));
+    if (std::optional<SeedResult> result = parse_line(text.substr(0, end))) {
+      const std::uint64_t seed = result->seed;
+      results.insert_or_assign(seed, *std::move(result));
+    }
     text.remove_prefix(end + 1);
   }
   return results;

@@ -16,7 +16,6 @@
 namespace ticktrue::verifier {
 namespace {
 
-using replay::CheckpointRecord;
 using replay::TickRecord;
 using replay::TraceCondition;
 using replay::TraceSetup;

@@ -201,7 +201,7 @@ class ProblemMaker {
   Status add_scene(Problem& problem) {
     const Result<Scene> read = read_scene();
     if (!read) return read.error();
-    const Scene scene = *read;
+    const Scene& scene = *read;
     problem.scene = [scene](Precision precision) {
       Scene out = scene;
       out.settings.precision = precision;
@@ -242,8 +242,7 @@ class ProblemMaker {
   Status add_observe(Problem& problem) {
     const auto parsed = parse_all(text_.observe, path_ + ": observe", ExpressionNames::world_and_bodies);
     if (!parsed) return parsed.error();
-    const std::shared_ptr<SharedExpressions> shared = *parsed;
-    problem.observe = [shared](const engine::Engine& engine) {
+    problem.observe = [shared = *parsed](const engine::Engine& engine) {
       return shared->values([&](Expression& expression) { return expression.evaluate(engine); });
     };
     const auto engine = engine::make_engine(problem.scene(Precision::f64));
@@ -264,8 +263,7 @@ class ProblemMaker {
     } else {
       const auto parsed = parse_all(text_.exact, path_ + ": exact", ExpressionNames::time);
       if (!parsed) return parsed.error();
-      const std::shared_ptr<SharedExpressions> shared = *parsed;
-      problem.exact = [shared](double time_s) {
+      problem.exact = [shared = *parsed](double time_s) {
         return shared->values([&](Expression& expression) { return expression.evaluate_at(time_s); });
       };
     }
