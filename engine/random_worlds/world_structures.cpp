@@ -22,7 +22,7 @@ std::uint32_t draw_count(Draw& draw, std::uint32_t least, std::uint32_t more, st
   return count <= room ? count : 0;
 }
 
-/// In place of everything else: no shape may meet another.
+/// The net becomes the whole world. Its shapes collide with nothing.
 void draw_net(Draw& draw, const RandomWorldOptions& options, WorldPlan& plan) {
   if (plan.settings.solver != SolverKind::tgs_soft || !plan.carries_joints() || !draw.chance(12)) return;
   const std::uint32_t columns = 2 + draw.below(9), rows = 2 + draw.below(9);
@@ -42,7 +42,7 @@ void draw_net(Draw& draw, const RandomWorldOptions& options, WorldPlan& plan) {
 }
 
 void draw_shots(Draw& draw, std::uint32_t room, WorldPlan& plan) {
-  // What else sweeps every box leaves nothing to find.
+  // With other settings the boxes of all bodies are swept, and a shot shows no fault.
   const Settings& settings = plan.settings;
   const bool sweeps_fast_alone = settings.continuous && !settings.locate_impacts && !settings.auto_substeps;
   if (!draw.chance(sweeps_fast_alone ? 40 : 4)) return;

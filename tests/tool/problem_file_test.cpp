@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: MIT
 #include "tool/study/problem_file/problem_file.h"
 
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
 #include "tool/expression/expression.h"
 #include "tool/study/accuracy.h"
@@ -22,26 +19,8 @@ using verifier::Problem;
 using verifier::ReferenceTable;
 using verifier::StudyVerdict;
 
-/// A folder that goes with its test.
-class TempFolder {
- public:
-  TempFolder() : path_(std::filesystem::temp_directory_path() / ("ticktrue_problems_" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  ~TempFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string path(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 void write_text(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
+  write_file(path, Bytes(text.begin(), text.end()));
 }
 
 bool has_expressions() {
@@ -55,9 +34,9 @@ std::string thrown(const std::string& more = "", const std::string& exact = R"("
 }
 
 Result<Problem> read(const std::string& json) {
-  const TempFolder folder;
-  write_text(folder.path("p.json"), json);
-  return verifier::read_problem(folder.path("p.json"));
+  const TemporaryFolder folder;
+  write_text(folder.file("p.json"), json);
+  return verifier::read_problem(folder.file("p.json"));
 }
 
 std::string refusal(const std::string& json) {
@@ -113,22 +92,22 @@ TEST_CASE("the example is a problem, and passes", "[verifier][study]") {
 
 TEST_CASE("a reference may be a table of times and values", "[verifier][study]") {
   if (!has_expressions()) return;
-  const TempFolder folder;
+  const TemporaryFolder folder;
   std::string csv = "time,x,y\n";
   for (int i = 0; i <= 25; ++i) {
     const double t = i / 25.0;
     csv += std::to_string(t) + ", " + std::to_string(3 * t) + ", " + std::to_string(7 * t - 5 * t * t) + "\n";
   }
-  write_text(folder.path("ref.csv"), csv);
-  write_text(folder.path("p.json"), thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("reference": "ref.csv")"));
-  const auto problem = verifier::read_problem(folder.path("p.json"));
+  write_text(folder.file("ref.csv"), csv);
+  write_text(folder.file("p.json"), thrown(R"(, "methods": ["tgs_soft"], "slope": 1)", R"("reference": "ref.csv")"));
+  const auto problem = verifier::read_problem(folder.file("p.json"));
   if (!problem) FAIL(problem.error().message);
   CHECK(run(*problem)[0].judgement.verdict == StudyVerdict::pass);
-  write_text(folder.path("p.json"), thrown(R"(, "samples2": 3)", R"("reference": "ref.csv")"));
-  CHECK_FALSE(verifier::read_problem(folder.path("p.json")).has_value());
-  write_text(folder.path("ref.csv"), "0,0,0\n0.5,1,1\n");
-  write_text(folder.path("p.json"), thrown("", R"("reference": "ref.csv")"));
-  const auto short_one = verifier::read_problem(folder.path("p.json"));
+  write_text(folder.file("p.json"), thrown(R"(, "samples2": 3)", R"("reference": "ref.csv")"));
+  CHECK_FALSE(verifier::read_problem(folder.file("p.json")).has_value());
+  write_text(folder.file("ref.csv"), "0,0,0\n0.5,1,1\n");
+  write_text(folder.file("p.json"), thrown("", R"("reference": "ref.csv")"));
+  const auto short_one = verifier::read_problem(folder.file("p.json"));
   REQUIRE_FALSE(short_one.has_value());
   CHECK(short_one.error().message.find("found times from 0 to 0.5 s, expected 0.1 to 1 s") != std::string::npos);
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <string>
@@ -13,6 +14,7 @@
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/math/trig.h"
 #include "tests/support/catch.h"
+#include "tests/support/source_tree.h"
 #include "tests/support/text.h"
 #include "tool/session/scene_key.h"
 #include "tool/study/accuracy.h"
@@ -145,13 +147,17 @@ TEST_CASE("a missed bar makes a curve fail, or fall short where that is document
   curve.points[1].error = 0.011;
   CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);
   CHECK(judged(StudyVerdict::pass).reason == "error 0.011 at 4 sub, bar 0.01");
-  problem.shortfalls = {{"m", "why"}};
+  problem.shortfalls = {{"m", "why", 0.0105, 3}};
+  CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);  // more than is known
+  problem.shortfalls[0].error = 0.012;
   CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::falls_short);
   CHECK(judged(StudyVerdict::pass).reason == "error 0.011 at 4 sub, bar 0.01: why");
   CHECK(judged(StudyVerdict::not_applicable).verdict == StudyVerdict::not_applicable);
   curve.points[1].error = 0;
   curve.points[0].energy = -2.5;
   CHECK(judged(StudyVerdict::pass).reason == "energy changes by -2.5 J at 1 sub, bar 2 J: why");
+  curve.points[0].energy = -3.5;
+  CHECK(judged(StudyVerdict::pass).verdict == StudyVerdict::fail);
   curve.method.name = "other";
   CHECK(judged(StudyVerdict::not_judged).verdict == StudyVerdict::not_judged);
 }
@@ -166,9 +172,11 @@ TEST_CASE("documented shortfalls of joint problems are real, and nothing else fa
   const auto curves = run_accuracy(problems, options);
   REQUIRE(curves.has_value());
   REQUIRE(curves->size() == 12);
+  const std::string study_page = source_tree::read_text(std::filesystem::path(TICKTRUE_SOURCE_DIR) / "docs/study.md");
   for (const AccuracyCurve& curve : *curves) {
     CAPTURE(curve.problem, curve.method.name, curve.judgement.reason);
     const Problem problem = problem_named(curve.problem);
+    for (const Shortfall& each : problem.shortfalls) CHECK(source_tree::contains(study_page, each.reason));
     const bool is_known = std::any_of(problem.shortfalls.begin(), problem.shortfalls.end(),
                                       [&](const Shortfall& each) { return each.method == curve.method.name; });
     CHECK(curve.judgement.verdict == (is_known ? StudyVerdict::falls_short : StudyVerdict::pass));

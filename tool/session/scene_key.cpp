@@ -3,17 +3,16 @@
 #include "tool/session/scene_key.h"
 
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <string_view>
 
 #include "engine/json/number_text.h"
 #include "engine/scene/scene_json.h"
+#include "tool/output/json_output.h"
 
 namespace ticktrue::verifier {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using cli::Json;
 
 constexpr std::size_t value_count_max = 1000;
 

@@ -30,10 +30,12 @@ struct Bar {
   double energy = 0;    // J, largest change in either direction; 0: none is set
 };
 
-/// A method that misses a bar of a problem, and the documented reason.
+/// A method that misses a bar of a problem, the reason (docs/study.md has it, too), and how large the miss may be.
 struct Shortfall {
   std::string method;
   std::string reason;
+  double error = 0;   // as Bar::error, of the points that miss a bar
+  double energy = 0;  // J, as Bar::energy
 };
 
 struct Problem {

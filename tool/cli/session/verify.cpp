@@ -465,7 +465,7 @@ void add_verify(CLI::App& app, CliContext& context) {
       ->type_name("WORDS");
   command
       ->add_option("--against-command", options->other_program,
-                   "Another program: it verifies the trace too, and what differs between the two is told. Each is "
+                   "Another program that verifies the trace, too: the report says where the two differ. Each is "
                    "compared up to the tick at which it leaves the recording")
       ->type_name("WORDS");
   add_number(*command, "--timeout", options->timeout_s,

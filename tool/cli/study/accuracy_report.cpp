@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/count_text.h"
 #include "base/hash.h"
 #include "engine/math/trig.h"
 
@@ -165,8 +166,8 @@ std::string reason_table(const std::vector<AccuracyCurve>& curves, StudyVerdict 
             [](const Reason& a, const Reason& b) { return a.count != b.count ? a.count > b.count : a.text < b.text; });
   std::string text = fmt::format("\n{}\n", title);
   for (const Reason& reason : reasons) {
-    std::string line =
-        fmt::format("{:>4} curves of {} problems  {}", reason.count, reason.problems.size(), reason.text);
+    std::string line = fmt::format("{:>10} of {}  {}", count_text(static_cast<std::uint64_t>(reason.count), "curve"),
+                                   count_text(reason.problems.size(), "problem"), reason.text);
     if (reason.problems.size() <= 6) line += fmt::format(": {}", fmt::join(reason.problems, ", "));
     text += verifier::wrapped(line, 2);
   }
@@ -343,8 +344,8 @@ std::string accuracy_text(const std::vector<Problem>& problems, const std::vecto
   text += reason_table(curves, StudyVerdict::falls_short, "falls short  curves that miss a bar, as documented");
   text += reason_table(curves, StudyVerdict::not_judged,
                        "not judged  curves of which nothing is claimed, or that cannot show it");
-  text += fmt::format("\n{} curves of {} problems: {}\n", curves.size(), family_count(curves),
-                      counts_text(verdicts_of(curves)));
+  text += fmt::format("\n{} of {}: {}\n", count_text(curves.size(), "curve"),
+                      count_text(family_count(curves), "problem"), counts_text(verdicts_of(curves)));
   for (const AccuracyCurve& curve : curves)
     if (curve.judgement.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: slope {}, theory {}: {}\n", curve.problem,

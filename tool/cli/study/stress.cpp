@@ -61,7 +61,7 @@ std::string cases_text(const std::vector<StressRow>& rows) {
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
       const StressRow& row = rows[i];
       const bool is_left_out = row.verdict == StudyVerdict::not_applicable;
-      std::string line = fmt::format("{:<22}{:>10}  {:<9} {}", row.method, is_left_out ? "-" : short_number(row.value),
+      std::string line = fmt::format("{:<22}{:>10}  {:<11} {}", row.method, is_left_out ? "-" : short_number(row.value),
                                      is_left_out ? "n/a" : verdict_name(row.verdict), row.reason);
       while (line.back() == ' ') line.pop_back();
       text += verifier::wrapped(line, 4);

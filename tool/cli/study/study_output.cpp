@@ -18,8 +18,8 @@ void add_study_files(CLI::App& command, StudyFiles& files) {
 }
 
 std::string counts_text(const verifier::VerdictCounts& counts) {
-  return fmt::format("{} pass, {} fail, {} fall short as documented, {} not judged, {} not applicable",
-                     counts.of(StudyVerdict::pass), counts.of(StudyVerdict::fail), counts.of(StudyVerdict::falls_short),
+  return fmt::format("{} pass, {} fail, {} fall short, {} not judged, {} not applicable", counts.of(StudyVerdict::pass),
+                     counts.of(StudyVerdict::fail), counts.of(StudyVerdict::falls_short),
                      counts.of(StudyVerdict::not_judged), counts.of(StudyVerdict::not_applicable));
 }
 

@@ -88,9 +88,7 @@ void update_row(const GoldenCommand& command, GoldenRow& row, GoldenOutcome& out
   }
   outcome.hash = hex64(recorded->root_hash);
   outcome.size = recorded->size;
-  if (recorded->size > command.size_max)
-    outcome.fail(exit_finding, place + ": size: found " + std::to_string(recorded->size) + " bytes, expected at most " +
-                                   std::to_string(command.size_max));
+  check_size(command, row, recorded->size, outcome);
   std::error_code failure;
   const bool there = fs::exists(path, failure);
   if (there) describe_change(path, fresh, outcome);

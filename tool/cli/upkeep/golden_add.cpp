@@ -144,6 +144,8 @@ Status examine(const GoldenAdd& add, const std::string& fresh, GoldenRow& row, G
       outcome.fail(exit_finding, row.file + ": the recording ended early: " + recorded->note);
   }
   row.size = fs::file_size(path, failure);
+  check_size(add.common, row, row.size, outcome);
+  if (row.size > add.common.size_max) return {};
   check_trace(add.common, row, path, outcome);
   for (Error& error : outcome.errors) error.hint.clear();  // they speak of a row that is there
   return {};
@@ -196,7 +198,7 @@ int run_add(const GoldenAdd& add) {
   if (outcome.code == exit_ok)
     copies.commit();
   else
-    outcome.fail(outcome.code, add.common.manifest() + ": " + row->file + ": no row was added: the trace fails");
+    outcome.fail(outcome.code, add.common.manifest() + ": " + row->file + ": no row was added");
   for (const Error& error : outcome.errors) print_error(error);
   print_added(add, *row, outcome);
   return outcome.code;

@@ -64,6 +64,8 @@ void verify_row(const GoldenRow& row, const std::string& path, Result<replay::Tr
 /// The hash that the trace records for its last tick.
 std::string recorded_hash(replay::TraceReader& reader);
 
+/// Fails a trace that is larger than --size-max.
+void check_size(const GoldenCommand& command, const GoldenRow& row, std::uint64_t size, GoldenOutcome& outcome);
 /// The trace `path` is intact and matches, and recorded again as its row says it ends in the state the row says. A
 /// trace of a program is not recorded again: its own last hash counts.
 void check_trace(const GoldenCommand& command, const GoldenRow& row, const std::string& path, GoldenOutcome& outcome);
