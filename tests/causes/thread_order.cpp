@@ -12,7 +12,7 @@
 namespace {
 
 void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
-  if (tick % 16 != 5) return;
+  if (tick % 6 != 5) return;
   std::mutex lock;
   std::vector<std::uint32_t> arrived;
   const auto has_arrived = [&](std::uint32_t count_before) {
@@ -25,10 +25,9 @@ void rules(gallery::Game& game, std::uint64_t tick, bool is_mended) {
       const std::lock_guard<std::mutex> guard(lock);
       arrived.push_back(i);
     });
-    // The next thread begins when this one is done, or after about 15 ms: a loaded machine seldom takes as long, and
+    // The next thread begins when this one is done, or after about 27 ms: a loaded machine seldom takes as long, and
     // thread_start waits for up to 50 ms.
-    for (int wait = 0; wait < 100 && !has_arrived(i); ++wait)
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    for (int wait = 0; wait < 25 && !has_arrived(i); ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   for (std::thread& thread : threads) thread.join();
   if (is_mended) std::sort(arrived.begin(), arrived.end());
