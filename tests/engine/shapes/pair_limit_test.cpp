@@ -135,6 +135,40 @@ TEST_CASE("a limit that is just enough changes no bit", "[engine][broad_phase][h
     }
 }
 
+TEST_CASE("a limit that is just enough holds where boxes have a margin", "[engine][broad_phase][hostile]") {
+  // Couples of discs come nearer until all leave their fat AABBs in one tick. The tree is then built anew, more fat
+  // AABBs overlap than may be, and the gaps are smaller than the margins of the boxes. Other discs lie beside a static
+  // one: their boxes overlap all the time, so many pairs are allowed.
+  constexpr int couple_count = 12;
+  constexpr double radius = 0.5;
+  for (const double step : {2e-4, 3e-4, 4e-4}) {
+    Scene scene = empty_scene();
+    scene.gravity = {0, 0};
+    const double gap = 2 * (0.02 + 0.1 * radius + 4 * step) + 1e-4;
+    for (int i = 0; i < couple_count; ++i)
+      for (const int side : {-1, 1}) {
+        scene.bodies.push_back(body_of(disc_shape(radius), {side * (radius + gap / 2), 4.0 * i}));
+        scene.bodies.back().velocity = {-side * step / scene.settings.dt, 0};
+      }
+    for (int i = 0; i < couple_count; ++i) {
+      scene.bodies.push_back(body_of(disc_shape(radius), {10, 4.0 * i}, BodyType::static_body));
+      scene.bodies.push_back(body_of(disc_shape(radius), {10.9, 4.0 * i + 0.9}));
+    }
+    const std::vector<std::size_t> counts = pair_counts(scene, static_cast<int>(gap / step));
+    const auto meeting = std::find_if(counts.begin(), counts.end(), [](std::size_t n) { return n > couple_count; });
+    REQUIRE(meeting != counts.end());
+    const auto tick_count = static_cast<int>(meeting - counts.begin());
+    REQUIRE(tick_count * step > 0.1 * radius);
+    for (const auto& info : engine::broad_phases) {
+      CAPTURE(step, info.name);
+      EngineOptions options;
+      options.broad_phase = info.kind;
+      options.pair_count_max = couple_count;
+      CHECK(run(scene, options, tick_count).tick == -1);
+    }
+  }
+}
+
 TEST_CASE("5,000 shapes in one place end the run in its first tick", "[engine][hostile]") {
   for (const auto& precision : engine::precisions)
     for (const auto& info : engine::broad_phases) {
