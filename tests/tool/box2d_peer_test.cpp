@@ -37,7 +37,7 @@ TEST_CASE("the peer takes eight corners, refuses nine, and says why", "[verifier
 TEST_CASE("the peer refuses what its skin or its floats would distort", "[verifier][crosscheck][analytic]") {
   SKIP_UNLESS(has_box2d(), "a build without Box2D");
   Scene thin = stack_scene(1);
-  thin.bodies[1].shapes[0].half_size.y = 0.01;
+  thin.bodies[1].shapes[0].half_size.y = 0.003;
   CHECK(refusal_of(thin).find("too thin for Box2D's skin") != std::string::npos);
   Scene far = stack_scene(1);
   far.bodies[1].position.x = 1e6;

@@ -360,6 +360,22 @@ TEST_CASE("what is not imported is listed by name", "[verifier][import_rube]") {
   CHECK(many.notes.back() == "and 51 more of this kind");
 }
 
+TEST_CASE("inactive bodies are left out with their joints, and the others keep theirs", "[verifier][rube]") {
+  const std::string body = R"("type":2,"awake":true,)" + disc + "}";
+  const RubeImport import = imported(
+      world_of(R"({"name":"a",)" + body + R"(,{"name":"ghost","active":false,)" + body + R"(,{"name":"b",)" + body,
+               R"({"type":"weld","name":"held","bodyA":0,"bodyB":2},)"
+               R"({"type":"weld","name":"lost","bodyA":0,"bodyB":1})"));
+  REQUIRE(import.scene.bodies.size() == 2);
+  CHECK(import.scene.bodies[1].name == "b");
+  REQUIRE(import.scene.joints.size() == 1);
+  CHECK(import.scene.joints[0].name == "held");
+  CHECK(import.scene.joints[0].body_a == 0);
+  CHECK(import.scene.joints[0].body_b == 1);
+  CHECK(import.notes == std::vector<std::string>{R"(not imported: body[1] "ghost": is inactive)",
+                                                 R"(not imported: joint[1] "lost": one of its bodies is inactive)"});
+}
+
 TEST_CASE("broken files are refused with path, found and expected", "[verifier][import_rube]") {
   const std::pair<std::string, std::string> cases[] = {
       {"[]", "f.json: found an array of 0, expected an object with \"body\""},
@@ -373,7 +389,7 @@ TEST_CASE("broken files are refused with path, found and expected", "[verifier][
       {world_of(R"({"name":[]})"), "f.json: body[0].name: found an array of 0, expected a text"},
       {world_of(R"({"angle":null})"),
        "f.json: body[0].angle: found null, expected a finite number, or 8 hexadecimal digits of a 32-bit float"},
-      {world_of(R"({"active":false})"), "f.json: body[0]: found an inactive body, expected active ones"},
+      {world_of(R"({"active":1})"), "f.json: body[0].active: found 1, expected true or false"},
       {body_with(""),
        "f.json: body[0].fixture[0]: found an object, expected a \"circle\", \"polygon\" or \"chain\" in it"},
       {body_with(R"("circle":{})"), "f.json: body[0].fixture[0].circle: found no radius, expected one above 0"},

@@ -224,6 +224,12 @@ class Box2dWorld final : public Box2dPeer {
     return (options_.match_skin ? static_cast<double>(b2_linearSlop) : 2 * static_cast<double>(b2_polygonRadius)) /
            units_.scale;
   }
+  std::size_t thin_shape_count() const override {
+    std::size_t count = 0;
+    for (const engine::Body& body : scene_.bodies)
+      for (const Shape& shape : body.shapes) count += is_thin(body, shape, units_) ? 1 : 0;
+    return count;
+  }
   std::size_t clamped_tick() const override { return clamped_tick_; }
 
  private:

@@ -47,12 +47,14 @@ class Box2dPeer {
   virtual double length_scale() const = 0;
   /// The largest gap that Box2D leaves between the geometry of two resting polygons, scene m.
   virtual double skin() const = 0;
+  /// Shapes that got the skin of Box2dOptions::match_skin because they are thinner than three skins.
+  virtual std::size_t thin_shape_count() const = 0;
   /// The first tick, from 1, in which Box2D cut a movement to its limit of 2 m or 90 degrees a step; 0: none.
   virtual std::size_t clamped_tick() const = 0;
 };
 
 /// Errors: unsupported, with the reason: joints, shapes or forces that 2.4.1 does not have, a polygon of more than 8
-/// vertices, shapes thinner than a few skins, coordinates too far out for floats; or a build without Box2D.
+/// vertices, shapes thinner than a few of the thinnest skins, coordinates too far out for floats; or a build without Box2D.
 Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene& scene, const Box2dOptions& options = {});
 
 /// "2.4.1"; empty in a build without Box2D.

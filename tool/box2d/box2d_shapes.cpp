@@ -23,7 +23,10 @@ using engine::Point;
 using engine::Shape;
 using engine::ShapeKind;
 
+// Polygons rest with their skins half a slop each inside each other: with this skin that is where ours touch.
+constexpr float thin_skin_m = 0.5f * b2_linearSlop;
 constexpr double thickness_min_m = 3 * static_cast<double>(b2_polygonRadius);  // thinner: mostly skin
+constexpr double thin_thickness_min_m = 3 * static_cast<double>(thin_skin_m);  // likewise with the thin skin
 
 // Smallest width of a shape over all directions. `hull` is counter-clockwise.
 double thickness_of(const Shape& shape, const std::vector<Point>& hull) {
@@ -78,7 +81,19 @@ Status check_known(const Shape& shape, const Box2dOptions& options, const Box2dU
   return {};
 }
 
+std::vector<Point> hull_of(const Shape& shape) {
+  if (shape.kind != ShapeKind::polygon) return {};
+  Result<std::vector<Point>> built = engine::build_hull(shape.vertices);
+  return built ? std::move(*built) : std::vector<Point>{};
+}
+
 }  // namespace
+
+bool is_thin(const engine::Body& description, const Shape& shape, const Box2dUnits& units) {
+  const bool has_skin = shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon;
+  return description.type == BodyType::dynamic_body && has_skin && !shape.sensor &&
+         thickness_of(shape, hull_of(shape)) * units.scale < thickness_min_m;
+}
 
 double extent_of(const Shape& shape) {
   switch (shape.kind) {
@@ -121,13 +136,13 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shap
     if (!built) return built.error();
     hull = std::move(*built);
   }
+  const bool has_thin_skin = options.match_skin || is_thin(description, shape, units);
   const double thickness = thickness_of(shape, hull) * units.scale;
-  const bool has_skin = shape.kind == ShapeKind::box || shape.kind == ShapeKind::polygon;
-  if (description.type == BodyType::dynamic_body && has_skin && !shape.sensor && thickness < thickness_min_m)
+  if (is_thin(description, shape, units) && thickness < thin_thickness_min_m)
     return Error{ErrorCode::unsupported,
                  fmt::format("{}: too thin for Box2D's skin of {:g} m: found {:g} m, expected at least {:g} m", place,
-                             static_cast<double>(b2_polygonRadius) / units.scale, thickness / units.scale,
-                             thickness_min_m / units.scale),
+                             static_cast<double>(thin_skin_m) / units.scale, thickness / units.scale,
+                             thin_thickness_min_m / units.scale),
                  {}};
   switch (shape.kind) {
     case ShapeKind::circle:
@@ -190,10 +205,9 @@ Status add_box2d_shape(b2Body* body, const engine::Body& description, const Shap
       break;
     }
   }
-  // Polygons rest with their skins half a slop each inside each other: that is then where ours touch.
   const double rounding = shape.kind == ShapeKind::capsule ? 0 : shape.radius;  // an octagon has its width already
-  if ((rounding > 0 || options.match_skin) && definition.shape == &polygon)
-    polygon.m_radius = static_cast<float>(rounding * units.scale) + 0.5f * b2_linearSlop;
+  if ((rounding > 0 || has_thin_skin) && definition.shape == &polygon)
+    polygon.m_radius = static_cast<float>(rounding * units.scale) + thin_skin_m;
   body->CreateFixture(&definition);
   return {};
 }

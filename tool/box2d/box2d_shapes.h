@@ -13,6 +13,10 @@ namespace ticktrue::verifier {
 /// Largest extent of a shape, twice its bounding radius about its own centre.
 double extent_of(const engine::Shape& shape);
 
+/// Whether a shape of a dynamic body is so thin that it would be mostly skin: it then gets the skin of
+/// Box2dOptions::match_skin.
+bool is_thin(const engine::Body& description, const engine::Shape& shape, const Box2dUnits& units);
+
 /// Adds one shape of `description` to `body`; the fixture's user data is the shape, which must outlive it.
 /// `restitution_threshold`: m/s of the scene. `place` is what an error names first.
 /// Errors: unsupported, with what Box2D 2.4.1 has no notion of.

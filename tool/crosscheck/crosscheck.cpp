@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/limits.h"
 #include "base/parallel/jobs.h"
@@ -50,6 +51,7 @@ struct Outcome {
   std::size_t clamped_tick = 0;  // of Box2D
   double length_scale = 1;
   double skin = 0;
+  std::size_t thin_shape_count = 0;
 };
 
 class Runner {
@@ -83,6 +85,7 @@ class Runner {
       if (!peer) return peer.error();
       outcome.skin = (*peer)->skin();
       outcome.length_scale = (*peer)->length_scale();
+      outcome.thin_shape_count = (*peer)->thin_shape_count();
       CrosscheckMeasure measure(layout_, 0, outcome.skin);
       watch(**peer, settings.dt, measure, [&] {
         (*peer)->step();
@@ -165,18 +168,31 @@ bool is_of_bodies(const CriterionResult& row) {
   return row.criterion == place_criterion || row.criterion == distance_criterion;
 }
 
-// Where Box2D with finer steps agrees with ours, the difference is one of Box2D's convergence.
-void excuse_convergence(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& finer,
-                        int steps_per_tick) {
-  for (std::size_t i = 0; i < rows.size() && i < finer.size(); ++i) {
-    if (rows[i].verdict != Agreement::differ || rows[i].criterion != finer[i].criterion) continue;
-    if (is_of_bodies(rows[i])) continue;
-    if (finer[i].verdict != Agreement::agree && finer[i].verdict != Agreement::expected) continue;
-    double mean = 0;
-    for (const double value : finer[i].box2d) mean += value / static_cast<double>(finer[i].box2d.size());
-    rows[i].verdict = Agreement::expected;
-    rows[i].reason =
-        fmt::format("Box2D has not converged: with {} steps a tick it comes to {:.4g} too", steps_per_tick, mean);
+/// What an ensemble does under a criterion: a verb and its object.
+std::string outcome_text(const CriterionResult& row, const std::vector<double>& values) {
+  if (row.criterion == stands_criterion)
+    return fmt::format("stands in {} of {} seeds", std::count(values.begin(), values.end(), 1), values.size());
+  return fmt::format("comes to {:.4g}{}{}", mean_of(values), row.unit.empty() ? "" : " ", row.unit);
+}
+
+/// Whether Box2D's own two answers lie on either side of ours.
+bool is_between(const CriterionResult& row, const CriterionResult& finest) {
+  const auto [least, most] = std::minmax({mean_of(row.box2d), mean_of(finest.box2d)});
+  const double ours = mean_of(row.ours);
+  return least <= ours && ours <= most;
+}
+
+/// Says where ours comes to with smaller substeps, on every row that Box2D's smaller steps were asked about.
+void tell_own_convergence(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& own_finest,
+                          std::string_view how) {
+  for (std::size_t i = 0; i < rows.size() && i < own_finest.size(); ++i) {
+    CriterionResult& row = rows[i];
+    if (is_of_bodies(row) || row.criterion != own_finest[i].criterion) continue;
+    row.ours_finest = own_finest[i].ours;
+    if (row.verdict != Agreement::differ && row.verdict != Agreement::expected) continue;
+    if (row.box2d_finest.empty() || row.ours_finest.empty()) continue;
+    row.reason +=
+        fmt::format("{}ours with {} {}", row.reason.empty() ? "" : "; ", how, outcome_text(row, row.ours_finest));
   }
 }
 
@@ -223,7 +239,151 @@ CrosscheckReport report_not_applicable(CrosscheckReport report, const std::vecto
   return report;
 }
 
+/// Ensembles of one scene, with smaller steps of Box2D or of ours run when they are first needed.
+class Comparison {
+ public:
+  Comparison(const CrosscheckLayout& layout, const std::vector<Scene>& starts, const Box2dOptions& box2d_options,
+             Runner& runner)
+      : layout_(layout), starts_(starts), box2d_options_(box2d_options), runner_(runner) {}
+
+  /// The rows of a solver. `ours`, `box2d`: the ensembles as the scene says.
+  Result<std::vector<CriterionResult>> judge(SolverKind solver, const std::vector<CrosscheckRun>& ours,
+                                             const std::vector<CrosscheckRun>& box2d, double skin) {
+    std::vector<CriterionResult> rows = compare_runs(layout_, ours, box2d, skin);
+    if (!has_difference(rows) && !layout_.is_structure) return rows;
+    const std::size_t level_count = layout_.dynamic_count > finest_body_count_max ? 1 : finer_.size();
+    const Result<const std::vector<CrosscheckRun>*> finest = box2d_finer(level_count - 1);
+    if (!finest) return finest.error();
+    const int finest_steps = finer_steps_per_tick[level_count - 1];
+    judge_by_finest(rows, compare_runs(layout_, ours, **finest, skin), finest_steps);
+    if (const Status judged = judge_bodies(rows, solver, ours, box2d, skin, level_count); !judged)
+      return judged.error();
+    const bool asks_ours = std::any_of(rows.begin(), rows.end(), [](const CriterionResult& row) {
+      return !is_of_bodies(row) && !row.box2d_finest.empty() &&
+             (row.verdict == Agreement::differ || row.verdict == Agreement::expected);
+    });
+    if (asks_ours && can_refine(solver)) {
+      const Result<const std::vector<CrosscheckRun>*> own = ours_finer(solver, own_finer_.size() - 1);
+      if (!own) return own.error();
+      const std::string how = starts_.front().settings.auto_substeps
+                                  ? fmt::format("a {}th of its target error", own_factor() * own_factor())
+                                  : fmt::format("{} times the substeps", own_factor());
+      tell_own_convergence(rows, compare_runs(layout_, **own, **finest, skin), how);
+    }
+    return rows;
+  }
+
+ private:
+  static int own_factor() { return own_substep_factors.back(); }
+  bool can_refine(SolverKind solver) const {
+    return engine::info_of(engine::solvers, solver).substeps && layout_.dynamic_count <= finest_body_count_max;
+  }
+
+  /// What single bodies do differs only where smaller steps of both leave them where they are.
+  Status judge_bodies(std::vector<CriterionResult>& rows, SolverKind solver, const std::vector<CrosscheckRun>& ours,
+                      const std::vector<CrosscheckRun>& box2d, double skin, std::size_t level_count) {
+    const auto differs = [&](std::string_view criterion) {
+      return std::any_of(rows.begin(), rows.end(), [&](const CriterionResult& row) {
+        return row.verdict == Agreement::differ && row.criterion == criterion;
+      });
+    };
+    const auto judge_again = [&](const std::vector<std::vector<CrosscheckRun>>& finer,
+                                 const std::vector<std::vector<CrosscheckRun>>& own_finer) {
+      for (const CriterionResult& again : compare_bodies(layout_, ours, box2d, finer, own_finer, skin))
+        for (CriterionResult& row : rows)
+          if (row.criterion == again.criterion && row.verdict == Agreement::differ) row = again;
+    };
+    std::vector<std::vector<CrosscheckRun>> finer, own_finer;
+    for (std::size_t level = 0; level < level_count; ++level) {
+      if (!differs(place_criterion) && !differs(distance_criterion)) return {};
+      const Result<const std::vector<CrosscheckRun>*> runs = box2d_finer(level);
+      if (!runs) return runs.error();
+      finer.push_back(**runs);
+      judge_again(finer, {});
+    }
+    if (!differs(place_criterion) || !can_refine(solver)) return {};
+    for (std::size_t level = 0; level < own_finer_.size(); ++level) {
+      const Result<const std::vector<CrosscheckRun>*> runs = ours_finer(solver, level);
+      if (!runs) return runs.error();
+      own_finer.push_back(**runs);
+    }
+    judge_again(finer, own_finer);
+    return {};
+  }
+
+  Result<const std::vector<CrosscheckRun>*> box2d_finer(std::size_t level) {
+    Box2dOptions options = box2d_options_;
+    options.steps_per_tick = finer_steps_per_tick[level];
+    std::vector<Job> jobs;
+    for (const Scene& start : starts_) jobs.push_back({start, true, options});
+    return run_once(jobs, finer_[level]);
+  }
+
+  Result<const std::vector<CrosscheckRun>*> ours_finer(SolverKind solver, std::size_t level) {
+    if (solver != own_finer_of_)
+      for (std::vector<CrosscheckRun>& runs : own_finer_) runs.clear();
+    own_finer_of_ = solver;
+    const int factor = own_substep_factors[level];
+    std::vector<Job> jobs;
+    for (const Scene& start : starts_) {
+      jobs.push_back({scene_with_solver(start, solver), false, {}});
+      engine::Settings& settings = jobs.back().scene.settings;
+      settings.substeps = std::min(factor * settings.substeps, limits::substep_count_max);
+      if (settings.auto_substeps)  // errors fall with the square of the substeps
+        settings.auto_substeps->target_error = std::max(settings.auto_substeps->target_error / (factor * factor), 1e-6);
+    }
+    return run_once(jobs, own_finer_[level]);
+  }
+
+  Result<const std::vector<CrosscheckRun>*> run_once(const std::vector<Job>& jobs, std::vector<CrosscheckRun>& runs) {
+    if (runs.empty()) {
+      runner_.expect_jobs(jobs.size());
+      const Result<std::vector<Outcome>> outcomes = runner_.run(jobs);
+      if (!outcomes) return outcomes.error();
+      runs = runs_of(*outcomes, 0, outcomes->size());
+    }
+    return &runs;
+  }
+
+  const CrosscheckLayout& layout_;
+  const std::vector<Scene>& starts_;
+  const Box2dOptions& box2d_options_;
+  Runner& runner_;
+  std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer_;     // empty: not run
+  std::array<std::vector<CrosscheckRun>, own_substep_factors.size()> own_finer_;  // of one solver
+  std::optional<SolverKind> own_finer_of_;
+};
+
 }  // namespace
+
+void judge_by_finest(std::vector<CriterionResult>& rows, const std::vector<CriterionResult>& finest,
+                     int steps_per_tick) {
+  for (std::size_t i = 0; i < rows.size() && i < finest.size(); ++i) {
+    CriterionResult& row = rows[i];
+    const CriterionResult& fine = finest[i];
+    if (is_of_bodies(row) || row.criterion != fine.criterion) continue;
+    row.box2d_finest = fine.box2d;
+    if (row.verdict == Agreement::differ && (fine.verdict == Agreement::agree || fine.verdict == Agreement::expected)) {
+      row.verdict = Agreement::expected;
+      row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}", steps_per_tick,
+                               outcome_text(row, fine.box2d));
+      if (fine.verdict == Agreement::agree)
+        row.reason += ", too";
+      else
+        row.reason += "; the rest is expected: " + fine.reason;
+    } else if (row.verdict == Agreement::differ && row.criterion != stands_criterion && is_between(row, fine)) {
+      row.verdict = Agreement::expected;
+      row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}, and ours lies between",
+                               steps_per_tick, outcome_text(row, fine.box2d));
+    } else if (row.criterion == stands_criterion && row.verdict == Agreement::agree &&
+               fine.verdict == Agreement::differ) {
+      row.verdict = Agreement::differ;
+      row.difference = fine.difference;
+      row.reason = fmt::format("Box2D has not converged: with {} steps a tick it {}", steps_per_tick,
+                               outcome_text(row, fine.box2d));
+    }
+  }
+}
 
 Scene jittered_scene(const Scene& scene, const CrosscheckLayout& layout, std::uint32_t seed) {
   Scene jittered = scene;
@@ -309,6 +469,7 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   if (!outcomes) return outcomes.error();
 
   report.length_scale = outcomes->front().length_scale;
+  report.thin_shape_count = options.match_skin ? 0 : outcomes->front().thin_shape_count;
   const double skin = outcomes->front().skin;
   std::size_t clamped_tick = std::numeric_limits<std::size_t>::max();
   for (const Outcome& outcome : *outcomes)
@@ -321,55 +482,13 @@ Result<CrosscheckReport> crosscheck(const Scene& scene, const CrosscheckOptions&
   const std::vector<CrosscheckRun> box2d = runs_of(*outcomes, 0, starts.size());
   report.is_structure = layout.is_structure;
   report.box2d_stood = stood_count(box2d);
-  std::array<std::vector<CrosscheckRun>, finer_steps_per_tick.size()> finer;  // run when first needed
+  Comparison comparison(layout, starts, box2d_options, runner);
   for (std::size_t i = 0; i < solvers.size(); ++i) {
     const std::string name{engine::info_of(engine::solvers, solvers[i]).name};
     const std::vector<CrosscheckRun> ours = runs_of(*outcomes, (i + 1) * starts.size(), starts.size());
-    std::vector<CriterionResult> rows = compare_runs(layout, ours, box2d, skin);
-    // Where Box2D's structure stands and ours does not, finer steps of Box2D can excuse nothing.
-    const bool ours_fell = layout.is_structure && stood_count(ours) < report.box2d_stood;
-    for (std::size_t level = 0; level < finer.size() && has_difference(rows) && !ours_fell; ++level) {
-      const int steps = finer_steps_per_tick[level];
-      if (level > 0 && layout.dynamic_count > finest_body_count_max) break;
-      if (finer[level].empty()) {
-        Box2dOptions finer_options = box2d_options;
-        finer_options.steps_per_tick = steps;
-        std::vector<Job> more;
-        for (const Scene& start : starts) more.push_back({start, true, finer_options});
-        runner.expect_jobs(more.size());
-        Result<std::vector<Outcome>> again = runner.run(more);
-        if (!again) return again.error();
-        finer[level] = runs_of(*again, 0, starts.size());
-      }
-      excuse_convergence(rows, compare_runs(layout, ours, finer[level], skin), steps);
-      const auto known = finer.begin() + static_cast<std::ptrdiff_t>(level) + 1;
-      for (const CriterionResult& again : compare_bodies(layout, ours, box2d, {finer.begin(), known}, {}, skin))
-        for (CriterionResult& row : rows)
-          if (row.criterion == again.criterion && row.verdict == Agreement::differ) row = again;
-    }
-    const bool is_substepped = engine::info_of(engine::solvers, solvers[i]).substeps;
-    const bool places_differ = std::any_of(rows.begin(), rows.end(), [](const CriterionResult& row) {
-      return row.criterion == place_criterion && row.verdict == Agreement::differ;
-    });
-    if (places_differ && is_substepped && !ours_fell && layout.dynamic_count <= finest_body_count_max) {
-      std::vector<std::vector<CrosscheckRun>> own_finer;
-      for (const int factor : own_substep_factors) {
-        std::vector<Job> more;
-        for (const Scene& start : starts) {
-          more.push_back({scene_with_solver(start, solvers[i]), false, {}});
-          int& substeps = more.back().scene.settings.substeps;
-          substeps = std::min(factor * substeps, limits::substep_count_max);
-        }
-        runner.expect_jobs(more.size());
-        Result<std::vector<Outcome>> again = runner.run(more);
-        if (!again) return again.error();
-        own_finer.push_back(runs_of(*again, 0, starts.size()));
-      }
-      const CriterionResult place =
-          compare_bodies(layout, ours, box2d, {finer.begin(), finer.end()}, own_finer, skin)[0];
-      for (CriterionResult& row : rows)
-        if (row.criterion == place.criterion) row = place;
-    }
+    Result<std::vector<CriterionResult>> judged = comparison.judge(solvers[i], ours, box2d, skin);
+    if (!judged) return judged.error();
+    std::vector<CriterionResult>& rows = *judged;
     report.solvers.push_back(summarize(report, name, rows, stood_count(ours)));
     for (CriterionResult& row : rows) {
       row.solver = name;

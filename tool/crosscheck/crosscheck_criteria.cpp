@@ -51,10 +51,6 @@ std::vector<double> each(const std::vector<CrosscheckRun>& runs, Field field) {
   return values;
 }
 
-double mean_of(const std::vector<double>& values) {
-  return statistics_of(values).mean;
-}
-
 template <typename Condition>
 bool all(const std::vector<CrosscheckRun>& runs, Condition condition) {
   return std::all_of(runs.begin(), runs.end(), condition);
@@ -128,9 +124,11 @@ struct Judge {
   }
 
   CriterionResult stands() const {
-    if (std::string reason = not_a_structure(); !reason.empty()) return not_applicable("stands or falls", reason);
+    if (std::string reason = not_a_structure(); !reason.empty())
+      return not_applicable(std::string(stands_criterion), reason);
     const auto stood = [](const CrosscheckRun& run) { return run.stood ? 1 : 0; };
-    CriterionResult row = compare_means("stands or falls", "of the seeds", each(ours, stood), each(box2d, stood), 0);
+    CriterionResult row =
+        compare_means(std::string(stands_criterion), "of the seeds", each(ours, stood), each(box2d, stood), 0);
     row.tolerance = stood_tolerance + 1e-9;
     row.verdict = row.difference <= row.tolerance ? Agreement::agree : Agreement::differ;
     return row;
@@ -464,6 +462,10 @@ struct Judge {
 };
 
 }  // namespace
+
+double mean_of(const std::vector<double>& values) {
+  return statistics_of(values).mean;
+}
 
 std::vector<CriterionResult> compare_runs(const CrosscheckLayout& layout, const std::vector<CrosscheckRun>& ours,
                                           const std::vector<CrosscheckRun>& box2d, double box2d_skin) {

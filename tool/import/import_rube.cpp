@@ -330,6 +330,13 @@ class Importer {
   // ---- Bodies ----
 
   void read_body(const Place& at) {
+    body_ids_.emplace_back();
+    const bool is_active = flag(at, "active", true);
+    if (error_) return;
+    if (!is_active) {
+      used_.clear();
+      return note("not imported: " + label(at) + ": is inactive");
+    }
     Body body;
     body.name = body_names_.take(name_of(at));
     constexpr std::array types{BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body};
@@ -350,7 +357,6 @@ class Importer {
     body.can_sleep = flag(at, "allowSleep", true);
     if (!flag(at, "awake") && body.type == BodyType::dynamic_body)
       note("not imported: " + label(at) + ": sleeps at the start");
-    if (!flag(at, "active", true)) fail(ErrorCode::unsupported, at, "found an inactive body, expected active ones");
     use(at, "fixture");
     if (at.has("fixture")) read_fixtures(at, body);
     if (error_) return;
@@ -362,6 +368,7 @@ class Importer {
       body.velocity = {velocity.x - body.angular_velocity * arm.y, velocity.y + body.angular_velocity * arm.x};
     }
     count_ignored(at, "body");
+    body_ids_.back() = static_cast<std::uint32_t>(out_.scene.bodies.size());
     out_.scene.bodies.push_back(std::move(body));
   }
 
@@ -541,18 +548,22 @@ class Importer {
   void read_joint(const Place& at) {
     const std::string type = text(at, "type");
     Joint joint;
-    const std::size_t body_count = out_.scene.bodies.size();
+    const std::size_t body_count = body_ids_.size();
     for (const char* key : {"bodyA", "bodyB"})
       if (!at.has(key)) return fail(ErrorCode::invalid_scene, at, "found no \"" + std::string(key) + "\"");
     if (body_count == 0) return fail(ErrorCode::invalid_scene, at, "found a joint, expected none: there are no bodies");
     const auto last = static_cast<std::int64_t>(body_count) - 1;
-    joint.body_a = static_cast<std::uint32_t>(whole(at, "bodyA", 0, last, 0));
-    joint.body_b = static_cast<std::uint32_t>(whole(at, "bodyB", 0, last, 0));
+    const auto place_a = static_cast<std::size_t>(whole(at, "bodyA", 0, last, 0));
+    const auto place_b = static_cast<std::size_t>(whole(at, "bodyB", 0, last, 0));
     if (error_) return;
     if (type == "gear" || type == "pulley") return note("not imported: " + label(at) + ": " + type);
     const auto is_dynamic = [&](std::uint32_t body) { return out_.scene.bodies[body].type == BodyType::dynamic_body; };
-    if (joint.body_a == joint.body_b)
-      return fail(ErrorCode::invalid_scene, at, "found body " + std::to_string(joint.body_a) + " twice, expected two");
+    if (place_a == place_b)
+      return fail(ErrorCode::invalid_scene, at, "found body " + std::to_string(place_a) + " twice, expected two");
+    if (!body_ids_[place_a] || !body_ids_[place_b])
+      return note("not imported: " + label(at) + ": one of its bodies is inactive");
+    joint.body_a = *body_ids_[place_a];
+    joint.body_b = *body_ids_[place_b];
     if (!is_dynamic(joint.body_b) && (type == "mouse" || !is_dynamic(joint.body_a)))
       return note("not imported: " + label(at) + ": joins nothing that moves freely");
     joint.name = joint_names_.take(name_of(at));
@@ -705,6 +716,7 @@ class Importer {
   RubeImport out_;
   UniqueNames body_names_;
   UniqueNames joint_names_;
+  std::vector<std::optional<std::uint32_t>> body_ids_;  // [place in the file] in the scene; none: left out
   std::set<std::pair<const Json*, std::string>> used_;
   std::map<std::string, std::size_t> ignored_;
   std::size_t note_count_ = 0;

@@ -100,6 +100,10 @@ std::string report_text(const CrosscheckReport& report) {
   if (report.length_scale != 1)
     text += fmt::format("  lengths scaled by {:g} for Box2D, which is tuned for bodies of 0.1 m to 10 m\n",
                         report.length_scale);
+  if (report.thin_shape_count > 0)
+    text += fmt::format(
+        "  {} thinner than three of Box2D's skins: a skin of a quarter\n",
+        report.thin_shape_count == 1 ? "1 shape is" : fmt::format("{} shapes are", report.thin_shape_count));
   for (const CrosscheckSolver& solver : report.solvers) {
     text += "\n" + fmt::format(row_format, "criterion", solver.solver, "Box2D", "apart", "allowed", "", "verdict");
     for (const CriterionResult& row : report.rows)
@@ -128,7 +132,8 @@ Json report_json(const CrosscheckReport& report) {
                     {"velocity_iterations", report.velocity_iterations},
                     {"position_iterations", report.position_iterations},
                     {"length_scale", report.length_scale},
-                    {"match_skin", report.match_skin}};
+                    {"match_skin", report.match_skin},
+                    {"thin_shapes", report.thin_shape_count}};
   int passed = 0;
   int failed = 0;
   int expected = 0;
@@ -165,6 +170,8 @@ Json report_json(const CrosscheckReport& report) {
     entry["unit"] = row.unit;
     entry["ours"] = numbers_json(row.ours);
     entry["box2d"] = numbers_json(row.box2d);
+    if (!row.ours_finest.empty()) entry["ours_finest"] = numbers_json(row.ours_finest);
+    if (!row.box2d_finest.empty()) entry["box2d_finest"] = numbers_json(row.box2d_finest);
     entry["difference"] = std::isfinite(row.difference) ? Json(row.difference) : Json(nullptr);
     entry["tolerance"] = row.tolerance;
     entry["reason"] = row.reason;
