@@ -246,7 +246,8 @@ constexpr Room rooms[] = {
     {"tool/cli", "below,tool/output,tool/session"},
     {"tool/cli/session",
      "below,tool/cli,tool/output,tool/session,tool/campaign,tool/corpus,tool/drawing,tool/experiment/reduce,"
-     "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/import,tool/play,tool/report_page"},
+     "tool/experiment/shake,tool/experiment/trail,tool/experiment/unsaved,tool/expression,tool/import,tool/play,"
+     "tool/report_page"},
     {"tool/cli/study",
      "below,tool/cli,tool/output,tool/session,tool/crosscheck,tool/study,"
      "tool/study/problem_file,tool/study/stress"},

@@ -170,8 +170,8 @@ TEST_CASE("an expression may name values of bodies where it is told so", "[verif
   using verifier::Expression;
   using verifier::ExpressionNames;
   CHECK_FALSE(Expression::parse("bodies.0.x", "test").has_value());
-  CHECK_FALSE(Expression::parse("bodies.0.z", "test", ExpressionNames::world_and_bodies).has_value());
-  CHECK_FALSE(Expression::parse("bodies.x", "test", ExpressionNames::world_and_bodies).has_value());
+  CHECK_FALSE(Expression::parse("bodies.0.z", "test", ExpressionNames::world_and_parts).has_value());
+  CHECK_FALSE(Expression::parse("bodies.x", "test", ExpressionNames::world_and_parts).has_value());
   CHECK_FALSE(Expression::parse("energy", "test", ExpressionNames::time).has_value());
   auto time = Expression::parse("2*t + 0.5", "test", ExpressionNames::time);
   REQUIRE(time.has_value());

@@ -8,23 +8,21 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <deque>
 #include <optional>
 #include <string_view>
 
 #include "engine/math/trig.h"
+#include "tool/expression/named_values.h"
 #include "tool/study/table.h"
 
 namespace ticktrue::verifier {
 
 #ifdef TICKTRUE_HAS_MUPARSER
 
-/// `bodies.3.x`.
-struct NamedBody {
-  std::string name;
-  std::uint32_t id = 0;
-  BodyValue value = BodyValue::x;
+/// With its present value.
+struct UsedName {
+  NamedValue named;
   double now = 0;
 };
 
@@ -35,7 +33,7 @@ struct Expression::Parser {
   std::array<double, world_values.size()> start{};  // [value]
   std::vector<WorldValue> used;                     // ascending
   std::vector<WorldValue> used_at_start;
-  std::deque<NamedBody> bodies;  // in the order in which they are named
+  std::deque<UsedName> parts;  // in the order in which they are named
   double time_s = 0;
 
   /// Before the text is set.
@@ -57,42 +55,22 @@ std::string known_names(ExpressionNames names) {
   std::string text;
   for (const WorldValueInfo& info : world_values) text += (text.empty() ? "" : ", ") + std::string(info.name);
   if (names == ExpressionNames::world) return "names: " + text + "; with _start: before the first tick";
-  text += "; of a body, as in bodies.3.x:";
-  for (const BodyValueInfo& info : body_values) text += " " + std::string(info.name);
-  return "names: " + text;
+  return "names: " + text + "; " + named_values_text();
 }
 
-/// The body that `name` means: "bodies.3.x".
-std::optional<NamedBody> named_body(std::string_view name) {
-  constexpr std::string_view prefix = "bodies.";
-  if (name.substr(0, prefix.size()) != prefix) return {};
-  NamedBody body;
-  body.name = std::string(name);
-  name.remove_prefix(prefix.size());
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), body.id);
-  if (error != std::errc()) return {};
-  name.remove_prefix(static_cast<std::size_t>(end - name.data()));
-  for (const BodyValueInfo& info : body_values)
-    if (name == "." + std::string(info.name)) {
-      body.value = info.value;
-      return body;
-    }
-  return {};
-}
-
-/// Of each name of a body in the text, one.
-std::deque<NamedBody> find_bodies(const std::string& text) {
-  std::deque<NamedBody> bodies;
+/// Of each name of a body, contact or joint in the text, one.
+std::deque<UsedName> find_parts(const std::string& text) {
+  std::deque<UsedName> parts;
   constexpr std::string_view name_characters = "0123456789_.abcdefghijklmnopqrstuvwxyz";
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t begin = text.find_first_of(name_characters, at);
     if (begin == std::string::npos) break;
     at = std::min(text.find_first_not_of(name_characters, begin), text.size());
-    std::optional<NamedBody> body = named_body(std::string_view(text).substr(begin, at - begin));
-    const auto is_same = [&](const NamedBody& other) { return other.name == body->name; };
-    if (body && std::none_of(bodies.begin(), bodies.end(), is_same)) bodies.push_back(*std::move(body));
+    std::optional<NamedValue> named = find_named_value(std::string_view(text).substr(begin, at - begin));
+    const auto is_same = [&](const UsedName& other) { return other.named.name == named->name; };
+    if (named && std::none_of(parts.begin(), parts.end(), is_same)) parts.push_back({*std::move(named)});
   }
-  return bodies;
+  return parts;
 }
 
 /// An assignment changes a value of the world for the rest of the expression: nobody means that.
@@ -120,10 +98,10 @@ void Expression::Parser::define(ExpressionNames names) {
     parser.DefineVar(name, &now[index]);
     parser.DefineVar(name + start_suffix, &start[index]);
   }
-  if (names != ExpressionNames::world_and_bodies) return;
+  if (names != ExpressionNames::world_and_parts) return;
   parser.DefineNameChars("0123456789_.abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
-  bodies = find_bodies(text);
-  for (NamedBody& body : bodies) parser.DefineVar(body.name, &body.now);
+  parts = find_parts(text);
+  for (UsedName& part : parts) parser.DefineVar(part.named.name, &part.now);
 }
 
 void Expression::Parser::find_used() {
@@ -162,7 +140,8 @@ void Expression::begin(const engine::Engine& engine) {
 double Expression::evaluate(const engine::Engine& engine) {
   WorldMeasures measures(engine);
   for (const WorldValue value : parser_->used) parser_->now[static_cast<std::size_t>(value)] = measures.of(value);
-  for (NamedBody& body : parser_->bodies) body.now = measures.of_body(body.id, body.value);
+  NamedValues values(engine);
+  for (UsedName& part : parser_->parts) part.now = values.of(part.named);
   return parser_->parser.Eval();
 }
 
@@ -183,7 +162,7 @@ std::string Expression::values_text() const {
   for (const WorldValue value : parser_->used) add(name_of(value), parser_->now[static_cast<std::size_t>(value)]);
   for (const WorldValue value : parser_->used_at_start)
     add(name_of(value) + start_suffix, parser_->start[static_cast<std::size_t>(value)]);
-  for (const NamedBody& body : parser_->bodies) add(body.name, body.now);
+  for (const UsedName& part : parser_->parts) add(part.named.name, part.now);
   return text;
 }
 

@@ -16,9 +16,9 @@
 
 namespace ticktrue::verifier {
 
-/// What an expression may name beside world_values: values of single bodies, as `bodies.3.x`, or the time alone, as
-/// `t`.
-enum class ExpressionNames : std::uint8_t { world, world_and_bodies, time };
+/// What an expression may name: world_values, with part_values (`bodies.3.x`, `joints.0.force`), or the time alone
+/// (`t`).
+enum class ExpressionNames : std::uint8_t { world, world_and_parts, time };
 
 class Expression {
  public:

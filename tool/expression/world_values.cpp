@@ -69,27 +69,6 @@ double WorldMeasures::of(WorldValue value) {
   return 0;
 }
 
-double WorldMeasures::of_body(std::uint32_t id, BodyValue value) {
-  const auto body =
-      std::find_if(bodies().begin(), bodies().end(), [id](const BodyReport& report) { return report.id == id; });
-  if (body == bodies().end()) return std::nan("");
-  switch (value) {
-    case BodyValue::x:
-      return body->center.x;
-    case BodyValue::y:
-      return body->center.y;
-    case BodyValue::angle:
-      return body->angle;
-    case BodyValue::vx:
-      return body->velocity.x;
-    case BodyValue::vy:
-      return body->velocity.y;
-    case BodyValue::w:
-      return body->angular_velocity;
-  }
-  return 0;
-}
-
 std::vector<std::uint32_t> WorldMeasures::bodies_of(WorldValue value) {
   switch (value) {
     case WorldValue::overlap:

@@ -50,31 +50,12 @@ inline constexpr std::array<WorldValueInfo, 13> world_values{{
     {WorldValue::speed_max, "speed_max", "m/s, of the centre of a dynamic body"},
 }};
 
-/// A value of one body: `bodies.3.x` is that of the body with id 3.
-enum class BodyValue : std::uint8_t { x, y, angle, vx, vy, w };
-
-struct BodyValueInfo {
-  BodyValue value;
-  std::string_view name;
-  std::string_view summary;
-};
-inline constexpr std::array<BodyValueInfo, 6> body_values{{
-    {BodyValue::x, "x", "m, of the centre of mass"},
-    {BodyValue::y, "y", "m, of the centre of mass"},
-    {BodyValue::angle, "angle", "rad, -pi to pi"},
-    {BodyValue::vx, "vx", "m/s"},
-    {BodyValue::vy, "vy", "m/s"},
-    {BodyValue::w, "w", "rad/s"},
-}};
-
 /// The present state of a world, measured as far as it is asked for.
 class WorldMeasures {
  public:
   explicit WorldMeasures(const engine::Engine& engine) : engine_(engine) {}
 
   double of(WorldValue value);
-  /// NaN where there is no such body.
-  double of_body(std::uint32_t id, BodyValue value);
   /// Ids of the bodies that make the value what it is: of the deepest overlap, of the worst joint, the one with most
   /// kinetic energy, the fastest one.
   std::vector<std::uint32_t> bodies_of(WorldValue value);

@@ -79,6 +79,13 @@ std::string base_text(const engine::Settings& settings);
 enum class CompareVerdict : std::uint8_t { same_bits, within_twins, drift, other_outcome, not_finite, not_applicable };
 inline constexpr std::array<std::string_view, 6> compare_verdict_names{
     "same_bits", "within_twins", "drift", "other_outcome", "not_finite", "not_applicable"};
+inline constexpr std::array<std::string_view, 6> compare_verdict_meanings{
+    "every tick of the bodies has the same bits",
+    "differs, but no more than rounding makes the base differ from itself",
+    "differs by the method",
+    "a person would call the end another one",
+    "a value is not finite (exit code 1)",
+    "the choices do not go together, or the variant refuses an input (n/a)"};
 
 /// Against the base at one time.
 struct CompareSample {

@@ -1,4 +1,4 @@
-// `ticktrue replay`: plays a trace and writes its states as table, JSON Lines or pictures.
+// `ticktrue replay`: plays a trace and writes its states as table, JSON Lines, CSV or pictures.
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 #include "base/plain_text.h"
 #include "tool/cli/commands.h"
 #include "tool/drawing/svg.h"
+#include "tool/expression/csv_columns.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
 #include "tool/output/trace_text.h"
@@ -28,6 +29,7 @@ struct ReplayOptions {
   std::string ticks;
   std::uint64_t every = 1;
   std::string format = "table";
+  std::vector<std::string> columns;  // of csv
   std::string output;
   bool force = false;
 };
@@ -144,14 +146,26 @@ Result<int> play(replay::TraceReader& reader, const ReplayOptions& options, cons
   return report_end(options.file, *result);
 }
 
+Result<verifier::CsvColumns> columns_of(const replay::TraceReader& reader, const ReplayOptions& options) {
+  if (options.format != "csv") return verifier::CsvColumns{};
+  const Result<engine::Scene> scene = verifier::scene_of(reader.setup());
+  if (!scene) return Error{scene.error().code, options.file + ": " + scene.error().message, scene.error().hint};
+  return verifier::CsvColumns::make(options.columns, *scene, "--columns");
+}
+
 int write_text(replay::TraceReader& reader, const ReplayOptions& options, const TickRange& range) {
   auto target = TextTarget::open(options.output, options.force);
   if (!target) return fail_usage(target.error());
+  const auto columns = columns_of(reader, options);
+  if (!columns) return fail_usage(columns.error());
   const bool is_table = options.format == "table";
-  if (is_table)
-    if (const Status status = target->write(table_head); !status) return fail_usage(status.error());
+  const bool is_csv = options.format == "csv";
+  if (is_table || is_csv)
+    if (const Status status = target->write(is_table ? std::string(table_head) : columns->head()); !status)
+      return fail_usage(status.error());
   const auto code = play(reader, options, range, !options.output.empty() && options.output != "-",
                          [&](const engine::Engine& engine, std::uint64_t tick) {
+                           if (is_csv) return target->write(columns->row(engine, tick));
                            return target->write(is_table ? table_rows(engine, tick) : json_line(engine, tick));
                          });
   if (!code) return fail(code.error());
@@ -229,6 +243,9 @@ int run_replay(const ReplayOptions& options) {
     if (!parsed) return fail_usage(parsed.error());
     range = *parsed;
   }
+  if (!options.columns.empty() && options.format != "csv")
+    return fail_usage(Error{ErrorCode::usage, "--columns: found --format " + options.format + ", expected csv",
+                            "--format csv --columns energy,bodies.3.y"});
   if (const Status status = verifier::check_not_read(options.output, {options.file}); !status)
     return fail_usage(status.error());
   auto reader = replay::TraceReader::open(options.file);
@@ -240,9 +257,11 @@ int run_replay(const ReplayOptions& options) {
       return fail_usage(known.error());
   if (is_plugin_trace(reader->setup())) {
     if (options.format == "stages") return write_stages(*reader, options, range);
-    if (!options.output.empty() || options.format == "svg")
+    if (!options.output.empty() || options.format == "svg" || options.format == "csv")
       return fail_usage(Error{ErrorCode::usage,
-                              "replay of a plug-in: found -o or --format svg, expected table or jsonl",
+                              "replay of a plug-in: found " +
+                                  (options.output.empty() ? "--format " + options.format : "-o") +
+                                  ", expected table or jsonl",
                               "it goes to standard output"});
     return replay_plugin(*reader, range.first, range.last, options.every, options.format == "jsonl");
   }
@@ -258,29 +277,42 @@ int run_replay(const ReplayOptions& options) {
 
 void add_replay(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "Play a trace, write its states as table, JSON Lines or pictures")
-                          ->group(group_session);
+  CLI::App* command =
+      app.add_subcommand("replay", "Play a trace, write its states as table, JSON Lines, CSV or pictures")
+          ->group(group_session);
   command->add_option("FILE", options->file, "Trace; of a cut or damaged one, what is intact is played")->required();
   command->add_option("--ticks", options->ticks, "Ticks A to B, both included: the state at the end of each")
       ->type_name("A..B");
   add_number(*command, "--every", options->every, "Only every N-th of them (default 1)",
              {1, std::numeric_limits<std::uint64_t>::max()});
   command
-      ->add_option("--format", options->format,
-                   "table: centre of mass (m), angle (rad), velocities. jsonl: the same, hash and contacts. svg: a "
-                   "picture per tick. stages: of one tick, the whole state before it and after each stage, as JSON "
-                   "Lines")
-      ->check(CLI::IsMember({"table", "jsonl", "svg", "stages"}))
+      ->add_option(
+          "--format", options->format,
+          "table: centre of mass (m), angle (rad), velocities. jsonl: the same, hash and contacts. csv: a line "
+          "per tick of the values of --columns. svg: a picture per tick. stages: of one tick, the whole state before "
+          "it and after each stage, as JSON "
+          "Lines")
+      ->check(CLI::IsMember({"table", "jsonl", "csv", "svg", "stages"}))
       ->type_name("F");
   command
-      ->add_option("-o,--output", options->output, "File (table, jsonl) or directory (svg); default: standard output")
+      ->add_option("--columns", options->columns,
+                   "With csv: energy, overlap, joint_gap, ..., bodies.3.x, contacts.0.1.normal_force, joints.2.force, "
+                   "bodies.*.y; a wrong name lists them all. Default: those of the whole world")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAMES");
+  command
+      ->add_option("-o,--output", options->output,
+                   "File (table, jsonl, csv) or directory (svg); default: standard output")
       ->type_name("PATH");
   command->add_flag("--force", options->force, "Replace existing files");
-  set_examples(*command,
-               "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
-               "ticktrue replay stack.ttr --every 60\n"
-               "ticktrue replay stack.ttr --format jsonl --ticks 100..200 -o states.jsonl\n"
-               "ticktrue replay stack.ttr --format svg --every 10 -o frames");
+  set_examples(
+      *command,
+      "ticktrue record 'stack?boxes=10' --ticks 600 -o stack.ttr\n"
+      "ticktrue replay stack.ttr --every 60\n"
+      "ticktrue replay stack.ttr --format jsonl --ticks 100..200 -o states.jsonl\n"
+      "ticktrue replay stack.ttr --format csv --columns energy,bodies.10.y,contacts.0.1.normal_force -o stack.csv\n"
+      "ticktrue replay stack.ttr --format svg --every 10 -o frames");
   command->callback([options, &context] { context.exit_code = run_replay(*options); });
 }
 

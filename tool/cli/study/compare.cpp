@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -39,14 +40,65 @@ struct CompareCommand {
   std::vector<std::string> hosts{"jitter_60"};
   std::vector<std::string> varied;
   std::uint64_t host_seed = 1;
+  bool explains = false;
   std::uint64_t job_count = 0;  // 0: as many as there are cores, or one where threads of a tick are compared
   StudyFiles files;
 };
 
 constexpr std::size_t variant_count_max = 10'000;
 
+/// A word of the tables, and what --explain says of it.
+struct ExplainedWord {
+  std::string_view word;
+  std::string_view meaning;
+};
+constexpr std::array<ExplainedWord, 9> drift_columns{{
+    {"against the base",
+     "the variant; a twin is the base with every moving body shifted by one unit in the last place"},
+    {"bits", "the tick after which the bodies have other bits; -: ticks or precision differ"},
+    {"ticks", "how many the variant made"},
+    {"max m", "farthest that a body is from that of the base, at any of 120 times"},
+    {"RMS m", "root of the mean square over the bodies, at the end"},
+    {"angle rad", "largest difference of angles"},
+    {"growth 1/s", "how fast runs part: slope of log RMS while it is below a tenth of its largest"},
+    {"beyond s", "from when on the RMS is beyond 4 times the largest of the twins; before, it proves nothing"},
+    {"verdict", "what the variant changes:"},
+}};
+constexpr std::array<ExplainedWord, 10> outcome_columns{{
+    {"variant", "as above"},
+    {"energy J", "at the end less at the start, kinetic and of gravity; springs and motors are not counted"},
+    {"momentum", "kg m/s, its length at the end"},
+    {"overlap mm", "deepest overlap of two shapes"},
+    {"gap mm", "largest distance of a joint from what it holds"},
+    {"stands", "placed bodies that stand at the end; placed: at rest on something at the start"},
+    {"order", "share of them that is still upon what carried it"},
+    {"rests", "bodies at rest in the last second"},
+    {"elsewhere", "of these, those that rest farther from the base's place than half their size"},
+    {"ms/s", "time of computing for a second of the scene"},
+}};
+
 std::string_view verdict_name(CompareVerdict verdict) {
   return verifier::compare_verdict_names[static_cast<std::size_t>(verdict)];
+}
+
+template <std::size_t count>
+std::vector<std::string> heads_of(const std::array<ExplainedWord, count>& columns) {
+  std::vector<std::string> heads;
+  for (const ExplainedWord& column : columns) heads.emplace_back(column.word);
+  return heads;
+}
+
+/// The words of both tables.
+std::string explanation() {
+  std::string text = "\n";
+  const auto add = [&](std::string_view word, std::string_view meaning, int indent) {
+    text += fmt::format("{:{}}{:<{}}  {}\n", "", indent, word, 18 - indent, meaning);
+  };
+  for (const ExplainedWord& column : drift_columns) add(column.word, column.meaning, 2);
+  for (std::size_t i = 0; i < verifier::compare_verdict_names.size(); ++i)
+    add(verifier::compare_verdict_names[i], verifier::compare_verdict_meanings[i], 4);
+  for (const ExplainedWord& column : outcome_columns) add(column.word, column.meaning, 2);
+  return text;
 }
 
 // As much of a name as the table has room for.
@@ -101,10 +153,8 @@ std::string report_text(const CompareReport& report, const CompareSession& sessi
       fmt::format("compare  {}  {:g} s, {} bodies\n", session.scene.name, session.seconds, session.scene.bodies.size());
   text += verifier::wrapped(command_line, 2);
   text += verifier::wrapped("base: " + verifier::base_text(session.scene.settings), 2);
-  TextTable drift(
-      {"against the base", "bits", "ticks", "max m", "RMS m", "angle rad", "growth 1/s", "beyond s", "verdict"});
-  TextTable outcome(
-      {"variant", "energy J", "momentum", "overlap mm", "gap mm", "stands", "order", "rests", "elsewhere", "ms/s"});
+  TextTable drift(heads_of(drift_columns));
+  TextTable outcome(heads_of(outcome_columns));
   add_outcome(outcome, report.base);
   for (const CompareRow& row : report.twins) add_drift(drift, row);
   for (const CompareRow& row : report.twins) add_outcome(outcome, row);
@@ -345,7 +395,7 @@ int run_compare(const CompareCommand& command) {
   if (command.files.json)
     print_json(report_json(*report, session, command_line));
   else
-    print(report_text(*report, session, command_line));
+    print(report_text(*report, session, command_line) + (command.explains ? explanation() : ""));
   if (const int code = write_study_files(command.files, csv_of(*report), plots_of(*report, session)); code != exit_ok)
     return code;
   return report->base.verdict == CompareVerdict::not_finite ||
@@ -406,9 +456,10 @@ void add_compare(CLI::App& app, CliContext& context) {
   add_number(*command, "--host-seed", options->host_seed, "Of the model; default: 1");
   add_number(*command, "-j,--jobs", options->job_count, "Runs at once; default: one a core, with --threads one",
              {1, 1024});
+  command->add_flag("--explain", options->explains, "Below the tables: what each word in them means");
   add_study_files(*command, options->files);
   set_examples(*command,
-               "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16\n"
+               "ticktrue compare 'stack?boxes=10' --solver tgs_soft,pgs --substeps 4,16 --explain\n"
                "ticktrue compare pendulum --integrator velocity_verlet,rk4 --precision f32,f64 --plot drift.svg\n"
                "ticktrue compare slide --vary bodies.1.shapes.0.friction=0.1:0.9:9 --csv slide.csv\n"
                "ticktrue record 'stack?boxes=3' --ticks 60 -o stack.ttr\n"

@@ -240,7 +240,7 @@ class ProblemMaker {
   }
 
   Status add_observe(Problem& problem) {
-    const auto parsed = parse_all(text_.observe, path_ + ": observe", ExpressionNames::world_and_bodies);
+    const auto parsed = parse_all(text_.observe, path_ + ": observe", ExpressionNames::world_and_parts);
     if (!parsed) return parsed.error();
     problem.observe = [shared = *parsed](const engine::Engine& engine) {
       return shared->values([&](Expression& expression) { return expression.evaluate(engine); });

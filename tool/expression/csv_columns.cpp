@@ -1,0 +1,85 @@
+// Lines of CSV.
+// SPDX-License-Identifier: MIT
+#include "tool/expression/csv_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ticktrue::verifier {
+namespace {
+
+constexpr std::size_t column_count_max = 10000;
+
+std::string cell(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+}
+
+}  // namespace
+
+Result<CsvColumns> CsvColumns::make(const std::vector<std::string>& names, const engine::Scene& scene,
+                                    const std::string& option) {
+  CsvColumns columns;
+  if (names.empty())
+    for (const WorldValueInfo& info : world_values)
+      if (info.value != WorldValue::tick && info.value != WorldValue::time) columns.columns_.emplace_back(info.value);
+  for (const std::string& name : names) {
+    const std::size_t star = name.find(".*.");
+    if (star == std::string::npos) {
+      if (const Status added = columns.add(name, option); !added) return added.error();
+      continue;
+    }
+    const bool is_joint = name.substr(0, star) == "joints";
+    const std::size_t count = is_joint ? scene.joints.size() : scene.bodies.size();
+    for (std::size_t i = 0; i < count; ++i)
+      if (const Status added =
+              columns.add(name.substr(0, star + 1) + std::to_string(i) + name.substr(star + 2), option);
+          !added)
+        return added.error();
+  }
+  return columns;
+}
+
+Status CsvColumns::add(const std::string& name, const std::string& option) {
+  if (columns_.size() == column_count_max)
+    return Error{ErrorCode::usage, fmt::format("{}: found more than {} columns", option, column_count_max), {}};
+  const auto world = std::find_if(world_values.begin(), world_values.end(),
+                                  [&](const WorldValueInfo& info) { return info.name == name; });
+  if (world != world_values.end()) {
+    columns_.emplace_back(world->value);
+    return {};
+  }
+  if (std::optional<NamedValue> named = find_named_value(name)) {
+    columns_.emplace_back(*std::move(named));
+    return {};
+  }
+  std::string known;
+  for (const WorldValueInfo& info : world_values) known += std::string(info.name) + " ";
+  return Error{ErrorCode::usage, option + ": found \"" + name + "\", expected the name of a value",
+               known + "; " + named_values_text() + "; * for each body or joint"};
+}
+
+std::string CsvColumns::head() const {
+  std::string text = "tick,time";
+  for (const auto& column : columns_) {
+    const auto* world = std::get_if<WorldValue>(&column);
+    text += ",";
+    text += world != nullptr ? std::string(world_values[static_cast<std::size_t>(*world)].name)
+                             : std::get<NamedValue>(column).name;
+  }
+  return text + "\n";
+}
+
+std::string CsvColumns::row(const engine::Engine& engine, std::uint64_t tick) const {
+  WorldMeasures measures(engine);
+  NamedValues values(engine);
+  std::string text = fmt::format("{},{}", tick, cell(engine.time_s()));
+  for (const auto& column : columns_) {
+    const auto* world = std::get_if<WorldValue>(&column);
+    text += "," + cell(world != nullptr ? measures.of(*world) : values.of(std::get<NamedValue>(column)));
+  }
+  return text + "\n";
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,180 @@
+// Values of bodies, contacts and joints by name.
+// SPDX-License-Identifier: MIT
+#include "tool/expression/named_values.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "base/state/state_view.h"
+#include "tool/study/measures.h"
+
+namespace ticktrue::verifier {
+namespace {
+
+struct PartName {
+  PartKind kind;
+  std::string_view prefix;
+  int id_count;
+};
+constexpr std::array<PartName, 3> part_names{
+    {{PartKind::body, "bodies", 1}, {PartKind::contact, "contacts", 2}, {PartKind::joint, "joints", 1}}};
+
+/// Takes `.123` from the front of a name.
+bool take_number(std::string_view& name, std::uint32_t& out) {
+  if (name.empty() || name.front() != '.') return false;
+  name.remove_prefix(1);
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
+  if (error != std::errc()) return false;
+  name.remove_prefix(static_cast<std::size_t>(end - name.data()));
+  return true;
+}
+
+/// The rows of a table of the state, with values by column.
+class Table {
+ public:
+  Table(const StateView& state, std::string_view name) {
+    const std::optional<std::size_t> table = state.schema->find_table(name);
+    if (!table) return;
+    schema_ = &state.schema->tables[*table];
+    rows_ = state.tables[*table];
+  }
+  std::uint32_t row_count() const { return rows_.row_count; }
+
+  /// Requires: the column has u32, f32 or f64, and there is such a lane.
+  double value(std::uint32_t row, std::string_view column, unsigned lane = 0) const {
+    const auto found = std::find_if(schema_->columns.begin(), schema_->columns.end(),
+                                    [&](const Column& info) { return info.name == column; });
+    const std::size_t size = scalar_info(found->type)->size;
+    const std::uint8_t* at = rows_.data + std::size_t{row} * schema_->row_size + found->offset + lane * size;
+    if (found->type == ScalarType::f32) return static_cast<double>(read<float>(at));
+    if (found->type == ScalarType::f64) return read<double>(at);
+    return read<std::uint32_t>(at);
+  }
+
+ private:
+  template <typename T>
+  static T read(const std::uint8_t* at) {
+    T value;
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  }
+
+  const TableSchema* schema_ = nullptr;
+  TableRows rows_;
+};
+
+}  // namespace
+
+std::optional<NamedValue> find_named_value(std::string_view name) {
+  NamedValue named;
+  named.name = std::string(name);
+  for (const PartName& part : part_names) {
+    std::string_view rest = name;
+    if (rest.substr(0, part.prefix.size()) != part.prefix) continue;
+    rest.remove_prefix(part.prefix.size());
+    if (!take_number(rest, named.first)) return {};
+    if (part.id_count == 2 && !take_number(rest, named.second)) return {};
+    for (const PartValueInfo& info : part_values) {
+      if (info.part != part.kind || rest != "." + std::string(info.name)) continue;
+      named.value = info.value;
+      return named;
+    }
+  }
+  return {};
+}
+
+std::string named_values_text() {
+  std::string text;
+  for (const PartName& part : part_names) {
+    text += (text.empty() ? "" : "; ") + std::string(part.prefix) + (part.id_count == 2 ? ".3.7:" : ".3:");
+    for (const PartValueInfo& info : part_values)
+      if (info.part == part.kind) text += " " + std::string(info.name);
+  }
+  return text;
+}
+
+double NamedValues::of(const NamedValue& named) {
+  const auto info = std::find_if(part_values.begin(), part_values.end(),
+                                 [&](const PartValueInfo& part) { return part.value == named.value; });
+  switch (info->part) {
+    case PartKind::body:
+      return of_body(named.first, named.value);
+    case PartKind::contact:
+      return of_contact(named);
+    case PartKind::joint:
+      return of_joint(named.first, named.value);
+  }
+  return std::nan("");
+}
+
+double NamedValues::of_body(std::uint32_t id, PartValue value) {
+  if (!bodies_) bodies_ = engine_.bodies();
+  const auto body =
+      std::find_if(bodies_->begin(), bodies_->end(), [id](const auto& report) { return report.id == id; });
+  if (body == bodies_->end()) return std::nan("");
+  switch (value) {
+    case PartValue::x:
+      return body->center.x;
+    case PartValue::y:
+      return body->center.y;
+    case PartValue::angle:
+      return body->angle;
+    case PartValue::vx:
+      return body->velocity.x;
+    case PartValue::vy:
+      return body->velocity.y;
+    default:
+      return body->angular_velocity;
+  }
+}
+
+double NamedValues::of_contact(const NamedValue& named) {
+  if (std::isnan(of_body(named.first, PartValue::x)) || std::isnan(of_body(named.second, PartValue::x)))
+    return std::nan("");
+  const std::uint32_t a = std::min(named.first, named.second);
+  const std::uint32_t b = std::max(named.first, named.second);
+  double result = 0;
+  if (named.value == PartValue::points || named.value == PartValue::overlap) {
+    if (!contacts_) contacts_ = engine_.contacts();
+    for (const engine::ContactReport& contact : *contacts_) {
+      if (contact.body_a != a || contact.body_b != b) continue;
+      for (int i = 0; i < contact.point_count; ++i) {
+        if (named.value == PartValue::overlap)
+          result = std::max(result, -contact.separation[i]);
+        else
+          result += contact.separation[i] <= 0 ? 1 : 0;
+      }
+    }
+    return result;
+  }
+  const Table contacts(engine_.state(), "contacts");
+  const std::string_view column = named.value == PartValue::normal_force ? "normal_force" : "tangent_force";
+  for (std::uint32_t row = 0; row < contacts.row_count(); ++row)
+    if (contacts.value(row, "body_a") == a && contacts.value(row, "body_b") == b)
+      result += contacts.value(row, column, 0) + contacts.value(row, column, 1);
+  return result;
+}
+
+double NamedValues::of_joint(std::uint32_t joint, PartValue value) {
+  const Table joints(engine_.state(), "joints");
+  for (std::uint32_t row = 0; row < joints.row_count(); ++row) {
+    if (joints.value(row, "joint") != joint) continue;
+    switch (value) {
+      case PartValue::force:
+        return std::hypot(joints.value(row, "linear_force", 0), joints.value(row, "linear_force", 1));
+      case PartValue::torque:
+        return joints.value(row, "torque");
+      case PartValue::spring_force:
+        return joints.value(row, "spring_force");
+      case PartValue::motor_force:
+        return joints.value(row, "motor_force");
+      default:
+        return joint_gaps(engine_.scene(), engine_.bodies())[joint];
+    }
+  }
+  return std::nan("");
+}
+
+}  // namespace ticktrue::verifier

@@ -1,0 +1,91 @@
+// Values of single bodies, of two bodies that touch, and of joints, by names such as `bodies.3.x`.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/engine.h"
+
+namespace ticktrue::verifier {
+
+enum class PartKind : std::uint8_t { body, contact, joint };
+
+enum class PartValue : std::uint8_t {
+  x,
+  y,
+  angle,
+  vx,
+  vy,
+  w,
+  points,
+  normal_force,
+  friction_force,
+  overlap,
+  force,
+  torque,
+  spring_force,
+  motor_force,
+  gap,
+};
+
+struct PartValueInfo {
+  PartKind part;
+  PartValue value;
+  std::string_view name;
+  std::string_view summary;
+};
+/// `bodies.ID.name`, `contacts.ID.ID.name`, `joints.NUMBER.name`. Ids count from 0 in the order of the scene, and so do
+/// joints.
+inline constexpr std::array<PartValueInfo, 15> part_values{{
+    {PartKind::body, PartValue::x, "x", "m, of the centre of mass"},
+    {PartKind::body, PartValue::y, "y", "m, of the centre of mass"},
+    {PartKind::body, PartValue::angle, "angle", "rad, -pi to pi"},
+    {PartKind::body, PartValue::vx, "vx", "m/s"},
+    {PartKind::body, PartValue::vy, "vy", "m/s"},
+    {PartKind::body, PartValue::w, "w", "rad/s"},
+    {PartKind::contact, PartValue::points, "points", "points in which the two touch"},
+    {PartKind::contact, PartValue::normal_force, "normal_force", "N, of all points, mean over the last substep"},
+    {PartKind::contact, PartValue::friction_force, "friction_force", "N, likewise; signed"},
+    {PartKind::contact, PartValue::overlap, "overlap", "m, the deepest of the points"},
+    {PartKind::joint, PartValue::force, "force", "N, of the points it holds together, mean over the last substep"},
+    {PartKind::joint, PartValue::torque, "torque", "N m, likewise"},
+    {PartKind::joint, PartValue::spring_force, "spring_force", "N or N m"},
+    {PartKind::joint, PartValue::motor_force, "motor_force", "N or N m"},
+    {PartKind::joint, PartValue::gap, "gap", "m, how far it is from what it holds"},
+}};
+
+struct NamedValue {
+  std::string name;
+  PartValue value = PartValue::x;
+  std::uint32_t first = 0;   // id of a body, or number of a joint
+  std::uint32_t second = 0;  // id of the other body of a contact
+};
+
+/// The value that a name means; none: it means none.
+std::optional<NamedValue> find_named_value(std::string_view name);
+/// "bodies.3: x y ...; contacts.3.7: ...": what find_named_value knows.
+std::string named_values_text();
+
+/// The value in the present state of an engine; NaN where the body or joint is gone or never was, 0 where two bodies do
+/// not touch.
+class NamedValues {
+ public:
+  explicit NamedValues(const engine::Engine& engine) : engine_(engine) {}
+  double of(const NamedValue& named);
+
+ private:
+  double of_body(std::uint32_t id, PartValue value);
+  double of_contact(const NamedValue& named);
+  double of_joint(std::uint32_t joint, PartValue value);
+
+  const engine::Engine& engine_;
+  std::optional<std::vector<engine::BodyReport>> bodies_;
+  std::optional<std::vector<engine::ContactReport>> contacts_;
+};
+
+}  // namespace ticktrue::verifier
