@@ -10,6 +10,7 @@
 #include "tool/expression/expression.h"
 #include "tool/study/accuracy.h"
 #include "tool/study/problem_file/reference_table.h"
+#include "tool/study/problem_file/stress_file.h"
 
 namespace ticktrue::test {
 namespace {
@@ -176,6 +177,98 @@ TEST_CASE("an expression may name values of bodies where it is told so", "[verif
   auto time = Expression::parse("2*t + 0.5", "test", ExpressionNames::time);
   REQUIRE(time.has_value());
   CHECK(time->evaluate_at(3) == 6.5);
+}
+
+// ---- Stress cases ----
+
+namespace {
+
+Result<std::vector<verifier::StressCase>> read_stress(const std::string& json) {
+  const TemporaryFolder folder;
+  write_text(folder.file("s.json"), json);
+  return verifier::read_stress_file(folder.file("s.json"));
+}
+std::vector<verifier::StressCase> stress_of(const std::string& json) {
+  auto cases = read_stress(json);
+  INFO((cases ? "" : cases.error().message));
+  REQUIRE(cases.has_value());
+  return *cases;
+}
+/// The value of the scene as it is stated.
+double stress_value(const std::string& json) {
+  const std::vector<verifier::StressCase> cases = stress_of(json);
+  REQUIRE(cases.size() == 1);
+  return cases[0].run(cases[0].methods[0], Precision::f64).value;
+}
+
+}  // namespace
+
+TEST_CASE("the example of a stress case shows what a load does", "[verifier][study]") {
+  if (!has_expressions()) return;
+  verifier::StressOptions options;
+  options.own = stress_of(verifier::example_stress);
+  const auto rows = verifier::run_stress(options);
+  REQUIRE(rows.has_value());
+  REQUIRE(rows->size() == 9);  // three loads under three methods, and no built-in case
+  CHECK((*rows)[0].name == "loaded bodies.5.shapes.0.density=1");
+  CHECK((*rows)[0].verdict == verifier::StudyVerdict::pass);
+  CHECK((*rows)[6].verdict == verifier::StudyVerdict::falls_short);
+  CHECK((*rows)[7].verdict == verifier::StudyVerdict::pass);
+}
+
+TEST_CASE("the largest, the least and the last value of a run count as the file says", "[verifier][study][analytic]") {
+  if (!has_expressions()) return;
+  const auto value = [](const std::string& keys) {
+    return stress_value(R"({"scene": "projectile?solver=tgs_soft", "duration": 2, "upper": 100, "methods": "scene",)"
+                        R"("measure": "bodies.0.y - bodies.0.x", )" +
+                        keys + "}");
+  };
+  // 4 t - 5 t^2: 0.8 at 0.4 s, -1 at 1 s, -12 at 2 s.
+  CHECK(value(R"("over": "largest")") == Approx(0.8).margin(0.1));
+  CHECK(value(R"("over": "end")") == Approx(-12).margin(0.2));
+  CHECK(value(R"("over": "least")") == Approx(-12).margin(0.2));
+  CHECK(value(R"("over": "largest", "from": 1)") == Approx(-1).margin(0.2));
+}
+
+TEST_CASE("values at the start may be named, keys vary in every combination", "[verifier][study]") {
+  if (!has_expressions()) return;
+  const auto cases = stress_of(
+      R"({"name": "p", "scene": "pendulum", "duration": 1, "measure": "energy - energy_start", "lower": -1, "upper": 1,
+          "vary": ["settings.dt=0.01,0.02", "bodies.1.angular_velocity=1:2:3"]})");
+  REQUIRE(cases.size() == 6);
+  CHECK(cases[0].name == "p settings.dt=0.01 bodies.1.angular_velocity=1");
+  CHECK(cases[5].name == "p settings.dt=0.02 bodies.1.angular_velocity=2");
+  const verifier::StressValue value = cases[0].run(cases[0].methods[0], Precision::f64);
+  CHECK(value.why_not.empty());
+  CHECK(value.is_finite);
+}
+
+TEST_CASE("a stress file that cannot be meant is refused with its place", "[verifier][study][hostile]") {
+  if (!has_expressions()) return;
+  const std::string good = R"("scene": "stack?boxes=2", "duration": 1, "measure": "overlap", )";
+  const std::vector<std::pair<std::string, std::string>> refusals{
+      {"[]", "found an array of 0, expected an object"},
+      {"{" + good + R"("uper": 1})", "uper"},
+      {"{" + good + R"("unit": "m"})", "found neither lower nor upper"},
+      {"{" + good + R"("upper": 1, "lower": 2})", "lower: found 2, expected at most upper"},
+      {"{" + good + R"("upper": 1, "from": 1})", "from: found 1"},
+      {"{" + good + R"("upper": 1, "over": "mean"})", "over"},
+      {"{" + good + R"("upper": 1, "methods": ["pgss"]})", "methods: found \"pgss\", expected scene, tgs_soft"},
+      {"{" + good + R"("upper": 1, "vary": "bodies.9.x=1"})", "vary"},
+      {"{" + good + R"("upper": 1, "vary": "settings.dt=0.01:0.02:5000"})", "vary"},
+      {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "overlapp", "upper": 1})", "measure"},
+      {R"({"scene": "stack?boxes=2", "duration": 0, "measure": "overlap", "upper": 1})", "duration: found 0"},
+      {R"({"scene": "stak", "duration": 1, "measure": "overlap", "upper": 1})", "stak"},
+      {R"({"scene": 5, "duration": 1, "measure": "overlap", "upper": 1})", "scene: found 5"},
+  };
+  for (const auto& [json, expected] : refusals) {
+    const auto cases_read = read_stress(json);
+    CAPTURE(json, expected);
+    REQUIRE_FALSE(cases_read.has_value());
+    const std::string found = cases_read.error().message;
+    CAPTURE(found);
+    CHECK(found.find(expected) != std::string::npos);
+  }
 }
 
 }  // namespace ticktrue::test

@@ -7,12 +7,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
 #include "tool/cli/study/study_output.h"
 #include "tool/output/json_output.h"
 #include "tool/output/progress.h"
+#include "tool/study/problem_file/stress_file.h"
 
 namespace ticktrue::cli {
 namespace {
@@ -34,6 +37,7 @@ struct StressCommand {
   bool limits_alone = false;
   bool brief = false;
   bool list = false;
+  bool example = false;
   StudyFiles files;
 };
 
@@ -55,7 +59,8 @@ std::string cases_text(const std::vector<StressRow>& rows) {
   for (std::size_t i = 0; i < rows.size();) {
     const StressRow& first = rows[i];
     text += fmt::format("\n{}  {}\n", first.name, precision_name(first.precision));
-    text += verifier::wrapped(fmt::format("{}; {} {}", first.what, bound_text(first), first.unit), 4);
+    text += verifier::wrapped(
+        fmt::format("{}; {}{}{}", first.what, bound_text(first), first.unit.empty() ? "" : " ", first.unit), 4);
     if (!first.best_known.empty())
       text += verifier::wrapped(fmt::format("best known: {} ({})", first.best_known, first.source), 4);
     for (; i < rows.size() && rows[i].name == first.name && rows[i].precision == first.precision; ++i) {
@@ -143,7 +148,7 @@ std::string summary_text(const std::vector<StressRow>& rows, const VerdictCounts
     if (row.verdict == StudyVerdict::fail)
       text += fmt::format("  fail  {}  {}  {}: found {}, expected {} {}\n", row.name, precision_name(row.precision),
                           row.method, short_number(row.value), bound_text(row), row.unit);
-  return text + "spinning tops and gyroscopic terms: not applicable in two dimensions\n";
+  return text;
 }
 
 Json report_json(const std::vector<StressRow>& rows, const std::vector<StabilityRow>& limits,
@@ -225,8 +230,20 @@ int list_cases() {
 
 int run_stress_command(const StressCommand& command) {
   if (command.list) return list_cases();
+  if (command.example) {
+    print(verifier::example_stress);
+    return exit_ok;
+  }
   verifier::StressOptions options;
-  options.names = command.cases;
+  for (const std::string& name : command.cases) {
+    if (std::filesystem::path(name).extension() != ".json") {
+      options.names.push_back(name);
+      continue;
+    }
+    auto own = verifier::read_stress_file(name);
+    if (!own) return fail_usage(own.error());
+    std::move(own->begin(), own->end(), std::back_inserter(options.own));
+  }
   options.with_long = command.with_long;
   options.thread_count = command.thread_count > 0 ? static_cast<unsigned>(command.thread_count) : core_count();
   options.precisions.clear();
@@ -256,7 +273,8 @@ int run_stress_command(const StressCommand& command) {
     print_json(report_json(*rows, limits, command_line));
   else
     print("stress  " + command_line + "\n" + (command.brief ? brief_text(*rows) : cases_text(*rows)) +
-          limits_text(limits) + summary_text(*rows, counts));
+          limits_text(limits) + summary_text(*rows, counts) +
+          (command.cases.empty() ? "spinning tops and gyroscopic terms: not applicable in two dimensions\n" : ""));
   if (const int code = write_study_files(command.files, csv_of(*rows), plots_of(*rows, options.precisions));
       code != exit_ok)
     return code;
@@ -269,7 +287,9 @@ void add_stress(CLI::App& app, CliContext& context) {
   auto options = std::make_shared<StressCommand>();
   CLI::App* command = app.add_subcommand("stress", "Stiff and extreme cases: pass or fail, and the number behind it")
                           ->group(group_study);
-  command->add_option("CASE", options->cases, "Cases of --list, or how their names begin; default: all");
+  command->add_option(
+      "CASE", options->cases,
+      "Cases of --list, how their names begin, or files of one's own (my.json: docs/study.md); default: all");
   std::vector<std::string> names;
   for (const auto& info : engine::precisions) names.emplace_back(info.name);
   options->precisions = {"f32"};
@@ -282,10 +302,13 @@ void add_stress(CLI::App& app, CliContext& context) {
   command->add_flag("--limits", options->limits_alone, "The table of stability limits alone")->excludes(no_limits);
   command->add_flag("--brief", options->brief, "One line a case");
   command->add_flag("--list", options->list, "List the cases, run none");
+  command->add_flag("--example", options->example, "Print a file of one's own to begin with, run none");
   add_number(*command, "-j,--jobs", options->thread_count, "Threads; default: one a core", {1, 1024});
   add_study_files(*command, options->files);
   set_examples(*command,
-               "ticktrue stress\nticktrue stress tower top_heavy --precision f32,f64\nticktrue stress spring --json");
+               "ticktrue stress\nticktrue stress tower top_heavy --precision f32,f64\nticktrue stress spring --json\n"
+               "ticktrue stress --example > my.json\n"
+               "ticktrue stress my.json");
   command->callback([options, &context] { context.exit_code = run_stress_command(*options); });
 }
 

@@ -14,6 +14,7 @@
 #include "tool/expression/expression.h"
 #include "tool/output/json_output.h"
 #include "tool/study/accuracy.h"
+#include "tool/study/problem_file/problem_scene.h"
 #include "tool/study/problem_file/reference_table.h"
 #include "tool/study/table.h"
 
@@ -26,10 +27,8 @@ using engine::number_text;
 using engine::Precision;
 using engine::Scene;
 
-constexpr std::size_t file_size_max = std::size_t{64} << 20;
 constexpr engine::FieldRange sample_range{1, 10'000};
 constexpr engine::FieldRange substep_range{1, 1024};
-constexpr std::size_t list_count_max = 64;
 
 /// What the file says, before it is a problem.
 struct ProblemText {
@@ -51,9 +50,9 @@ struct ProblemText {
   std::vector<Bar> bars;
 };
 
-class ProblemReader final : public engine::JsonReader {
+class ProblemReader final : public OwnFileReader {
  public:
-  explicit ProblemReader(std::string place) : JsonReader(std::move(place), ErrorCode::usage) {}
+  using OwnFileReader::OwnFileReader;
 
   bool read_all(const JsonValue& root, ProblemText& out) {
     const JsonPath path;
@@ -94,28 +93,7 @@ class ProblemReader final : public engine::JsonReader {
     return true;
   }
 
-  /// An error at a key of the file.
-  Error error_at(std::string_view key, const std::string& what, std::string hint = {}) {
-    const JsonPath path;
-    fail({&path, key}, what, std::move(hint));
-    return error();
-  }
-
  private:
-  bool positive(const JsonValue& value, const JsonPath& path, double& out) {
-    if (!read(value, path, out)) return false;
-    return out > 0 || fail(path, "found " + number_text(out) + ", expected a number above 0");
-  }
-
-  /// One text, or several.
-  bool read_texts(const JsonValue& value, const JsonPath& path, std::vector<std::string>& out) {
-    if (value.type == JsonValue::Type::text) return read(value, path, out.emplace_back());
-    if (value.type == JsonValue::Type::array && value.items.size() > list_count_max)
-      return fail(
-          path, "found " + std::to_string(value.items.size()) + ", expected at most " + std::to_string(list_count_max));
-    return list(value, path, out, [&](const auto& v, const auto& p, std::string& text) { return read(v, p, text); });
-  }
-
   /// One for all integrators, or [of order 1, of higher order].
   bool read_slope(const JsonValue& value, const JsonPath& path, ProblemText& out) {
     if (value.type != JsonValue::Type::array) return read(value, path, out.slope.emplace());
@@ -199,7 +177,7 @@ class ProblemMaker {
 
  private:
   Status add_scene(Problem& problem) {
-    const Result<Scene> read = read_scene();
+    const Result<Scene> read = scene_of_problem(*text_.scene, json_, path_);
     if (!read) return read.error();
     const Scene& scene = *read;
     problem.scene = [scene](Precision precision) {
@@ -223,20 +201,6 @@ class ProblemMaker {
                                   " s, expected each at the end of a tick of " + number_text(problem.dt) + " s",
                               "duration / dt / samples must be a whole number");
     return {};
-  }
-
-  Result<Scene> read_scene() {
-    const JsonValue& value = *text_.scene;
-    if (value.type == JsonValue::Type::object)
-      return engine::parse_scene(cli::Json::parse(json_).at("scene").dump(), path_ + ": scene");
-    if (value.type != JsonValue::Type::text)
-      return reader_.error_at("scene",
-                              "found " + engine::found_text(value) +
-                                  ", expected a scene, a file beside this one, or the name of a built-in scene");
-    const std::filesystem::path beside = std::filesystem::path(path_).parent_path() / value.text;
-    std::error_code failed;
-    const bool is_file = std::filesystem::is_regular_file(beside, failed);
-    return cli::load_scene_argument(is_file ? beside.string() : value.text);
   }
 
   Status add_observe(Problem& problem) {
@@ -283,7 +247,7 @@ class ProblemMaker {
 
   Status add_reference(Problem& problem) {
     const std::string file = (std::filesystem::path(path_).parent_path() / text_.reference).string();
-    const Result<std::string> csv = cli::read_text_file(file, file_size_max);
+    const Result<std::string> csv = cli::read_text_file(file, problem_file_size_max);
     if (!csv) return csv.error();
     const auto table = ReferenceTable::parse(*csv, file, text_.observe.size());
     if (!table) return table.error();
@@ -359,7 +323,7 @@ const char* const example_problem = R"({
 )";
 
 Result<Problem> read_problem(const std::string& path) {
-  const Result<std::string> json = cli::read_text_file(path, file_size_max);
+  const Result<std::string> json = cli::read_text_file(path, problem_file_size_max);
   if (!json) return json.error();
   const Result<JsonValue> tree = engine::parse_json(*json, path, ErrorCode::usage);
   if (!tree) return tree.error();

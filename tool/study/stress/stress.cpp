@@ -61,9 +61,9 @@ void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& metho
 Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
   std::vector<StressCase> cases;
   const auto is_chosen = [&](const std::string& name) {
-    return options.names.empty() || std::any_of(options.names.begin(), options.names.end(), [&](const std::string& n) {
-             return name.compare(0, n.size(), n) == 0;
-           });
+    if (options.names.empty()) return options.own.empty();
+    return std::any_of(options.names.begin(), options.names.end(),
+                       [&](const std::string& n) { return name.compare(0, n.size(), n) == 0; });
   };
   for (const std::string& name : options.names) {
     bool found = false;
@@ -75,6 +75,8 @@ Result<std::vector<StressRow>> run_stress(const StressOptions& options) {
   }
   for (StressCase& each : stress_cases())
     if (is_chosen(each.name) && (!each.is_long || options.with_long)) cases.push_back(std::move(each));
+
+  cases.insert(cases.end(), options.own.begin(), options.own.end());
 
   struct Job {
     std::size_t stress_case;

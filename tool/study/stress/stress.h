@@ -80,7 +80,8 @@ StudyVerdict judge(const StressCase& stress_case, const StressValue& value);
 void excuse(std::vector<StressRow>& rows, const std::vector<StressMethod>& methods);
 
 struct StressOptions {
-  std::vector<std::string> names;  // of cases, or their beginnings; empty: all
+  std::vector<std::string> names;  // of cases, or their beginnings; empty: all, unless there are own ones
+  std::vector<StressCase> own;     // run besides
   std::vector<engine::Precision> precisions{engine::Precision::f32};
   bool with_long = false;
   unsigned thread_count = 1;

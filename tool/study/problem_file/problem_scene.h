@@ -1,0 +1,36 @@
+// What problems and stress cases of one's own share: reading of JSON, and the scene that the file states.
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "engine/json/json_tree.h"
+#include "engine/scene/json_reader.h"
+#include "engine/scene/scene.h"
+
+namespace ticktrue::verifier {
+
+inline constexpr std::size_t problem_file_size_max = std::size_t{64} << 20;
+
+class OwnFileReader : public engine::JsonReader {
+ public:
+  explicit OwnFileReader(std::string place) : JsonReader(std::move(place), ErrorCode::usage) {}
+
+  /// An error at a key of the file.
+  Error error_at(std::string_view key, const std::string& what, std::string hint = {});
+
+ protected:
+  bool positive(const engine::JsonValue& value, const engine::JsonPath& path, double& out);
+  /// One text, or several.
+  bool read_texts(const engine::JsonValue& value, const engine::JsonPath& path, std::vector<std::string>& out);
+};
+
+/// `value` stands under "scene" in `json`, the text of the file: a scene, a file beside this one, or the name of a
+/// built-in scene. Errors: usage; those of parse_scene and of loading a scene.
+Result<engine::Scene> scene_of_problem(const engine::JsonValue& value, const std::string& json,
+                                       const std::string& path);
+
+}  // namespace ticktrue::verifier
