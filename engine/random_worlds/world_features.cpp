@@ -268,7 +268,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.filter.group != 0; }); },
      [](World& w) { each_shape(w.scene, [](Shape& s) { s.filter.group = 0; }); }},
     {{F::restitution, "restitution", "shapes that bounce"},
-     45,
+     50,
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.material.restitution != 0; }); },
      [](World& w) { each_shape(w.scene, [](Shape& s) { s.material.restitution = 0; }); }},
     {{F::no_restitution_threshold, "no_restitution_threshold", "the slowest approach bounces"},
@@ -332,7 +332,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
          if (joint.spring && joint.spring->absolute) joint.spring.reset();
      }},
     {{F::linear_springs, "linear_springs", "welds that give along their axes"},
-     80,
+     100,
      [](const World& w) { return any_joint(w.scene, [](const Joint& j) { return j.linear_spring.has_value(); }); },
      [](World& w) {
        for (Joint& joint : w.scene.joints) joint.linear_spring.reset();
