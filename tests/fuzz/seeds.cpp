@@ -3,6 +3,7 @@
 //
 // All of it comes from the repository's own scenes, sessions and traces; what no other file holds lies in
 // tests/fuzz/seeds, with everything that a fuzzer once found.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -379,6 +380,13 @@ void seed_peers() {
   seed("peers", with_kind(2, session.view()));
 }
 
+/// The begin of this program: its headers and, as linkers put them in front, its notes.
+void seed_programs() {
+  Bytes program = read_file("/proc/self/exe");
+  program.resize(std::min<std::size_t>(program.size(), 2'048));
+  seed("elf", program);
+}
+
 void seed_stored() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
     if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
@@ -398,6 +406,7 @@ int main(int argument_count, char** arguments) {
   seed_sessions();
   seed_verdicts();
   seed_peers();
+  seed_programs();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;
