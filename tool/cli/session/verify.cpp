@@ -515,7 +515,7 @@ void add_verify(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count, "Of a scene: how many ticks", {1, limits::tick_count_max});
   command->add_option("--inputs", options->inputs, "Of a scene: inputs as JSON Lines, - for standard input")
       ->type_name("FILE");
-  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
+  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/2)");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
       ->type_name("OUT.xml");
   command
