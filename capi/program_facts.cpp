@@ -12,6 +12,7 @@
 #include "base/limits.h"
 #include "base/state/gathered_state.h"
 #include "capi/tick.h"
+#include "verifier/report/build_id_note.h"
 #include "verifier/report/report.h"
 
 #if defined(__linux__) && defined(__ELF__)
@@ -88,7 +89,7 @@ replay::BuildFacts ProgramFacts::all() const {
   replay::BuildFacts facts{{"version", library.version}, {"commit", library.commit}, {"target", library.target}};
   if (!build_.empty()) facts.emplace_back("build", build_);
   if (const std::string floats = float_deviation(); !floats.empty()) facts.emplace_back("floats", floats);
-  if (const std::string id = program_build_id(); !id.empty()) facts.emplace_back("program.build_id", id);
+  if (const std::string id = program_build_id(); !id.empty()) facts.emplace_back(verifier::build_id_fact, id);
   facts.insert(facts.end(), units_facts_.begin(), units_facts_.end());
   return facts;
 }
@@ -96,39 +97,6 @@ replay::BuildFacts ProgramFacts::all() const {
 #ifdef TICKTRUE_HAS_PROGRAM_NOTES
 
 namespace {
-
-constexpr std::size_t build_id_size_max = 64;  // bytes
-
-/// The build id among the notes of one segment; empty if none is there.
-std::string build_id_among(ByteView notes, std::size_t alignment) {
-  struct NoteHeader {
-    std::uint32_t name_size;
-    std::uint32_t content_size;
-    std::uint32_t type;
-  };
-  constexpr char owner[] = "GNU";
-  const auto padded = [alignment](std::uint64_t size) { return (size + alignment - 1) / alignment * alignment; };
-  while (notes.size() >= sizeof(NoteHeader)) {
-    NoteHeader header;
-    std::memcpy(&header, notes.data(), sizeof header);
-    notes = notes.subspan(sizeof header);
-    const std::uint64_t name_size = padded(header.name_size);
-    const std::uint64_t size = name_size + header.content_size;
-    if (size > notes.size()) return "";
-    if (header.type == NT_GNU_BUILD_ID && header.name_size == sizeof owner &&
-        std::memcmp(notes.data(), owner, sizeof owner) == 0 && header.content_size <= build_id_size_max) {
-      static constexpr char digits[] = "0123456789abcdef";
-      std::string text;
-      for (const std::uint8_t byte : notes.subspan(static_cast<std::size_t>(name_size), header.content_size)) {
-        text += digits[byte >> 4];
-        text += digits[byte & 15];
-      }
-      return text;
-    }
-    notes = notes.subspan(static_cast<std::size_t>(std::min<std::uint64_t>(padded(size), notes.size())));
-  }
-  return "";
-}
 
 int read_program(dl_phdr_info* program, std::size_t, void* text) {
   const auto is_loaded = [program](const ElfW(Phdr) & note) {
@@ -146,7 +114,7 @@ int read_program(dl_phdr_info* program, std::size_t, void* text) {
     if (segment.p_type != PT_NOTE || !is_loaded(segment)) continue;
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(program->dlpi_addr + segment.p_vaddr);
     const std::string found =
-        build_id_among({bytes, static_cast<std::size_t>(segment.p_filesz)}, segment.p_align == 8 ? 8 : 4);
+        verifier::build_id_among({bytes, static_cast<std::size_t>(segment.p_filesz)}, segment.p_align == 8 ? 8 : 4);
     if (!found.empty()) *static_cast<std::string*>(text) = found;
   }
   return 1;  // the first object is the program; the libraries behind it are not asked

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -164,7 +165,7 @@ struct TraceWriter::Impl {
     ImagePart part;
     part.root_hash = root_hash;
     part.image_size = bytes.size();
-    part.time_s = time_s;
+    part.time_s = std::min(time_s, std::numeric_limits<double>::max());  // readers take a finite time alone
     // A list of changes is held with the tables that it does not change.
     const std::uint64_t beside = held > bytes.size() ? held - bytes.size() : 0;
     do {

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "base/plain_text.h"
 #include "verifier/report/fact_differences.h"
+#include "verifier/report/json_parts.h"
 
 namespace ticktrue::capi {
 namespace {
@@ -194,7 +195,7 @@ nlohmann::ordered_json lane_object(const StateSchema& schema, const DesyncFindin
     nlohmann::ordered_json value{{"player", finding.players[i].player}, {"bits", nullptr}};
     if (lane.values[i]) {
       value["bits"] = lane_hex(column.type, *lane.values[i]);
-      value["value"] = lane_text(column.type, *lane.values[i]);
+      value["value"] = verifier::value_json(column.type, *lane.values[i]);
     }
     object["values"].push_back(std::move(value));
   }
@@ -280,7 +281,7 @@ std::string desync_text(const StateSchema& schema, const DesyncFinding& finding)
 
 std::string desync_json(const StateSchema& schema, const DesyncFinding& finding) {
   using Json = nlohmann::ordered_json;
-  Json object{{"schema", "ticktrue.desync/1"}, {"simulation", plain_line(finding.simulation)}, {"tick", finding.tick}};
+  Json object{{"schema", "ticktrue.desync/2"}, {"simulation", plain_line(finding.simulation)}, {"tick", finding.tick}};
   object["agreed"] = finding.agreed ? Json(*finding.agreed) : Json(nullptr);
   object["complete"] = finding.is_whole;
   object["players"] = Json::array();

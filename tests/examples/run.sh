@@ -97,6 +97,25 @@ if grep -qw fma /proc/cpuinfo 2>/dev/null && compile_game -mfma game.c 2>/dev/nu
   expect 0 "match  game.ttr" ./game --verify game.ttr
 fi
 
+# Each build verifies what it recorded, found by its build id.
+mkdir -p builds/9.8 builds/9.81
+for gravity in 9.8 9.81; do
+  sed "s/-9.8f/-${gravity}f/" game.c >other.c
+  expect 0 "" compile_game -Wl,--build-id other.c
+  mv game builds/$gravity/game
+  expect 0 "recorded" builds/$gravity/game --record "game_$gravity.ttr"
+done
+expect 1 "1 match, 1 diverged" "$tool" verify game_9.8.ttr game_9.81.ttr --command 'builds/9.8/game --verify {}'
+expect 0 "2 traces: 2 match" "$tool" verify game_9.8.ttr game_9.81.ttr --builds builds
+expect 0 "recorded by the build builds/9.81/game" "$tool" verify game_9.81.ttr --builds builds --command '{build} --verify {}'
+# The build that recorded a trace beside another one: the first agrees with the trace, the other does not.
+"$tool" verify game_9.8.ttr --builds builds --command 'builds/9.81/game --verify {}' --against-command '{build} --verify {}' >by_both
+[ $? = 1 ] || complain "verify --builds --against-command: expected exit code 1"
+grep -q "balls.vy" by_both || { complain "verify --builds --against-command: found no column"; cat by_both; }
+rm -r builds/9.8
+expect 5 "found none such in builds (1 builds)" "$tool" verify game_9.8.ttr --builds builds
+expect 2 "found no program with a build id" "$tool" verify game_9.8.ttr --builds ../examples
+
 # The commands that the document prints, in their order, from an install in ~/ticktrue.
 home=$work/home
 mkdir -p "$home" "$work/doc"

@@ -3,6 +3,7 @@
 //
 // All of it comes from the repository's own scenes, sessions and traces; what no other file holds lies in
 // tests/fuzz/seeds, with everything that a fuzzer once found.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +15,7 @@
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
+#include "replay/box/box_writer.h"
 #include "replay/recorder.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/peers_world.h"
@@ -174,6 +176,82 @@ void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
   seed("trace_forged", trace);
 }
 
+/// A box as box_fuzz.cpp takes it: without the space between its parts.
+Bytes packed_box(const Bytes& file) {
+  const auto layout = replay::decode_box_header(ByteView(file).first(replay::box_header_size), "seed");
+  fuzz::require(layout.has_value(), "the header of a box is read");
+  Bytes packed;
+  const auto add = [&](std::uint64_t offset, std::uint64_t size) {
+    const ByteView part = ByteView(file).subspan(offset, size);
+    packed.insert(packed.end(), part.begin(), part.end());
+  };
+  add(0, replay::box_header_size);
+  packed.resize(packed.size() + 4);
+  add(replay::box_page_size, layout->head_size);
+  for (std::size_t i = 0; i < layout->slot_count; ++i) {
+    const std::uint64_t offset = layout->slot_offset(i);
+    const std::uint32_t committed = ByteReader(ByteView(file).subspan(offset + replay::box_committed_offset)).u32();
+    add(offset, replay::box_slot_header_size + committed);
+  }
+  return packed;
+}
+
+/// A black box whose slots have `slot_ticks` ticks each: more slots than it holds were begun. The last is cut short
+/// where the session did not close it.
+void seed_box(replay::Detail detail, bool has_saves, bool is_closed, std::size_t slot_ticks) {
+  constexpr std::uint32_t body_count = 2;
+  constexpr std::uint64_t slots_begun = 5;
+  test::ToySimulation toy(body_count);
+  replay::TraceSetup setup;
+  setup.simulation = "ticktrue.toy";
+  setup.physics_version = 1;
+  setup.title = "toy";
+  setup.dt = 0.015625;
+  setup.detail = detail;
+  setup.features =
+      static_cast<std::uint32_t>(replay::Feature::tail) | static_cast<std::uint32_t>(replay::Feature::notes);
+  if (has_saves) setup.features |= static_cast<std::uint32_t>(replay::Feature::saves);
+  setup.schema = test::ToySimulation::schema();
+  setup.stages = test::ToySimulation::stages();
+  setup.setup = test::ToySimulation::setup(body_count);
+  const fs::path path = out_folder / "box.ttb";
+  const auto layout = replay::divide_box(3 * replay::box_slot_size_min);
+  fuzz::require(layout.has_value(), "a small box is divided");
+  replay::BoxWriter box(path.string(), *layout);
+  ToySession session;
+  const Bytes save{1, 2, 3, 4};
+  bool is_written = true;
+  for (std::uint64_t slot = 0; slot < slots_begun; ++slot) {
+    const bool is_last = slot + 1 == slots_begun;
+    auto writer = box.begin_slot(setup, {{"compiler", "x"}}, slot * slot_ticks, 1);
+    fuzz::require(writer.has_value(), "a slot begins");
+    is_written =
+        is_written && writer->checkpoint(toy.state(), root_hash(toy.state())) && (!has_saves || writer->save(save));
+    box.publish();
+    for (std::uint64_t i = 0; i < slot_ticks; ++i) {
+      const auto input = session.next(slot * slot_ticks + i);
+      is_written = is_written && writer->begin_tick(**input) && (i != 0 || writer->note({"log", "hi"}));
+      if (is_last && !is_closed && i + 1 == slot_ticks) break;
+      StageHashes stages;
+      is_written = is_written && toy.step(**input, &stages);
+      is_written = is_written && writer->end_tick(root_hash(toy.state()), stages.hashes(), &toy.state());
+    }
+    if (is_last && is_closed) {
+      is_written = is_written && writer->finish(replay::EndReason::complete, "");
+      box.close();
+    }
+  }
+  fuzz::require(is_written, "a box is written");
+  seed("box", packed_box(read_file(path)));
+  fs::remove(path);
+}
+
+void seed_boxes() {
+  for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells})
+    for (const bool has_saves : {false, true})
+      for (const bool is_closed : {false, true}) seed_box(detail, has_saves, is_closed, has_saves ? 3 : 7);
+}
+
 void seed_traces() {
   for (const replay::Detail detail : {replay::Detail::root, replay::Detail::cells, replay::Detail::full})
     for (const std::uint64_t first_tick : {0, 7}) seed_third_trace(detail, first_tick);
@@ -302,6 +380,13 @@ void seed_peers() {
   seed("peers", with_kind(2, session.view()));
 }
 
+/// The begin of this program: its headers and, as linkers put them in front, its notes.
+void seed_programs() {
+  Bytes program = read_file("/proc/self/exe");
+  program.resize(std::min<std::size_t>(program.size(), 2'048));
+  seed("elf", program);
+}
+
 void seed_stored() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
     if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
@@ -315,11 +400,13 @@ int main(int argument_count, char** arguments) {
   fs::remove_all(out_folder);
   fs::create_directories(out_folder);
   seed_traces();
+  seed_boxes();
   seed_scenes();
   seed_states();
   seed_sessions();
   seed_verdicts();
   seed_peers();
+  seed_programs();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;

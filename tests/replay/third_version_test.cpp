@@ -1,6 +1,7 @@
 // Format version 3: what is written is read, nothing else is, and content outside of the chain costs no tick.
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "replay/format/payload.h"
@@ -491,6 +492,30 @@ TEST_CASE("recovery keeps where a trace begins, its time and what stands outside
     REQUIRE(part.tail.end);
     require_true_part(part, contents);
   }
+}
+
+TEST_CASE("a checkpoint states the largest time where the sum of dt has no finite value",
+          "[replay][third][regression]") {
+  const TemporaryFolder folder;
+  SessionPlan plan;
+  plan.features = bit(Feature::saves);
+  const RandomTables tables(plan.table_count, plan.seed);
+  replay::WriterOptions options = plain_writer();
+  options.allow_third = true;
+  auto writer = replay::TraceWriter::create(folder.file("a.ttr"), setup_of(plan), {}, options);
+  REQUIRE(writer);
+  const std::uint64_t root = root_hash(tables.view());
+  for (int tick = 0; tick < 3; ++tick) {
+    REQUIRE(writer->checkpoint(tables.view(), root));
+    REQUIRE(writer->begin_tick({1e308, {}}));
+    REQUIRE(writer->end_tick(root, {}, &tables.view()));
+  }
+  REQUIRE(writer->finish(replay::EndReason::complete, ""));
+  const ThirdTrace trace = read_third(read_file(folder.file("a.ttr")));
+  CHECK(trace.tail.message == "");
+  REQUIRE(trace.checkpoints.size() == 3);
+  CHECK(trace.checkpoints[1].time_s == 1e308);
+  CHECK(trace.checkpoints[2].time_s == std::numeric_limits<double>::max());
 }
 
 TEST_CASE("a writer states version 3 only where the setup needs it, and where it may", "[replay][third][version]") {

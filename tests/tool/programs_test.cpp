@@ -116,6 +116,19 @@ TEST_CASE("a report that was written as JSON is read as it was", "[verifier][pro
   CHECK(report_text(read->report) == report_text(report));
 }
 
+TEST_CASE("reports of version 1 are read, those of an unknown version are not", "[verifier][programs]") {
+  const Report report = red_report();
+  std::string text = report_json({&report, 1}, false);
+  const std::size_t at = text.find("ticktrue.verify/2");
+  REQUIRE(at != std::string::npos);
+  text[at + 16] = '1';
+  const auto read = read_report(text, schema_of_units());
+  REQUIRE(read);
+  CHECK(report_text(read->report) == report_text(report));
+  text[at + 16] = '3';
+  CHECK_FALSE(read_report(text, schema_of_units()));
+}
+
 TEST_CASE("findings of two runs are equal exactly where the runs are", "[verifier][programs]") {
   const StateSchema schema = schema_of_units();
   const auto finding = [&](const Report& report) {

@@ -357,7 +357,7 @@ TEST_CASE("a session of a plug-in loses the ticks and inputs that its failure do
 TEST_CASE("reports of other programs are read, and wrong ones are refused", "[verifier][reduce][hostile]") {
   CHECK_FALSE(failure_of_report("").has_value());
   CHECK_FALSE(failure_of_report("[1]").has_value());
-  CHECK_FALSE(failure_of_report(R"({"schema":"ticktrue.verify/2","verdict":"match"})").has_value());
+  CHECK_FALSE(failure_of_report(R"({"schema":"ticktrue.verify/3","verdict":"match"})").has_value());
   CHECK(failure_of_report(R"({"schema":"ticktrue.verify/1","verdict":"damaged","reason":"x"})").error().code ==
         ErrorCode::incompatible);
   const auto match = failure_of_report(R"({"schema":"ticktrue.verify/1","verdict":"match"})");
@@ -368,6 +368,20 @@ TEST_CASE("reports of other programs are read, and wrong ones are refused", "[ve
   REQUIRE((bare && *bare));
   CHECK((*bare)->tick == 0);
   CHECK((*bare)->bodies.empty());
+  // Version 1 has values as texts, version 2 as numbers.
+  for (const char* row : {R"({"schema":"ticktrue.verify/1","verdict":"diverged","divergence":{"tick":4,"rows":[
+           {"table":"b","column":"c","row":2,"name":"n","expected_value":"0.1","got_value":"-7"}]}})",
+                          R"({"schema":"ticktrue.verify/2","verdict":"diverged","divergence":{"tick":4,"rows":[
+           {"table":"b","column":"c","row":2,"name":"n","expected_value":0.1,"got_value":-7}]}})"}) {
+    const auto found = failure_of_report(row);
+    REQUIRE((found && *found));
+    CHECK((*found)->what == "b.c row 2 n: expected 0.1, got -7");
+  }
+  const auto missing = failure_of_report(
+      R"({"schema":"ticktrue.verify/2","verdict":"diverged","divergence":{"tick":4,"rows":[
+           {"table":"b","column":"c","row":2,"name":"n","expected_value":null,"got_value":"nan"}]}})");
+  REQUIRE((missing && *missing));
+  CHECK((*missing)->what == "b.c row 2 n: expected no row, got nan");
   CHECK(words_with_trace({"a", "b{}c", "{}"}, "x{}") == std::vector<std::string>{"a", "bx{}c", "x{}"});
   CHECK(words_with_trace({"a"}, "x") == std::vector<std::string>{"a", "x"});
 }

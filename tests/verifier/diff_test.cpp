@@ -197,7 +197,7 @@ TEST_CASE("diff: text and JSON say the same", "[verifier][diff][analytic]") {
   CHECK(contains(text, "value   a "));
   CHECK(contains(text, "differ first at tick 30"));
   const auto json = nlohmann::json::parse(verifier::diff_json(report));
-  CHECK(json["schema"] == "ticktrue.diff/1");
+  CHECK(json["schema"] == "ticktrue.diff/2");
   CHECK(json["verdict"] == "different");
   CHECK(json["divergence"]["tick"] == 17);
   CHECK(json["divergence"]["columns"] == std::vector<std::string>{"charge"});

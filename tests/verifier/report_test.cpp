@@ -4,8 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/random.h"
 #include "tests/support/catch.h"
 #include "tests/verifier/toy_variants.h"
+#include "verifier/report/json_parts.h"
 
 namespace ticktrue::test {
 namespace {
@@ -105,7 +107,7 @@ TEST_CASE("report: a cut trace names the last good tick and the inputs in flight
 TEST_CASE("report: JSON has the fields of the design", "[verifier][report][analytic]") {
   const Report report = diverged_report();
   const auto json = nlohmann::json::parse(verifier::report_json({&report, 1}, false));
-  CHECK(json["schema"] == "ticktrue.verify/1");
+  CHECK(json["schema"] == "ticktrue.verify/2");
   CHECK(json["verdict"] == "diverged");
   CHECK(json["ticks_recorded"] == 50);
   CHECK(json["ticks_compared"] == 38);
@@ -137,11 +139,64 @@ TEST_CASE("report: JSON has the fields of the design", "[verifier][report][analy
   CHECK(same["passed"] == 1);
 }
 
+TEST_CASE("report: values in JSON are numbers, and texts where no number is exact", "[verifier][report][analytic]") {
+  struct Value {
+    ScalarType type;
+    std::uint64_t bits;
+    const char* json;
+  };
+  const Value values[] = {
+      {ScalarType::u8, 255, "255"},
+      {ScalarType::i8, 0xff, "-1"},
+      {ScalarType::i16, 0x8000, "-32768"},
+      {ScalarType::i32, 0x80000000, "-2147483648"},
+      {ScalarType::u32, 0xffffffff, "4294967295"},
+      {ScalarType::u64, std::uint64_t{1} << 53, "9007199254740992"},
+      {ScalarType::u64, (std::uint64_t{1} << 53) + 1, "\"9007199254740993\""},
+      {ScalarType::u64, ~std::uint64_t{0}, "\"18446744073709551615\""},
+      {ScalarType::i64, ~std::uint64_t{0}, "-1"},
+      {ScalarType::i64, 0 - (std::uint64_t{1} << 53), "-9007199254740992"},
+      {ScalarType::i64, 0 - (std::uint64_t{1} << 53) - 1, "\"-9007199254740993\""},
+      {ScalarType::i64, std::uint64_t{1} << 63, "\"-9223372036854775808\""},
+      {ScalarType::f32, bits_of(0.1f), "0.1"},
+      {ScalarType::f32, bits_of(-0.0f), "-0.0"},
+      {ScalarType::f64, bits_of(0.1), "0.1"},
+      {ScalarType::f64, bits_of(1e300), "1e+300"},
+      {ScalarType::f64, bits_of(5e-324), "5e-324"},
+      {ScalarType::f64, bits_of(9007199254740994.0), "9.007199254740994e+15"},
+      {ScalarType::f64, 0x7ff0000000000000, "\"inf\""},
+      {ScalarType::f64, 0xfff0000000000000, "\"-inf\""},
+      {ScalarType::f32, 0x7fc00000, "\"nan\""},
+  };
+  for (const Value& value : values) {
+    CAPTURE(value.json);
+    const nlohmann::ordered_json json = verifier::value_json(value.type, value.bits);
+    CHECK(json.dump() == value.json);
+    // As text it is what the text of a report has, and in version 1 the JSON had.
+    CHECK(verifier::value_text(json) == lane_text(value.type, value.bits));
+    CHECK(verifier::value_text(lane_text(value.type, value.bits)) == lane_text(value.type, value.bits));
+  }
+  for (const char* none : {"null", "true", "[1]", "{}"})
+    CHECK(verifier::value_text(nlohmann::json::parse(none)).empty());
+}
+
+TEST_CASE("report: a number in JSON gives back the bits of its type", "[verifier][report][property]") {
+  Random random(20261126);
+  for (int i = 0; i < 20'000; ++i) {
+    const std::uint64_t bits = random.bits();
+    const nlohmann::ordered_json wide = verifier::value_json(ScalarType::f64, bits);
+    if (wide.is_number()) CHECK(bits_of(nlohmann::json::parse(wide.dump()).get<double>()) == bits);
+    const auto low = static_cast<std::uint32_t>(bits);
+    const nlohmann::ordered_json narrow = verifier::value_json(ScalarType::f32, low);
+    if (narrow.is_number()) CHECK(bits_of(nlohmann::json::parse(narrow.dump()).get<float>()) == low);
+  }
+}
+
 TEST_CASE("report: several files are one JSON object with a row each", "[verifier][report][analytic]") {
   const Report reports[] = {verify_bytes(toy_trace_with(toy_setup(6), 50, 8), toy_info), diverged_report(),
                             verifier::open_error_report("x.ttr", Error{ErrorCode::incompatible, "x.ttr: newer", ""})};
   const auto json = nlohmann::json::parse(verifier::report_json(reports, false));
-  CHECK(json["schema"] == "ticktrue.verify/1");
+  CHECK(json["schema"] == "ticktrue.verify/2");
   CHECK(json["passed"] == 1);
   CHECK(json["failed"] == 1);
   CHECK(json["not_applicable"] == 1);

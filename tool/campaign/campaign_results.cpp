@@ -33,6 +33,11 @@ bool read_number(std::string_view text, std::uint64_t& number) {
   return failure == std::errc() && end == text.data() + text.size();
 }
 
+/// A file in the folder, or none.
+bool is_name(std::string_view name) {
+  return name != ".." && name.find('/') == std::string_view::npos;
+}
+
 std::optional<SeedResult> parse_line(std::string_view line) {
   std::array<std::string_view, column_count> cells;
   for (std::size_t i = 0; i < column_count; ++i) {
@@ -46,7 +51,9 @@ std::optional<SeedResult> parse_line(std::string_view line) {
                                  [&](const verifier::VerdictInfo& one) { return one.name == cells[2]; });
   std::uint64_t tick = 0;
   const bool has_tick = cells[4] != "-";
-  if (info == verifier::verdicts.end() || !read_number(cells[0], result.seed) || !read_number(cells[3], result.ticks) ||
+  // A seed of which the machine could not say a thing is run again, and has no row.
+  if (info == verifier::verdicts.end() || info->verdict == verifier::Verdict::error ||
+      !read_number(cells[0], result.seed) || !read_number(cells[3], result.ticks) ||
       (has_tick && !read_number(cells[4], tick)))
     return std::nullopt;
   result.program = uncell(cells[1]);
@@ -57,6 +64,7 @@ std::optional<SeedResult> parse_line(std::string_view line) {
   result.trace = uncell(cells[7]);
   result.second = uncell(cells[8]);
   result.reason = uncell(cells[9]);
+  if (!is_name(result.trace) || !is_name(result.second)) return std::nullopt;
   return result;
 }
 
@@ -73,10 +81,11 @@ std::string result_line(const SeedResult& result) {
          "\t" + cell(result.trace) + "\t" + cell(result.second) + "\t" + cell(result.reason) + "\n";
 }
 
-std::map<std::uint64_t, SeedResult> parse_results(std::string_view text) {
+std::map<std::uint64_t, SeedResult> parse_results(std::string_view text, SeedRange seeds) {
   std::map<std::uint64_t, SeedResult> results;
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
-    if (std::optional<SeedResult> result = parse_line(text.substr(0, end))) {
+    std::optional<SeedResult> result = parse_line(text.substr(0, end));
+    if (result && result->seed >= seeds.first && result->seed <= seeds.last) {
       const std::uint64_t seed = result->seed;
       results.insert_or_assign(seed, *std::move(result));
     }
@@ -85,7 +94,7 @@ std::map<std::uint64_t, SeedResult> parse_results(std::string_view text) {
   return results;
 }
 
-Result<ResultsFile> ResultsFile::open(const std::string& folder) {
+Result<ResultsFile> ResultsFile::open(const std::string& folder, SeedRange seeds) {
   const std::string path = folder + "/" + results_name;
   const int descriptor = replay::open_file(path, O_RDWR | O_CREAT | O_APPEND);
   if (descriptor < 0) return replay::io_error(path, "open", errno);
@@ -96,7 +105,7 @@ Result<ResultsFile> ResultsFile::open(const std::string& folder) {
                  "--out names another folder"};
   std::string text;
   if (const Status read = file.read_all(text); !read) return read.error();
-  file.before_ = parse_results(text);
+  file.before_ = parse_results(text, seeds);
   // A line that was cut short ends here, so that the next one is whole.
   const std::string_view begin = text.empty() || text.back() == '\n' ? "" : "\n";
   if (const Status written = file.write_all(text.empty() ? results_head() : std::string(begin)); !written)

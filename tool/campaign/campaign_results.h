@@ -39,14 +39,22 @@ std::string result_line(const SeedResult& result);
 /// The line of the column names.
 std::string results_head();
 
-/// By seed; lines that are no whole row (of a campaign that was killed) count for nothing.
-std::map<std::uint64_t, SeedResult> parse_results(std::string_view text);
+/// Both included.
+struct SeedRange {
+  std::uint64_t first = 0;
+  std::uint64_t last = ~std::uint64_t{0};
+};
+
+/// By seed, of the seeds in the range alone. Lines that no campaign wrote whole count for nothing: of one that was
+/// killed, or of another hand (a verdict `error`, a trace outside of the folder).
+std::map<std::uint64_t, SeedResult> parse_results(std::string_view text, SeedRange seeds);
 
 /// The file of a folder, locked against another campaign until the end.
 class ResultsFile {
  public:
-  /// Creates it where there is none. Errors: io (also a campaign that runs in this folder), limit.
-  static Result<ResultsFile> open(const std::string& folder);
+  /// Creates it where there is none. Holds results of these seeds alone, however many the file has. Errors: io (also a
+  /// campaign that runs in this folder), limit.
+  static Result<ResultsFile> open(const std::string& folder, SeedRange seeds);
   ResultsFile(ResultsFile&& other) noexcept;
   ResultsFile& operator=(ResultsFile&&) = delete;
   ~ResultsFile();

@@ -108,9 +108,10 @@ function table(heads, rows) {
   return box;
 }
 
-function value(bits, text, className) {
+function value(bits, number, className) {
   if (bits === null) return make('td', '', 'no such row');
-  return make('td', '', hex(bits, className), make('span', 'quiet', '  ' + text));
+  const shown = Object.is(number, -0) ? '-0' : number;
+  return make('td', '', hex(bits, className), make('span', 'quiet', '  ' + shown));
 }
 
 /** The lanes that differ, with both sides. */

@@ -375,7 +375,7 @@ class PageMaker {
   PageMaker(const Report& report, const PageOptions& options) : report_(report), options_(options) {}
 
   Result<Page> run() {
-    data_["schema"] = "ticktrue.page/1";
+    data_["schema"] = "ticktrue.page/2";
     data_["made_by"] = build_line();
     data_["verify"] = Json::parse(report_json({&report_, 1}, options_.allow_truncated));
     data_["command"] = options_.command;

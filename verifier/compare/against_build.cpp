@@ -10,6 +10,7 @@
 #include "verifier/compare/pair_report.h"
 #include "verifier/compare/stage_states.h"
 #include "verifier/locate/locate.h"
+#include "verifier/report/json_parts.h"
 #include "verifier/runs/child.h"
 
 namespace ticktrue::verifier {
@@ -61,9 +62,8 @@ class BuildComparison {
     const ChildResult result = run(more);
     if (std::string failure = child_failure(result, limits_); !failure.empty()) return failure;
     const auto json = nlohmann::json::parse(result.output, nullptr, false);
-    if (!json.is_object() || json_at<std::string>(json, "schema", "") != "ticktrue.verify/1" ||
-        !json.contains("verdict"))
-      return "gave no report of schema ticktrue.verify/1: exit code " + std::to_string(result.end.exit_status) +
+    if (!json.is_object() || !is_verify_schema(json_at<std::string>(json, "schema", "")) || !json.contains("verdict"))
+      return "gave no report of schema ticktrue.verify/2: exit code " + std::to_string(result.end.exit_status) +
              (result.message.empty() ? "" : ", \"" + first_line(result.message) + "\"");
     other.build.verdict = first_line(json_at<std::string>(json, "verdict", ""));
     other.build.reason = first_line(json_at<std::string>(json, "reason", ""));

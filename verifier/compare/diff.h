@@ -83,6 +83,6 @@ struct DiffOptions {
 DiffReport diff(replay::TraceReader& a, replay::TraceReader& b, const DiffOptions& options);
 
 std::string diff_text(const DiffReport& report);
-std::string diff_json(const DiffReport& report);  // schema ticktrue.diff/1
+std::string diff_json(const DiffReport& report);  // schema ticktrue.diff/2
 
 }  // namespace ticktrue::verifier

@@ -97,6 +97,6 @@ struct DiffManyReport {
 DiffManyReport diff_many(std::span<const OpenedTrace> traces, const DiffOptions& options);
 
 std::string diff_many_text(const DiffManyReport& report);
-std::string diff_many_json(const DiffManyReport& report);  // schema ticktrue.diff_many/1
+std::string diff_many_json(const DiffManyReport& report);  // schema ticktrue.diff_many/2
 
 }  // namespace ticktrue::verifier

@@ -253,7 +253,7 @@ std::string diff_many_text(const DiffManyReport& report) {
 }
 
 std::string diff_many_json(const DiffManyReport& report) {
-  Json object = {{"schema", "ticktrue.diff_many/1"},
+  Json object = {{"schema", "ticktrue.diff_many/2"},
                  {"verdict", diff_verdict_info(report.verdict).name},
                  {"reason", report.reason},
                  {"ticks_compared", report.ticks_compared},

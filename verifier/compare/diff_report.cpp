@@ -91,7 +91,7 @@ std::string diff_text(const DiffReport& report) {
 }
 
 std::string diff_json(const DiffReport& report) {
-  Json object = {{"schema", "ticktrue.diff/1"},
+  Json object = {{"schema", "ticktrue.diff/2"},
                  {"verdict", diff_verdict_info(report.verdict).name},
                  {"reason", report.reason},
                  {"ticks_compared", report.ticks_compared},

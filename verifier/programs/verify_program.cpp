@@ -130,7 +130,7 @@ class ProgramVerification {
     std::istringstream lines(results);
     for (std::string line; std::getline(lines, line);) {
       std::optional<ReadReport> next = read_report(line, schema);
-      if (!next) return "found a line that is no report of schema ticktrue.verify/1";
+      if (!next) return "found a line that is no report of schema ticktrue.verify/2";
       std::error_code failure;
       if (!std::filesystem::equivalent(next->report.file, file_, failure))
         return "found a report of " + plain_line(next->report.file) + ", expected one of " + file_;

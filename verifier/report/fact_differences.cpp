@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <array>
 
+#include "verifier/report/build_id_note.h"
+
 namespace ticktrue::verifier {
 namespace {
 
 constexpr std::string_view caller_prefix = "caller.";
 constexpr std::string_view program_prefix = "program.";
-constexpr std::string_view build_id_name = "program.build_id";
 
 constexpr std::size_t build_id_shown_max = 16;  // digits: JSON and `show` have all of them
 
@@ -70,7 +71,7 @@ std::string program_line(const replay::BuildFacts& facts) {
   add("caller.flags", "flags ");
   add("caller.optimize", "optimize ");
   add("caller.target", "");
-  add(build_id_name, "build id ", build_id_shown_max);
+  add(build_id_fact, "build id ", build_id_shown_max);
   return text;
 }
 

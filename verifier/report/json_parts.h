@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "replay/format/trace.h"
@@ -19,6 +20,14 @@ nlohmann::ordered_json build_json();
 nlohmann::ordered_json differences_json(const std::vector<FactDifference>& differences, const char* a_name,
                                         const char* b_name);
 nlohmann::ordered_json causes_json(const std::vector<Cause>& found);
+/// Reports of verify. Version 1 had values of columns as texts; readers take both.
+inline constexpr const char* verify_schema = "ticktrue.verify/2";
+bool is_verify_schema(std::string_view name);
+/// A value of a column as a number: the shortest that gives it in its type. A text where no number of JSON is exact: an
+/// integer beyond 2^53, a real that is not finite.
+nlohmann::ordered_json value_json(ScalarType type, std::uint64_t bits);
+/// What a report has as a value, as text: of version 1 or 2. Empty: no value.
+std::string value_text(const nlohmann::json& value);
 nlohmann::ordered_json lane_json(const LaneReport& row);
 nlohmann::ordered_json compared_json(const ComparedParts& compared);
 nlohmann::ordered_json divergence_json(const Divergence& divergence);

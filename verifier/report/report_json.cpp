@@ -1,5 +1,8 @@
-// A report as JSON: schema ticktrue.verify/1.
+// A report as JSON: schema ticktrue.verify/2.
 // SPDX-License-Identifier: MIT
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "base/build_info.h"
@@ -43,12 +46,35 @@ Json build_json() {
           {"target", info.target}};
 }
 
+bool is_verify_schema(std::string_view name) {
+  return name == verify_schema || name == "ticktrue.verify/1";
+}
+
+Json value_json(ScalarType type, std::uint64_t bits) {
+  constexpr std::int64_t exact_max = std::int64_t{1} << 53;  // of a double, which most readers of JSON use
+  const std::string text = lane_text(type, bits);
+  if (scalar_info(type)->is_float) {
+    const double value = std::strtod(text.c_str(), nullptr);
+    return std::isfinite(value) ? Json(value) : Json(text);
+  }
+  std::int64_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_exact = failure == std::errc() && value >= -exact_max && value <= exact_max;
+  return is_exact ? Json(value) : Json(text);
+}
+
+std::string value_text(const nlohmann::json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return lane_text(ScalarType::f64, bits_of(value.get<double>()));
+  return value.is_number() ? value.dump() : "";
+}
+
 Json lane_json(const LaneReport& row) {
   const auto bits = [&](const std::optional<std::uint64_t>& value) {
     return value ? Json(lane_hex(row.type, *value)) : Json(nullptr);
   };
-  const auto text = [&](const std::optional<std::uint64_t>& value) {
-    return value ? Json(lane_text(row.type, *value)) : Json(nullptr);
+  const auto number = [&](const std::optional<std::uint64_t>& value) {
+    return value ? value_json(row.type, *value) : Json(nullptr);
   };
   std::optional<std::uint64_t> ulp;
   if (row.expected && row.got) ulp = ulp_distance(row.type, *row.expected, *row.got);
@@ -60,8 +86,8 @@ Json lane_json(const LaneReport& row) {
           {"lane", row.lane},
           {"expected", bits(row.expected)},
           {"got", bits(row.got)},
-          {"expected_value", text(row.expected)},
-          {"got_value", text(row.got)},
+          {"expected_value", number(row.expected)},
+          {"got_value", number(row.got)},
           {"ulp", ulp ? Json(*ulp) : Json(nullptr)}};
 }
 
@@ -243,7 +269,7 @@ void add_counts(Json& object, std::span<const Report> reports, bool allow_trunca
 }
 
 std::string report_json(std::span<const Report> reports, bool allow_truncated) {
-  Json object = {{"schema", "ticktrue.verify/1"}};
+  Json object = {{"schema", verify_schema}};
   if (reports.size() == 1) {
     const Json row = report_row_json(reports[0]);
     for (const auto& [name, value] : row.items()) object[name] = value;

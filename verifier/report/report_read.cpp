@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "verifier/report/json_parts.h"
+
 namespace ticktrue::verifier {
 namespace {
 
@@ -205,7 +207,7 @@ std::optional<ReadReport> read_report(const std::string& text, const StateSchema
   take(object, "verdict", verdict);
   const auto info =
       std::find_if(verdicts.begin(), verdicts.end(), [&](const VerdictInfo& one) { return one.name == verdict; });
-  if (name != "ticktrue.verify/1" || info == verdicts.end()) return std::nullopt;
+  if (!is_verify_schema(name) || info == verdicts.end()) return std::nullopt;
   ReadReport read;
   read.report.verdict = info->verdict;
   read_fields(object, schema, read.report);

@@ -1,4 +1,4 @@
-// Reads a report of a session back from its JSON (schema ticktrue.verify/1).
+// Reads a report of a session back from its JSON (schema ticktrue.verify/2, or 1).
 // SPDX-License-Identifier: MIT
 #pragma once
 

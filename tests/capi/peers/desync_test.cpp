@@ -391,7 +391,7 @@ TEST_CASE("a recorded live game keeps its bytes, and its report has the desync",
     CHECK(contains(text, "recorded  " + file));
     CHECK(contains(text, "desync  herd  tick 0\n") == is_live);
     CHECK(contains(text, "player 4: 1 tick compared, other from tick 0 on") == is_live);
-    CHECK(contains(json, "\"desync\": {\"schema\":\"ticktrue.desync/1\"") == is_live);
+    CHECK(contains(json, "\"desync\": {\"schema\":\"ticktrue.desync/2\"") == is_live);
     ticktrue_close(session);
     return path.bytes(name);
   };

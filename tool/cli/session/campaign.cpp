@@ -285,7 +285,7 @@ int run_campaign(const CampaignCommand& command) {
   if (!options) return fail_usage(options.error());
   const Result<std::string> program = campaign::program_digest(*options);
   if (!program) return fail_usage(program.error());
-  auto file = campaign::ResultsFile::open(options->folder);
+  auto file = campaign::ResultsFile::open(options->folder, {seeds->first, seeds->last});
   if (!file) return fail_usage(file.error());
   return Campaign(command, *std::move(options), std::move(*file), *seeds, *program).run();
 }

@@ -93,7 +93,7 @@ void add_diff(CLI::App& app, CliContext& context) {
   command->add_option("B", options->b, "Trace file")->required();
   command->add_option("MORE", options->more, "Further traces: who differs from the majority is named");
   command->add_flag("--json", options->json,
-                    "One JSON object (schema ticktrue.diff/1; of three or more traces ticktrue.diff_many/1)");
+                    "One JSON object (schema ticktrue.diff/2; of three or more traces ticktrue.diff_many/2)");
   command->add_flag("--allow-truncated", options->allow_truncated,
                     "Equal as far as all go is fine where one ends early");
   set_examples(*command,

@@ -264,7 +264,7 @@ void add_shake(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count, "How many ticks of a scene are recorded (default 600)",
              {1, 1'000'000});
   command->add_flag("--list", options->list, "List the perturbations");
-  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.shake/1)");
+  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.shake/2)");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
       ->type_name("OUT.xml");
   command->add_flag("--github", options->github, "Annotations for GitHub Actions on standard error");
@@ -278,7 +278,7 @@ void add_shake(CLI::App& app, CliContext& context) {
       "ticktrue shake 'pyramid?base=5' --ticks 60 --class A\n"
       "ticktrue shake stack.ttr --vary=-cpu_model --junit shake.xml -j 2 -- ticktrue verify {trace} -j 1 --json\n"
       "ticktrue shake stack.ttr --class A --time 20 --no-narrow -- ticktrue verify {trace} -j 1 --json",
-      "PROGRAM has a session of the C interface, or prints a report of schema ticktrue.verify/1.\n"
+      "PROGRAM has a session of the C interface, or prints a report of schema ticktrue.verify/2.\n"
       "Exit codes: 0 nothing of class A moved the program. 1 something did. 2 the program fails or diverges as it\n"
       "is, or usage. 6 the program does not repeat itself; the report tells what has to be held still.");
   command->callback([options, &context] {

@@ -28,6 +28,7 @@
 #include "verifier/corpus/trace_list.h"
 #include "verifier/plugins/plugin.h"
 #include "verifier/programs/command_words.h"
+#include "verifier/programs/program_builds.h"
 #include "verifier/programs/verify_program.h"
 #include "verifier/report/report.h"
 #include "verifier/report/report_ci.h"
@@ -61,6 +62,7 @@ struct VerifyCommand {
   std::optional<std::string> other_program;  // the words of it
   std::uint64_t timeout_s = 600;
   std::optional<std::string> program;  // the words of the one that recorded
+  std::string builds;                  // a folder with builds of it
   std::string inputs;                  // of scenes
   std::optional<std::uint64_t> tick_count;
 };
@@ -175,6 +177,7 @@ Report verify_word(const std::string& word, const VerifyCommand& command, unsign
 /// The program that recorded the traces, another one to compare it with, and a folder for the files of their runs.
 struct Program {
   verifier::ProgramCommand command;
+  std::optional<verifier::ProgramBuilds> builds;
   std::optional<verifier::ProgramCommand> other;
   std::optional<verifier::RunFolder> folder;
   std::mutex lock;
@@ -183,13 +186,27 @@ struct Program {
   ~Program() { verifier::end_escaped(escaped); }
 
   Report verify(const std::string& file, std::size_t number) {
-    Report report = verify_by(command, file, "run-" + std::to_string(number));
-    if (!other || report.verdict == Verdict::error) return report;
-    const Report there = verify_by(*other, file, "other-" + std::to_string(number));
-    return verifier::pair_of_programs(std::move(report), there, verifier::command_line_of(other->words));
+    if (!builds) return verify_by_both(command, other, file, number);
+    const Result<std::string> recorder = builds->recorder_of(file);
+    if (!recorder) return verifier::open_error_report(file, recorder.error());
+    verifier::ProgramCommand here = command;
+    verifier::replace_build(here.words, *recorder);
+    std::optional<verifier::ProgramCommand> there = other;
+    if (there) verifier::replace_build(there->words, *recorder);
+    Report report = verify_by_both(here, there, file, number);
+    report.notes.push_back("recorded by the build " + *recorder);
+    return report;
   }
 
  private:
+  Report verify_by_both(const verifier::ProgramCommand& here, const std::optional<verifier::ProgramCommand>& there,
+                        const std::string& file, std::size_t number) {
+    Report report = verify_by(here, file, "run-" + std::to_string(number));
+    if (!there || report.verdict == Verdict::error) return report;
+    const Report other_report = verify_by(*there, file, "other-" + std::to_string(number));
+    return verifier::pair_of_programs(std::move(report), other_report, verifier::command_line_of(there->words));
+  }
+
   Report verify_by(const verifier::ProgramCommand& program, const std::string& file, const std::string& name) {
     if (stop_requested()) return verifier::open_error_report(file, Error{ErrorCode::io, file + ": stopped", ""});
     verifier::ProgramVerdict verdict = verifier::verify_by_program(file, program, name);
@@ -198,6 +215,24 @@ struct Program {
     return std::move(verdict.report);
   }
 };
+
+/// The folder of --builds, which some word of a program has to name.
+Status open_builds(const VerifyCommand& command, Program& program) {
+  std::vector<std::string> words = program.command.words;
+  if (program.other) words.insert(words.end(), program.other->words.begin(), program.other->words.end());
+  const bool has_mark = verifier::replace_build(words, "");
+  if (command.builds.empty()) {
+    if (!has_mark) return {};
+    return Error{ErrorCode::usage, "--command: found {build} and no --builds, expected the folder of the builds", ""};
+  }
+  if (!has_mark)
+    return Error{ErrorCode::usage, "--builds: found no {build} in --command, expected it in place of the program",
+                 "as in --command '{build} --verify {}'"};
+  Result<verifier::ProgramBuilds> builds = verifier::ProgramBuilds::find(command.builds);
+  if (!builds) return Error{ErrorCode::usage, "--builds: " + builds.error().message, builds.error().hint};
+  program.builds.emplace(*std::move(builds));
+  return {};
+}
 
 Status open_program(const VerifyCommand& command, std::optional<Program>& program) {
   if (!command.program) return {};
@@ -215,6 +250,7 @@ Status open_program(const VerifyCommand& command, std::optional<Program>& progra
     program->other = program->command;
     program->other->words = *std::move(other);
   }
+  if (const Status status = open_builds(command, *program); !status) return status;
   program->folder.emplace(*std::move(folder));
   catch_stop_signals();  // so that the folder is removed
   return {};
@@ -375,7 +411,8 @@ Status write_for_ci(const std::vector<Report>& reports, const VerifyCommand& com
   return {};
 }
 
-int run_verify(const VerifyCommand& command) {
+int run_verify(VerifyCommand command) {
+  if (!command.builds.empty() && !command.program) command.program = "{build}";
   const auto exit_with = [&](int code) { return command.git_bisect ? verifier::git_bisect_exit_code(code) : code; };
   if (const Status status = check_options(command); !status) return exit_with(fail_usage(status.error()));
   Result<std::vector<std::string>> files = verifier::list_traces(command.files);
@@ -464,6 +501,11 @@ void add_verify(CLI::App& app, CliContext& context) {
           "without it, --verify TRACE is added. A finding is run twice")
       ->type_name("WORDS");
   command
+      ->add_option("--builds", options->builds,
+                   "Folder with builds of the program. {build} in the words stands for the one that recorded the "
+                   "trace, found by its build id. Without --command: {build} --verify TRACE")
+      ->type_name("DIR");
+  command
       ->add_option("--against-command", options->other_program,
                    "Another program that verifies the trace, too: the report says where the two differ. Each is "
                    "compared up to the tick at which it leaves the recording")
@@ -473,7 +515,7 @@ void add_verify(CLI::App& app, CliContext& context) {
   add_number(*command, "--ticks", options->tick_count, "Of a scene: how many ticks", {1, limits::tick_count_max});
   command->add_option("--inputs", options->inputs, "Of a scene: inputs as JSON Lines, - for standard input")
       ->type_name("FILE");
-  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/1)");
+  command->add_flag("--json", options->json, "One JSON object (schema ticktrue.verify/2)");
   command->add_option("--junit", options->junit, "Write the results as JUnit XML too, over an older file")
       ->type_name("OUT.xml");
   command
@@ -501,7 +543,8 @@ void add_verify(CLI::App& app, CliContext& context) {
                "head -c 4000 stack.ttr > cut.ttr; ticktrue verify cut.ttr --allow-truncated\n"
                "git bisect run sh -c './dev build && build/release/ticktrue verify traces --git-bisect'",
                "For a program with a session:\n"
-               "  ticktrue verify session_1.ttr session_2.ttr --command './mygame --verify {}'");
+               "  ticktrue verify session_1.ttr session_2.ttr --command './mygame --verify {}'\n"
+               "  ticktrue verify session_1.ttr session_2.ttr --builds old_builds");
   command->callback([options, &context] { context.exit_code = run_verify(*options); });
 }
 

@@ -127,7 +127,7 @@ void print_corpus(const std::vector<CorpusUnit>& units) {
 
 void print_corpus_json(const std::vector<CorpusUnit>& units, const CorpusCommand& command,
                        const verifier::BuildSubject& build) {
-  Json object = {{"schema", "ticktrue.corpus/1"}};
+  Json object = {{"schema", "ticktrue.corpus/2"}};
   object["store"] = command.store;
   object["engine"] = hex128(build.engine);
   object["libraries"] = hex128(build.libraries);
@@ -226,7 +226,7 @@ void add_common(CLI::App& command, CorpusCommand& options) {
       ->check(CLI::IsMember(verify_mode_names()))
       ->capture_default_str();
   add_number(command, "-j,--jobs", options.jobs, "Threads: traces at once (default: every core)", {1, job_count_max});
-  command.add_flag("--json", options.json, "One JSON object (schema ticktrue.corpus/1)");
+  command.add_flag("--json", options.json, "One JSON object (schema ticktrue.corpus/2)");
   command.add_option("--junit", options.junit, "Write the results as JUnit XML too, over an older file")
       ->type_name("OUT.xml");
   command.add_flag("--allow-truncated", options.allow_truncated,

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "tool/output/cli.h"
+#include "verifier/report/json_parts.h"
 #include "verifier/runs/child.h"
 
 namespace ticktrue::reduce {
@@ -35,6 +36,12 @@ void add_once(std::uint32_t body, std::vector<std::uint32_t>& bodies) {
     bodies.push_back(body);
 }
 
+std::string value_at(const json& row, const char* key) {
+  const auto found = row.find(key);
+  const std::string text = found == row.end() ? "" : verifier::value_text(*found);
+  return text.empty() ? "no row" : text;
+}
+
 void read_rows(const json& divergence, Failure& failure) {
   const auto rows = divergence.find("rows");
   if (rows == divergence.end() || !rows->is_array()) return;
@@ -46,9 +53,8 @@ void read_rows(const json& divergence, Failure& failure) {
       failure.column = value_of<std::string>(row, "column", "");
       failure.row = value_of<std::uint64_t>(row, "row", 0);
       failure.what = failure.table + "." + failure.column + " row " + std::to_string(*failure.row) + " " +
-                     value_of<std::string>(row, "name", "") + ": expected " +
-                     value_of<std::string>(row, "expected_value", "no row") + ", got " +
-                     value_of<std::string>(row, "got_value", "no row");
+                     value_of<std::string>(row, "name", "") + ": expected " + value_at(row, "expected_value") +
+                     ", got " + value_at(row, "got_value");
     }
     const auto id = value_of<std::int64_t>(row, "id", -1);
     // Tables of pairs have the id of their first body as key.
@@ -118,7 +124,7 @@ class ProgramJudge {
     if (result.end.exit_status != 1)
       return Error{ErrorCode::unsupported,
                    words_.front() + ": exit code " + std::to_string(result.end.exit_status) + ": found \"" +
-                       first_line(result.message) + "\", expected a report of schema ticktrue.verify/1, or 0 or 1",
+                       first_line(result.message) + "\", expected a report of schema ticktrue.verify/2, or 0 or 1",
                    ""};
     Failure failure;
     failure.kind = "exit_code_1";
@@ -148,8 +154,8 @@ std::vector<std::string> words_with_trace(const std::vector<std::string>& words,
 
 Answer failure_of_report(const std::string& text) {
   const json report = json::parse(text, nullptr, false);
-  if (!report.is_object() || value_of<std::string>(report, "schema", "") != "ticktrue.verify/1")
-    return Error{ErrorCode::unsupported, "found no report of schema ticktrue.verify/1", ""};
+  if (!report.is_object() || !verifier::is_verify_schema(value_of<std::string>(report, "schema", "")))
+    return Error{ErrorCode::unsupported, "found no report of schema ticktrue.verify/2", ""};
   const auto verdict = value_of<std::string>(report, "verdict", "");
   if (verdict == "match") return std::optional<Failure>();
   if (verdict == "diverged" || verdict == "state_incomplete" || verdict == "not_reproducible")

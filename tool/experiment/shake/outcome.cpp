@@ -1,4 +1,4 @@
-// The result file is a report of schema ticktrue.verify/1 on each line, one for each session.
+// The result file is a report of schema ticktrue.verify/2 (or 1) on each line, one for each session.
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/outcome.h"
 
@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/plain_text.h"
+#include "verifier/report/json_parts.h"
 
 namespace ticktrue::shake {
 namespace {
@@ -18,6 +19,12 @@ std::string text_at(const nlohmann::json& object, const char* key) {
 std::uint64_t number_at(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+}
+
+OutcomeValue value_at(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return {};
+  return {verifier::value_text(*found), found->is_number()};
 }
 
 /// The first lane of the first row that differs; without one, the first table and column.
@@ -36,8 +43,8 @@ void read_place(const nlohmann::json& divergence, Outcome& outcome) {
     outcome.column = text_at(lane, "column");
     outcome.row = number_at(lane, "row");
     outcome.row_name = text_at(lane, "name");
-    outcome.expected = text_at(lane, "expected_value");
-    outcome.got = text_at(lane, "got_value");
+    outcome.expected = value_at(lane, "expected_value");
+    outcome.got = value_at(lane, "got_value");
     return;
   }
   const auto cells = divergence.find("cells");
@@ -68,7 +75,7 @@ bool read_result(const std::string& result, Outcome& outcome) {
   bool has_report = false;
   const auto take = [&](const std::string& text) {
     const nlohmann::json report = nlohmann::json::parse(text, nullptr, false);
-    if (!report.is_object() || text_at(report, "schema") != "ticktrue.verify/1") return false;
+    if (!report.is_object() || !verifier::is_verify_schema(text_at(report, "schema"))) return false;
     if (!has_report || outcome.kind == OutcomeKind::match) read_report(report, outcome);
     has_report = true;
     return true;
@@ -160,7 +167,8 @@ std::string outcome_text(const Outcome& outcome) {
   if (!outcome.table.empty()) text += "  " + outcome.table + (outcome.column.empty() ? "" : "." + outcome.column);
   if (outcome.row) text += " row " + std::to_string(*outcome.row);
   if (!outcome.row_name.empty()) text += " \"" + outcome.row_name + "\"";
-  if (!outcome.expected.empty() || !outcome.got.empty()) text += "  " + outcome.expected + " -> " + outcome.got;
+  if (!outcome.expected.text.empty() || !outcome.got.text.empty())
+    text += "  " + outcome.expected.text + " -> " + outcome.got.text;
   return plain_line(text);
 }
 

@@ -16,6 +16,12 @@ namespace ticktrue::shake {
 /// `other`: a verdict that is neither match nor diverged. `no_result`: the program ended without one.
 enum class OutcomeKind : std::uint8_t { match, diverged, other, no_result, crashed, hung, not_started };
 
+/// Of a column, as the report has it.
+struct OutcomeValue {
+  std::string text;  // empty: none
+  bool is_number = false;
+};
+
 struct Outcome {
   OutcomeKind kind = OutcomeKind::not_started;
   std::string reason;      // of all but match and diverged: one line
@@ -25,8 +31,8 @@ struct Outcome {
   std::string column;      // where known
   std::optional<std::uint64_t> row;
   std::string row_name;
-  std::string expected;  // values of the first lane, where the trace holds them
-  std::string got;
+  OutcomeValue expected;  // of the first lane, where the trace holds it
+  OutcomeValue got;
   std::string got_hash;  // of the state of that tick
   std::uint64_t ticks_compared = 0;
   int exit_status = 0;

@@ -161,6 +161,13 @@ const char* state_name(const RowResult& row) {
   return "";
 }
 
+/// A number as the report had it.
+Json value_json(const OutcomeValue& value) {
+  if (!value.is_number) return value.text;
+  if (value.text == "-0") return -0.0;
+  return Json::parse(value.text);
+}
+
 Json outcome_json(const Outcome& outcome) {
   Json object = {{"outcome", outcome_name(outcome.kind)}, {"wall_s", outcome.wall_s}};
   if (outcome.kind == OutcomeKind::match) return object;
@@ -171,8 +178,8 @@ Json outcome_json(const Outcome& outcome) {
   object["column"] = outcome.column;
   object["row"] = outcome.row ? Json(*outcome.row) : Json(nullptr);
   object["name"] = outcome.row_name;
-  object["expected_value"] = outcome.expected;
-  object["got_value"] = outcome.got;
+  object["expected_value"] = value_json(outcome.expected);
+  object["got_value"] = value_json(outcome.got);
   return object;
 }
 
@@ -267,7 +274,7 @@ std::string shake_text(const ShakeReport& report, const ShakeSubject& subject) {
 
 std::string shake_json(const ShakeReport& report, const ShakeSubject& subject) {
   Json object;
-  object["schema"] = "ticktrue.shake/1";
+  object["schema"] = "ticktrue.shake/2";
   object["file"] = subject.trace;
   object["command"] = subject.words;
   object["ticks"] = subject.tick_count;

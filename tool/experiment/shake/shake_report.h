@@ -21,7 +21,7 @@ struct ShakeSubject {
 int exit_code(const ShakeReport& report, const ShakeSubject& subject);
 
 std::string shake_text(const ShakeReport& report, const ShakeSubject& subject);
-/// Schema ticktrue.shake/1.
+/// Schema ticktrue.shake/2.
 std::string shake_json(const ShakeReport& report, const ShakeSubject& subject);
 /// A test case for each perturbation. Class B and C are failures only where they make the shake fail.
 std::string shake_junit(const ShakeReport& report, const ShakeSubject& subject);
