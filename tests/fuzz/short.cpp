@@ -41,6 +41,7 @@ int fuzz_mouse(const std::uint8_t*, std::size_t);
 int fuzz_host(const std::uint8_t*, std::size_t);
 int fuzz_verdict(const std::uint8_t*, std::size_t);
 int fuzz_peers(const std::uint8_t*, std::size_t);
+int fuzz_program(const std::uint8_t*, std::size_t);
 }
 
 namespace ticktrue::fuzz {
@@ -57,7 +58,8 @@ const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trac
                                                {"setup", fuzz_setup},     {"input_lines", fuzz_input_lines},
                                                {"inputs", fuzz_inputs},   {"rube", fuzz_rube},
                                                {"mouse", fuzz_mouse},     {"host", fuzz_host},
-                                               {"verdict", fuzz_verdict}, {"peers", fuzz_peers}};
+                                               {"verdict", fuzz_verdict}, {"peers", fuzz_peers},
+                                               {"program", fuzz_program}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
