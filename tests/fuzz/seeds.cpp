@@ -312,7 +312,7 @@ void seed_programs() {
         out.u32(value);
     };
     ByteWriter out;
-    for (const int byte : {0x7f, 'E', 'L', 'F', is_wide ? 2 : 1, 1, 1}) out.u8(static_cast<std::uint8_t>(byte));
+    for (const int byte : {0x7f, 0x45, 0x4c, 0x46, is_wide ? 2 : 1, 1, 1}) out.u8(static_cast<std::uint8_t>(byte));
     out.bytes(Bytes(17, 0));  // up to the entry point
     for (const std::uint32_t value : {0x1000u, is_wide ? 64u : 52u, 0u}) word(out, value);
     out.u32(0);  // flags
