@@ -403,6 +403,7 @@ int ticktrue_finish(ticktrue_session* session) {
     const bool is_first = !s.is_finished();
     exit_code = s.finish();
     if (is_first) ticktrue::capi::append_result(s.result_json());
+    if (is_first) ticktrue::capi::append_mapped();
     return TICKTRUE_OK;
   });
   return status == TICKTRUE_OK ? exit_code : 2;

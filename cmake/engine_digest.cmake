@@ -1,13 +1,14 @@
 # What a verdict of this build depends on: sources after preprocessing, flags and compiler of each unit, as a digest.
 # Comments, line numbers, names of folders and the commit do not count.
 #
-# ticktrue_engine_digest(OUT TARGET...): OUT becomes a source file that defines the digest of all units of the targets.
+# ticktrue_engine_digest(OUT NAME TARGET...): OUT becomes a source file that defines the lines NAME, one for each unit of
+# the targets (tool/corpus/engine_digest.h).
 # TARGET:FILE means one unit of a target. A unit is preprocessed again after its object was made again, if time or size of a
 # file that it reads has changed. Where a file is newer than the object, somebody edited it while the build ran: that build
 # gets a digest of its own. Without Ninja, a POSIX shell's tools or a native build there is no digest, and
 # `ticktrue corpus` says so.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
-  function(ticktrue_engine_digest out)
+  function(ticktrue_engine_digest out lines)
     set(folder ${CMAKE_BINARY_DIR}/engine_digest)
     find_program(TICKTRUE_SED sed)
     find_program(TICKTRUE_SHA256SUM sha256sum)
@@ -33,9 +34,9 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
       endforeach()
     endif()
     add_custom_command(OUTPUT ${out}
-      COMMAND ${CMAKE_COMMAND} -D "PARTS=${parts}" -D OUT=${out} -P ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake
+      COMMAND ${CMAKE_COMMAND} -D "PARTS=${parts}" -D OUT=${out} -D LINES=${lines} -P ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake
       DEPENDS ${PROJECT_SOURCE_DIR}/cmake/engine_digest.cmake ${parts}
-      COMMENT "Digest of the engine"
+      COMMENT "Digest: ${lines}"
       VERBATIM)
   endfunction()
   return()
@@ -69,8 +70,8 @@ if(DEFINED OUT)
 #include \"tool/corpus/engine_digest.h\"
 
 namespace ticktrue::verifier {
-extern const char* const engine_units;
-const char* const engine_units =
+extern const char* const ${LINES};
+const char* const ${LINES} =
     \"\"\n${literals}    ;
 }  // namespace ticktrue::verifier
 ")

@@ -13,6 +13,9 @@
 namespace ticktrue::shim {
 
 inline constexpr const char* page_variable = "TICKTRUE_SHAKE";
+/// The variable names a file. A session that ends appends a line for the program and for each shared library that is
+/// mapped then, its path; and an empty line.
+inline constexpr const char* mapped_variable = "TICKTRUE_MAPPED";
 inline constexpr std::uint64_t page_magic = 0x31656b6168737474;  // "ttshake1"
 
 /// Calls are numbered within a group, from 0 at the start of the process. Calls made by libticktrue do not count.
@@ -40,21 +43,23 @@ inline constexpr std::size_t group_count = 12;
   X(asin)                                                                                                              \
   X(acos)                                                                                                              \
   X(atan)                                                                                                              \
-  X(sinh) X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) X(log10) X(log1p) \
-      X(cbrt) X(erf) X(erfc) X(tgamma) X(lgamma)
+  X(sinh)                                                                                                              \
+  X(cosh) X(tanh) X(asinh) X(acosh) X(atanh) X(exp) X(exp2) X(expm1) X(exp10) X(log) X(log2) X(log10) X(log1p) X(cbrt) \
+      X(erf) X(erfc) X(tgamma) X(lgamma)
 #define TICKTRUE_SHIM_LIBM_2(X) X(pow) X(atan2) X(hypot)
-#define TICKTRUE_SHIM_OTHERS(X)                                                                                        \
-  X(malloc, heap)                                                                                                      \
-  X(calloc, heap)                                                                                                      \
-  X(realloc, heap)                                                                                                     \
-  X(free, heap)                                                                                                        \
-  X(memalign, heap)                                                                                                    \
-  X(clock_gettime, clock)                                                                                              \
-  X(gettimeofday, clock) X(time, clock) X(clock, clock) X(timespec_get, clock) X(getrandom, random)                    \
-      X(getentropy, random) X(arc4random, random) X(random_device, random) X(dev_random, random) X(rand, rand)         \
-          X(random, rand) X(drand48, rand) X(readdir, directory) X(pthread_create, thread) X(pthread_mutex_lock, lock) \
-              X(pthread_cond_signal, lock) X(sysconf, processors) X(get_nprocs, processors)                            \
-                  X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm) X(sincosf, libm)                     \
+#define TICKTRUE_SHIM_OTHERS(X)                                                                          \
+  X(malloc, heap)                                                                                        \
+  X(calloc, heap)                                                                                        \
+  X(realloc, heap)                                                                                       \
+  X(free, heap)                                                                                          \
+  X(memalign, heap)                                                                                      \
+  X(clock_gettime, clock)                                                                                \
+  X(gettimeofday, clock)                                                                                 \
+  X(time, clock) X(clock, clock) X(timespec_get, clock) X(getrandom, random) X(getentropy, random)       \
+      X(arc4random, random) X(random_device, random) X(dev_random, random) X(rand, rand) X(random, rand) \
+          X(drand48, rand) X(readdir, directory) X(pthread_create, thread) X(pthread_mutex_lock, lock)   \
+              X(pthread_cond_signal, lock) X(sysconf, processors) X(get_nprocs, processors)              \
+                  X(sched_getaffinity, processors) X(qsort, sort) X(sincos, libm) X(sincosf, libm)       \
                       X(gethostname, identity) X(uname, identity) X(getpid, identity) X(rdtsc, cycle_counter)
 
 /// Functions that the preload library takes the place of.

@@ -10,6 +10,7 @@
 
 #ifdef __linux__
 #include <fcntl.h>
+#include <link.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -98,6 +99,28 @@ void enter_library_again() {
     __atomic_store_n(&shared->library_thread, static_cast<std::int32_t>(::syscall(SYS_gettid)), __ATOMIC_RELAXED);
 }
 
+void append_mapped() {
+  const char* path = std::getenv(shim::mapped_variable);
+  if (path == nullptr || *path == '\0') return;
+  std::string text(4'096, '\0');
+  const ssize_t size = ::readlink("/proc/self/exe", text.data(), text.size());
+  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  text += '\n';
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t, void* lines) {
+        const std::string name = info->dlpi_name == nullptr ? "" : info->dlpi_name;
+        // The program itself has no name, and what the kernel maps has no file.
+        if (name.find('/') != std::string::npos) *static_cast<std::string*>(lines) += name + "\n";
+        return 0;
+      },
+      &text);
+  text += '\n';
+  std::FILE* file = std::fopen(path, "ab");
+  if (file == nullptr) return;
+  std::fwrite(text.data(), 1, text.size(), file);
+  std::fclose(file);
+}
+
 void tell_session() {
   if (shim::SessionPart* shared = page())
     __atomic_store_n(&shared->session_process, static_cast<std::int32_t>(::getpid()), __ATOMIC_RELAXED);
@@ -161,6 +184,7 @@ std::string follow_calls(CallSink, void*, bool&) {
   return "";
 }
 void leave_calls(void*) {}
+void append_mapped() {}
 
 #endif
 

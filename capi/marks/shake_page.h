@@ -53,4 +53,8 @@ void leave_calls(void* with);
 /// Appends the report as one line to the file that the variable TICKTRUE_RESULT names. Without it: nothing.
 void append_result(const std::string& json);
 
+/// Appends the paths of the program and of its shared libraries to the file that the variable TICKTRUE_MAPPED names, a
+/// line for each. Without it, and elsewhere than on Linux: nothing.
+void append_mapped();
+
 }  // namespace ticktrue::capi

@@ -190,31 +190,31 @@ TEST_CASE("a verdict by a plug-in is stored, its crash is not, and another libra
   CAPTURE(crashed.output, crashed.message);
   SKIP_UNLESS(!contains(crashed.message, "found no digest of the engine"), "this build has no digest of the engine");
   CHECK(crashed.end.exit_status == 1);
-  CHECK(contains(crashed.output, "1 traces: 1 diverged; 0 cached, 1 verified"));
-  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 0 cached, 1 verified"));
-  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 1 cached, 0 verified"));
+  CHECK(contains(crashed.output, "1 trace: 1 diverged; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 1 cached, 0 verified"));
 
   fs::create_directory(rude.folder.file("other"));
   const std::string moved = rude.folder.file("other/" + fs::path(rude.plugin).filename().string());
   fs::copy_file(rude.plugin, moved);
   rude.plugin = moved;
-  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 1 cached, 0 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 1 cached, 0 verified"));
   Bytes bytes = read_file(moved);
   bytes.push_back(0);  // behind all that is loaded
   write_file(moved, bytes);
-  CHECK(contains(rude.run("", verify).output, "1 traces: 1 match; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", verify).output, "1 trace: 1 match; 0 cached, 1 verified"));
 
   // A worker that claims forks for each trace and beats meanwhile.
   std::vector<std::string> claiming = verify;
   claiming.emplace_back("--claim");
-  CHECK(contains(rude.run("", claiming).output, "1 traces: 1 match; 1 cached, 0 verified"));
+  CHECK(contains(rude.run("", claiming).output, "1 trace: 1 match; 1 cached, 0 verified"));
   bytes.push_back(0);
   write_file(moved, bytes);
   const ChildResult crashed_again = rude.run("step:crash", claiming);
   CHECK(crashed_again.end.exit_status == 1);
-  CHECK(contains(crashed_again.output, "1 traces: 1 diverged; 0 cached, 1 verified"));
-  CHECK(contains(rude.run("", claiming).output, "1 traces: 1 match; 0 cached, 1 verified"));
-  CHECK(contains(rude.run("", claiming).output, "1 traces: 1 match; 1 cached, 0 verified"));
+  CHECK(contains(crashed_again.output, "1 trace: 1 diverged; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", claiming).output, "1 trace: 1 match; 0 cached, 1 verified"));
+  CHECK(contains(rude.run("", claiming).output, "1 trace: 1 match; 1 cached, 0 verified"));
 }
 
 TEST_CASE("golden add: a row of a plug-in is checked with it, and one that crashes leaves nothing",

@@ -381,10 +381,36 @@ void seed_peers() {
 }
 
 /// The begin of this program: its headers and, as linkers put them in front, its notes.
-void seed_programs() {
+void seed_own_program() {
   Bytes program = read_file("/proc/self/exe");
   program.resize(std::min<std::size_t>(program.size(), 2'048));
   seed("elf", program);
+}
+
+/// The headers of a program with an interpreter, for 64 and for 32 bits, and the list of its libraries.
+void seed_programs() {
+  for (const bool is_wide : {true, false}) {
+    const auto word = [&](ByteWriter& out, std::uint32_t value) {
+      if (is_wide)
+        out.u64(value);
+      else
+        out.u32(value);
+    };
+    ByteWriter out;
+    for (const int byte : {0x7f, 0x45, 0x4c, 0x46, is_wide ? 2 : 1, 1, 1}) out.u8(static_cast<std::uint8_t>(byte));
+    out.bytes(Bytes(17, 0));  // up to the entry point
+    for (const std::uint32_t value : {0x1000u, is_wide ? 64u : 52u, 0u}) word(out, value);
+    out.u32(0);  // flags
+    for (const int value : {is_wide ? 64 : 52, is_wide ? 56 : 32, 1, 0, 0, 0})
+      out.u16(static_cast<std::uint16_t>(value));
+    out.u32(3);  // PT_INTERP
+    if (is_wide) out.u32(4);
+    for (const std::uint32_t value : {200u, 0u, 0u, 20u, 20u}) word(out, value);
+    seed("program", out.view());
+  }
+  seed_text(
+      "program",
+      "\tlinux-vdso.so.1 (0x1)\n\tlibm.so.6 => /lib/libm.so.6 (0x2)\n\tlibx.so => not found\n\t/lib64/ld.so (0x3)\n");
 }
 
 void seed_stored() {
@@ -406,6 +432,7 @@ int main(int argument_count, char** arguments) {
   seed_sessions();
   seed_verdicts();
   seed_peers();
+  seed_own_program();
   seed_programs();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);

@@ -43,6 +43,7 @@ int fuzz_verdict(const std::uint8_t*, std::size_t);
 int fuzz_peers(const std::uint8_t*, std::size_t);
 int fuzz_box(const std::uint8_t*, std::size_t);
 int fuzz_elf(const std::uint8_t*, std::size_t);
+int fuzz_program(const std::uint8_t*, std::size_t);
 }
 
 namespace ticktrue::fuzz {
@@ -60,7 +61,8 @@ const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trac
                                                {"inputs", fuzz_inputs},   {"rube", fuzz_rube},
                                                {"mouse", fuzz_mouse},     {"host", fuzz_host},
                                                {"verdict", fuzz_verdict}, {"peers", fuzz_peers},
-                                               {"box", fuzz_box},         {"elf", fuzz_elf}};
+                                               {"box", fuzz_box},         {"elf", fuzz_elf},
+                                               {"program", fuzz_program}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -137,6 +137,29 @@ TEST_CASE("corpus: a verdict that is no match is never taken from the store", "[
   }
 }
 
+TEST_CASE(
+    "corpus: a program that does not tell its libraries is run by several threads, and its verdicts are not stored",
+    "[verifier][corpus][programs]") {
+  SKIP_UNLESS(can_store(), "this build has no digest of the engine");
+  const Corpus corpus;
+  const TemporaryFolder folder;
+  const std::string script = "\"" TICKTRUE_TOOL "\" verify -j 1 --json \"$1\" | tr -d '\\n' > \"$TICKTRUE_RESULT\"\n";
+  write_file(folder.file("game.sh"), Bytes(script.begin(), script.end()));
+  auto program = verifier::ProgramSubject::make({{"sh", folder.file("game.sh"), "{}"}, {}, "-", 60});
+  REQUIRE(program);
+  CorpusOptions options;
+  options.program = std::make_shared<verifier::ProgramSubject>(*std::move(program));
+  options.thread_count = 4;
+  for (int run = 0; run < 2; ++run) {
+    const Units units = corpus.verify(options);
+    CHECK(count(units, UnitSource::verified) == units.size());
+    CHECK(count(units, Verdict::match) == units.size());
+    std::size_t warning_count = 0;
+    for (const CorpusUnit& unit : units) warning_count += unit.warnings.size();
+    CHECK(warning_count == 1);
+  }
+}
+
 TEST_CASE("corpus: a red verdict of the store that a run does not confirm is a conflict, not a match",
           "[verifier][corpus][analytic]") {
   SKIP_UNLESS(can_store(), "this build has no digest of the engine");

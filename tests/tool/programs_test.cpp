@@ -1,13 +1,18 @@
 // The words of --command, reports that come back from JSON, and two reports on one trace.
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstddef>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "tests/support/text.h"
 #include "verifier/compare/pair_report.h"
 #include "verifier/programs/command_words.h"
+#include "verifier/programs/linked_libraries.h"
+#include "verifier/programs/program_files.h"
 #include "verifier/report/report_read.h"
 
 namespace {
@@ -245,6 +250,61 @@ TEST_CASE("a program that was not judged decides the verdict of the pair", "[ver
   CHECK(pair_of_programs(report_of_program(5, 1, 0), cut, "other").verdict == Verdict::incomplete);
   cut.verdict = Verdict::error;
   CHECK(pair_of_programs(matching_report(), cut, "other").verdict == Verdict::error);
+}
+
+TEST_CASE("the dynamic linker of a program is found, and damaged headers name none outside of the bounds",
+          "[verifier][programs][corruption]") {
+  Bytes begin = test::read_file("/proc/self/exe");
+  begin.resize(std::min<std::size_t>(begin.size(), elf_begin_size));
+  const auto part = linker_name_part(begin);
+  REQUIRE(part);
+  REQUIRE(part->at + part->size <= begin.size());
+  const std::string name(begin.begin() + static_cast<std::ptrdiff_t>(part->at),
+                         begin.begin() + static_cast<std::ptrdiff_t>(part->at + part->size));
+  CHECK((part->size == 0 || (name.front() == '/' && name.back() == '\0')));
+  CHECK_FALSE(linker_name_part(Bytes{'#', '!', '/', 'b', 'i', 'n'}));
+  std::mt19937 random(7);
+  for (int i = 0; i < 5000; ++i) {
+    Bytes changed = begin;
+    changed[random() % 1024] = static_cast<std::uint8_t>(random() % 256);
+    if (random() % 3 == 0) changed.resize(random() % 1024);
+    if (const auto found = linker_name_part(changed)) CHECK(found->size <= 4096);
+  }
+}
+
+TEST_CASE("libraries are taken from the list of a dynamic linker, and a missing one is an error",
+          "[verifier][programs][analytic]") {
+  const std::string text =
+      "\tlinux-vdso.so.1 (0x00007ffd)\n\tlibm.so.6 => /lib/x86 64/libm.so.6 "
+      "(0x00007f3a)\n\t/lib64/ld-linux-x86-64.so.2 "
+      "(0x00007f3b)\n";
+  const auto libraries = listed_libraries("game", text);
+  REQUIRE(libraries);
+  CHECK(*libraries == std::vector<std::string>{"/lib/x86 64/libm.so.6", "/lib64/ld-linux-x86-64.so.2"});
+  const auto missing = listed_libraries("game", text + "\tlibrules.so => not found\n");
+  REQUIRE_FALSE(missing);
+  CHECK(missing.error().message == "game: its library librules.so was not found, expected one");
+}
+
+TEST_CASE("the files of a command are its program, its libraries and what its words name", "[verifier][programs]") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"level", "settings"}) test::write_file(folder.file(name), Bytes{1});
+  const auto files =
+      program_files({"sh", folder.file("level"), "--with=" + folder.file("settings"), "{}", "nothing"}, {});
+  REQUIRE(files);
+  const auto has = [&](const std::string& end) {
+    return std::any_of(files->begin(), files->end(), [&](const ProgramFile& file) {
+      return file.path.size() >= end.size() && file.path.compare(file.path.size() - end.size(), end.size(), end) == 0;
+    });
+  };
+  CHECK(has("sh"));
+  CHECK(has("/level"));
+  CHECK(has("/settings"));
+  CHECK_FALSE(has("nothing"));
+  CHECK(std::any_of(files->begin(), files->end(),
+                    [](const ProgramFile& file) { return file.name.find("libc") != std::string::npos; }));
+  CHECK_FALSE(program_files({"no_such_program_anywhere"}, {}));
+  CHECK_FALSE(program_files({"sh"}, {folder.file("nothing")}));
 }
 
 }  // namespace

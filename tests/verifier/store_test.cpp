@@ -323,6 +323,26 @@ TEST_CASE("store: only an empty folder becomes a store, and a missing one is not
   CHECK(newer.error().code == ErrorCode::incompatible);
 }
 
+TEST_CASE("store: workers that start at once on a missing folder all get the store that one of them makes",
+          "[verifier][store][regression]") {
+  const TemporaryFolder folder;
+  constexpr int worker_count = 4;
+  for (int round = 0; round < 300; ++round) {
+    const std::string path = folder.file("store" + std::to_string(round));
+    std::vector<std::string> errors(worker_count);
+    std::vector<std::thread> workers;
+    for (int i = 0; i < worker_count; ++i)
+      workers.emplace_back([&, i] {
+        const auto files = StoreFolder::open(path, StoreFolder::Use::writing, false);
+        const Result<StoreFolder::Publish> claimed =
+            files ? files->publish("claims/" + std::to_string(i), Bytes(1, 65)) : files.error();
+        if (!claimed) errors[static_cast<std::size_t>(i)] = claimed.error().message;
+      });
+    for (std::thread& worker : workers) worker.join();
+    for (const std::string& error : errors) CHECK(error.empty());
+  }
+}
+
 TEST_CASE("stat index: a row holds for the same file, and a file that changed lately gets none",
           "[verifier][store][analytic]") {
   const TemporaryFolder folder;

@@ -23,8 +23,8 @@ std::string part_words(const TracePart& part) {
   return "part " + std::to_string(part.index + 1) + " of " + std::to_string(part.count);
 }
 
-Result<BuildSubject> build_subject(VerifyMode mode) {
-  const std::optional<Hash128> engine = engine_digest();
+Result<BuildSubject> build_subject(VerifyMode mode, const ProgramSubject* program) {
+  const std::optional<Hash128> engine = program == nullptr ? engine_digest() : program_verification_digest();
   if (!engine)
     return Error{ErrorCode::unsupported, "this build does not know what it is made of: found no digest of the engine",
                  "build natively with Ninja; or use the command verify, which needs no store"};
@@ -38,6 +38,15 @@ Result<BuildSubject> build_subject(VerifyMode mode) {
                     std::string(engine::info_of(engine::instruction_sets, engine::instruction_set_in_use()).name) +
                     ", rows " + std::to_string(all_row_kernels().size()) + ", checks " +
                     (engine_options_of_environment().check_caches ? "caches" : "nothing");
+  if (program == nullptr) return subject;
+  ByteWriter out;
+  for (const Hash128& digest : {*engine, program->digest()}) {
+    out.u64(digest.high);
+    out.u64(digest.low);
+  }
+  subject.engine = hash128(out.view());
+  // The program counts with all its bytes; the kernels stand for the processor, by which it may choose as well.
+  subject.options += ", command " + program->words_text();
   return subject;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/hash128.h"
 #include "base/result.h"
+#include "tool/corpus/program_subject.h"
 #include "tool/corpus/trace_identity.h"
 #include "verifier/store/history.h"
 #include "verifier/store/verdict_store.h"
@@ -21,8 +22,9 @@ struct BuildSubject {
   Hash128 libraries;
   std::string options;
 };
-/// Errors: unsupported (a build or a system that cannot tell what it is made of); io.
-Result<BuildSubject> build_subject(VerifyMode mode);
+/// Of the engine; or of a program, which then is part of `engine`, with how it is run and judged. Errors: unsupported
+/// (a build or a system that cannot tell what it is made of); io.
+Result<BuildSubject> build_subject(VerifyMode mode, const ProgramSubject* program = nullptr);
 
 /// The word of --mode.
 std::string_view mode_name(VerifyMode mode);

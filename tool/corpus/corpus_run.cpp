@@ -17,6 +17,7 @@
 #include "base/parallel/jobs.h"
 #include "engine/engine.h"
 #include "tool/corpus/costs.h"
+#include "tool/corpus/program_runs.h"
 #include "tool/corpus/shard_plan.h"
 #include "tool/corpus/trace_identity.h"
 #include "tool/session/simulations.h"
@@ -61,17 +62,18 @@ std::optional<std::size_t> read_count(ByteView bytes) {
 class CorpusRun {
  public:
   CorpusRun(const std::vector<std::string>& files, const std::string& traces, const VerdictStore& store,
-            const CorpusOptions& options, BuildSubject build)
+            const CorpusOptions& options, BuildSubject build, ProgramRuns* program = nullptr)
       : files_(files),
         store_(store),
         options_(options),
         build_(std::move(build)),
+        program_(program),
         index_(store.folder(), traces),
         claims_(store.folder(), options.lease_s),
         history_(store.folder()),
         units_(files.size()),
         states_(files.size()),
-        has_plugins_(!plugin_simulations().empty()),
+        has_plugins_(!options.program && !plugin_simulations().empty()),
         sample_seed_(std::random_device{}()) {}
 
   /// All units, in rounds: a unit that another worker has is looked at again in the next one.
@@ -292,7 +294,7 @@ class CorpusRun {
   std::size_t parts_of(std::size_t i) {
     const State& state = states_[i];
     const double cost_s = state.cost.learned_s.value_or(0);
-    if (options_.mode != VerifyMode::replay || has_plugins_ || cost_s <= options_.part_s) return 1;
+    if (options_.mode != VerifyMode::replay || has_plugins_ || options_.program || cost_s <= options_.part_s) return 1;
     const std::string key = names_of(i).parts();
     Result<std::optional<Bytes>> found = find_agreement(store_.folder(), key);
     if (found && !*found) {
@@ -553,6 +555,7 @@ class CorpusRun {
   }
 
   PluginVerification verify_file(const std::string& file, const std::optional<TracePart>& part) {
+    if (program_ != nullptr) return program_->verify(file);
     TraceVerification how;
     how.mode = options_.mode;
     how.part = part;
@@ -587,6 +590,10 @@ class CorpusRun {
     const auto start = std::chrono::steady_clock::now();
     PluginVerification found = verify_file(file, part);
     found.report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (const std::string warning = program_ == nullptr ? "" : program_->take_warning(); !warning.empty()) {
+      const std::lock_guard<std::mutex> guard(lock_);
+      units_[i].warnings.push_back(warning);
+    }
     const std::optional<replay::FileFacts> after = replay::file_facts(file);
     if (after && is_unchanged(states_[i].identity->facts, *after)) return found;
     done(i, UnitSource::missing, open_error_report(file, changed_trace_error(file)));
@@ -663,7 +670,7 @@ class CorpusRun {
     row.libraries = build_.libraries;
     row.options = build_.options;
     row.mode = mode_name(options_.mode);
-    row.commit = build_info().commit;
+    row.commit = options_.program ? options_.program->choice().version : build_info().commit;
     row.build = build_line();
     row.when_s =
         std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -690,7 +697,8 @@ class CorpusRun {
     const std::string& store = store_.folder().path();
     done(i, UnitSource::missing,
          refused_report(files_[i], files_[i] + ": found no " + missing + " in " + store + ", expected one",
-                        "ticktrue corpus verify " + shell_word(files_[i]) + " --cache " + shell_word(store)));
+                        "ticktrue corpus verify " + shell_word(files_[i]) + " --cache " + shell_word(store) +
+                            (options_.program ? " --command with the same words" : "")));
   }
 
   /// A trace of which every part is there, but nobody has put the verdict together. False: `missing` says what is not.
@@ -724,6 +732,7 @@ class CorpusRun {
   const VerdictStore& store_;
   const CorpusOptions& options_;
   BuildSubject build_;
+  ProgramRuns* program_;  // null: the engine verifies
   StatIndex index_;
   Claims claims_;
   History history_;
@@ -741,21 +750,24 @@ class CorpusRun {
 
 Result<std::vector<CorpusUnit>> verify_corpus(const std::vector<std::string>& files, const std::string& traces,
                                               const VerdictStore& store, const CorpusOptions& options) {
-  Result<BuildSubject> build = build_subject(options.mode);
+  Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
-  return CorpusRun(files, traces, store, options, std::move(*build)).verify();
+  if (!options.program) return CorpusRun(files, traces, store, options, std::move(*build)).verify();
+  Result<std::unique_ptr<ProgramRuns>> program = ProgramRuns::make(*options.program, options.stops);
+  if (!program) return program.error();
+  return CorpusRun(files, traces, store, options, std::move(*build), program->get()).verify();
 }
 
 Result<std::vector<CorpusUnit>> look_up_corpus(const std::vector<std::string>& files, const std::string& traces,
                                                const VerdictStore& store, const CorpusOptions& options) {
-  Result<BuildSubject> build = build_subject(options.mode);
+  Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
   return CorpusRun(files, traces, store, options, std::move(*build)).look_up();
 }
 
 Result<std::vector<double>> open_costs(const std::vector<std::string>& files, const std::string& traces,
                                        const VerdictStore& store, const CorpusOptions& options) {
-  Result<BuildSubject> build = build_subject(options.mode);
+  Result<BuildSubject> build = build_subject(options.mode, options.program.get());
   if (!build) return build.error();
   return CorpusRun(files, traces, store, options, std::move(*build)).open_costs();
 }

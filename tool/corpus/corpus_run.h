@@ -4,18 +4,22 @@
 // Verified: a verdict is taken from the store only if it is a match of the same bytes, engine, libraries and options.
 // Any other verdict is found again by a run. A long trace is cut into parts that any worker takes: its verdict is put
 // together from the verdicts of all parts, and only if each is a match. Else a run from tick 0 decides.
+// A program that verifies its own traces (CorpusOptions::program) is run for each trace. Its verdict is stored if the
+// program ended by itself, and ran nothing but files that count; a trace of a program is not cut.
 // Not verified: that the machine computes today as it did when the verdict was made; `recheck` runs a sample again.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "tool/corpus/build_subject.h"
+#include "tool/corpus/program_subject.h"
 #include "tool/corpus/verify_trace.h"
 #include "verifier/corpus/trace_list.h"
 #include "verifier/store/verdict_store.h"
@@ -43,6 +47,7 @@ struct CorpusUnit {
 
 struct CorpusOptions {
   VerifyMode mode = VerifyMode::replay;
+  std::shared_ptr<const ProgramSubject> program;  // that verifies its own traces, in mode replay; null: the engine does
   unsigned thread_count = 1;
   bool claims = false;
   double lease_s = 60;

@@ -12,7 +12,12 @@ namespace ticktrue::verifier {
 /// tell. Made by cmake/engine_digest.cmake.
 extern const char* const engine_units;
 
+/// The same for what runs a program and judges the report of its session.
+extern const char* const program_units;
+
 /// XXH3-128 of these lines. It stays the same when comments, names of folders or the commit change.
 std::optional<Hash128> engine_digest();
+/// XXH3-128 of both.
+std::optional<Hash128> program_verification_digest();
 
 }  // namespace ticktrue::verifier

@@ -58,6 +58,7 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
       "set -u\n";
   text += "tool=${TICKTRUE:-" + shell_word(job.tool) + "}\n";
   text += "store=" + shell_word(job.store) + "\n\n";
+  const std::string enter = job.folder.empty() ? "" : "  cd " + shell_word(job.folder) + " || exit 2\n";
   text += "submit() {\n";
   text += "  array=$(sbatch --parsable --job-name=ticktrue --array=1-" + std::to_string(size.task_count) +
           " --cpus-per-task=" + cpus + " --time=" + std::to_string(size.limit_minutes) +
@@ -66,7 +67,7 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
   text += "  sbatch --job-name=ticktrue-report --dependency=\"afterany:$array\" --cpus-per-task=" + cpus +
           " --output=\"ticktrue-$array-report.txt\"" + sbatch_words + " \"$0\" report || exit 2\n";
   text += "}\n\n";
-  text += "worker() {\n";
+  text += "worker() {\n" + enter;
   text += "  \"$tool\" corpus verify" + words_text(job.traces) +
           " --cache \"$store\" --claim -j \"${SLURM_CPUS_PER_TASK:-" + cpus + "}\"" + words_text(job.verify_words) +
           "\n";
@@ -87,7 +88,7 @@ std::string slurm_script(const SlurmJob& job, const SlurmSize& size) {
       "  fi\n"
       "  exit \"$code\"\n"
       "}\n\n";
-  text += "report() {\n";
+  text += "report() {\n" + enter;
   text += "  exec \"$tool\" corpus report \"$store\"" + words_text(job.traces) + words_text(job.report_words) + "\n";
   text += "}\n\n";
   text +=

@@ -17,6 +17,7 @@ struct SlurmJob {
   std::string store;                      // absolute path
   std::vector<std::string> verify_words;  // more options of `corpus verify`, and of `corpus report`
   std::vector<std::string> report_words;
+  std::string folder;           // absolute: where worker and report run; empty: anywhere
   std::string sbatch_words;     // as they are, behind both calls of sbatch; may be empty
   std::uint64_t cpu_count = 1;  // of a task
   std::uint64_t task_count_max = 1000;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #include "verifier/programs/program_run.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t printed_size_max = std::uint64_t{1} << 30;
 constexpr std::size_t output_size_max = 64u << 10;  // of standard output, which nobody reads
 constexpr std::uintmax_t result_size_max = 16u << 20;
+constexpr std::uintmax_t mapped_size_max = 4u << 20;
 constexpr std::size_t line_size_max = 160;
 
 bool write_page(const std::string& path) {
@@ -40,16 +43,25 @@ void read_page(const std::string& path, ProgramRun& run) {
 /// Removes its files.
 class RunFiles {
  public:
-  explicit RunFiles(const std::string& stem) : page(stem), result(stem + ".json") {}
+  explicit RunFiles(const std::string& stem) : page(stem), result(stem + ".json"), mapped(stem + ".mapped") {}
   RunFiles(const RunFiles&) = delete;
   RunFiles& operator=(const RunFiles&) = delete;
   ~RunFiles() {
     std::error_code ignored;
-    for (const std::string& path : {page, result}) fs::remove(path, ignored);
+    for (const std::string& path : {page, result, mapped}) fs::remove(path, ignored);
   }
   const std::string page;
   const std::string result;
+  const std::string mapped;
 };
+
+std::string read_text(const std::string& path, std::uintmax_t size) {
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(size));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
 
 Result<std::string> read_result(const std::string& path) {
   std::error_code none;
@@ -60,11 +72,27 @@ Result<std::string> read_result(const std::string& path) {
                  "result of the program: found " + std::to_string(size) + " bytes, expected at most " +
                      std::to_string(result_size_max),
                  "sessions write it to the file that TICKTRUE_RESULT names, and nobody else"};
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  return text;
+  return read_text(path, size);
+}
+
+/// `result_count`: sessions that reported. Each of them must have told what its process has mapped.
+std::optional<std::vector<std::string>> read_mapped(const std::string& path, std::ptrdiff_t result_count) {
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(path, none);
+  if (none || size == 0 || size > mapped_size_max) return std::nullopt;
+  const std::string text = read_text(path, size);
+  if (text.size() != size || text.back() != '\n') return std::nullopt;
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  std::ptrdiff_t told_count = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty())
+      ++told_count;
+    else
+      lines.push_back(line);
+  }
+  if (told_count < result_count) return std::nullopt;
+  return lines;
 }
 
 }  // namespace
@@ -76,7 +104,8 @@ Result<ProgramRun> run_program(const std::vector<std::string>& words, const std:
     return Error{ErrorCode::io, files.page + ": cannot be written", "the variable TMPDIR names another folder"};
   ChildCommand command;
   command.argv = words;
-  command.environment = {{shim::page_variable, files.page}, {"TICKTRUE_RESULT", files.result}};
+  command.environment = {
+      {shim::page_variable, files.page}, {"TICKTRUE_RESULT", files.result}, {shim::mapped_variable, files.mapped}};
   command.limits.time_s = time_s;
   command.limits.output_size_max = output_size_max;
   command.limits.printed_size_max = printed_size_max;
@@ -87,6 +116,7 @@ Result<ProgramRun> run_program(const std::vector<std::string>& words, const std:
   Result<std::string> results = read_result(files.result);
   if (!results) return results.error();
   run.results = *std::move(results);
+  run.mapped = read_mapped(files.mapped, std::count(run.results.begin(), run.results.end(), '\n'));
   return run;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct ProgramRun {
   std::string failure;  // one line: why it is no whole run; empty: it exited, with whatever status
   std::string results;  // lines of JSON, one for each session that was finished
   bool has_session = false;
+  /// The programs and shared libraries of the processes whose sessions ended, as these named them. Nothing: no session
+  /// told, or one did not tell all.
+  std::optional<std::vector<std::string>> mapped;
   std::uint64_t position = 0;  // as in shim/page.h: 2 t + 1 in tick t, 2 t + 2 behind it, 0 before the first tick
 };
 

@@ -22,8 +22,9 @@ namespace {
 /// What a run says of the trace.
 struct Judged {
   Report report;
-  std::string finding;   // the same in two runs that did the same
-  bool repeats = false;  // a second run tells whether the program repeats it
+  std::string finding;    // the same in two runs that did the same
+  bool repeats = false;   // a second run tells whether the program repeats it
+  bool is_whole = false;  // as in ProgramVerdict
 };
 
 class ProgramVerification {
@@ -53,6 +54,8 @@ class ProgramVerification {
   }
 
   std::vector<EscapedChild> escaped;
+  bool is_whole = true;
+  std::optional<std::vector<std::string>> mapped;
 
  private:
   std::string command_text() const {
@@ -99,6 +102,8 @@ class ProgramVerification {
     else
       judged.report = empty_report(Verdict::error, run.error().message, run.error().hint);
     judged.report.file = file_;
+    is_whole = is_whole && judged.is_whole;
+    if (run) mapped = run->mapped;
     if (!run || run->child.end.escaped.empty()) return judged;
     escaped.insert(escaped.end(), run->child.end.escaped.begin(), run->child.end.escaped.end());
     judged.report.warnings.push_back("the program left running: " + escaped_text(run->child.end.escaped) +
@@ -145,6 +150,7 @@ class ProgramVerification {
     const std::string what = command_.words.front() + " " + run.failure;
     if (read && read->report.verdict != Verdict::match) {
       Judged judged = finding(std::move(*read));
+      judged.is_whole = false;
       judged.report.notes.push_back(what + ", after it had reported this");
       judged.repeats = judged.repeats && !is_hung;
       return judged;
@@ -171,7 +177,7 @@ class ProgramVerification {
   }
 
   Judged finding(ReadReport read) {
-    Judged judged{std::move(read.report), std::move(read.finding), false};
+    Judged judged{std::move(read.report), std::move(read.finding), false, true};
     const Verdict verdict = judged.report.verdict;
     judged.repeats = verdict == Verdict::diverged || verdict == Verdict::state_incomplete;
     if (verdict == Verdict::incomplete || verdict == Verdict::damaged) add_end(judged.report);
@@ -199,7 +205,7 @@ class ProgramVerification {
     if (const std::string lie = contradiction(report); !lie.empty())
       return refuse("the report says match and is not of this trace: " + lie,
                     "sessions write the file that TICKTRUE_RESULT names, and nobody else");
-    return Judged{std::move(report), std::move(read.finding), false};
+    return Judged{std::move(report), std::move(read.finding), false, true};
   }
 
   /// What a report of a match says otherwise than the trace; empty: nothing.
@@ -237,10 +243,12 @@ class ProgramVerification {
 
 ProgramVerdict verify_by_program(const std::string& file, const ProgramCommand& command, const std::string& name) {
   Result<replay::TraceReader> reader = replay::TraceReader::open(file);
-  if (!reader) return {open_error_report(file, reader.error()), {}};
+  if (!reader) return {open_error_report(file, reader.error()), false, {}, {}};
   ProgramVerification verification(file, command, name, std::move(*reader));
   ProgramVerdict verdict;
   verdict.report = verification.verify();
+  verdict.is_whole = verification.is_whole;
+  verdict.mapped = std::move(verification.mapped);
   verdict.escaped = std::move(verification.escaped);
   return verdict;
 }

@@ -6,6 +6,7 @@
 // the same one. Not verified: that the program computed what it registered. One that copies the trace can deceive.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct ProgramCommand {
 
 struct ProgramVerdict {
   Report report;
+  /// The program ended by itself in each run, and its session reported: the same happens again. False: what a limit, a
+  /// signal or a missing session left, which the next run may not repeat.
+  bool is_whole = false;
+  /// Programs and shared libraries of the last run; see ProgramRun.
+  std::optional<std::vector<std::string>> mapped;
   std::vector<EscapedChild> escaped;  // processes that left the program's process group
 };
 

@@ -17,7 +17,8 @@ constexpr std::size_t group_count_max = 256;  // children at once; more are wait
 
 std::array<std::atomic<pid_t>, group_count_max> signal_groups{};
 static_assert(std::atomic<pid_t>::is_always_lock_free);
-volatile std::sig_atomic_t stop_signal_seen = 0;
+std::atomic<int> stop_signal_seen{0};  // a handler writes it, and threads read it
+static_assert(std::atomic<int>::is_always_lock_free);
 std::array<struct sigaction, stop_signals.size()> handlers_before{};
 std::mutex groups_lock;
 int group_count = 0;

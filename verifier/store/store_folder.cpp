@@ -149,7 +149,8 @@ Status StoreFolder::prepare(Use use) const {
   const std::string expected = ": not a store of verdicts: expected a folder with the file ";
   if (use == Use::reading || (is_folder && !fs::is_empty(path_, failure))) {
     if (!exists(marker_name)) {
-      if (use == Use::reading || !is_being_made(path_))
+      // The marker comes first: whoever has made other files since the first look has made the marker before them.
+      if (use == Use::reading || (!is_being_made(path_) && !exists(marker_name)))
         return Error{use == Use::reading ? ErrorCode::io : ErrorCode::usage, path_ + expected + marker_name,
                      "the option --cache makes a store where there is no folder, or an empty one"};
     } else {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "base/count_text.h"
 #include "base/limits.h"
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
@@ -332,7 +333,7 @@ Result<std::vector<Report>> verify_all(const std::vector<std::string>& files, co
 }
 
 void print_summary(const std::vector<Report>& reports) {
-  std::string text = std::to_string(reports.size()) + " traces:";
+  std::string text = count_text(reports.size(), "trace") + ":";
   const char* separator = " ";
   for (const verifier::VerdictInfo& info : verifier::verdicts) {
     const auto count = std::count_if(reports.begin(), reports.end(),
@@ -425,8 +426,7 @@ int run_verify(VerifyCommand command) {
     if (!shard) return exit_with(fail_usage(shard.error()));
     const std::size_t whole = files->size();
     *files = verifier::take_shard(*files, *shard);
-    print_note("shard " + command.shard + ": " + std::to_string(files->size()) + " of " + std::to_string(whole) +
-               " traces");
+    print_note("shard " + command.shard + ": " + std::to_string(files->size()) + " of " + count_text(whole, "trace"));
   }
 
   std::optional<Program> program;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/count_text.h"
 #include "base/hash128.h"
 #include "base/parallel/jobs.h"
 #include "tool/cli/commands.h"
@@ -45,6 +46,7 @@ struct CorpusCommand {
   bool no_sync = false;
   bool json = false;
   bool allow_truncated = false;
+  CorpusProgram program;
 };
 
 /// "5%" as 0.05. Errors: usage.
@@ -113,7 +115,7 @@ void print_corpus(const std::vector<CorpusUnit>& units) {
     }
   }
   errors.finish("traces without a verdict");
-  std::string text = std::to_string(units.size()) + " traces:";
+  std::string text = count_text(units.size(), "trace") + ":";
   const char* separator = " ";
   for (const verifier::VerdictInfo& info : verifier::verdicts) {
     const auto count = std::count_if(units.begin(), units.end(),
@@ -185,7 +187,10 @@ int run_corpus(const CorpusCommand& command, StoreFolder::Use use, CorpusCall ca
     options.shard = *shard;
   }
   options.mode = verify_mode_of(command.mode);
-  const Result<verifier::BuildSubject> build = verifier::build_subject(options.mode);
+  auto program = open_program(command.program, command.mode);
+  if (!program) return fail_usage(program.error());
+  options.program = *std::move(program);
+  const Result<verifier::BuildSubject> build = verifier::build_subject(options.mode, options.program.get());
   if (!build) return fail_usage(build.error());
   const Result<StoreFolder> folder = StoreFolder::open(command.store, use, !command.no_sync);
   if (!folder) return fail_usage(folder.error());
@@ -267,6 +272,7 @@ void add_corpus(CLI::App& app, CliContext& context) {
       ->type_name("P%");
   verify->add_flag("--no-sync", verify_options->no_sync,
                    "Do not wait until a verdict is on the disk: after a loss of power some are verified again");
+  add_program_options(*verify, verify_options->program, true);
   add_common(*verify, *verify_options);
   set_examples(*verify,
                "for n in 1 2 3; do ticktrue record \"stack?boxes=$n\" --ticks 60 -o \"stack$n.ttr\"; done\n"
@@ -276,7 +282,9 @@ void add_corpus(CLI::App& app, CliContext& context) {
                "ticktrue corpus verify . --cache verdicts --json --junit results.xml",
                "A verdict is that of the bytes of the trace, the engine (sources, flags, compiler), the libraries\n"
                "that are loaded, the mode and the instruction set. Only `match` is taken from the store: any other\n"
-               "verdict is found again by a run. Two verdicts that differ are exit 6, and both are kept.");
+               "verdict is found again by a run. Two verdicts that differ are exit 6, and both are kept.\n"
+               "For a program with a session:\n"
+               "  ticktrue corpus verify sessions --cache verdicts --command './mygame --verify {}'");
   verify->callback([verify_options, &context] {
     context.exit_code = run_corpus(*verify_options, StoreFolder::Use::writing, verifier::verify_corpus);
   });
@@ -286,6 +294,7 @@ void add_corpus(CLI::App& app, CliContext& context) {
       "report", "Report what the store knows of every trace; a trace without a verdict by this build is exit 2");
   report->add_option("STORE", report_options->store, "The store of verdicts")->required();
   report->add_option("DIR", report_options->traces, "Traces, or directories: then every *.ttr in them")->required();
+  add_program_options(*report, report_options->program, false);
   add_common(*report, *report_options);
   report
       ->add_option("--html", report_options->html,

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tool/corpus/corpus_run.h"
+#include "tool/corpus/program_subject.h"
 #include "tool/output/cli.h"
 
 namespace ticktrue::cli {
@@ -15,6 +18,19 @@ inline constexpr std::uint64_t lease_max_s = 86'400;
 
 void add_corpus_log(CLI::App& corpus, CliContext& context);
 void add_corpus_slurm(CLI::App& corpus, CliContext& context);
+
+/// A program that verifies its own traces, as the command line names it.
+struct CorpusProgram {
+  std::optional<std::string> words;
+  std::vector<std::string> files;
+  std::string commit = "-";
+  std::uint64_t timeout_s = 600;
+};
+/// `runs`: the command runs the program, or has it run.
+void add_program_options(CLI::App& command, CorpusProgram& options, bool runs);
+/// Null: there is no --command. Errors: usage, io, limit, unsupported.
+Result<std::shared_ptr<const verifier::ProgramSubject>> open_program(const CorpusProgram& options,
+                                                                     const std::string& mode);
 
 struct CorpusPage {
   std::string path;

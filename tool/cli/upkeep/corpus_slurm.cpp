@@ -36,6 +36,7 @@ struct SlurmCommand {
   std::uint64_t minutes = 10;
   std::uint64_t lease_s = 60;
   bool allow_truncated = false;
+  CorpusProgram program;
 };
 
 std::string absolute(const std::string& path) {
@@ -58,6 +59,17 @@ Status check_words(const SlurmCommand& command) {
   return {};
 }
 
+/// The words may name files beside the folder in which the script is made.
+void add_program_words(const CorpusProgram& program, verifier::SlurmJob& job) {
+  job.folder = absolute(".");
+  for (auto* words : {&job.verify_words, &job.report_words}) {
+    words->insert(words->end(), {"--command", *program.words});
+    for (const std::string& file : program.files) words->insert(words->end(), {"--program-file", file});
+  }
+  job.verify_words.insert(job.verify_words.end(),
+                          {"--timeout", std::to_string(program.timeout_s), "--program-commit", program.commit});
+}
+
 int run_slurm(const SlurmCommand& command) {
   if (const Status status = check_words(command); !status) return fail_usage(status.error());
   const Result<std::vector<std::string>> files = verifier::list_traces(command.traces);
@@ -68,6 +80,9 @@ int run_slurm(const SlurmCommand& command) {
   verifier::CorpusOptions options;
   options.mode = verify_mode_of(command.mode);
   options.thread_count = core_count();
+  auto program = open_program(command.program, command.mode);
+  if (!program) return fail_usage(program.error());
+  options.program = *std::move(program);
   const Result<std::vector<double>> costs = verifier::open_costs(*files, command.traces.front(), store, options);
   if (!costs) return fail_usage(costs.error());
 
@@ -84,6 +99,7 @@ int run_slurm(const SlurmCommand& command) {
     job.report_words.emplace_back(option);
     job.report_words.push_back(absolute(path));
   }
+  if (options.program) add_program_words(command.program, job);
   job.sbatch_words = command.sbatch;
   job.cpu_count = command.cpus;
   job.task_count_max = command.tasks_max;
@@ -113,6 +129,7 @@ void add_corpus_slurm(CLI::App& corpus, CliContext& context) {
   command->add_option("--mode", options->mode, "What the verdicts prove: see `ticktrue verify --help`")
       ->check(CLI::IsMember(verify_mode_names()))
       ->capture_default_str();
+  add_program_options(*command, options->program, true);
   command->add_option("--junit", options->junit, "The report writes this file")->type_name("OUT.xml");
   command->add_option("--html", options->html, "The report writes this page")->type_name("OUT.html");
   command->add_flag("--allow-truncated", options->allow_truncated,
