@@ -41,6 +41,7 @@ int fuzz_mouse(const std::uint8_t*, std::size_t);
 int fuzz_host(const std::uint8_t*, std::size_t);
 int fuzz_verdict(const std::uint8_t*, std::size_t);
 int fuzz_peers(const std::uint8_t*, std::size_t);
+int fuzz_mark_log(const std::uint8_t*, std::size_t);
 }
 
 namespace ticktrue::fuzz {
@@ -52,12 +53,13 @@ constexpr int hang_cpu_s = 5;
 constexpr unsigned hang_wall_s = 60;  // of one that waits for something
 
 using Harness = int (*)(const std::uint8_t*, std::size_t);
-const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trace_forged", fuzz_trace_forged},
-                                               {"state", fuzz_state},     {"scene", fuzz_scene},
-                                               {"setup", fuzz_setup},     {"input_lines", fuzz_input_lines},
-                                               {"inputs", fuzz_inputs},   {"rube", fuzz_rube},
-                                               {"mouse", fuzz_mouse},     {"host", fuzz_host},
-                                               {"verdict", fuzz_verdict}, {"peers", fuzz_peers}};
+const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},      {"trace_forged", fuzz_trace_forged},
+                                               {"state", fuzz_state},      {"scene", fuzz_scene},
+                                               {"setup", fuzz_setup},      {"input_lines", fuzz_input_lines},
+                                               {"inputs", fuzz_inputs},    {"rube", fuzz_rube},
+                                               {"mouse", fuzz_mouse},      {"host", fuzz_host},
+                                               {"verdict", fuzz_verdict},  {"peers", fuzz_peers},
+                                               {"mark_log", fuzz_mark_log}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
