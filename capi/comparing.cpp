@@ -340,8 +340,8 @@ void Comparing::diverge(const RecordedTick& recorded, const DoneTick& done, cons
   if (const std::string program = program_command(report_.file); !program.empty()) {
     const std::string file_and_program = verifier::shell_word(report_.file) + " -- " + program;
     if (report_.marks)
-      report_.again.push_back("ticktrue trail " + file_and_program + " shows the marks that differ first");
-    report_.again.push_back("ticktrue shake " + file_and_program + " shows what the program takes from outside");
+      report_.again.push_back("ticktrue trail " + file_and_program + "  # shows the marks that differ first");
+    report_.again.push_back("ticktrue shake " + file_and_program + "  # shows what the program takes from outside");
   }
   report_.again.push_back(
       "verify once more with this build: another tick or other values mean that this program does not repeat itself");
@@ -456,7 +456,7 @@ void Comparing::second_run_differs(SecondRunFinding finding) {
   constexpr std::array<std::string_view, 3> second_runs{"--mode", "--sync-test", "--from"};
   if (const std::string program = program_command(report_.file, second_runs); !program.empty())
     report_.again.push_back("ticktrue unsaved " + verifier::shell_word(report_.file) + " -- " + program +
-                            " names what the save lacks");
+                            "  # names what the save lacks");
   report_.divergence = std::move(finding.divergence);
 }
 

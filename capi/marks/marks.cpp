@@ -13,8 +13,6 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::size_t list_count_max = std::size_t{1} << 20;
-
 #ifdef __linux__
 
 /// Whether the address lies in what a module has mapped and nobody may write, as literals do.
@@ -52,7 +50,7 @@ void SessionMarks::add(const char* name, std::uint64_t value, const void* caller
   if (entry == replay::MarkTally::name_count_max) return tally_.leave_out();
   tally_.add(entry, value);
   // One more than there is room for: so the list is known to be cut.
-  if (detail_ == MarkDetail::counts || list_.size() > list_count_max) return;
+  if (detail_ == MarkDetail::counts || list_.size() > replay::listed_mark_count_max) return;
   list_.push_back({entry, value});
   if (detail_ == MarkDetail::stacks) stacks_.add(caller);
 }
@@ -63,7 +61,7 @@ BoundContents SessionMarks::take() {
   contents.stacks = stacks_.take();
   if (list_.empty()) return contents;
   replay::MarkList& list = contents.mark_list.emplace();
-  list.is_cut = list_.size() > list_count_max;
+  list.is_cut = list_.size() > replay::listed_mark_count_max;
   if (list.is_cut) list_.pop_back();
   if (list.is_cut && !contents.stacks.of_marks.empty()) contents.stacks.of_marks.pop_back();
   std::vector<std::uint32_t> numbers(replay::MarkTally::name_count_max, replay::MarkTally::name_count_max);

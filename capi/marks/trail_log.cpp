@@ -17,11 +17,9 @@
 namespace ticktrue::capi {
 namespace {
 
-constexpr std::size_t stack_count_max = 16'384;  // different ones, of a tick
-
 #ifdef __GLIBC__
 
-constexpr int depth_max = 32;
+constexpr int depth_max = replay::listed_stack_depth_max;
 
 std::vector<const void*> stack_behind(const void* caller) {
   void* frames[depth_max];
@@ -71,7 +69,7 @@ std::optional<std::uint64_t> number_in(const char* variable) {
 
 void StackCollector::add(const void* caller) {
   std::vector<const void*> stack = stack_behind(caller);
-  if (numbers_.size() == stack_count_max && numbers_.count(stack) == 0) stack.clear();
+  if (numbers_.size() >= replay::listed_stack_count_max - 1 && numbers_.count(stack) == 0) stack.clear();
   of_marks_.push_back(numbers_.emplace(std::move(stack), static_cast<std::uint32_t>(numbers_.size())).first->second);
 }
 

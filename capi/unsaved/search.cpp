@@ -54,7 +54,7 @@ bool Probe::examine() {
   if (control.has_moved) {
     if (refusal_.empty())
       refusal_ = "the same ticks from the same memory end otherwise at tick " + std::to_string(control.tick);
-    hint_ = "`ticktrue shake` looks for the cause: a clock, random bytes, addresses";
+    hint_.clear();  // `ticktrue unsaved` knows the command that looks for the cause
     return false;
   }
   const std::size_t before = findings_.size();

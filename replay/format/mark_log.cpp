@@ -3,6 +3,7 @@
 #include "replay/format/mark_log.h"
 
 #include "base/limits.h"
+#include "replay/format/mark_tally.h"
 
 namespace ticktrue::replay {
 namespace {
@@ -17,13 +18,26 @@ void put_part(std::uint8_t kind, const ByteWriter& body, ByteWriter& out) {
   out.bytes(body.view());
 }
 
+/// A number of things that follow. More than `max` of them is no log that a session wrote.
+std::uint64_t read_count(ByteReader& in, std::uint64_t max) {
+  const std::uint64_t count = in.varint();
+  if (count > max) in.fail();
+  return in.ok() ? count : 0;
+}
+
+/// Index of one of `count` things that came before.
+std::uint32_t checked_index(ByteReader& in, std::uint64_t index, std::size_t count) {
+  if (index >= count) in.fail();
+  return in.ok() ? static_cast<std::uint32_t>(index) : 0;
+}
+
 LoggedTick read_tick(ByteReader& in) {
   LoggedTick tick;
   tick.tick = in.u64();
   if (in.u8() == 0) return tick;
   TickMarks& marks = tick.marks.emplace();
   marks.trail = in.u64();
-  const std::uint64_t count = in.varint();
+  const std::uint64_t count = read_count(in, MarkTally::name_count_max);
   for (std::uint64_t i = 0; i < count && in.ok(); ++i) {
     NameMarks& name = marks.names.emplace_back();
     name.name = in.text(limits::name_size_max);
@@ -34,42 +48,38 @@ LoggedTick read_tick(ByteReader& in) {
 }
 
 void read_stacks(ByteReader& in, std::size_t mark_count, MarkStacks& stacks) {
-  const std::uint64_t module_count = in.varint();
+  const std::uint64_t module_count = read_count(in, listed_module_count_max);
   for (std::uint64_t i = 0; i < module_count && in.ok(); ++i) {
     LogModule& module = stacks.modules.emplace_back();
     module.path = in.text(path_size_max);
     module.base = in.u64();
   }
-  const std::uint64_t stack_count = in.varint();
+  const std::uint64_t stack_count = read_count(in, listed_stack_count_max);
   for (std::uint64_t i = 0; i < stack_count && in.ok(); ++i) {
     auto& stack = stacks.stacks.emplace_back();
-    const std::uint64_t depth = in.varint();
+    const std::uint64_t depth = read_count(in, listed_stack_depth_max);
     for (std::uint64_t k = 0; k < depth && in.ok(); ++k) {
       LogFrame& frame = stack.emplace_back();
-      frame.module = in.u32();
+      frame.module = checked_index(in, in.u32(), stacks.modules.size());
       frame.offset = in.u64();
-      if (frame.module >= stacks.modules.size()) in.fail();
     }
   }
   if (stack_count == 0) return;
-  for (std::size_t i = 0; i < mark_count && in.ok(); ++i) {
-    stacks.of_marks.push_back(static_cast<std::uint32_t>(in.varint()));
-    if (stacks.of_marks.back() >= stacks.stacks.size()) in.fail();
-  }
+  for (std::size_t i = 0; i < mark_count && in.ok(); ++i)
+    stacks.of_marks.push_back(checked_index(in, in.varint(), stacks.stacks.size()));
 }
 
 LoggedList read_list(ByteReader& in) {
   LoggedList list;
   list.tick = in.u64();
   list.list.is_cut = in.u8() != 0;
-  const std::uint64_t name_count = in.varint();
+  const std::uint64_t name_count = read_count(in, MarkTally::name_count_max);
   for (std::uint64_t i = 0; i < name_count && in.ok(); ++i) list.list.names.push_back(in.text(limits::name_size_max));
-  const std::uint64_t mark_count = in.varint();
+  const std::uint64_t mark_count = read_count(in, listed_mark_count_max);
   for (std::uint64_t i = 0; i < mark_count && in.ok(); ++i) {
     Mark& mark = list.list.marks.emplace_back();
-    mark.name = static_cast<std::uint32_t>(in.varint());
+    mark.name = checked_index(in, in.varint(), list.list.names.size());
     mark.value = in.u64();
-    if (mark.name >= list.list.names.size()) in.fail();
   }
   read_stacks(in, list.list.marks.size(), list.stacks);
   return list;

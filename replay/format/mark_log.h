@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -17,6 +18,12 @@ namespace ticktrue::replay {
 inline constexpr const char* trail_variable = "TICKTRUE_TRAIL";
 inline constexpr const char* trail_tick_variable = "TICKTRUE_TRAIL_TICK";
 inline constexpr const char* calls_variable = "TICKTRUE_CALLS";
+
+/// Limits of a list. A session keeps them; a list that has more is not read.
+inline constexpr std::size_t listed_mark_count_max = std::size_t{1} << 20;
+inline constexpr std::size_t listed_stack_count_max = 16'385;  // different ones; the last stands for all others
+inline constexpr std::size_t listed_stack_depth_max = 32;
+inline constexpr std::size_t listed_module_count_max = 4'096;
 
 /// A file of the program, and where it was mapped.
 struct LogModule {

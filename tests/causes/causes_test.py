@@ -68,6 +68,8 @@ PACKAGES = {"box2d_pile": "libbox2d-dev", "chipmunk_separate": "libchipmunk-dev"
             "numpy_field.py": "python3-numpy"}
 # Scenes that the engine of this project runs, without a program.
 SCENES = [("stack?boxes=6", 60), ("mixed_pile?bodies=40", 60)]
+# Rules of tests/causes/rules_plugin.cpp, and the perturbations that move them.
+PLUGIN = [("garbage", ["heap_fill"]), ("local_hour", ["time_zone"]), ("clean", [])]
 RUNS_MIN = 50  # of a clean program, with something changed
 # way of tests/causes/rude.cpp, outcome, words of the report
 RUDE = [
@@ -227,9 +229,9 @@ class Gallery:
         other = dict(self.environment, TICKTRUE_ADDED="1", PATH=tools)
         done = subprocess.run(["env", "-i", "PATH=" + tools] + words + ["--verify", trace], env=other,
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
-        commands = [line.split("again", 1)[1].split(" shows ")[0].strip() for line in
+        commands = [line.split("again", 1)[1].strip() for line in
                     (done.stdout + done.stderr).splitlines() if line.startswith("  again   ticktrue ")]
-        if done.returncode != 1 or not commands:
+        if done.returncode != 1 or not commands or any("  # shows " not in command for command in commands):
             raise Failed(f"hints: found status {done.returncode}, {done.stdout}{done.stderr}, expected a command")
         for command in commands:
             ran = subprocess.run(["sh", "-c", command], env=other, stdin=subprocess.DEVNULL, capture_output=True,
@@ -237,6 +239,43 @@ class Gallery:
             if ran.returncode != 1 or "A environment" not in ran.stdout:
                 raise Failed(f"hints: {command}: found {ran.returncode}, {ran.stdout}{ran.stderr}, expected environment")
         return f"{len(commands)} commands"
+
+    def order(self, folder):
+        """A perturbation changes what it names and no other variable: the order of the others stays as it is."""
+        words = self.words("environment_order")
+        trace = os.path.join(folder, "game.ttr")
+        # What perturbations set comes before the variable whose place is read.
+        names = ["LANG", "LC_ALL", "TZ", "PYTHONHASHSEED", "LD_PRELOAD", "GLIBC_TUNABLES"]
+        other = {name: {"LD_PRELOAD": "", "GLIBC_TUNABLES": ""}.get(name, "C") for name in names}
+        other.update({name: value for name, value in self.environment.items() if name not in other and name != "PATH"})
+        other["PATH"] = self.environment["PATH"]
+        for command in [words + ["--record", trace],
+                        [self.tool, "shake", trace, "--json", "--alone", "--no-narrow", "--class", "A,B", "--"] + words]:
+            done = subprocess.run(command, env=other, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                  timeout=300)
+        rows = json.loads(done.stdout)["perturbations"]
+        moved = [row["name"] for row in rows if row["outcome"] not in ("same", "not_applicable")]
+        if done.returncode != 1 or moved != ["environment"]:
+            raise Failed(f"order: found {moved}, exit code {done.returncode}, expected environment alone")
+        return f"{sum(row['outcome'] == 'same' for row in rows)} perturbations leave the order as it is"
+
+    def plugin(self, folder, rule, expected):
+        """A trace of a plug-in needs no program: the cause within the library is named, and a clean one is quiet."""
+        library = os.path.join(self.programs, "librules_plugin.so")
+        trace = os.path.join(folder, "game.ttr")
+        self.run([self.tool, "record", rule, "--plugin", library, "--ticks", "60", "--detail", "full", "-o", trace], [0])
+        words = [self.tool, "shake", trace, "--plugin", library, "--json", "--class", "A,B"] + self.options()
+        report = json.loads(self.run(words, [1] if expected else [0]))
+        rows = {row["name"]: row for row in report["perturbations"]}
+        moved = [name for name, row in rows.items() if row["outcome"] not in ("same", "not_applicable")]
+        others = [name for name in moved if name not in expected and not name.startswith("heap_")]
+        if not report["repeats"] or others or not set(expected) <= set(moved) or (not expected and moved):
+            raise Failed(f"plugin {rule}: found {moved}, repeats {report['repeats']}, expected {expected}")
+        for name in expected:
+            run = rows[name]["run"]
+            if (run["tick"], run["table"], run["column"]) != (20, "units", "score"):
+                raise Failed(f"plugin {rule}: {name}: found {run}, expected units.score of tick 20")
+        return ", ".join(expected) or f"{report['runs']} runs"
 
     def documents(self):
         rows = self.run([self.tool, "shake", "--list"], [0]).splitlines()
@@ -284,11 +323,14 @@ def main():
         jobs.append((name, lambda folder, n=name, r=rows: gallery.built(folder, n, r)))
         jobs.append((name + " mended", lambda folder, n=name: gallery.built_mended(folder, n)))
     jobs.append(("hints", gallery.hints))
+    jobs.append(("order", gallery.order))
     jobs.append(("documents", lambda folder: gallery.documents()))
     for name in CLEAN:
         jobs.append((name + " clean", lambda folder, n=name: gallery.clean(folder, n)))
     for name, ticks in SCENES:
         jobs.append((name + " scene", lambda folder, n=name, t=ticks: gallery.scene(folder, n, t)))
+    for rule, rows in PLUGIN:
+        jobs.append(("plugin " + rule, lambda folder, r=rule, e=rows: gallery.plugin(folder, r, e)))
     for way, outcome, text in RUDE:
         jobs.append(("rude " + way, lambda folder, w=way, o=outcome, t=text: gallery.rude(folder, w, o, t)))
     jobs = [job for job in jobs if not only or job[0].split()[0] in only]

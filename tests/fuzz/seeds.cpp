@@ -16,6 +16,7 @@
 #include "engine/scene/scene_binary.h"
 #include "engine/scene/scene_json.h"
 #include "replay/box/box_writer.h"
+#include "replay/format/mark_log.h"
 #include "replay/recorder.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/peers_world.h"
@@ -413,6 +414,23 @@ void seed_programs() {
       "\tlinux-vdso.so.1 (0x1)\n\tlibm.so.6 => /lib/libm.so.6 (0x2)\n\tlibx.so => not found\n\t/lib64/ld.so (0x3)\n");
 }
 
+/// Logs that a session writes for `ticktrue trail`: ticks alone, and the list of one of them.
+void seed_mark_logs() {
+  const replay::TickMarks marks{7, {{"rand", 3, 9}, {"libm.sin", 1, 8}}};
+  replay::LoggedList list;
+  list.tick = 1;
+  list.list = {{"rand", "libm.sin"}, {{0, 1}, {1, 2}, {0, 3}}, false};
+  for (const bool has_stacks : {false, true}) {
+    if (has_stacks) list.stacks = {{{"/usr/bin/game", 4'096}, {"", 0}}, {{{0, 10}, {1, 20}}, {}}, {0, 1, 1}};
+    ByteWriter out;
+    replay::encode_logged_tick({0, {}}, out);
+    replay::encode_logged_tick({1, marks}, out);
+    if (!has_stacks) seed("mark_log", out.view());
+    replay::encode_logged_list(list, out);
+    seed("mark_log", out.view());
+  }
+}
+
 void seed_stored() {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests/fuzz/seeds"))
     if (entry.is_regular_file()) seed(entry.path().parent_path().filename().string(), read_file(entry.path()));
@@ -434,6 +452,7 @@ int main(int argument_count, char** arguments) {
   seed_peers();
   seed_own_program();
   seed_programs();
+  seed_mark_logs();
   seed_stored();
   for (const char* harness : {"scene", "input_lines", "rube"}) write_texts(harness);
   return 0;

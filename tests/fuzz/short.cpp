@@ -44,6 +44,7 @@ int fuzz_peers(const std::uint8_t*, std::size_t);
 int fuzz_box(const std::uint8_t*, std::size_t);
 int fuzz_elf(const std::uint8_t*, std::size_t);
 int fuzz_program(const std::uint8_t*, std::size_t);
+int fuzz_mark_log(const std::uint8_t*, std::size_t);
 }
 
 namespace ticktrue::fuzz {
@@ -62,7 +63,7 @@ const std::map<std::string, Harness> harnesses{{"trace", fuzz_trace},     {"trac
                                                {"mouse", fuzz_mouse},     {"host", fuzz_host},
                                                {"verdict", fuzz_verdict}, {"peers", fuzz_peers},
                                                {"box", fuzz_box},         {"elf", fuzz_elf},
-                                               {"program", fuzz_program}};
+                                               {"program", fuzz_program}, {"mark_log", fuzz_mark_log}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -194,6 +194,54 @@ def check_calls_in_traces(args, folder, game, plain):
     return ""
 
 
+def run_printed(args, command, folder):
+    """A command that a report prints, the whole line in a shell."""
+    path = os.path.dirname(os.path.abspath(args.ticktrue)) + os.pathsep + os.environ["PATH"]
+    return subprocess.run(["sh", "-c", command], cwd=folder, env={**os.environ, "PATH": path}, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True)
+
+
+def check_printed_commands(args, folder, game, plain):
+    """What a session with marks prints where it diverges, in text and JSON, and what trail prints where runs differ."""
+    with_sum = game.source().replace(
+        "  srand(7);", '  ticktrue_column(session, "world", "sum", &sum, TICKTRUE_U64, 1, 1, 0);\n  srand(7);')
+    there = build(args, folder, "with_sum", with_sum)
+    plant = {"function": game.ways.index(DIRECT), "tick": 11, "delta": 2}
+    here = build(args, folder, "sum and more", game.source(plant).replace(
+        "  srand(7);", '  ticktrue_column(session, "world", "sum", &sum, TICKTRUE_U64, 1, 1, 0);\n  srand(7);'))
+    trace = os.path.join(folder, "with a sum.ttr")
+    subprocess.run([there, "--record", trace], check=True, stdout=subprocess.DEVNULL)
+    result = os.path.join(folder, "result.json")
+    done = subprocess.run([here, "--verify", trace], capture_output=True, text=True,
+                          env={**os.environ, "TICKTRUE_RESULT": result})
+    printed = [line.split(None, 1)[1] for line in done.stdout.splitlines() if line.startswith("  again   ticktrue ")]
+    with open(result) as file:
+        stored = [command for command in json.load(file)["again"] if command.startswith("ticktrue ")]
+    is_whole = all("  # shows " in command for command in printed)  # what it is for is no argument
+    if [command.split()[1] for command in printed] != ["trail", "shake"] or stored != printed or not is_whole:
+        return f"a session with other marks: found {done.stdout} and {stored}, expected the commands trail and shake"
+    for command, code, expected in [(printed[0], 1, "tick 11, in which the state diverges"),
+                                    (printed[1], 1, "A rand_draws    DIVERGED")]:
+        ran = run_printed(args, command, folder)
+        if ran.returncode != code or expected not in ran.stdout:
+            return f"{command}: exit code {ran.returncode}, found {ran.stdout}{ran.stderr}, expected {code}, {expected}"
+    # A program whose marks and state differ in each run: trail prints the command that names the source.
+    restless = with_sum.replace("#include <stdlib.h>", "#include <stdlib.h>\n#include <unistd.h>").replace(
+        "    ++tick;", '    if (tick == 5) ticktrue_mark(session, "process", sum = (uint64_t)getpid());\n    ++tick;')
+    program = build(args, folder, "restless sum", restless)
+    for words, tried in [([], program), (["--against", program], there)]:
+        command = [args.ticktrue, "trail", trace, *words, "--", tried]
+        done = subprocess.run(command, capture_output=True, text=True)
+        code, report = trail(args, trace, words, tried)
+        found = [line.split(None, 1)[1] for line in done.stdout.splitlines() if line.startswith("  next ")]
+        if code != 6 or len(found) != 1 or found != report["next"] or not found[0].startswith("ticktrue shake "):
+            return f"{command}: exit code {code}, found {done.stdout}{report['next']}, expected ticktrue shake"
+        ran = run_printed(args, found[0], folder)
+        if ran.returncode != 6 or "process_id: held still" not in ran.stdout:
+            return f"{found[0]}: exit code {ran.returncode}, found {ran.stdout}{ran.stderr}, expected process_id"
+    return ""
+
+
 def check_ends(args, folder, game, plain):
     """What cannot be compared, and a program that does not repeat itself."""
     restless = game.source().replace("const uint32_t value = next_number();\n  ticktrue_mark",
@@ -253,7 +301,7 @@ def main():
         code, report = trail(args, trace, ["--against", plain, "--calls", "random,libm"], plain)
         if code != 0 or report["verdict"] != "marks_same" or report["ticks_compared"] != TICKS:
             wrong.append(f"the program against itself: {report}")
-        for others in [check_calls_in_traces, check_ends, check_cpp]:
+        for others in [check_calls_in_traces, check_ends, check_cpp, check_printed_commands]:
             fault = others(args, folder, game, plain)
             if fault:
                 wrong.append(fault)

@@ -80,19 +80,56 @@ def check_planted(args, folder, name):
     return f"found {wrong}, which move nothing" if wrong else ""
 
 
-def check_printed_command(args, folder):
-    """A session whose restored ticks differ prints the command that finds out why. It runs as printed."""
+def run_printed(args, folder, command):
+    """A command that a report prints, the whole line in a shell."""
+    path = os.path.dirname(os.path.abspath(args.ticktrue)) + os.pathsep + os.environ["PATH"]
+    return subprocess.run(["sh", "-c", command], cwd=folder, env={**os.environ, "PATH": path}, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True)
+
+
+def check_printed_commands(args, folder):
+    """A session whose restored ticks differ prints the command that finds out why. A program that differs without a load
+    is told with the command that looks for the cause. Each runs as printed."""
     program = os.path.join(args.programs, "unsaved_planted")
-    trace = os.path.join(folder, "printed.ttr")
+    clean = os.path.join(args.programs, "unsaved_clean")
+    trace = os.path.join(folder, "printed in two words.ttr")
     subprocess.run([program, "global", "--record", trace], check=True, stdout=subprocess.DEVNULL)
     done = subprocess.run([program, "global", "--verify", trace, "--mode", "restore"], capture_output=True, text=True)
-    found = re.search(r"^  again +(ticktrue unsaved .*) names what the save lacks$", done.stdout, re.M)
+    found = re.search(r"^  again +(ticktrue unsaved .*  # names what the save lacks)$", done.stdout, re.M)
     if done.returncode != 1 or not found:
         return f"exit code {done.returncode}, found {done.stdout}, expected a line `again ticktrue unsaved ...`"
-    path = os.path.dirname(os.path.abspath(args.ticktrue)) + os.pathsep + os.environ["PATH"]
-    done = subprocess.run(found.group(1), shell=True, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True,
-                          text=True)
-    return "" if done.returncode == 1 else f"{found.group(1)}: exit code {done.returncode}: {done.stdout}{done.stderr}"
+    ran = run_printed(args, folder, found.group(1))
+    if ran.returncode != 1 or "combo_global" not in ran.stdout:
+        return f"{found.group(1)}: exit code {ran.returncode}: {ran.stdout}{ran.stderr}"
+    done = run(args, folder, clean, "diverges", [])
+    found = re.search(r"^  (ticktrue shake .*  # looks for the cause of that)$", done.stderr, re.M)
+    if done.returncode != 2 or not found:
+        return f"diverges: exit code {done.returncode}, found {done.stdout}{done.stderr}, expected a command of shake"
+    ran = run_printed(args, folder, found.group(1))
+    if ran.returncode != 0 or "control         same" not in ran.stdout:
+        return f"{found.group(1)}: exit code {ran.returncode}: {ran.stdout}{ran.stderr}"
+    return ""
+
+
+def check_box2d(args, folder):
+    """A save of a game on Box2D that holds what the game can see: the block of Box2D that lacks is named."""
+    program = os.path.join(args.programs, "box2d_rollback")
+    if not os.path.exists(program):
+        print("unsaved_test: box2d_rollback skipped: it was not built: apt-get install libbox2d-dev")
+        return ""
+    trace = os.path.join(folder, "box2d.ttr")
+    for way, code in [([], 1), (["mended"], 0)]:
+        subprocess.run([program, *way, "--record", trace, "--force"], check=True, stdout=subprocess.DEVNULL)
+        done = subprocess.run([args.ticktrue, "unsaved", trace, "--json", "--", program, *way], capture_output=True,
+                              text=True, cwd=folder)
+        if done.returncode != code:
+            return f"box2d_rollback {way}: exit code {done.returncode}, expected {code}: {done.stdout}{done.stderr}"
+        report = json.loads(done.stdout)
+        named = [(thing["kind"], thing["function"].split("(")[0]) for finding in report["findings"]
+                 for thing in finding["things"]]
+        if named != ([] if way else [("heap", "b2BlockAllocator::Allocate")]):
+            return f"box2d_rollback {way}: found {report['findings']}"
+    return ""
 
 
 def check_limit(args, folder):
@@ -155,7 +192,7 @@ def main():
                 if fault:
                     faults += 1
                     print(f"unsaved_test: error: {name}: {fault}")
-        for check in [] if args.only else [check_usage, check_printed_command, check_limit]:
+        for check in [] if args.only else [check_usage, check_printed_commands, check_box2d, check_limit]:
             fault = check(args, folder)
             if fault:
                 faults += 1

@@ -42,7 +42,7 @@ class ProgramVerification {
     Judged second = run();
     Report report = std::move(first.report);
     report.again = {"ticktrue shake " + shell_word(file_) + " -- " + command_text() +
-                    " looks for the cause: clock, heap, threads, libm, ..."};
+                    "  # looks for the cause: clock, heap, threads, libm, ..."};
     if (first.finding == second.finding) {
       report.notes.push_back("the program ran twice, with the same result");
       return report;

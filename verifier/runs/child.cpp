@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -28,9 +29,14 @@ namespace {
 class CStrings {
  public:
   void add(std::string text) { texts_.push_back(std::move(text)); }
-  void remove_variable(const std::string& name) {
+  /// Of an environment. A variable that is there keeps its place; without a value it is removed.
+  void set_variable(const std::string& name, const std::optional<std::string>& value) {
     const std::string start = name + "=";
-    std::erase_if(texts_, [&](const std::string& text) { return text.compare(0, start.size(), start) == 0; });
+    const auto is_it = [&](const std::string& text) { return text.compare(0, start.size(), start) == 0; };
+    auto rest = std::find_if(texts_.begin(), texts_.end(), is_it);
+    if (value && rest == texts_.end()) return add(start + *value);
+    if (value) *rest++ = start + *value;
+    texts_.erase(std::remove_if(rest, texts_.end(), is_it), texts_.end());
   }
   char** pointers() {
     pointers_.clear();
@@ -50,12 +56,8 @@ CStrings environment_of(const ChildCommand& command, int completion_descriptor) 
     for (const std::string& variable : *command.inherited) strings.add(variable);
   else
     for (char** at = environ; at != nullptr && *at != nullptr; ++at) strings.add(*at);
-  const auto change = [&](const std::string& name, const std::optional<std::string>& value) {
-    strings.remove_variable(name);
-    if (value) strings.add(name + "=" + *value);
-  };
-  for (const auto& [name, value] : command.environment) change(name, value);
-  change(completion_variable, std::to_string(completion_descriptor));
+  for (const auto& [name, value] : command.environment) strings.set_variable(name, value);
+  strings.set_variable(completion_variable, std::to_string(completion_descriptor));
   return strings;
 }
 

@@ -75,15 +75,16 @@ std::unique_ptr<Predicate> ask_build(const ReduceCommand& command, const std::st
                                       static_cast<double>(command.timeout_s));
   other.folder = folder;
   other.words = {"--against-build", tool};
-  other.show_words = {"ticktrue", "verify", reduce::trace_mark, "--against-build", tool};
-  other.test_words = {tool, "verify", reduce::trace_mark};
+  const std::string word = verifier::shell_word(tool);
+  other.show_line = std::string("ticktrue verify ") + reduce::trace_mark + " --against-build " + word;
+  other.test_line = "\"${TICKTRUE:-" + word + "}\" verify " + reduce::trace_mark;
   return differs_elsewhere(other, engine::make_engine);
 }
 
 std::unique_ptr<Predicate> ask_program(const ReduceCommand& command, const std::string& folder) {
   reduce::OtherProgram other;
-  other.show_words = other.test_words = {"sh", "-c", command.program};
-  other.judge = reduce::program_judge(other.show_words, folder, static_cast<double>(command.timeout_s));
+  other.show_line = other.test_line = command.program;
+  other.judge = reduce::program_judge({"sh", "-c", command.program}, folder, static_cast<double>(command.timeout_s));
   other.folder = folder;
   other.words = {"--command", command.program};
   return differs_elsewhere(other, engine::make_engine);

@@ -18,6 +18,7 @@ int run_unsaved_command(const ProgramOptions& command) {
   options.trace = run->trace;
   options.launch = run->launch;
   options.launch.words = run->words;
+  options.shake_command = shake::shake_command(command.trace, command.words);
   const Result<unsaved::UnsavedReport> report = unsaved::run_unsaved(options);
   if (!report) return fail_usage(report.error());
   print(command.json ? unsaved::unsaved_json(*report, command.trace) : unsaved::unsaved_text(*report, command.trace));

@@ -10,6 +10,7 @@
 #include "tool/debug_info/columns_line.h"
 #include "tool/debug_info/program_types.h"
 #include "tool/output/json_output.h"
+#include "verifier/report/report.h"
 #include "verifier/runs/child_process.h"
 
 #ifdef TICKTRUE_HAS_FORK
@@ -93,8 +94,8 @@ int run_struct(const ColumnsOptions& options) {
       for (const StructName& each : *known) names.push_back(each.name);
     const std::string nearest = nearest_name(options.name, names);
     return fail_usage(Error{ErrorCode::usage, found.error().message,
-                            (nearest.empty() ? "" : "did you mean " + nearest + "? ") +
-                                std::string("`ticktrue columns PROGRAM --list` lists the structs")});
+                            (nearest.empty() ? "" : "did you mean " + nearest + "? ") + "`ticktrue columns " +
+                                verifier::shell_word(options.program) + " --list` lists the structs"});
   }
   if (!found) return fail_usage(found.error());
   if (found->size() > 1) return fail_usage(several(options, *found));

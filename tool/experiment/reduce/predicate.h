@@ -27,10 +27,10 @@ class Predicate {
   virtual Result<std::optional<Failure>> examine(const SoakCase& session) = 0;
   /// The option that asks the same, as words of a command line.
   virtual std::vector<std::string> words() const = 0;
-  /// Words of a program that shows the failure on a trace, and of the program that passes on it once mended; `{}`
-  /// stands for the trace. Empty: `ticktrue reduce --once` does both.
-  virtual std::vector<std::string> show_words() const { return {}; }
-  virtual std::vector<std::string> test_words() const { return {}; }
+  /// Lines for a shell: one that shows the failure on the trace that stands for `{}`, and one that passes on it once
+  /// the failure is mended. Empty: `ticktrue reduce --once` does both.
+  virtual std::string show_line() const { return {}; }
+  virtual std::string test_line() const { return {}; }
 };
 
 /// A value of the state is NaN or infinite at the end of a tick.
@@ -53,8 +53,8 @@ struct OtherProgram {
   TraceJudge judge;
   std::string folder;              // for the traces that it is asked about
   std::vector<std::string> words;  // Predicate::words
-  std::vector<std::string> show_words;
-  std::vector<std::string> test_words;
+  std::string show_line;
+  std::string test_line;
 };
 /// The session is recorded by engines of `make`, and the program finds a difference.
 std::unique_ptr<Predicate> differs_elsewhere(const OtherProgram& program, const EngineMaker& make);

@@ -128,7 +128,8 @@ class ProgramJudge {
                    ""};
     Failure failure;
     failure.kind = "exit_code_1";
-    failure.what = words_.front() + ": " + first_line(result.message);
+    const std::string said = first_line(result.message);
+    failure.what = "the program ended with exit code 1" + (said.empty() ? "" : ": " + said);
     return std::optional(failure);
   }
 

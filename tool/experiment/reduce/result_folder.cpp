@@ -59,8 +59,8 @@ class ResultWriter {
 
  private:
   std::string command_in(const std::string& place, const std::string& tool) const {
-    const std::vector<std::string> words = predicate_.show_words();
-    if (!words.empty()) return shell_words(words_with_trace(words, place + "trace.ttr"));
+    if (const std::string line = predicate_.show_line(); !line.empty())
+      return words_with_trace({line}, shell_word(place + "trace.ttr")).front();
     return tool + " reduce " + shell_word(place + "scene.json") + " --inputs " + shell_word(place + "inputs.jsonl") +
            " --ticks " + std::to_string(result_.smallest.tick_count) + " " + shell_words(predicate_.words()) +
            (options_.is_loose ? " --loose" : "") + " --once";
@@ -70,18 +70,17 @@ class ResultWriter {
     std::string what = result_.last.what;
     for (char& c : what)
       if (c == '\n') c = ' ';
-    const std::vector<std::string> words = predicate_.test_words();
-    std::string run = "exec ";
-    if (words.empty()) {
-      run += command_in("", "\"${TICKTRUE:-ticktrue}\"");
-    } else {
-      const std::vector<std::string> rest(words.begin() + 1, words.end());
-      run += "\"${TICKTRUE:-" + shell_word(words.front()) + "}\" " + shell_words(words_with_trace(rest, "trace.ttr"));
-    }
-    return "#!/bin/sh\n# Exit code 1: still fails, tick " + std::to_string(result_.last.tick) + ": " + what +
-           ". 0: mended. TICKTRUE: the program to test.\n# CMake: add_test(NAME reduced COMMAND sh "
-           "${CMAKE_CURRENT_SOURCE_DIR}/test.sh)\ncd \"$(dirname \"$0\")\" && " +
-           run + "\n";
+    const std::string line = predicate_.test_line();
+    const bool has_tool = line.empty() || line.find("${TICKTRUE:-") != std::string::npos;
+    std::string text = "#!/bin/sh\n# Exit code 0: mended. Another: still fails, tick " +
+                       std::to_string(result_.last.tick) + ": " + what + ".\n";
+    // A command names its program as seen from the folder that `reduce` was started in.
+    text += has_tool ? "# TICKTRUE: the program to test.\n"
+                     : "# It runs in the folder in which its command finds the program.\n";
+    text += "# CMake: add_test(NAME reduced COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test.sh)\n";
+    if (line.empty())
+      return text + "cd \"$(dirname \"$0\")\" && exec " + command_in("", "\"${TICKTRUE:-ticktrue}\"") + "\n";
+    return text + "trace=$(dirname \"$0\")/trace.ttr\n" + words_with_trace({line}, "\"$trace\"").front() + "\n";
   }
 
   /// With the whole state of the tick that fails.

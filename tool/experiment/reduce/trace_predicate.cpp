@@ -16,8 +16,8 @@ class DiffersElsewhere : public Predicate {
  public:
   DiffersElsewhere(const OtherProgram& program, const EngineMaker& make) : program_(program), make_(make) {}
   std::vector<std::string> words() const override { return program_.words; }
-  std::vector<std::string> show_words() const override { return program_.show_words; }
-  std::vector<std::string> test_words() const override { return program_.test_words; }
+  std::string show_line() const override { return program_.show_line; }
+  std::string test_line() const override { return program_.test_line; }
 
   Answer examine(const SoakCase& session) override {
     verifier::TraceChoices whole;

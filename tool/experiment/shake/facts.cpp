@@ -120,8 +120,9 @@ std::vector<std::string> user_wrapper() {
 }
 
 std::vector<std::string> process_wrapper() {
-  // The first process of a namespace takes signals in another way, so the program is the second one.
-  return {"unshare", "-r", "--pid", "--fork", "--kill-child", "--", "sh", "-c", "\"$@\"; exit $?", "sh"};
+  // The first process of a namespace takes signals in another way, so the program is the second one. A shell between
+  // them would sort the environment and add to it.
+  return {"unshare", "-r", "--pid", "--fork", "--kill-child", "--", "unshare", "--fork", "--"};
 }
 
 bool processor_has(const std::string& feature) {
@@ -136,6 +137,8 @@ Facts collect_facts(const std::vector<std::string>& words, const std::string& fo
   Facts facts;
   facts.folder = folder;
   facts.program = words.empty() ? "" : find_program(words.front());
+  std::error_code ignored;
+  facts.is_this_tool = !facts.program.empty() && fs::equivalent(facts.program, "/proc/self/exe", ignored);
 #ifdef __x86_64__
   facts.is_x86_64 = true;
 #endif

@@ -15,6 +15,7 @@ namespace ticktrue::shake {
 struct Facts {
   std::string program;                  // its file; empty: not found
   std::string folder;                   // for files
+  bool is_this_tool = false;            // `ticktrue verify` runs the trace
   bool is_x86_64 = false;               // this build
   bool has_interpreter = false;         // of a language with hash seeds
   bool has_math_library = false;        // numpy, OpenBLAS or MKL, as far as the program's file tells

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "tool/experiment/shake/launch.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +11,9 @@
 
 #include "tool/experiment/shake/terminal.h"
 #include "tool/output/cli.h"
+#include "verifier/programs/command_words.h"
+#include "verifier/report/report.h"
+#include "verifier/runs/completion.h"
 
 #ifdef __linux__
 #include <fcntl.h>
@@ -101,10 +105,18 @@ std::string value_in(const std::vector<std::string>& variables, const std::strin
   return "";
 }
 
+/// A variable that is there keeps its place: else a new value would change the order of all behind it.
 void set_in(std::vector<std::string>& variables, const std::string& name, const std::optional<std::string>& value) {
-  std::erase_if(variables,
-                [&](const std::string& variable) { return variable.compare(0, name.size() + 1, name + "=") == 0; });
-  if (value) variables.push_back(name + "=" + *value);
+  const auto is_it = [&](const std::string& variable) { return variable.compare(0, name.size() + 1, name + "=") == 0; };
+  const auto first = std::find_if(variables.begin(), variables.end(), is_it);
+  if (!value) {
+    std::erase_if(variables, is_it);
+  } else if (first == variables.end()) {
+    variables.push_back(name + "=" + *value);
+  } else {
+    *first = name + "=" + *value;
+    variables.erase(std::remove_if(first + 1, variables.end(), is_it), variables.end());
+  }
 }
 
 std::size_t size_of(const std::vector<std::string>& variables) {
@@ -134,12 +146,14 @@ std::vector<std::string> environment_of(const Conditions& conditions, const Laun
   if (!tunables.empty()) set_in(variables, "GLIBC_TUNABLES", joined(tunables, ':'));
   set_in(variables, shim::page_variable, page);
   set_in(variables, "TICKTRUE_RESULT", result);
+  set_in(variables, verifier::completion_variable, "0");  // run_child sets the number, in this place
   const std::size_t count = inherited.size() + added_variable_count;
   for (int i = 0; variables.size() + 1 < count; ++i) variables.push_back("TICKTRUE_SPACE_" + std::to_string(i) + "=");
   std::string last = "TICKTRUE_SPACE=";
   const std::size_t size = size_of(inherited) + added_size;
   if (const std::size_t now = size_of(variables) + last.size() + 1; now < size) last.append(size - now, 'x');
   variables.push_back(last);
+  if (conditions.wrapper_reverses) std::reverse(variables.begin(), variables.end());
   return variables;
 }
 
@@ -185,6 +199,10 @@ std::vector<std::string> words_of(const Conditions& conditions, const LaunchOpti
 }
 
 }  // namespace
+
+std::string shake_command(const std::string& trace, const std::vector<std::string>& words) {
+  return "ticktrue shake " + verifier::shell_word(trace) + " -- " + verifier::command_line_of(words);
+}
 
 std::string find_program(const std::string& word) {
   std::error_code failure;

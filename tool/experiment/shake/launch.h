@@ -40,6 +40,7 @@ struct Conditions {
   std::vector<std::string> tunables;  // of GLIBC_TUNABLES
   std::vector<std::string> preload;   // further libraries
   std::vector<std::string> wrapper;   // words before the program
+  bool wrapper_reverses = false;      // it hands the environment on in the reverse order
   std::string program;                // in place of the first word; empty: that word
   ProcessSettings process;
   bool in_other_folder = false;
@@ -86,6 +87,9 @@ class Launcher {
   std::vector<verifier::EscapedChild> escaped_;
   std::size_t ended_count_ = 0;  // of them, the first
 };
+
+/// "ticktrue shake TRACE -- PROGRAM ARGUMENTS", for a shell. `words`: of the program, as a user gave them.
+std::string shake_command(const std::string& trace, const std::vector<std::string>& words);
 
 /// The file that the first word names, by PATH where it has no slash.
 std::string find_program(const std::string& word);

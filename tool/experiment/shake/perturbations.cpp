@@ -27,6 +27,11 @@ std::string shim_loaded(const Facts& facts) {
   return facts.no_shim;
 }
 
+/// The tool looks at its float settings, and refuses others than those it needs.
+std::string needs_other_program(const Facts& facts) {
+  return facts.is_this_tool ? "ticktrue does not verify under other float settings" : facts.no_shim;
+}
+
 std::string calls_made(const Facts& facts, Group group, const char* what) {
   if (!facts.no_shim.empty()) return facts.no_shim;
   return facts.control.calls_of(group) == 0 ? std::string("the program ") + what : "";
@@ -346,6 +351,7 @@ void cpu_model(Conditions& conditions, unsigned variant, std::uint64_t, const Fa
   constexpr const char* models[] = {"Nehalem", "Haswell", "max"};
   conditions.has_shim = false;
   conditions.wrapper = {facts.emulator, "-cpu", models[variant]};
+  conditions.wrapper_reverses = true;  // as qemu does
 }
 
 void library_dispatch(Conditions& conditions, unsigned variant, std::uint64_t, const Facts&) {
@@ -487,7 +493,7 @@ constexpr Perturbation table[] = {
      1, needs_calls<Group::rand>, rand_library, no_fix},
     {"flush_to_zero", Kind::b, "denormal numbers become zero, or are kept, as a library may set it",
      "set the float environment in each thread, or keep clear of denormals", by_shim, alone, Narrowing::ticks,
-     Group::libm, 2, shim_loaded, flush_to_zero, no_fix},
+     Group::libm, 2, needs_other_program, flush_to_zero, no_fix},
     {"other_compiler", Kind::b, "the program, built by another compiler", build_mend, by_launch, alone, whole,
      Group::libm, 1, needs_build<BuildKind::other_compiler>, other_build<BuildKind::other_compiler>, no_fix},
     {"no_optimisation", Kind::b, "the program, built with -O0", build_mend, by_launch, alone, whole, Group::libm, 1,
@@ -497,7 +503,7 @@ constexpr Perturbation table[] = {
     {"this_processor", Kind::b, "the program, built with -O3 for this processor", fused_mend, by_launch, alone, whole,
      Group::libm, 1, needs_build<BuildKind::this_processor>, other_build<BuildKind::this_processor>, no_fix},
     {"rounding", Kind::c, "another rounding mode", "set the rounding mode in each thread", by_shim, alone,
-     Narrowing::ticks, Group::libm, 2, shim_loaded, rounding, no_fix},
+     Narrowing::ticks, Group::libm, 2, needs_other_program, rounding, no_fix},
 };
 
 }  // namespace

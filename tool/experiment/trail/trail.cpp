@@ -156,7 +156,8 @@ Status compare_tick_lists(const TrailOptions& options, const TickMap& here, cons
   const std::uint64_t tick = report.marks->tick;
   const auto lost = [&](const std::vector<std::string>& words) {
     report.verdict = TrailVerdict::not_reproducible;
-    report.who = words.front();
+    report.is_against_lost = &words == &options.against;
+    report.notes.push_back(words.front() + " made other marks in tick " + std::to_string(tick) + " when it ran again");
     return Status();
   };
   const auto list_here = list_of(options, options.words, tick, here.at(tick));

@@ -34,8 +34,8 @@ struct TrailReport {
   std::optional<verifier::MarksDifference> marks;
   ListDifference lists;
   bool has_list_here = false;
-  bool has_list_there = false;  // else counts and hashes alone are known
-  std::string who;              // not_reproducible: the program
+  bool has_list_there = false;   // else counts and hashes alone are known
+  bool is_against_lost = false;  // not_reproducible: by the other program
   std::vector<std::string> notes;
 };
 

@@ -113,9 +113,11 @@ std::string headline(const TrailReport& report, const TrailSubject& subject) {
 }
 
 std::vector<std::string> next_steps(const TrailReport& report, const TrailSubject& subject) {
-  if (report.verdict == TrailVerdict::not_reproducible)
-    return {report.who + " made other marks in tick " + std::to_string(report.marks->tick) +
-            " when it ran again: `ticktrue shake` tells what it takes from outside"};
+  if (report.verdict == TrailVerdict::not_reproducible) {
+    std::vector<std::string> words = subject.words;
+    if (report.is_against_lost) words.front() = subject.against;
+    return {shake::shake_command(subject.trace, words) + "  # tells what reaches its state from outside"};
+  }
   if (report.verdict == TrailVerdict::same && report.here.kind == shake::OutcomeKind::diverged)
     return {"mark more of what tick " + std::to_string(report.here.tick) + " does" +
             (subject.calls.empty() ? ", or let calls be marked: --calls random,libm" : "")};

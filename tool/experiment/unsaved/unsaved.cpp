@@ -77,8 +77,19 @@ std::vector<Thing> harmless_of(const nlohmann::ordered_json& units, const std::v
   return things;
 }
 
+std::string find_cause(const UnsavedOptions& options) {
+  return options.shake_command + "  # looks for the cause: a clock, random bytes, addresses";
+}
+
+/// A session that refuses because ticks do not repeat themselves gives no hint.
+std::string hint_of(const nlohmann::ordered_json& log, const UnsavedOptions& options) {
+  const auto hint = log.at("hint").get<std::string>();
+  return hint.empty() ? find_cause(options) : hint;
+}
+
 /// Why the run says nothing; empty: it says something.
-Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log, const std::string& program) {
+Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log, const UnsavedOptions& options) {
+  const std::string& program = options.launch.words.front();
   const shake::Outcome& outcome = report.outcome;
   const std::string how = outcome.reason.empty() ? std::string() : ": " + outcome.reason;
   if (log.is_null())
@@ -86,7 +97,7 @@ Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log,
                    outcome.has_session ? "its libticktrue is older than this tool: link it anew"
                                        : "is it a program with a session of libticktrue, that takes --verify?");
   if (const auto why = log.at("refusal").get<std::string>(); !why.empty() && report.window_count == 0)
-    return refused(program + ": " + why, log.at("hint").get<std::string>());
+    return refused(program + ": " + why, hint_of(log, options));
   if (!outcome.has_shim)
     return refused(program + ": found no preload library in it, expected it in front of malloc",
                    "a statically linked program, or one with other privileges, loads none: link it dynamically");
@@ -100,7 +111,7 @@ Status check_run(const UnsavedReport& report, const nlohmann::ordered_json& log,
                    "run the program with --verify: what does its report say?");
   if (outcome.kind != shake::OutcomeKind::match)
     return refused(program + ": " + shake::outcome_text(outcome) + ": it differs from the trace without any load",
-                   "`ticktrue shake` and `ticktrue trail` look for the cause of that");
+                   options.shake_command + "  # looks for the cause of that");
   const auto lost = log.at("lost").get<std::uint64_t>();
   if (report.window_count > 0 && lost == report.window_count)
     return refused(program + ": no window was run twice: " + log.at("lost_reason").get<std::string>(),
@@ -167,7 +178,7 @@ Result<UnsavedReport> run_unsaved(const UnsavedOptions& options) {
       return refused(options.launch.words.front() + ": findings: " + wrong.what(),
                      "its libticktrue is of another version than this tool: link it anew");
     }
-  if (const Status status = check_run(report, log, options.launch.words.front()); !status) return status.error();
+  if (const Status status = check_run(report, log, options); !status) return status.error();
   add_notes(log, report);
   const bool has_any = !report.findings.empty() || !report.unexplained.empty() || !report.not_loaded.empty();
   report.verdict = has_any ? UnsavedVerdict::found : UnsavedVerdict::nothing;
@@ -175,6 +186,9 @@ Result<UnsavedReport> run_unsaved(const UnsavedOptions& options) {
     report.notes.push_back(why);
     if (report.findings.empty()) report.verdict = UnsavedVerdict::not_reproducible;
   }
+  if (report.verdict == UnsavedVerdict::found)
+    report.next = {"write each into what save gives, and read it back in load"};
+  if (report.verdict == UnsavedVerdict::not_reproducible) report.next = {find_cause(options)};
   return report;
 }
 

@@ -14,6 +14,7 @@ namespace ticktrue::unsaved {
 struct UnsavedOptions {
   std::string trace;
   shake::LaunchOptions launch;  // with the words of the program, the trace in them
+  std::string shake_command;    // what tells why the program does not repeat itself
 };
 
 enum class ThingKind : std::uint8_t { variable, heap, stack, generator, memory };
@@ -58,6 +59,7 @@ struct UnsavedReport {
   std::uint64_t window_count = 0;
   std::uint64_t trial_count = 0;
   std::vector<std::string> notes;
+  std::vector<std::string> next;  // what to do, and commands
   shake::Outcome outcome;
 };
 

@@ -120,10 +120,7 @@ std::string unsaved_text(const UnsavedReport& report, const std::string& trace) 
     lines.add("", "and " + count_text(report.harmless.size() - harmless_shown_max, "other") + " (--json has all)");
   for (const std::string& note : report.notes) lines.add("note", note);
   std::string text = headline(report, trace) + "\n" + lines.take();
-  if (report.verdict == UnsavedVerdict::found)
-    text += "next  write each into what save gives, and read it back in load\n";
-  if (report.verdict == UnsavedVerdict::not_reproducible)
-    text += "next  `ticktrue shake` looks for the cause: a clock, random bytes, addresses\n";
+  for (const std::string& step : report.next) text += "next  " + plain_line(step) + "\n";
   return text;
 }
 
@@ -138,6 +135,7 @@ std::string unsaved_json(const UnsavedReport& report, const std::string& trace) 
   for (const Thing& thing : report.harmless) harmless.push_back(thing_json(thing));
   json["harmless"] = std::move(harmless);
   json["notes"] = report.notes;
+  json["next"] = report.next;
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
