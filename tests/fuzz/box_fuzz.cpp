@@ -19,8 +19,8 @@
 #include "replay/box/box_layout.h"
 #include "replay/box/recover_box.h"
 #include "replay/trace_reader.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/trace_reading.h"
+#include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/trace_reading.h"
 
 namespace {
 

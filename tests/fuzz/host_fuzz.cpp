@@ -1,6 +1,6 @@
 // Fuzzes files of frame times: each one returned is a length of time.
 // SPDX-License-Identifier: MIT
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tool/session/host_frames.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

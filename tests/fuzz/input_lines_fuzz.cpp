@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/scene_json.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tool/session/input_source.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,8 +5,8 @@
 
 #include "engine/builtin_scenes/builtin_scenes.h"
 #include "engine/scene/input.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/worlds.h"
+#include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/worlds.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "replay/format/mark_log.h"
 #include "replay/format/mark_tally.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 
 namespace {
 

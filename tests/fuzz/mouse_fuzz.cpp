@@ -1,7 +1,7 @@
 // Fuzzes the import of mouse sessions: what is imported is accepted by the scene it was imported for, in order.
 // SPDX-License-Identifier: MIT
 #include "engine/builtin_scenes/builtin_scenes.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tool/import/import_mouse.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

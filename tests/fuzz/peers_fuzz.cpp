@@ -10,8 +10,8 @@
 #include "base/hash.h"
 #include "capi/peers/message.h"
 #include "capi/peers/peers.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/peers_world.h"
+#include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/peers_world.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // Fuzzes the import of R.U.B.E. scenes: what is imported and keeps the rules of a scene runs.
 // SPDX-License-Identifier: MIT
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tool/import/import_rube.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // Fuzzes scenes as JSON: what is accepted prints to text that reads back to the same scene, and runs.
 // SPDX-License-Identifier: MIT
 #include "engine/scene/scene_json.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/scene/scene_binary.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace ticktrue;

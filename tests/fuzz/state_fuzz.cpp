@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "engine/builtin_scenes/builtin_scenes.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/worlds.h"
+#include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/worlds.h"
 
 namespace {
 

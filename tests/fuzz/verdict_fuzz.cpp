@@ -1,7 +1,7 @@
 // Fuzzes files of a store: an entry, the same under a right checksum, a report, a row of the history, a plan of shards.
 // SPDX-License-Identifier: MIT
 #include "base/hash.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tool/corpus/shard_plan.h"
 #include "verifier/report/report_ci.h"
 #include "verifier/report/report_transfer.h"

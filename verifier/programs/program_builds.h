@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <istream>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,9 +9,6 @@
 #include "base/result.h"
 
 namespace ticktrue::verifier {
-
-/// The build id of an ELF program or library; empty: it is none, or has none. Reads at most a few pages of the stream.
-std::string elf_build_id(std::istream& in);
 
 class ProgramBuilds {
  public:

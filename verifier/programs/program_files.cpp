@@ -15,6 +15,7 @@
 
 #include "base/bytes.h"
 #include "base/plain_text.h"
+#include "verifier/programs/elf_file.h"
 #include "verifier/programs/linked_libraries.h"
 #include "verifier/runs/child.h"
 
@@ -56,23 +57,6 @@ std::string find_program(const std::string& word) {
   return "";
 }
 
-Bytes read_part(const std::string& path, std::uint64_t at, std::size_t size) {
-  Bytes bytes(size);
-  std::ifstream in(path, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(at));
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(in.gcount()));
-  return bytes;
-}
-
-/// The dynamic linker that a program asks for; empty: none, or the file is no program.
-std::string linker_of(const std::string& path) {
-  const std::optional<FilePart> part = linker_name_part(read_part(path, 0, elf_begin_size));
-  if (!part) return "";
-  const Bytes name = read_part(path, part->at, static_cast<std::size_t>(part->size));
-  return std::string(name.begin(), std::find(name.begin(), name.end(), 0));
-}
-
 class Files {
  public:
   Status add(std::string name, const std::string& path) {
@@ -107,7 +91,8 @@ class Files {
     const std::size_t count = files_.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::string path = files_[i].path;
-      const std::string linker = linker_of(path);
+      std::ifstream in(path, std::ios::binary);
+      const std::string linker = elf_linker_name(in);
       if (linker.empty()) continue;
       const Result<std::vector<std::string>> libraries = list(linker, path);
       if (!libraries && i == 0) return libraries.error();

@@ -11,6 +11,7 @@
 #include "tests/replay/toy_traces.h"
 #include "tests/support/catch.h"
 #include "tests/support/text.h"
+#include "verifier/programs/elf_file.h"
 #include "verifier/report/build_id_note.h"
 
 namespace ticktrue::test {

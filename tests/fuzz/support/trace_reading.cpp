@@ -1,6 +1,6 @@
 // Reading, seeking, recovering and verifying of any bytes; right checks for them.
 // SPDX-License-Identifier: MIT
-#include "tests/fuzz/trace_reading.h"
+#include "tests/fuzz/support/trace_reading.h"
 
 #include <unistd.h>
 
@@ -14,7 +14,7 @@
 #include "replay/format/chunk.h"
 #include "replay/format/payload.h"
 #include "replay/trace_reader.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 #include "tests/support/toy_simulation.h"
 #include "verifier/verify/verify.h"
 

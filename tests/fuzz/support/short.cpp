@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 
 // Each harness is compiled under its own name (CMakeLists.txt, the list of all).
 extern "C" {

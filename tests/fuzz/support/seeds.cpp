@@ -18,9 +18,9 @@
 #include "replay/box/box_writer.h"
 #include "replay/format/mark_log.h"
 #include "replay/recorder.h"
-#include "tests/fuzz/fuzz.h"
-#include "tests/fuzz/peers_world.h"
-#include "tests/fuzz/worlds.h"
+#include "tests/fuzz/support/fuzz.h"
+#include "tests/fuzz/support/peers_world.h"
+#include "tests/fuzz/support/worlds.h"
 #include "tests/support/toy_simulation.h"
 #include "tool/corpus/shard_plan.h"
 #include "tool/session/input_source.h"
@@ -407,7 +407,7 @@ void seed_programs() {
     out.u32(3);  // PT_INTERP
     if (is_wide) out.u32(4);
     for (const std::uint32_t value : {200u, 0u, 0u, 20u, 20u}) word(out, value);
-    seed("program", out.view());
+    seed("elf", out.view());
   }
   seed_text(
       "program",

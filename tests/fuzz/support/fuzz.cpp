@@ -1,6 +1,6 @@
 // Properties, files in memory and small worlds for the fuzz harnesses.
 // SPDX-License-Identifier: MIT
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/support/fuzz.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
