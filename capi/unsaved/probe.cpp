@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "base/hash.h"
@@ -33,7 +34,9 @@ constexpr std::uint64_t heap_room_max = std::uint64_t{512} << 20;
 constexpr std::uint64_t lengths[] = {5, 13, 31};  // ticks of windows, in turn
 constexpr std::uint64_t dense_windows = 100;      // at first, windows lie over each other
 constexpr std::uint64_t dense_step = 4;           // ticks between these
-constexpr int copy_time_ms = 20'000;
+// A trial runs as many ticks as the window; one that takes so many times as long, and a second, hangs.
+constexpr std::uint64_t times_of_window = 10;
+constexpr std::uint64_t trial_time_least_ms = 1'000;
 constexpr std::uint64_t harmless_windows = 6;  // in which nothing moved, and what differs is noted
 
 std::size_t count_columns(const StateSchema& schema) {
@@ -61,12 +64,19 @@ void hash_columns(const StateView& state, std::uint64_t* hashes) {
   }
 }
 
-/// Waits for the end of a process; one that takes too long is killed. Returns its status.
-int wait_for(pid_t process) {
+/// Of the system itself: the program may see other clocks.
+std::uint64_t now_ms() {
+  timespec now{};
+  ::syscall(SYS_clock_gettime, CLOCK_MONOTONIC, &now);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000 + static_cast<std::uint64_t>(now.tv_nsec) / 1'000'000;
+}
+
+/// Waits for the end of a process; one that takes longer than `limit_ms` is killed. Returns its status.
+int wait_for(pid_t process, int limit_ms) {
   const int file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (file >= 0) {
     pollfd ended{file, POLLIN, 0};
-    if (::poll(&ended, 1, copy_time_ms) == 0) ::kill(process, SIGKILL);
+    if (::poll(&ended, 1, limit_ms) == 0) ::kill(process, SIGKILL);
     ::close(file);
   }
   int status = 0;
@@ -130,7 +140,7 @@ void Probe::unmap_window() {
   shared_ = nullptr;
 }
 
-bool Probe::fork_copy(Role role) {
+bool Probe::fork_copy(Role role, int limit_ms) {
   shared_->end = CopyEnd::none;
   shared_->has_crashed = 0;
   const pid_t process = ::fork();
@@ -141,7 +151,9 @@ bool Probe::fork_copy(Role role) {
     return true;
   }
   if (process > 0) {
-    const int status = wait_for(process);
+    const std::uint64_t begin = now_ms();
+    const int status = wait_for(process, limit_ms);
+    copy_ms_ = now_ms() - begin;
     shared_->has_crashed = WIFSIGNALED(status) && shared_->end == CopyEnd::none ? 1 : 0;
   }
   enter_library_again();
@@ -164,10 +176,12 @@ bool Probe::run_window(std::uint64_t tick, const StateView& state, const Registe
   {
     const ParkedGenerator parked;  // so that its state holds its position
   }
-  if (fork_copy(Role::straight)) {
+  if (fork_copy(Role::straight, copy_time_ms)) {
     keep_heap_blocks(heap_);
     return true;
   }
+  const std::uint64_t trial_limit = trial_time_least_ms + times_of_window * copy_ms_;
+  trial_limit_ms_ = static_cast<int>(std::min<std::uint64_t>(trial_limit, copy_time_ms));
   left_out_ = std::max(left_out_, memory_.left_out);
   bool is_copy = false;
   switch (shared_->end) {

@@ -82,11 +82,13 @@ class Probe {
   bool map_window(const StateView& state);
   void unmap_window();
   void copy_memory();
-  bool fork_copy(Role role);
+  bool fork_copy(Role role, int limit_ms);
   void wait_for_copy();
   void compare_with_copy();
   bool examine();
   bool search(const Groups& groups, const Trial* known);
+  /// Whether this window has had as many trials, or as much time, as one gets.
+  bool is_spent() const;
   Trial try_groups(const Groups& groups);
   void write_groups(const Groups& groups);
   void add_finding(const Groups& groups, const Trial& trial, bool is_joint);
@@ -116,6 +118,9 @@ class Probe {
   std::vector<std::ptrdiff_t> moved_group_;
   Register apply_;
   std::uint64_t trials_here_ = 0;
+  std::uint64_t trials_ms_ = 0;  // time of these
+  std::uint64_t copy_ms_ = 0;    // time of the last copy
+  int trial_limit_ms_ = 0;       // a trial that takes longer hangs
 
   // Of the report.
   std::vector<Finding> findings_;

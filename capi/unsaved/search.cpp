@@ -13,6 +13,7 @@ namespace ticktrue::capi {
 namespace {
 
 constexpr std::uint64_t trials_of_window_max = 400;
+constexpr std::uint64_t time_of_window_max_ms = 20'000;
 constexpr std::size_t holders_max = 16;  // units of a finding whose holder is looked for
 constexpr std::uint64_t examined_windows_max = 40;
 
@@ -41,6 +42,7 @@ bool Probe::examine() {
   }
   compare_with_copy();
   trials_here_ = 0;
+  trials_ms_ = 0;
   Groups rest;
   for (std::size_t group = 0; group < differences_.groups.size(); ++group) {
     const Groups& units = differences_.groups[group];
@@ -60,7 +62,7 @@ bool Probe::examine() {
   const std::size_t before = findings_.size();
   const bool has_found = search(rest, nullptr);
   if (is_copy()) return true;
-  if (trials_here_ >= trials_of_window_max) ++unexamined_count_;
+  if (is_spent()) ++unexamined_count_;
   if (!has_found && before == 0 && unexplained_.empty()) unexplained_.push_back(std::move(plain));
   for (const Unit& unit : differences_.units)
     if (known_.count(key_of(unit)) == 0 && seen_.insert(key_of(unit)).second) harmless_.push_back(unit);
@@ -68,7 +70,7 @@ bool Probe::examine() {
 }
 
 bool Probe::search(const Groups& groups, const Trial* known) {
-  if (groups.empty() || trials_here_ >= trials_of_window_max) return false;
+  if (groups.empty() || is_spent()) return false;
   const Trial trial = known != nullptr ? *known : try_groups(groups);
   if (is_copy() || !trial.has_moved) return false;
   if (groups.size() == 1) {
@@ -82,20 +84,25 @@ bool Probe::search(const Groups& groups, const Trial* known) {
   if (is_copy()) return false;
   const bool has_second = search(Groups(middle, groups.end()), nullptr);
   if (is_copy()) return false;
-  if (!has_first && !has_second && !trial.has_crashed && trials_here_ < trials_of_window_max) {
+  if (!has_first && !has_second && !trial.has_crashed && !is_spent()) {
     add_finding(groups, trial, true);
     return true;
   }
   return has_first || has_second;
 }
 
+bool Probe::is_spent() const {
+  return trials_here_ >= trials_of_window_max || trials_ms_ >= time_of_window_max_ms;
+}
+
 Probe::Trial Probe::try_groups(const Groups& groups) {
   ++trial_count_;
   ++trials_here_;
-  if (fork_copy(Role::trial)) {
+  if (fork_copy(Role::trial, groups.empty() ? copy_time_ms : trial_limit_ms_)) {
     write_groups(groups);
     return {};
   }
+  trials_ms_ += copy_ms_;
   Trial trial;
   trial.has_crashed = shared_->end != CopyEnd::same && shared_->end != CopyEnd::moved;
   trial.has_moved = trial.has_crashed || shared_->end == CopyEnd::moved;

@@ -14,6 +14,7 @@ enum class CopyEnd : std::uint32_t { none, same, moved, load_differs, load_faile
 
 inline constexpr std::size_t moved_column_count_max = 256;
 inline constexpr std::size_t name_room = 128;
+inline constexpr int copy_time_ms = 20'000;  // a copy that takes longer hangs
 
 struct SharedColumn {
   char table[name_room];
