@@ -268,7 +268,7 @@ const std::array<WorldFeatureInfo, world_feature_count> features{{
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.filter.group != 0; }); },
      [](World& w) { each_shape(w.scene, [](Shape& s) { s.filter.group = 0; }); }},
     {{F::restitution, "restitution", "shapes that bounce"},
-     50,
+     62,
      [](const World& w) { return any_shape(w.scene, [](const Shape& s) { return s.material.restitution != 0; }); },
      [](World& w) { each_shape(w.scene, [](Shape& s) { s.material.restitution = 0; }); }},
     {{F::no_restitution_threshold, "no_restitution_threshold", "the slowest approach bounces"},
