@@ -602,7 +602,7 @@ TEST_CASE("diff of many: text and JSON name traces, groups and values", "[verifi
   CHECK(contains(text, "  c       none\n"));
   CHECK(contains(text, "c: an input is missing; c has what the majority has here in tick 14, 2 ticks later\n"));
   const json object = json::parse(verifier::diff_many_json(report));
-  CHECK(object["schema"] == "ticktrue.diff_many/1");
+  CHECK(object["schema"] == "ticktrue.diff_many/2");
   CHECK(object["blame"] == json{{"traces", {2}}, {"by", "inputs"}, {"tick", 12}});
   CHECK(object["inputs"]["odd"][0]["change"] == "missing");
   CHECK(object["inputs"]["odd"][0]["later"] == 14);
