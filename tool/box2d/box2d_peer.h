@@ -54,7 +54,8 @@ class Box2dPeer {
 };
 
 /// Errors: unsupported, with the reason: joints, shapes or forces that 2.4.1 does not have, a polygon of more than 8
-/// vertices, shapes thinner than a few of the thinnest skins, coordinates too far out for floats; or a build without Box2D.
+/// vertices, shapes thinner than a few of the thinnest skins, coordinates too far out for floats; or a build without
+/// Box2D.
 Result<std::unique_ptr<Box2dPeer>> make_box2d_peer(const engine::Scene& scene, const Box2dOptions& options = {});
 
 /// "2.4.1"; empty in a build without Box2D.
