@@ -258,6 +258,8 @@ TEST_CASE("a stress file that cannot be meant is refused with its place", "[veri
       {"{" + good + R"("upper": 1, "vary": "settings.dt=0.01:0.02:5000"})", "vary"},
       {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "overlapp", "upper": 1})", "measure"},
       {R"({"scene": "stack?boxes=2", "duration": 0, "measure": "overlap", "upper": 1})", "duration: found 0"},
+      {R"({"scene": "stack?boxes=2", "duration": 1e300, "measure": "overlap", "upper": 1})", "duration: found 1e+300"},
+      {R"({"scene": "stack?boxes=2", "duration": 1, "measure": "bodies.9.x", "upper": 1})", "measure: found nan"},
       {R"({"scene": "stak", "duration": 1, "measure": "overlap", "upper": 1})", "stak"},
       {R"({"scene": 5, "duration": 1, "measure": "overlap", "upper": 1})", "scene: found 5"},
   };

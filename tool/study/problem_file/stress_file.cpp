@@ -28,6 +28,7 @@ using engine::Precision;
 using engine::Scene;
 
 constexpr std::size_t case_count_max = 1000;
+constexpr double tick_count_max = 1e8;
 
 /// Which of the values of a run counts.
 enum class Over : std::uint8_t { largest, least, end };
@@ -136,6 +137,23 @@ StressValue run_measured(const Scene& scene, const Measured& measured) {
   return out;
 }
 
+/// Errors: usage (too many ticks, a measure without a value before the first tick); those of make_engine.
+Status check_run(const Scene& scene, const Measured& measured, StressReader& reader) {
+  const double ticks = measured.duration / scene.settings.dt;
+  if (!(ticks <= tick_count_max))
+    return reader.error_at("duration", "found " + engine::number_text(measured.duration) + " s of ticks of " +
+                                           engine::number_text(scene.settings.dt) + " s, expected at most 1e8 ticks");
+  const auto engine = engine::make_engine(scene);
+  if (!engine) return engine.error();
+  Result<Expression> expression = Expression::parse(measured.measure, measured.place, ExpressionNames::world_and_parts);
+  if (!expression) return expression.error();
+  expression->begin(**engine);
+  const double value = expression->evaluate(**engine);
+  if (std::isfinite(value)) return {};
+  return reader.error_at("measure", "found " + short_number(value) + " before the first tick, expected a finite number",
+                         "bodies.3.x is that of the body with id 3; ids count from 0 in the order of the scene");
+}
+
 /// The scene as it is, in this precision.
 constexpr std::string_view as_stated = "scene";
 
@@ -212,11 +230,10 @@ Result<std::vector<StressCase>> read_stress_file(const std::string& path) {
   const Result<std::vector<StressMethod>> methods = methods_of(text, *scene, reader);
   if (!methods) return methods.error();
   const Measured measured{text.measure, path + ": measure", text.over, text.duration, text.from};
-  if (const auto parsed = Expression::parse(measured.measure, measured.place, ExpressionNames::world_and_parts);
-      !parsed)
-    return parsed.error();
   Result<std::vector<VariedScene>> scenes = varied_scenes(text, *scene, path + ": vary");
   if (!scenes) return scenes.error();
+  for (const VariedScene& each : *scenes)
+    if (const Status fits = check_run(each.scene, measured, reader); !fits) return fits.error();
   std::vector<StressCase> cases;
   for (VariedScene& each : *scenes) {
     StressCase made;
