@@ -121,22 +121,27 @@ void seed_toy_trace(std::uint32_t body_count, bool is_full, bool compress, std::
   seed("trace_forged", trace);
 }
 
-/// Format version 3: begins late where it may, with a shown column, saves, notes and marks.
-void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
-  constexpr std::uint32_t body_count = 2;
-  constexpr std::uint64_t tick_count = 9;
-  test::ToySimulation toy(body_count);
+replay::TraceSetup toy_setup(replay::Detail detail) {
   replay::TraceSetup setup;
   setup.simulation = "ticktrue.toy";
   setup.physics_version = 1;
   setup.title = "toy";
   setup.dt = 0.015625;
   setup.detail = detail;
+  setup.schema = test::ToySimulation::schema();
+  return setup;
+}
+
+/// Format version 3: begins late where it may, with a shown column, saves, notes and marks.
+void seed_third_trace(replay::Detail detail, std::uint64_t first_tick) {
+  constexpr std::uint32_t body_count = 2;
+  constexpr std::uint64_t tick_count = 9;
+  test::ToySimulation toy(body_count);
+  replay::TraceSetup setup = toy_setup(detail);
   if (detail == replay::Detail::full) setup.full_first = first_tick + 2, setup.full_last = first_tick + 5;
   setup.checkpoint_interval = 4;
   setup.features = replay::feature_mask & ~static_cast<std::uint32_t>(replay::Feature::peers);
   setup.stage_interval = 2;
-  setup.schema = test::ToySimulation::schema();
   setup.whole_schema = setup.schema;
   Column glow;
   glow.name = "glow";
@@ -203,16 +208,10 @@ void seed_box(replay::Detail detail, bool has_saves, bool is_closed, std::size_t
   constexpr std::uint32_t body_count = 2;
   constexpr std::uint64_t slots_begun = 5;
   test::ToySimulation toy(body_count);
-  replay::TraceSetup setup;
-  setup.simulation = "ticktrue.toy";
-  setup.physics_version = 1;
-  setup.title = "toy";
-  setup.dt = 0.015625;
-  setup.detail = detail;
+  replay::TraceSetup setup = toy_setup(detail);
   setup.features =
       static_cast<std::uint32_t>(replay::Feature::tail) | static_cast<std::uint32_t>(replay::Feature::notes);
   if (has_saves) setup.features |= static_cast<std::uint32_t>(replay::Feature::saves);
-  setup.schema = test::ToySimulation::schema();
   setup.stages = test::ToySimulation::stages();
   setup.setup = test::ToySimulation::setup(body_count);
   const fs::path path = out_folder / "box.ttb";
