@@ -573,7 +573,7 @@ TEST_CASE("every file that mutants are drawn from is there", "[tidy]") {
   std::istringstream words(read_text(root / "tests/mutants/mutants.py"));
   int count = 0;
   for (std::string word; words >> word;) {
-    if (!starts_with(word, "engine/")) continue;
+    if (!starts_with(word, "engine/") || word.find('*') != std::string::npos) continue;
     CAPTURE(word);
     CHECK(fs::exists(root / word));
     ++count;

@@ -8,6 +8,7 @@ copy of the tree. A mutant is killed if the check fails, crashes or does not end
 import argparse
 import collections
 import concurrent.futures
+import glob
 import hashlib
 import itertools
 import os
@@ -36,6 +37,28 @@ engine/joints/batched/revolute_batch.cpp engine/joints/batched/wavefront.cpp eng
 engine/model/bodies.h engine/integrators/flow.cpp engine/integrators/motion_rows.h engine/model/motion_bounds.cpp
 engine/model/motion_bounds.h engine/model/margins.h engine/solvers/substep_strategies.cpp
 """.split()
+
+# What decides a verdict: it walks over ticks, compares them, names what differs, and turns that into an exit code.
+VERDICT_FILES = """
+verifier/verify/*.cpp verifier/verify/*.h verifier/locate/*.cpp verifier/locate/*.h verifier/report/exit_codes.cpp
+verifier/report/exit_codes.h
+""".split()
+
+ALL_FILES = """
+replay/**/*.cpp replay/**/*.h verifier/**/*.cpp verifier/**/*.h engine/**/*.cpp engine/**/*.h
+""".split()
+
+SOAK = ("'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} "
+        "--hashes '{root}/tests/worlds/hashes.tsv' --cache-counts '{root}/tests/worlds/cache_counts.tsv' --out '{out}'")
+# Quick tests first: the first that fails ends the check.
+TESTS = "'{root}/tests/mutants/run_tests.sh' '{build}' {time}"
+
+Set = collections.namedtuple('Set', 'files has_tests check word grace')
+SETS = {
+    'caches': Set(CACHE_FILES, False, SOAK, 'found', 120),
+    'verdicts': Set(VERDICT_FILES, True, TESTS, 'failed:', 3000),
+    'all': Set(ALL_FILES, True, TESTS, 'failed:', 3000),
+}
 
 REPLACEMENTS = {
     '==': ['!='], '!=': ['=='], '<=': ['<', '>'], '>=': ['>', '<'], ' < ': [' <= ', ' > '], ' > ': [' >= ', ' < '],
@@ -79,7 +102,7 @@ def tokens_of(line):
 def candidates_of(root, files):
     """(file, line number, line) of every line that has a token to change."""
     lines = []
-    for name in files:
+    for name in (name for pattern in files for name in sorted(glob.glob(pattern, root_dir=root, recursive=True))):
         with open(os.path.join(root, name)) as source:
             for number, line in enumerate(source.read().split('\n')):
                 if not SKIPPED.search(line) and tokens_of(line):
@@ -104,6 +127,22 @@ def digest(path):
         return hashlib.sha256(data.read()).hexdigest()
 
 
+def equivalents(path):
+    """{(file, occurrence of the line in the file, line before, line after): why it cannot change a bit}"""
+    if not path:
+        return {}
+    with open(path) as table:
+        rows = [line.rstrip('\n').split('\t') for line in table][1:]
+    return {tuple(row[:4]): row[4] for row in rows}
+
+
+def key_of(mutant, lines):
+    """What names a mutant, whatever stands above its line."""
+    alike = [number for name, number, line in lines
+             if name == mutant.name and line.strip() == mutant.before.strip()]
+    return mutant.name, str(1 + alike.index(mutant.number)), mutant.before.strip(), mutant.after.strip()
+
+
 class Workshop:
     """A copy of the tree with a build of its own: one mutant at a time."""
 
@@ -122,7 +161,8 @@ class Workshop:
         launcher = '-DCMAKE_CXX_COMPILER_LAUNCHER=ccache' if shutil.which('ccache') else ''
         configure = (f"cmake -S '{self.tree}' -B '{self.build_dir}' -G Ninja -DCMAKE_BUILD_TYPE=Release "
                      f"-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DCMAKE_CXX_FLAGS=-Wno-error -DTICKTRUE_UNITY=OFF "
-                     f"-DTICKTRUE_BUILD_TESTS=OFF -DTICKTRUE_BUILD_BENCH=OFF -DTICKTRUE_SED=OFF {launcher}")
+                     f"-DTICKTRUE_BUILD_TESTS={'ON' if self.options.has_tests else 'OFF'} -DTICKTRUE_BUILD_BENCH=OFF "
+                     f"-DTICKTRUE_SED=OFF {launcher}")
         for command in (configure, self.build_command(os.cpu_count())):
             status, output = run(command, 3600)
             if status != 0:
@@ -136,7 +176,7 @@ class Workshop:
         return f"cmake --build '{self.build_dir}' -j {threads} --target {self.options.target}"
 
     def program(self):
-        return os.path.join(self.build_dir, self.options.target)
+        return os.path.join(self.build_dir, 'ticktrue')
 
     def judge(self, check_seed):
         """killed, survived, same (the program has the same bytes) or unbuildable, and a word on it"""
@@ -146,7 +186,7 @@ class Workshop:
         if digest(self.program()) == self.original:
             return 'same', ''
         command = self.options.check.format(program=self.program(), seed=check_seed, time=self.options.time,
-                                            out=os.path.join(self.out, 'check'), root=self.options.root,
+                                            out=os.path.join(self.out, 'check'), root=self.tree, build=self.build_dir,
                                             threads=self.threads())
         start = time.monotonic()
         status, output = run(command, self.options.time + self.options.grace)
@@ -213,7 +253,7 @@ class Mutants:
         self.options = options
         self.results = os.path.join(options.out, 'results.tsv')
         self.lock = threading.Lock()
-        self.counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0}
+        self.counts = {'killed': 0, 'survived': 0, 'same': 0, 'unbuildable': 0, 'equivalent': 0}
         self.under_way = 0
         self.deadline = time.monotonic() + options.limit if options.limit else None
 
@@ -249,7 +289,8 @@ class Mutants:
             mutant = self.next_mutant(mutants, done)
             if mutant is None:
                 return
-            verdict, how = workshop.examine(mutant)
+            why = self.equivalent.get(key_of(mutant, self.lines)) if self.equivalent else None
+            verdict, how = ('equivalent', why) if why else workshop.examine(mutant)
             with self.lock:
                 self.under_way -= 1
                 self.counts[verdict] += 1
@@ -261,7 +302,8 @@ class Mutants:
 
     def run_all(self):
         options = self.options
-        lines = candidates_of(options.root, options.files)
+        lines = self.lines = candidates_of(options.root, options.files)
+        self.equivalent = {} if options.patches else equivalents(options.equivalent)
         os.makedirs(options.out, exist_ok=True)
         done = self.done() if options.resume else {}
         if not done:
@@ -283,7 +325,8 @@ class Mutants:
         if judged < options.count:
             print('mutants: out of time: continue with --resume', file=sys.stderr)
         print(f"{judged} mutants: {counts['killed']} killed, {counts['survived']} survived; besides {counts['same']} with "
-              f"the same program, {counts['unbuildable']} that did not build; {self.results}")
+              f"the same program, {counts['unbuildable']} that did not build, {counts['equivalent']} that cannot change a bit; "
+              f"{self.results}")
         return 0 if counts['survived'] == 0 else 1
 
 
@@ -291,20 +334,31 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--root', default='.', help='the source tree')
     parser.add_argument('--out', default='out/mutants', help='where the copy is built and results are written')
-    parser.add_argument('--files', nargs='*', default=CACHE_FILES, help='files to change (default: those that cache or batch)')
+    parser.add_argument('--set', choices=SETS, default='caches', help='what is changed, and the check that should notice: '
+                        'files that cache or batch are soaked, all others tested')
+    parser.add_argument('--files', nargs='*', help='files to change (default: those of the set)')
     parser.add_argument('--patches', nargs='*', help='faults planted by hand, as patches, instead of mutants')
+    parser.add_argument('--equivalent', default=os.path.join(os.path.dirname(__file__), 'equivalent.tsv'),
+                        help='mutants that cannot change a bit, each with its reason: they are counted apart, not judged ("" for none)')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--count', type=int, default=100, help='mutants that build into another program')
-    parser.add_argument('--target', default='ticktrue', help='the program to build')
-    parser.add_argument('--check', default="'{program}' soak --worlds 1000000 --seed {seed} --time {time} --failures 1 -j {threads} --hashes '{root}/tests/worlds/hashes.tsv' --cache-counts '{root}/tests/worlds/cache_counts.tsv' --out '{out}'",
-                        help='a shell command; {program}, {seed}, {time}, {threads}, {out}, {root} are filled in')
-    parser.add_argument('--word', default='found', help='a line of the output with this is kept as the reason')
-    parser.add_argument('--time', type=int, default=300, help='seconds that the check may take')
+    parser.add_argument('--target', help='what is built (default: ticktrue, and the tests where they are the check)')
+    parser.add_argument('--check', help='a shell command instead of that of the set; {program}, {seed}, {time}, {threads}, '
+                        '{out}, {root}, {build} are filled in')
+    parser.add_argument('--word', help='a line of the output with this is kept as the reason')
+    parser.add_argument('--time', type=int, default=300, help='seconds that a soak, or a test, may take')
     parser.add_argument('--jobs', type=int, default=1, help='mutants at once; processors are divided among them')
-    parser.add_argument('--grace', type=int, default=120, help='seconds more until it counts as one that does not end')
+    parser.add_argument('--grace', type=int, help='seconds more until it counts as one that does not end (default: 120, 3000 with tests)')
     parser.add_argument('--limit', type=int, default=0, help='seconds after which no new mutant is begun')
     parser.add_argument('--resume', action='store_true', help='go on where an earlier run with the same seed ended')
     options = parser.parse_args()
+    chosen = SETS[options.set]
+    options.has_tests = chosen.has_tests
+    options.files = options.files or chosen.files
+    options.check = options.check or chosen.check
+    options.word = options.word or chosen.word
+    options.grace = options.grace or chosen.grace
+    options.target = options.target or ('all' if chosen.has_tests else 'ticktrue')
     options.out = os.path.abspath(options.out)
     options.root = os.path.abspath(options.root)
     return Mutants(options).run_all()
