@@ -39,8 +39,8 @@ void draw_choices(Draw& draw, WorldPlan& plan) {
     return 9 + (info.solves_joints ? 9 : 0) + (info.solves_joints && info.substeps ? 46 : 0);
   });
   settings.integrator = draw_row(draw, integrators, [&](const IntegratorInfo& info) {
-    if (!info.carries_constraints) return plan.is_plain() ? 0 : 8;  // nothing collides; is_plain: everything does
-    return info.kind == defaults.integrator ? 42 : 9;
+    if (!info.carries_constraints && plan.is_plain()) return 0;  // nothing would collide; is_plain: everything does
+    return info.kind == defaults.integrator ? 40 : 9;
   });
   settings.broad_phase =
       draw_row(draw, broad_phases, [&](const auto& info) { return info.kind == defaults.broad_phase ? 40 : 15; });

@@ -220,7 +220,7 @@ class VariantWalk {
         if (variant_.value % (engine::broad_phases.size() + 1) < engine::broad_phases.size())
           options.broad_phase = engine::broad_phases[variant_.value % (engine::broad_phases.size() + 1)].kind;
         // Without a runner this is the size of blocks of contacts alone.
-        if (variant_.value / 8 % 2 == 1) options.parallel.chunk_size_forced = 1 + variant_.value / 16 % 12;
+        if (variant_.value / 8 % 8 != 0) options.parallel.chunk_size_forced = 1 + variant_.value / 64 % 12;
         break;
       case CheckKind::broad_phase:
       case CheckKind::pair_limit:
