@@ -218,36 +218,50 @@ void decode_rows(const TableSchema& table, const ImageTable& rows, std::uint8_t*
 namespace {
 
 /// What the 32-bit words of a row are tested with: not finite if (word & mask) == want. Words without an exponent never
-/// are.
-struct ExponentTests {
-  std::vector<std::uint32_t> mask;  // [word]; empty if floats do not lie on words
-  std::vector<std::uint32_t> want;
-};
-
-ExponentTests exponent_tests(const TableSchema& table) {
-  if (table.row_size % 4 != 0) return {};
-  ExponentTests tests{std::vector<std::uint32_t>(table.row_size / 4, 0),
-                      std::vector<std::uint32_t>(table.row_size / 4, 1)};
-  for (const Column& column : table.columns) {
-    const ScalarInfo& info = *scalar_info(column.type);
-    if (!info.is_float) continue;
-    if (column.offset % 4 != 0) return {};
-    const std::size_t high_word = info.size == 8 && machine_is_little_endian ? 1 : 0;
-    for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
-      const std::size_t word = (column.offset + lane * info.size) / 4 + high_word;
-      tests.mask[word] = tests.want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
+/// are. Rows of usual size need no memory from the heap.
+class ExponentTests {
+ public:
+  explicit ExponentTests(const TableSchema& table) : word_count_(table.row_size / 4) {
+    if (table.row_size % 4 != 0) return;
+    if (word_count_ > few_words) many_.resize(2 * word_count_);
+    std::uint32_t* const mask = many_.empty() ? few_ : many_.data();
+    std::uint32_t* const want = mask + word_count_;
+    std::fill_n(mask, word_count_, 0u);
+    std::fill_n(want, word_count_, 1u);
+    for (const Column& column : table.columns) {
+      const ScalarInfo& info = *scalar_info(column.type);
+      if (!info.is_float) continue;
+      if (column.offset % 4 != 0) return;
+      const std::size_t high_word = info.size == 8 && machine_is_little_endian ? 1 : 0;
+      for (std::size_t lane = 0; lane < column.lane_count; ++lane) {
+        const std::size_t word = (column.offset + lane * info.size) / 4 + high_word;
+        mask[word] = want[word] = info.size == 8 ? 0x7ff00000u : 0x7f800000u;
+      }
     }
+    exist_ = true;
   }
-  return tests;
-}
+
+  bool exist() const { return exist_; }  // false: floats do not lie on words
+  std::size_t word_count() const { return word_count_; }
+  const std::uint32_t* mask() const { return many_.empty() ? few_ : many_.data(); }
+  const std::uint32_t* want() const { return mask() + word_count_; }
+
+ private:
+  static constexpr std::size_t few_words = 64;
+
+  std::size_t word_count_;
+  bool exist_ = false;
+  std::uint32_t few_[2 * few_words];
+  std::vector<std::uint32_t> many_;
+};
 
 /// Whether a value of the table may not be finite: true also where that has to be looked at lane by lane.
 bool is_suspect(const TableSchema& table, const TableRows& rows) {
   const auto is_float = [](const Column& column) { return scalar_info(column.type)->is_float; };
   if (std::none_of(table.columns.begin(), table.columns.end(), is_float)) return false;
-  const ExponentTests tests = exponent_tests(table);
-  if (tests.mask.size() < 4) return true;
-  return row_kernels().any_match(rows.data, tests.mask.size(), rows.row_count, tests.mask.data(), tests.want.data());
+  const ExponentTests tests(table);
+  if (!tests.exist() || tests.word_count() < 4) return true;
+  return row_kernels().any_match(rows.data, tests.word_count(), rows.row_count, tests.mask(), tests.want());
 }
 
 }  // namespace

@@ -24,9 +24,8 @@ Twist twist_of(const Triple& v) {
   return {{static_cast<Real>(v[0]), static_cast<Real>(v[1])}, static_cast<Real>(v[2])};
 }
 
-/// Calls body(component, island) for the islands of the set.
 template <typename Body>
-void for_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& body) {
+[[gnu::noinline]] void for_some_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& body) {
   const std::size_t count = work.set_components.size();
   solved.parallel().for_chunks(count, solved.parallel().chunk_size(count, 1, 1), [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -34,6 +33,12 @@ void for_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& bod
       body(work.components.components()[component], work.islands[component]);
     }
   });
+}
+
+/// Calls body(component, island) for the islands of the set. Sets without any pay next to nothing.
+template <typename Body>
+void for_islands(const SolvedSet& solved, DirectWorkspace& work, const Body& body) {
+  if (!work.set_components.empty()) for_some_islands(solved, work, body);
 }
 
 void list_set_components(const SolvedSet& solved, DirectWorkspace& work) {
