@@ -360,9 +360,10 @@ void seed_verdicts() {
 void seed_peers() {
   const fuzz::PeersWorld one(0, 0), other(1, 9);
   const auto with_kind = [](std::uint8_t kind, ByteView bytes) {
-    Bytes all{kind};
-    all.insert(all.end(), bytes.begin(), bytes.end());
-    return all;
+    ByteWriter all;
+    all.u8(kind);
+    all.bytes(bytes);
+    return all.take();
   };
   seed("peers", with_kind(0, one.peers->hello()));
   other.peers->add_root(0, 0, root_hash(one.view()));
