@@ -331,7 +331,7 @@ TEST_CASE("the method of a session stays, unless any method is allowed", "[verif
       const auto result = reduce::reduce(session, predicate, options);
       REQUIRE(result);
       const engine::Settings& found = result->smallest.scene.settings;
-      CHECK(result->smallest.scene.bodies.empty());
+      CHECK(result->smallest.scene.bodies.size() <= 1);
       CHECK((found == method) == !any_method);
       // Without --loose the failure names the stage of the solver.
       CHECK((found.solver == engine::SolverKind::tgs_soft) == (any_method && is_loose));
@@ -344,7 +344,7 @@ TEST_CASE("start, ticks and gravity stay where the outcome of a run is wrong", "
     FailsAlways predicate(is_of_outcome);
     const auto result = reduce::reduce(session, predicate, options_of());
     REQUIRE(result);
-    CHECK(result->smallest.scene.bodies.empty());
+    CHECK(result->smallest.scene.bodies.size() <= 1);
     CHECK(result->cut_tick == 0);
     CHECK(result->smallest.tick_count == (is_of_outcome ? 10 : 1));
     CHECK(result->smallest.scene.gravity == (is_of_outcome ? session.scene.gravity : engine::Point{}));
